@@ -8,7 +8,8 @@ Edges of 1.0 and 0.565 make bottles of 13,000 and 41,000 vertices. The tube is t
 radius the plates open again in the end. ``--check`` counts, by another library, the frames in which anything
 crosses. ``--slope`` comes to rest a little before each step as well, and prints the load over the slope of
 the energy between the two, and at how many edges the two triangles lie on each other. ``--fist`` closes four
-fingers and a thumb on the bottle instead of plates. Times are those of the processor, on one core.
+fingers and a thumb on the bottle instead of plates, with that load over the slope, too. Times are those of
+the processor, on one core.
 """
 
 import argparse
@@ -136,21 +137,29 @@ def fist(V: np.ndarray, F: np.ndarray, options: PressOptions, most: int) -> None
         z = side * float((side * V[near, 2] + np.sqrt(away**2 - off[near] ** 2)).max())
         fingers.append(capsule([-width, height, z], [width, height, z], _FINGER * width))
         shifts.append([0.0, 0.0, -side * width / 5.0])
-    pressing = Pressing(rest, fingers, np.array(shifts), options)
-    columns = "gone in", "loads", "together", "energy", "volume", "area error", "iterations", "s", "rest"
-    print(f"{len(V):,} vertices\n\n| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
-    for share in np.linspace(0.0, 1.0, _CLOSINGS + 1)[1:]:
-        pressing.aim(share)
-        while not pressing.settled and pressing.iterations < most and not pressing.is_stopped:
-            pressing.iterate()
-            crossed[0] += 1
-            crossed[1] += check.crosses(pressing.U)
-        loads, now = pressing.loads, rest.measure(pressing.U)
-        error = now.area / rest.area - 1.0
+    pressing, ways = Pressing(rest, fingers, np.array(shifts), options), np.array(shifts)
+    columns = (
+        "gone in | loads | load / slope | together | energy | volume | area error | iterations | s | rest"
+    )
+    print(f"{len(V):,} vertices\n\n| {columns} |\n{'|---' * 10}|")
+    for k in range(1, _CLOSINGS + 1):
+        ends = []
+        for share in ((k - _NEAR) / _CLOSINGS, k / _CLOSINGS):
+            pressing.aim(share)
+            while not pressing.settled and pressing.iterations < most and not pressing.is_stopped:
+                pressing.iterate()
+                crossed[0] += 1
+                crossed[1] += check.crosses(pressing.U)
+            loads = pressing.loads
+            ends.append((pressing.share, pressing.energy, -float((loads * ways).sum())))
+        (before, energy, load), (now, end, last) = ends
+        slope, found = (end - energy) / (now - before), rest.measure(pressing.U)
+        error = found.area / rest.area - 1.0
         said = ", ".join(f"{np.linalg.norm(load):.3f}" for load in loads)
         spent = f"{pressing.iterations} | {time.process_time() - began:.0f} | {pressing.settled}"
-        together = f"{pressing.imbalance:.0e} | {pressing.energy:.5g} | {now.volume:.1f} | {error:.0e}"
-        print(f"| {pressing.share * 0.2:.3f} | {said} | {together} | {spent} |", flush=True)
+        together = f"{pressing.imbalance:.0e} | {end:.5g} | {found.volume:.1f} | {error:.0e}"
+        ratio = f"{0.5 * (load + last) / slope:.4f}"
+        print(f"| {now * 0.2:.3f} | {said} | {ratio} | {together} | {spent} |", flush=True)
         assert abs(error) <= 1e-9
     print(f"frames: {crossed[0]}, crossed: {crossed[1]}")
 
