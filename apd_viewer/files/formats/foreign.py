@@ -9,6 +9,7 @@ import zipfile
 import numpy as np
 
 from apd_viewer.files.formats.parsed import Parsed
+from apd_viewer.files.storage.archive import BROKEN, most_unpacked
 from apd_viewer.language import tr
 
 _MOST = 1 << 31  # bytes; a larger archive is broken or malicious
@@ -27,10 +28,14 @@ def read_3mf(content: bytes) -> Parsed:
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
-    except (zipfile.BadZipFile, NotImplementedError, OSError) as error:  # or its compression is unknown
+            bursts = size > min(_MOST, most_unpacked(len(content)))
+            declares = not bursts and any(map(_declares_entities, map(archive.read, archive.infolist())))
+    except BROKEN as error:  # or its compression is unknown
         raise ValueError(tr("it is not an archive, or it is damaged")) from error
-    if size > _MOST:
-        raise ValueError(tr("it would unpack to {size:.0f} GiB").format(size=size / 2**30))
+    if bursts:
+        raise ValueError(tr("it would unpack to {size:,} bytes").format(size=size))
+    if declares:
+        raise ValueError(tr("a part of it declares XML entities, which 3MF does not allow"))
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
@@ -47,3 +52,8 @@ def read_3mf(content: bytes) -> Parsed:
     except Exception as error:  # it raises many kinds of errors
         raise ValueError(tr("the contents of its archive are damaged")) from error
     return Parsed(np.vstack(V), np.vstack(F), None)
+
+
+def _declares_entities(part: bytes) -> bool:
+    """True if an XML part has a document type, which could name files."""
+    return b"<!DOCTYPE" in part.replace(b"\0", b"")  # in UTF-16, too

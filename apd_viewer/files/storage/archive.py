@@ -18,7 +18,7 @@ from apd_viewer.language import tr
 
 _KINDS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 # Errors raised by zipfile, depending on the damage.
-_BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, OverflowError, OSError)
+BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, OverflowError, OSError)
 # A member larger than this, and this many times larger than the whole archive, is malicious:
 # neither meshes nor shapes compress so well.
 _LARGE, _TIGHTEST = 1 << 26, 200  # bytes, times
@@ -54,6 +54,11 @@ def write_archive(path: Path, members: Mapping[str, bytes], at_once: bool = Fals
             archive.writestr(entry, content, kind, compresslevel=1)
 
 
+def most_unpacked(packed: int) -> int:
+    """Bytes that an archive of ``packed`` bytes may hold; more is malicious."""
+    return max(_LARGE, _TIGHTEST * packed)
+
+
 class Archive:
     """Archive open for reading; methods raise ValueError where it is broken.
 
@@ -63,10 +68,10 @@ class Archive:
     """
 
     def __init__(self, content: bytes) -> None:
-        self._most = max(_LARGE, _TIGHTEST * len(content))
+        self._most = most_unpacked(len(content))
         try:
             self._zip = zipfile.ZipFile(io.BytesIO(content))
-        except _BROKEN:
+        except BROKEN:
             raise ValueError(tr("its archive is damaged")) from None
 
     def content(self, name: str) -> bytes:
@@ -84,7 +89,7 @@ class Archive:
                 content = member.read(entry.file_size)
                 if len(content) != entry.file_size:
                     raise EOFError
-        except _BROKEN:
+        except BROKEN:
             raise ValueError(tr("“{name}” in it is damaged").format(name=name)) from None
         return content
 

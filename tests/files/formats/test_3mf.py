@@ -1,6 +1,7 @@
 """3MF, which a library reads: every object where the build puts it."""
 
 import io
+import os
 import zipfile
 
 import numpy as np
@@ -67,6 +68,29 @@ def test_a_bomb_is_not_unfolded(tmp_path, monkeypatch):
     path.write_bytes(archive(MODEL))
     with pytest.raises(InputError, match="would unpack to"):
         open_mesh(path)
+
+
+def test_an_archive_that_bursts_is_not_unpacked(tmp_path):
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("3D/3dmodel.model", bytes(1 << 27))
+    (tmp_path / "a.3mf").write_bytes(content.getvalue())
+    with pytest.raises(InputError, match="it would unpack to 134,217,728 bytes"):
+        open_mesh(tmp_path / "a.3mf")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="named pipes need POSIX")
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+@pytest.mark.parametrize("entity", ['SYSTEM "{secret}"', 'SYSTEM "file://{secret}"', '"1"'])
+def test_entities_of_a_part_are_refused(tmp_path, encoding, entity):
+    secret = tmp_path / "secret"
+    os.mkfifo(secret)  # whoever opens it waits for ever
+    model = f'<?xml version="1.0" encoding="{encoding}"?><!DOCTYPE model [<!ENTITY a {entity}>]>'
+    model = model.format(secret=secret) + "<model><resources>&a;</resources></model>"
+    with zipfile.ZipFile(tmp_path / "a.3mf", "w") as archive:
+        archive.writestr("3D/3dmodel.model", model.encode(encoding))
+    with pytest.raises(InputError, match="declares XML entities"):
+        open_mesh(tmp_path / "a.3mf")
 
 
 cut = st.tuples(
