@@ -111,6 +111,8 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
     content = _content(mesh, U, path)
     try:
         V, F, _ = parsed(content, path)
+    except InputError:  # a link to outside stands where it is written
+        raise
     except ValueError:
         V, F = U[:0], mesh.F[:0]
     if not _holds(V, F, mesh, U):

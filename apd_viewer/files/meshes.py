@@ -59,6 +59,8 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
         raise InputError(
             tr("{name} does not fit into memory; reduce the mesh first.").format(name=path.name)
         ) from error
+    except InputError:  # already a sentence
+        raise
     except ValueError as error:
         raise InputError(
             tr("{name} is not a valid {kind} file ({reason}); export it again.").format(

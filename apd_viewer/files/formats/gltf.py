@@ -17,14 +17,14 @@ from apd_viewer.files.formats.gltf_arrays import (
     STRIP,
     TRIANGLES,
     array_of,
-    buffer_of,
+    buffers_of,
     chunks_of,
     colors_of,
     document_of,
     positions_of,
     triangles_of,
 )
-from apd_viewer.files.formats.gltf_scene import a_list, carried, one, parts, placed, whole
+from apd_viewer.files.formats.gltf_scene import a_list, carried, parts, placed, whole
 from apd_viewer.files.formats.gltf_textures import Piece, texture_of
 from apd_viewer.files.formats.json_spans import spans
 from apd_viewer.files.formats.parsed import Parsed, turned
@@ -209,10 +209,7 @@ def read_gltf(content: bytes, path: Path) -> Parsed:
         raise ValueError(
             tr("it is compressed ({extension}), which is not supported").format(extension=compressed[0])
         )
-    buffers = [
-        buffer_of(one(document, "buffers", k), None if k else blob, path)
-        for k in range(len(a_list(document, "buffers")))
-    ]
+    buffers = buffers_of(document, blob, path)
     V, F, blocks, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], [], 0
     pieces: list[Piece] = []
     for node, matrix in sorted(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-import os
 import struct
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,8 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from apd_viewer.files.formats.gltf_scene import one, whole
+from apd_viewer.files.formats.gltf_scene import a_list, one, whole
+from apd_viewer.files.storage.neighbours import LARGEST, content_beside, too_large
 from apd_viewer.language import tr
 
 TRIANGLES, STRIP, FAN = 4, 5, 6  # the modes of a primitive
@@ -62,7 +62,35 @@ def chunks_of(content: bytes) -> tuple[bytes, bytes | None]:
     return content[20:begin], content[begin + 8 : begin + 8 + size]
 
 
-def buffer_of(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
+def buffers_of(document: dict[str, Any], blob: bytes | None, path: Path) -> list[bytes]:
+    """Bytes of all buffers; of those outside the file no more than it may hold."""
+    found: list[bytes] = []
+    for k in range(len(a_list(document, "buffers"))):
+        told = one(document, "buffers", k)
+        found.append(_buffer_of(told, None if k else blob, path))
+        if "uri" in told and sum(map(len, found)) > LARGEST:
+            raise too_large(tr("all its buffers"))
+        if len(found[-1]) < whole(told, "byteLength", 0):
+            raise ValueError(
+                tr("a buffer declares {told:,} bytes, but there are {there:,}").format(
+                    told=told["byteLength"], there=len(found[-1])
+                )
+            )
+    return found
+
+
+def embedded(uri: str) -> bytes:
+    """Content of a data URI; raises InputError if too large, ValueError if damaged."""
+    data = uri.partition(",")[2]
+    if len(data) // 4 * 3 > LARGEST:
+        raise too_large(uri[:20])
+    try:
+        return base64.b64decode(data)
+    except ValueError:
+        raise ValueError(tr("its embedded coordinates are damaged")) from None
+
+
+def _buffer_of(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
     """Bytes of a buffer: the binary chunk, a data URI or a file beside."""
     uri = told.get("uri")
     if uri is None:
@@ -72,15 +100,11 @@ def buffer_of(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
     if not isinstance(uri, str):
         raise ValueError(tr("the location of its coordinates is missing"))
     if uri.startswith("data:"):
-        try:
-            return base64.b64decode(uri.partition(",")[2])
-        except ValueError:
-            raise ValueError(tr("its embedded coordinates are damaged")) from None
-    beside = path.parent / unquote(uri)
-    # os.path: Path raises on names that are too long.
-    if not os.path.isfile(beside):  # noqa: PTH113
+        return embedded(uri)
+    content = content_beside(unquote(uri), path, whole(told, "byteLength") if "byteLength" in told else None)
+    if content is None:
         raise ValueError(tr("the file {uri} is missing from its folder").format(uri=uri))
-    return beside.read_bytes()
+    return content
 
 
 def positions_of(document: dict[str, Any], buffers: list[Any], accessor: object) -> np.ndarray:

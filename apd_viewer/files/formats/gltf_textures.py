@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import unquote
 
 import numpy as np
 
-from apd_viewer.files.formats.gltf_arrays import array_of, buffer_of
+from apd_viewer.files.formats.gltf_arrays import array_of, embedded
 from apd_viewer.files.formats.gltf_scene import one, whole
-from apd_viewer.files.formats.texture_images import read_image, textured
+from apd_viewer.files.formats.texture_images import image_beside, read_image, textured
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -81,5 +80,5 @@ def _image(document: dict[str, Any], buffers: list[bytes], k: int, mesh: Mesh) -
         return read_image(bytes(buffers[view["buffer"]][start : start + length]), name)
     uri = str(told.get("uri", ""))
     if uri.startswith("data:"):
-        return read_image(buffer_of(told, None, Path()), name)
-    return read_image((mesh.path or Path()).parent / unquote(uri), uri)
+        return read_image(embedded(uri), name)
+    return image_beside(unquote(uri), mesh.path)

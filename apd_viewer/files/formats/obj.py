@@ -17,7 +17,7 @@ from apd_viewer.files.formats.obj_faces import faces_of
 from apd_viewer.files.formats.obj_materials import images_of
 from apd_viewer.files.formats.parsed import Parsed, turned
 from apd_viewer.files.formats.text import Edits, numbers, plain
-from apd_viewer.files.formats.texture_images import read_image, textured
+from apd_viewer.files.formats.texture_images import image_beside, textured
 from apd_viewer.files.formats.vertex_colors import guessed
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.texture import Texture
@@ -80,11 +80,11 @@ class ObjFile:
         if not words or mesh.path is None:
             return None
         faces = faces_of(text)
-        paths, image_of = images_of(text, mesh.path.parent, faces)
+        names, image_of = images_of(text, mesh.path, faces)
         each = np.repeat(image_of, np.maximum(np.diff(faces.polygons.start) - 2, 0))
         if not (each >= 0).any():
             return None
-        images = [read_image(path, path.name) for path in paths]
+        images = [image_beside(name, mesh.path) for name in names]
         uv_of = faces.texture[faces.polygons.split(mesh.V)]
         return textured(numbers(words).reshape(-1, 2), uv_of, each, images)
 

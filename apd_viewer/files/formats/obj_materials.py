@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 import re
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from apd_viewer.files.formats.obj_faces import Faces
 from apd_viewer.files.formats.text import plain
+from apd_viewer.files.storage.neighbours import content_beside
 
 _LIBRARY = re.compile(rb"\n[ \t]*mtllib[ \t]+([^\n#]+)")
 _USED = re.compile(rb"\n[ \t]*usemtl[ \t]+([^\n#]+)")
@@ -18,9 +20,12 @@ _IMAGE = re.compile(rb"\n[ \t]*map_Kd[ \t]+([^\n#]+)", re.IGNORECASE)
 _OPTION = re.compile(r"-(?:s|o|t)(?:\s+[-+.\deE]+){1,3}\s+|-mm(?:\s+\S+){2}\s+|-\w+\s+\S+\s+")
 
 
-def images_of(text: bytes, folder: Path, faces: Faces) -> tuple[list[Path], np.ndarray]:
-    """Images of the materials, and the one of each polygon, (p,); -1 is none."""
-    named = _named_images(text, folder)
+def images_of(text: bytes, mesh: Path, faces: Faces) -> tuple[list[str], np.ndarray]:
+    """Images of the materials, and the one of each polygon, (p,); -1 is none.
+
+    The images are named relative to the folder of ``mesh``; raises InputError if a material file is outside.
+    """
+    named = _named_images(text, mesh)
     paths = sorted(set(named.values()))
     uses = list(_USED.finditer(text))
     start = np.array([match.start() for match in uses], dtype=np.int64)
@@ -32,20 +37,21 @@ def images_of(text: bytes, folder: Path, faces: Faces) -> tuple[list[Path], np.n
     return paths, np.array([-1, *image])[np.searchsorted(start, begins)]
 
 
-def _named_images(text: bytes, folder: Path) -> dict[str, Path]:
+def _named_images(text: bytes, mesh: Path) -> dict[str, str]:
     """Image of each material, by its name."""
     named = {}
-    for library in _LIBRARY.findall(text):
-        path = folder / _decoded(library)
-        if not path.is_file():
+    for library in dict.fromkeys(map(_decoded, _LIBRARY.findall(text))):
+        content = content_beside(library, mesh)
+        if content is None:
             continue
-        said = b"\n" + plain(path.read_bytes())
+        said = b"\n" + plain(content)
+        folder = posixpath.dirname(library.replace("\\", "/"))
         begins = [*_NEW.finditer(said)]
         for match, end in zip(begins, [*(m.start() for m in begins[1:]), len(said)], strict=True):
             found = _IMAGE.search(said, match.end() - 1, end)
             if found is not None:
                 image = _OPTION.sub("", _decoded(found[1])).replace("\\", "/")
-                named[_name(match)] = path.parent / image
+                named[_name(match)] = posixpath.join(folder, image)
     return named
 
 

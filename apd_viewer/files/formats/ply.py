@@ -23,7 +23,7 @@ from apd_viewer.files.formats.ply_rows import (
 )
 from apd_viewer.files.formats.polygons import Polygons
 from apd_viewer.files.formats.text import Edits, numbers
-from apd_viewer.files.formats.texture_images import read_image, textured
+from apd_viewer.files.formats.texture_images import image_beside, textured
 from apd_viewer.files.formats.vertex_colors import eight_bit
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.texture import Texture
@@ -82,7 +82,7 @@ class PlyFile:
         if named is None or uv is None or mesh.path is None:
             return None
         name = named[1].decode("utf-8", errors="replace").strip()
-        image = read_image(mesh.path.parent / name, name)
+        image = image_beside(name, mesh.path)
         return textured(self.columns(at, uv), mesh.F, np.zeros(len(mesh.F), dtype=np.int64), [image])
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.neighbours import content_beside
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
@@ -18,8 +19,25 @@ _LARGEST = 8192
 _BARE = np.full((1, 1, 3), 255, dtype=np.uint8)
 
 
-def read_image(source: Path | bytes, name: str) -> np.ndarray:
-    """Image (h, w, 3) uint8 of a file or its content, scaled down if too large.
+def image_beside(named: str, mesh: Path | None) -> np.ndarray:
+    """Image (h, w, 3) uint8 of a file that a mesh names, scaled down if too large.
+
+    Raises
+    ------
+    InputError
+        If it is outside the folder of the mesh, or cannot be read.
+    """
+    try:
+        content = content_beside(named, mesh)
+    except OSError as error:
+        raise _missing(named) from error
+    if content is None:
+        raise _missing(named)
+    return read_image(content, named)
+
+
+def read_image(content: bytes, name: str) -> np.ndarray:
+    """Image (h, w, 3) uint8 of the content of its file, scaled down if too large.
 
     Raises
     ------
@@ -29,16 +47,20 @@ def read_image(source: Path | bytes, name: str) -> np.ndarray:
     from PIL import Image  # only where a file has textures: it takes a tenth of a second to load
 
     try:
-        with Image.open(io.BytesIO(source) if isinstance(source, bytes) else source) as image:
+        with Image.open(io.BytesIO(content)) as image:
             image.draft("RGB", (_LARGEST, _LARGEST))
             image.thumbnail((_LARGEST, _LARGEST))
             return np.array(image.convert("RGB"))
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise InputError(
-            tr(
-                "The texture {name} is missing or cannot be read; put it beside the mesh and open that again."
-            ).format(name=name)
-        ) from error
+        raise _missing(name) from error
+
+
+def _missing(name: str) -> InputError:
+    return InputError(
+        tr(
+            "The texture {name} is missing or cannot be read; put it beside the mesh and open that again."
+        ).format(name=name)
+    )
 
 
 def textured(
