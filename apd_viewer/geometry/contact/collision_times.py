@@ -12,7 +12,7 @@ from numba import njit, prange
 
 from apd_viewer.geometry.contact.distances import gap
 from apd_viewer.geometry.contact.gap_energy import gap_energy
-from apd_viewer.geometry.linalg.threads import parallel
+from apd_viewer.geometry.linalg.threads import parallel, total
 
 # Part of a gap that is left at least.
 LEFT = 0.1
@@ -162,4 +162,4 @@ def examine(
             low_after[p] = gap(W, pairs[p], edges[p])[0] - radius
             if low_after[p] < reach[p]:
                 energies[portion] += gap_energy(low_after[p], reach[p])
-    return energies.sum(), blocked.sum()
+    return total(energies), blocked.sum()

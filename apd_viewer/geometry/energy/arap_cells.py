@@ -14,7 +14,7 @@ from numba import njit, prange
 
 from apd_viewer.geometry.linalg.quaternions import load_rotation, quaternion_to_matrix, store_rotation, turned
 from apd_viewer.geometry.linalg.rotations import LANES, ROWS, fit_lanes
-from apd_viewer.geometry.linalg.threads import parallel
+from apd_viewer.geometry.linalg.threads import parallel, total
 
 FLAT = np.empty((0, 3, 3))
 # Vertices per task of a core.
@@ -210,7 +210,7 @@ def energy(
         for i in range(portion * _PORTION, min(n, (portion + 1) * _PORTION)):
             part += _cell_energy(i, start, neighbour, w, V, U, q)
         energies[portion] = part
-    return energies.sum()
+    return total(energies)
 
 
 @parallel(fastmath={"contract"})

@@ -20,7 +20,7 @@ from numba import prange
 
 from apd_viewer.geometry.energy.ring_weights import ring_weights
 from apd_viewer.geometry.linalg.quaternions import turned
-from apd_viewer.geometry.linalg.threads import parallel
+from apd_viewer.geometry.linalg.threads import parallel, total
 from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian, well_shaped
 from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.mesh.operators import face_areas
@@ -28,6 +28,8 @@ from apd_viewer.geometry.mesh.operators import face_areas
 # The larger a cotangent of a triangle, the more a displacement changes its gradient; with less weight it is
 # no stiffer than others.
 _SLENDER = 2.0
+# Vertices per task of a core.
+_PORTION = 256
 
 
 class Bending:
@@ -162,34 +164,36 @@ def _energy(
     D: np.ndarray,
     q: np.ndarray,
 ) -> float:
-    total = 0.0
-    for i in prange(len(mean)):
-        # What D_t + R_i n_t n_t^T is compared with: the mean of the first, R_i times that of the other.
-        d = np.zeros((3, 3))
-        for e in range(start[i], start[i + 1]):
-            t, c = corner[e] // 3, corner[e] % 3
-            share = inverse[i] * weight[t, c]
-            for a in range(3):
-                for b in range(3):
-                    d[a, b] += share * D[t, a, b]
-        for b in range(3):
-            x, y, z = turned(q, i, mean[i, 0, b], mean[i, 1, b], mean[i, 2, b])
-            d[0, b] += x
-            d[1, b] += y
-            d[2, b] += z
-        own = 0.0
-        for e in range(start[i], start[i + 1]):
-            t, c = corner[e] // 3, corner[e] % 3
-            x, y, z = turned(q, i, normals[t, 0], normals[t, 1], normals[t, 2])
-            change = 0.0
+    count = (len(mean) + _PORTION - 1) // _PORTION
+    energies = np.zeros(count)
+    for portion in prange(count):
+        for i in range(portion * _PORTION, min(len(mean), (portion + 1) * _PORTION)):
+            # What D_t + R_i n_t n_t^T is compared with: the mean of the first, R_i times that of the other.
+            d = np.zeros((3, 3))
+            for e in range(start[i], start[i + 1]):
+                t, c = corner[e] // 3, corner[e] % 3
+                share = inverse[i] * weight[t, c]
+                for a in range(3):
+                    for b in range(3):
+                        d[a, b] += share * D[t, a, b]
             for b in range(3):
-                n = normals[t, b]
-                change += (D[t, 0, b] + n * x - d[0, b]) ** 2
-                change += (D[t, 1, b] + n * y - d[1, b]) ** 2
-                change += (D[t, 2, b] + n * z - d[2, b]) ** 2
-            own += weight[t, c] * change
-        total += own
-    return total
+                x, y, z = turned(q, i, mean[i, 0, b], mean[i, 1, b], mean[i, 2, b])
+                d[0, b] += x
+                d[1, b] += y
+                d[2, b] += z
+            own = 0.0
+            for e in range(start[i], start[i + 1]):
+                t, c = corner[e] // 3, corner[e] % 3
+                x, y, z = turned(q, i, normals[t, 0], normals[t, 1], normals[t, 2])
+                change = 0.0
+                for b in range(3):
+                    n = normals[t, b]
+                    change += (D[t, 0, b] + n * x - d[0, b]) ** 2
+                    change += (D[t, 1, b] + n * y - d[1, b]) ** 2
+                    change += (D[t, 2, b] + n * z - d[2, b]) ** 2
+                own += weight[t, c] * change
+            energies[portion] += own
+    return total(energies)
 
 
 @parallel(fastmath={"contract"})

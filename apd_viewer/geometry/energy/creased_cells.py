@@ -15,12 +15,14 @@ import numpy as np
 from numba import prange
 
 from apd_viewer.geometry.linalg.quaternions import turned
-from apd_viewer.geometry.linalg.threads import parallel
+from apd_viewer.geometry.linalg.threads import parallel, total
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 
 _TINY = np.finfo(float).tiny
+# Vertices per task of a core.
+_PORTION = 256
 
 
 class CreasedCells:
@@ -85,20 +87,22 @@ def _energy(
     U: np.ndarray,
     q: np.ndarray,
 ) -> float:
-    total = 0.0
-    for i in prange(len(q)):
-        if not creased[i]:
-            continue
-        own = 0.0
-        for e in range(start[i], start[i + 1]):
-            j = neighbour[e]
-            x, y, z = turned(q, i, d[e, 0], d[e, 1], d[e, 2])
-            a, b, c = U[i, 0] - U[j, 0], U[i, 1] - U[j, 1], U[i, 2] - U[j, 2]
-            rest = d[e, 0] * (d[e, 0] + 2.0 * v[e, 0])
-            rest += d[e, 1] * (d[e, 1] + 2.0 * v[e, 1]) + d[e, 2] * (d[e, 2] + 2.0 * v[e, 2])
-            own += w[e] * (rest - 2.0 * (a * x + b * y + c * z))
-        total += own
-    return total
+    count = (len(q) + _PORTION - 1) // _PORTION
+    energies = np.zeros(count)
+    for portion in prange(count):
+        for i in range(portion * _PORTION, min(len(q), (portion + 1) * _PORTION)):
+            if not creased[i]:
+                continue
+            own = 0.0
+            for e in range(start[i], start[i + 1]):
+                j = neighbour[e]
+                x, y, z = turned(q, i, d[e, 0], d[e, 1], d[e, 2])
+                a, b, c = U[i, 0] - U[j, 0], U[i, 1] - U[j, 1], U[i, 2] - U[j, 2]
+                rest = d[e, 0] * (d[e, 0] + 2.0 * v[e, 0])
+                rest += d[e, 1] * (d[e, 1] + 2.0 * v[e, 1]) + d[e, 2] * (d[e, 2] + 2.0 * v[e, 2])
+                own += w[e] * (rest - 2.0 * (a * x + b * y + c * z))
+            energies[portion] += own
+    return total(energies)
 
 
 @parallel(fastmath={"contract"})

@@ -17,7 +17,7 @@ from numba import njit, prange
 
 from apd_viewer.geometry.energy.membrane_lanes import LANES, ROWS, project_lanes
 from apd_viewer.geometry.linalg.quaternions import quaternion_to_matrix
-from apd_viewer.geometry.linalg.threads import parallel
+from apd_viewer.geometry.linalg.threads import parallel, total
 from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian, well_shaped
 from apd_viewer.geometry.mesh.measures import Patch
 
@@ -78,20 +78,21 @@ def _forces(
     forces: np.ndarray,
 ) -> float:
     """Quarter of the projections' corner forces, into (3 m, 3); the energy."""
-    energy = 0.0
-    for portion in prange((len(F) + _PORTION - 1) // _PORTION):
+    count = (len(F) + _PORTION - 1) // _PORTION
+    energies = np.empty(count)
+    for portion in prange(count):
         X, sum_ = np.zeros(ROWS * LANES), 0.0
         for first in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION), LANES):
-            count = min(LANES, len(F) - first)
-            for lane in range(count):
+            lanes = min(LANES, len(F) - first)
+            for lane in range(lanes):
                 _load(X, lane, first + lane, F, rest, U)
             project_lanes(X, shear, area)
-            for lane in range(count):
+            for lane in range(lanes):
                 t = first + lane
                 _store(X, lane, t, rest, cot, forces)
                 sum_ += 0.5 * rest[t, 0] * rest[t, 2] * X[(ROWS - 1) * LANES + lane]
-        energy += sum_
-    return energy
+        energies[portion] = sum_
+    return total(energies)
 
 
 @parallel()

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from apd_viewer.geometry.linalg.threads import parallel
+from apd_viewer.geometry.linalg.threads import parallel, total
 
 # Numbers per task of a core: those of one array stay in its cache while another is passed over.
 _PORTION = 6144
@@ -74,10 +74,10 @@ def dots(A: np.ndarray, order: np.ndarray, X: np.ndarray) -> np.ndarray:
         first, end = portion * _PORTION, (portion + 1) * _PORTION
         x = X[first:end]
         for k in range(len(order)):
-            a, total = A[order[k], first:end], 0.0
+            a, along = A[order[k], first:end], 0.0
             for i in range(len(x)):
-                total += a[i] * x[i]
-            sums[portion, k] = total
+                along += a[i] * x[i]
+            sums[portion, k] = along
     return sums.sum(axis=0)
 
 
@@ -103,13 +103,13 @@ def add(X: np.ndarray, c: np.ndarray, A: np.ndarray, order: np.ndarray, slope: n
     count = (len(X) + _PORTION - 1) // _PORTION
     sums = np.zeros(count)
     for portion in prange(count):
-        first, end, total = portion * _PORTION, (portion + 1) * _PORTION, 0.0
+        first, end, along = portion * _PORTION, (portion + 1) * _PORTION, 0.0
         x, g = X[first:end], slope[first:end]
         for k in range(len(order)):
             a, f = A[order[k], first:end], c[k]
             for i in range(len(x)):
                 x[i] += f * a[i]
         for i in range(len(x)):
-            total += x[i] * g[i]
-        sums[portion] = total
-    return sums.sum()
+            along += x[i] * g[i]
+        sums[portion] = along
+    return total(sums)

@@ -2,6 +2,10 @@
 
 Where numba finds neither OpenMP nor TBB, it ends the process if two threads are in parallel kernels at once.
 So every kernel is compiled by :func:`parallel`, which lets one caller in at a time.
+
+Numba splits a sum over ``prange``, and an array's own ``sum()``, by the number of threads, and rounding with
+them. So kernels sum portions of a fixed length, and then the portions by :func:`total`: the bits are the same
+on any number of cores.
 """
 
 from __future__ import annotations
@@ -13,6 +17,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numba
+import numpy as np
 
 if TYPE_CHECKING:
     from typing import ParamSpec, TypeVar
@@ -47,6 +52,15 @@ def parallel(**options: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
         return guarded
 
     return compiled
+
+
+@numba.njit(cache=True, nogil=True)
+def total(parts: np.ndarray) -> float:
+    """Sum of the portions' ``parts`` (k,), first to last, for use in kernels."""
+    found = 0.0
+    for k in range(len(parts)):
+        found += parts[k]
+    return found
 
 
 @contextmanager

@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-from apd_viewer.geometry.linalg.threads import parallel
+from apd_viewer.geometry.linalg.threads import parallel, total
 
 # Triangle areas at rest below this part of the mean are rounding: their change is none.
 SLIVER = 1e-9
-# Triangles per task of a core.
+# Triangles or vertices per task of a core.
 _PORTION = 1024
 
 
@@ -140,14 +140,18 @@ def _corners(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
 @parallel()
 def area_of(U: np.ndarray, F: np.ndarray) -> float:
     """Area of the triangles ``F`` (m, 3) at ``U`` (n, 3)."""
-    total = 0.0
-    for t in prange(len(F)):
-        i, j, k = F[t, 0], F[t, 1], F[t, 2]
-        ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
-        bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
-        x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-        total += np.sqrt(x * x + y * y + z * z)
-    return 0.5 * total
+    count = (len(F) + _PORTION - 1) // _PORTION
+    doubles = np.empty(count)
+    for portion in prange(count):
+        double = 0.0
+        for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
+            i, j, k = F[t, 0], F[t, 1], F[t, 2]
+            ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+            bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+            x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+            double += np.sqrt(x * x + y * y + z * z)
+        doubles[portion] = double
+    return 0.5 * total(doubles)
 
 
 @parallel()
@@ -167,8 +171,7 @@ def area_volume_change(
     """
     ox, oy, oz = U[F[0, 0], 0], U[F[0, 0], 1], U[F[0, 0], 2]
     count = (len(F) + _PORTION - 1) // _PORTION
-    changes = np.zeros(count)
-    total = inside = 0.0
+    areas, volumes, changes = np.empty(count), np.empty(count), np.zeros(count)
     for portion in prange(count):
         area = volume = largest = 0.0
         for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
@@ -181,10 +184,8 @@ def area_volume_change(
             volume += (U[i, 0] - ox) * x + (U[i, 1] - oy) * y + (U[i, 2] - oz) * z
             if rest[t] > least:
                 largest = max(largest, abs(own / rest[t] - 1.0))
-        changes[portion] = largest
-        total += area
-        inside += volume
-    return total, inside / 6.0, changes.max()
+        areas[portion], volumes[portion], changes[portion] = area, volume, largest
+    return total(areas), total(volumes) / 6.0, changes.max()
 
 
 @parallel()
@@ -198,21 +199,22 @@ def _weighted_areas(
     sums_count: int,
 ) -> np.ndarray:
     count = (len(F) + _PORTION - 1) // _PORTION
-    sums = np.zeros((count, sums_count))
-    total = 0.0
+    sums, doubles = np.zeros((count, sums_count)), np.empty(count)
     for portion in prange(count):
+        whole = 0.0
         for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
             i, j, k = F[t, 0], F[t, 1], F[t, 2]
             ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
             bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
             x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
             double = np.sqrt(x * x + y * y + z * z)
-            total += double
+            whole += double
             for e in range(first[t], first[t + 1]):
                 sums[portion, which[e]] += weight[e] * (0.5 * double)
+        doubles[portion] = whole
     values = sums.sum(axis=0)
     if all_areas >= 0:
-        values[all_areas] = 0.5 * total
+        values[all_areas] = 0.5 * total(doubles)
     return values
 
 
@@ -250,20 +252,21 @@ def _weighted_areas_and_gradients(
     # The gradient at a corner is half the cross product of the unit normal with the opposite edge; that of
     # a triangle without area is taken as zero.
     count = (len(F) + _PORTION - 1) // _PORTION
-    sums = np.zeros((count, len(g)))
-    total = 0.0
+    sums, doubles = np.zeros((count, len(g))), np.empty(count)
     for portion in prange(count):
+        whole = 0.0
         for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
             i, j, k = F[t, 0], F[t, 1], F[t, 2]
             ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
             bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
             x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
             double = np.sqrt(x * x + y * y + z * z)
-            total += double
+            whole += double
             for e in range(first[t], first[t + 1]):
                 sums[portion, which[e]] += weight[e] * (0.5 * double)
             h = 0.5 / double if double > 0.0 else 0.0
             normals[t, 0], normals[t, 1], normals[t, 2] = h * x, h * y, h * z
+        doubles[portion] = whole
     for portion in prange((len(U) + _PORTION - 1) // _PORTION):
         part = np.zeros((len(g), 3))
         for i in range(portion * _PORTION, min(len(U), (portion + 1) * _PORTION)):
@@ -289,7 +292,7 @@ def _weighted_areas_and_gradients(
                 part[s, 0] = part[s, 1] = part[s, 2] = 0.0
     values = sums.sum(axis=0)
     if all_areas >= 0:
-        values[all_areas] = 0.5 * total
+        values[all_areas] = 0.5 * total(doubles)
     return values
 
 
@@ -299,17 +302,21 @@ def _volume_and_gradient(
 ) -> float:
     # Measured from a vertex of the surface: far from the origin the sum would cancel away its digits.
     ox, oy, oz = U[F[0, 0], 0], U[F[0, 0], 1], U[F[0, 0], 2]
-    total = 0.0
-    for i in prange(len(U)):
-        gx = gy = gz = 0.0
-        for e in range(start[i], start[i + 1]):
-            j, k = second[e], third[e]
-            bx, by, bz = U[j, 0] - ox, U[j, 1] - oy, U[j, 2] - oz
-            cx, cy, cz = U[k, 0] - ox, U[k, 1] - oy, U[k, 2] - oz
-            gx += by * cz - bz * cy
-            gy += bz * cx - bx * cz
-            gz += bx * cy - by * cx
-        g[i, 0], g[i, 1], g[i, 2] = gx / 6.0, gy / 6.0, gz / 6.0
-        # The volume is of the third degree in the positions: the sum of u.g counts it three times.
-        total += (U[i, 0] - ox) * gx + (U[i, 1] - oy) * gy + (U[i, 2] - oz) * gz
-    return total / 18.0
+    count = (len(U) + _PORTION - 1) // _PORTION
+    volumes = np.empty(count)
+    for portion in prange(count):
+        volume = 0.0
+        for i in range(portion * _PORTION, min(len(U), (portion + 1) * _PORTION)):
+            gx = gy = gz = 0.0
+            for e in range(start[i], start[i + 1]):
+                j, k = second[e], third[e]
+                bx, by, bz = U[j, 0] - ox, U[j, 1] - oy, U[j, 2] - oz
+                cx, cy, cz = U[k, 0] - ox, U[k, 1] - oy, U[k, 2] - oz
+                gx += by * cz - bz * cy
+                gy += bz * cx - bx * cz
+                gz += bx * cy - by * cx
+            g[i, 0], g[i, 1], g[i, 2] = gx / 6.0, gy / 6.0, gz / 6.0
+            # The volume is of the third degree in the positions: the sum of u.g counts it three times.
+            volume += (U[i, 0] - ox) * gx + (U[i, 1] - oy) * gy + (U[i, 2] - oz) * gz
+        volumes[portion] = volume
+    return total(volumes) / 18.0

@@ -61,6 +61,59 @@ def test_kernels_outside_the_rule_are_found():
     assert violations("@parallel()\ndef f(x):\n    for i in prange(3):\n        pass") == []
 
 
+def split_sums(source):
+    """Lines of parallel kernels where numba splits a sum by the number of threads."""
+    found = []
+    for kernel in ast.walk(ast.parse(source)):
+        if not isinstance(kernel, ast.FunctionDef) or not any(
+            ast.unparse(d).startswith("parallel(") for d in kernel.decorator_list
+        ):
+            continue
+        loops = [n for n in kernel.body if isinstance(n, ast.For) and "prange(" in ast.unparse(n.iter)]
+        inside = {id(node) for loop in loops for node in ast.walk(loop)}
+        for node in ast.walk(kernel):
+            if isinstance(node, ast.Call) and ast.unparse(node).endswith((".sum()", ".mean()", ".prod()")):
+                found += [node.lineno] if id(node) not in inside else []
+        for loop in loops:
+            own = {
+                name.id
+                for node in ast.walk(loop)
+                if isinstance(node, ast.Assign)
+                for target in node.targets
+                for name in ast.walk(target)
+                if isinstance(name, ast.Name)
+            }
+            found += [
+                node.lineno
+                for node in ast.walk(loop)
+                if isinstance(node, ast.AugAssign)
+                and isinstance(node.target, ast.Name)
+                and node.target.id not in own
+            ]
+    return found
+
+
+def test_no_kernel_sums_by_the_number_of_threads():
+    found = [
+        f"{path.relative_to(PACKAGE).as_posix()}: line {line}"
+        for path in sorted(PACKAGE.rglob("*.py"))
+        if "prange" in (source := path.read_text(encoding="utf-8"))
+        for line in split_sums(source)
+    ]
+    # Whole numbers are the same in any order.
+    whole = [line for line in found if line.startswith("geometry/contact/collision_times.py")]
+    assert len(whole) == 1
+    assert [line for line in found if line not in whole] == []
+
+
+def test_sums_split_by_the_number_of_threads_are_found():
+    kernel = "@parallel()\ndef f(x):\n    s = 0.0\n    for i in prange(3):\n        {}\n    return {}"
+    assert split_sums(kernel.format("s += x[i]", "s")) == [5]
+    assert split_sums(kernel.format("x[i] = 1.0", "x.sum()")) == [6]
+    assert split_sums(kernel.format("x[i] += 1.0", "total(x)")) == []
+    assert split_sums(kernel.format("t = 0.0; t += x[i]", "s")) == []
+
+
 # Where numba has nothing but its workqueue, two threads in kernels at once end the process.
 CALLS = """
     import inspect, sys, threading
