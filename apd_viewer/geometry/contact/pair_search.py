@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numba import njit, prange
 
@@ -12,8 +11,9 @@ from apd_viewer.geometry.contact.distances import edge_edge, vertex_triangle
 from apd_viewer.geometry.contact.patches import Patches, box_distance, boxes_within
 from apd_viewer.geometry.linalg.threads import parallel
 
-_FIRST_CAPACITY = 20_000  # pairs a task
-_TASKS_PER_CORE = 4
+# Shared by any number of cores: pairs are listed task by task, and summed in that order.
+_TASKS = 32
+_FIRST_CAPACITY = 5_000  # pairs a task
 # Pairs near each other at rest have a range of this part of that distance: neighbours are silent at rest.
 _OF_REST = 0.25
 # In sizes of the mesh: what is so near at rest touches there, and nothing can keep it apart.
@@ -84,17 +84,16 @@ class PairSearch:
         of what the gaps of all others exceed theirs by.
         """
         patches, vertices = self._patches, np.arange(len(U))[:, None]
-        tasks = _TASKS_PER_CORE * numba.get_num_threads()
         while True:
             *found, bound, count = _near(
                 self._V, U, between, self._reach, self._touches, beyond, *patches.reached,
                 *patches.vertices, vertices, *patches.edges, self._E, *patches.faces, self._F,
-                self._together, self._capacity, tasks,
+                self._together, self._capacity, _TASKS,
             )  # fmt: skip
             if count.max(initial=0) <= self._capacity:
                 break
             self._capacity = int(1.5 * count.max())
-        columns = (np.concatenate([part[k, : count[k]] for k in range(tasks)]) for part in found)
+        columns = (np.concatenate([part[k, : count[k]] for k in range(_TASKS)]) for part in found)
         return Found(*columns), bound
 
 
