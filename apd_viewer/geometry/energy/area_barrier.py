@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from apd_viewer.geometry.linalg.parallel_ops import inner
 from apd_viewer.geometry.mesh.measures import SLIVER
 from apd_viewer.geometry.mesh.operators import face_areas
 
@@ -41,7 +42,7 @@ class AreaBarrier:
     def energy(self, U: np.ndarray) -> float:
         """The penalty at ``U`` (n, 3), square mesh units."""
         missing = self._collapsing(U)[1]
-        return float(self._weight * (missing @ missing))
+        return float(self._weight * inner(missing, missing))
 
     def gradient(self, U: np.ndarray) -> np.ndarray:
         """Gradient at ``U`` (n, 3), (n, 3)."""

@@ -301,5 +301,5 @@ class Elastic:
             E += self.material.bending * (self._bending.energy(U, q) + self.rest.area_barrier.energy(U))
         if len(self.soft.ids):
             away = U[self.soft.ids] - self._targets[len(self.fixed) :]
-            E += 2.0 * float(self._firm @ (away * away).sum(axis=1))
+            E += 2.0 * parallel_ops.inner(self._firm, (away * away).sum(axis=1))
         return float(E)

@@ -21,6 +21,7 @@ import numpy as np
 from apd_viewer.geometry.energy import plastic_kernels as kernels
 from apd_viewer.geometry.energy.bending import gathered, gradients
 from apd_viewer.geometry.energy.creased_cells import CreasedCells
+from apd_viewer.geometry.linalg.parallel_ops import inner
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.solve_mesh import SolveMesh
@@ -66,7 +67,7 @@ class PlasticBending:
         """Energy at ``U`` (n, 3), rotations ``q`` (n, 4), and all that flow has taken."""
         sizes = self._changes(U, q)
         stored = np.minimum(sizes, self._bound)
-        E = float(stored @ (2.0 * sizes - stored)) + self.dissipated
+        E = inner(stored, 2.0 * sizes - stored) + self.dissipated
         return E + self._rigidity * self._cells.energy(U, q) if self._cells else E
 
     def moments(self, U: np.ndarray, scale: float) -> np.ndarray:

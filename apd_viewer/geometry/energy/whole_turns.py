@@ -31,10 +31,10 @@ class WholeTurns:
         self, X: np.ndarray, masses: np.ndarray, first: np.ndarray, turning: np.ndarray | None = None
     ) -> None:
         m = masses / masses.sum()
-        self._away, self._first = X - m @ X, m[:, None] * (first - m @ first)
+        self._away, self._first = X - _mean(m, X), m[:, None] * (first - _mean(m, first))
         if turning is not None:
             self._away *= turning[:, None]
-        second = self._away.T @ self._first
+        second = _products(self._away, self._first)
         self._per_moment = np.linalg.pinv(np.trace(second) * _AXES - second)
 
     def without(self, step: np.ndarray) -> np.ndarray:
@@ -50,10 +50,21 @@ class WholeTurns:
 
 def _moment(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
     """Sum (3,) of the cross products of rows."""
-    P = X.T @ Y
+    P = _products(X, Y)
     return np.array([P[1, 2] - P[2, 1], P[2, 0] - P[0, 2], P[0, 1] - P[1, 0]])
 
 
 def _turned_by(turn: np.ndarray) -> np.ndarray:
     """The matrix (3, 3) whose products with rows are ``turn x row``."""
     return np.cross(turn, _AXES)
+
+
+# Without BLAS, whose sums depend on its number of threads.
+
+
+def _mean(m: np.ndarray, X: np.ndarray) -> np.ndarray:
+    return np.einsum("i,ij->j", m, X)
+
+
+def _products(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
+    return np.einsum("ij,ik->jk", X, Y)

@@ -17,6 +17,7 @@ from scipy.sparse import csr_array, diags_array
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import two_grid
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.geometry.linalg.parallel_ops import inner
 from apd_viewer.geometry.mesh.components import pieces
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
@@ -72,7 +73,7 @@ def _parts(shape: SolveMesh, level: np.ndarray) -> list[np.ndarray]:
 
 def _counts(shape: SolveMesh, level: np.ndarray) -> bool:
     """True if the area of a ``level`` (n,) is worth a goal."""
-    return bool(level @ shape.vertex_areas >= _LEAST_SHARE * shape.vertex_areas.sum())
+    return bool(inner(level, shape.vertex_areas) >= _LEAST_SHARE * shape.vertex_areas.sum())
 
 
 def calmness(mesh: Mesh, labels: np.ndarray, soft: Soft) -> np.ndarray:
@@ -123,10 +124,10 @@ def flux(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: Soft) 
     size = np.where(size > _SLIVER * size.mean(), size, 0.0)
     squared = _squared_slopes(V, F, _potentials(shape, held, handle_of, soft))
     squared[size == 0.0] = 0.0
-    whole = float(size @ squared)
+    whole = inner(size, squared)
     if whole <= _ROUNDING:
         return np.zeros(len(V))  # nothing is between a handle and what else is held
-    mean = float(size @ squared**2) / whole
+    mean = inner(size, squared**2) / whole
     size = size * _is_free(shape, held)[F].any(axis=1)  # next to what is held, the slope of what is not
     around = np.maximum(np.bincount(F.ravel(), np.repeat(size, 3), len(V)), 1e-300)
     share = np.bincount(F.ravel(), np.repeat(size * squared, 3), len(V)) / around / mean

@@ -19,6 +19,11 @@ if TYPE_CHECKING:
 _PORTION = 2048
 
 
+def inner(a: np.ndarray, b: np.ndarray) -> float:
+    """Inner product of long vectors (n,); that of BLAS is split by its threads."""
+    return float(np.einsum("i,i->", a, b))
+
+
 def product(A: csr_array, X: np.ndarray) -> np.ndarray:
     """``A X`` for ``A`` (m, n) and ``X`` (n, 3), (m, 3) float array."""
     return _product(A.indptr, A.indices, A.data, X)
