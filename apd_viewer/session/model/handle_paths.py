@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -19,6 +19,13 @@ if TYPE_CHECKING:
 _STEP = math.radians(45.0)
 
 
+class PosePath(Protocol):
+    """Poses of a handle by the part of its way."""
+
+    def at(self, part: float, /) -> np.ndarray:
+        """Pose (4, 4) at ``part`` of the path."""
+
+
 def paths_of(document: Document) -> tuple[HandlePath, ...]:
     """Path of each handle from its grip; raises InputError where there is none."""
     pivots = [document.pivot(k) for k in range(len(document.handles))]
@@ -28,7 +35,7 @@ def paths_of(document: Document) -> tuple[HandlePath, ...]:
     )
 
 
-def document_at(document: Document, paths: Sequence[HandlePath], part: float) -> Document:
+def document_at(document: Document, paths: Sequence[PosePath], part: float) -> Document:
     """The document with its handles and obstacles at a part of their ways."""
     there = tuple(each.shifted(part * each.shift) for each in document.obstacles)
     document = replace(document, obstacles=there)

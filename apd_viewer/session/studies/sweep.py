@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.screw_motion import Turn
-from apd_viewer.geometry.pose.winding import WaypointPath
+from apd_viewer.geometry.pose.winding import HandlePath, WaypointPath
 from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import document_at
+from apd_viewer.session.posing.motion_path import MotionPath
 from apd_viewer.session.processes.deforming import deformation_of
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
     from apd_viewer.geometry.pose.frame import Frame
-    from apd_viewer.geometry.pose.winding import HandlePath
     from apd_viewer.geometry.solver.deformation import Deformation
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.named_obstacle import NamedObstacle
@@ -30,6 +30,8 @@ DEFAULT_ITERATIONS = 500
 SETTLING_ITERATIONS = 10_000
 # Of the rest shape's diagonal: a shorter path is none.
 _NO_WAY = 1e-9
+
+SweepPath: TypeAlias = HandlePath | MotionPath
 
 
 class SweepStep(NamedTuple):
@@ -80,7 +82,7 @@ class Sweep:
     ----------
     document : Document
         Its paint, its settings, and its grip, from which the handles start.
-    paths : tuple of HandlePath
+    paths : tuple of SweepPath
         The way of each handle.
     parts : tuple of float
         Of the motion, one for each step.
@@ -90,7 +92,7 @@ class Sweep:
     """
 
     document: Document
-    paths: tuple[HandlePath, ...]
+    paths: tuple[SweepPath, ...]
     parts: tuple[float, ...]
     methods: tuple[str, ...]
     iterations: int = DEFAULT_ITERATIONS
@@ -112,7 +114,7 @@ class Sweep:
         if not path.moves or any(each.shift.any() for each in self.obstacles):
             return "part"
         several = sum(path.moves for path in self.paths) > 1
-        if several or path.stretched or isinstance(path, WaypointPath):
+        if several or path.stretched or isinstance(path, WaypointPath | MotionPath):
             return "part"
         if isinstance(path, Turn):
             return "degrees"

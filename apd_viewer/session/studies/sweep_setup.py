@@ -5,23 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.pose.constraints import BASE, what_is_missing
-from apd_viewer.geometry.pose.screw_motion import Turn
+from apd_viewer.geometry.pose.constraints import what_is_missing
 from apd_viewer.geometry.solver.methods import COMPARED, method_named
 from apd_viewer.language import tr
-from apd_viewer.session.model import memo
 from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import paths_of
+from apd_viewer.session.posing.motion_path import motion_paths, twist_path
 from apd_viewer.session.quantities.expressions import angle
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.pose.winding import HandlePath
     from apd_viewer.session.model.document import Document
+    from apd_viewer.session.posing.motion_step import MotionStep
 
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS, Sweep
+from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS, Sweep, SweepPath
 
 MOST_STEPS = 1000
 
@@ -33,8 +31,9 @@ def sweep_of(
     methods: Sequence[str] = COMPARED,
     twists: Sequence[float] = (),
     iterations: int | None = None,
+    motion: Sequence[MotionStep] = (),
 ) -> Sweep:
-    """Sweep of the ways of a document's handles and obstacles, or of ``twists``.
+    """Sweep of the ways of a document's handles and obstacles, or of a given motion.
 
     Parameters
     ----------
@@ -48,6 +47,8 @@ def sweep_of(
         An angle for each handle, radians: it turns about the line from the centre of the base to its own.
     iterations : int
         At most so many for each step; without, as many as are usual, and more where there are obstacles.
+    motion : sequence of MotionStep
+        Instead: typed motions of the handles from their grips.
 
     Raises
     ------
@@ -75,7 +76,13 @@ def sweep_of(
         raise InputError(tr("Give at least one method, and each method only once."))
     if document.problem:
         raise InputError(document.problem)
-    paths = _twisting(document, twists) if twists else paths_of(document)
+    paths: tuple[SweepPath, ...] = (
+        motion_paths(document, motion)
+        if motion
+        else _twisting(document, twists)
+        if twists
+        else paths_of(document)
+    )
     if not any(path.moves for path in paths) and not shifts_of(document).any():
         raise InputError(
             tr("No handle has moved, so there is no motion to sweep; move a handle or give a twist.")
@@ -96,20 +103,4 @@ def _twisting(document: Document, twists: Sequence[float]) -> tuple[HandlePath, 
                 handles=len(document.handles), twists=len(twists)
             )
         )
-    if not document.counts[BASE]:
-        raise InputError(tr("There is no base to twist against: paint the part that stays in place as base."))
-    base = memo.centre(document.labels, document.grip, BASE)
-    return tuple(Turn(base, _line(document, k, base), amount) for k, amount in enumerate(twists))
-
-
-def _line(document: Document, k: int, base: np.ndarray) -> np.ndarray:
-    """Vector from the centre of the base to that of handle ``k``."""
-    centre = document.centre(k)
-    if centre is None:
-        raise InputError(tr("“{name}” is empty; paint it first.").format(name=document.handles[k].name))
-    line: np.ndarray = centre - base
-    if not line.any():
-        raise InputError(
-            tr("The centres of the base and the handle coincide, so there is no line to twist about.")
-        )
-    return line
+    return tuple(twist_path(document, k, amount) for k, amount in enumerate(twists))

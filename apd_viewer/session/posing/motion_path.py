@@ -1,0 +1,127 @@
+"""Paths of typed motions, all amounts growing evenly together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.pose.constraints import BASE
+from apd_viewer.geometry.pose.screw_motion import Turn
+from apd_viewer.language import tr
+from apd_viewer.session.model import memo
+from apd_viewer.session.model.named_parts import IDENTITY
+from apd_viewer.session.posing.typed_motion import MOST_TURNS
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.pose.winding import HandlePath
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.posing.motion_step import MotionStep
+
+# Radians between two poses of a path that is written down by its waypoints.
+_STEP = math.radians(60.0)
+
+
+@dataclass(frozen=True, eq=False)
+class MotionPath:
+    """Path of a handle along typed motions, all at once.
+
+    Attributes
+    ----------
+    document : Document
+        With its handles at their grips.
+    handle : int
+    steps : tuple of MotionStep
+        Of this handle, in their order; none where it stays.
+    """
+
+    document: Document
+    handle: int
+    steps: tuple[MotionStep, ...]
+
+    def at(self, part: float) -> np.ndarray:
+        """Pose (4, 4) at ``part`` of the path: 0 is rest, 1 the end."""
+        document = self.document
+        for step in self.steps:
+            document = document.with_pose(self.handle, step.pose_at(document, part))
+        return document.handles[self.handle].pose
+
+    @property
+    def angle(self) -> float:
+        """Sum of the angles, radians."""
+        return sum(step.angle for step in self.steps)
+
+    @property
+    def moves(self) -> bool:
+        """True if the path leads away from its start."""
+        return not np.array_equal(self.at(1.0), IDENTITY) or any(step.angle for step in self.steps)
+
+    @property
+    def stretched(self) -> bool:
+        """True if there is more than rotations and translations."""
+        return any(step.word == "scale" for step in self.steps)
+
+
+def motion_paths(document: Document, steps: Sequence[MotionStep]) -> tuple[HandlePath | MotionPath, ...]:
+    """Path of each handle from its grip along a typed motion; raises InputError."""
+    if any(abs(step.angle) > MOST_TURNS * 2.0 * math.pi for step in steps):
+        raise InputError(tr("Enter at most {most} turns at a time.").format(most=MOST_TURNS))
+    own = [tuple(step for step in steps if step.handle == k) for k in range(len(document.handles))]
+    paths = tuple(_path(document, k, mine) for k, mine in enumerate(own))
+    for path in paths:
+        path.at(1.0)  # what is impossible is said before anything is computed
+    return paths
+
+
+def _path(document: Document, k: int, steps: tuple[MotionStep, ...]) -> HandlePath | MotionPath:
+    if len(steps) == 1 and steps[0].word == "twist":
+        return twist_path(document, k, steps[0].amounts[0])
+    return MotionPath(document, k, steps)
+
+
+def twist_path(document: Document, k: int, amount: float) -> Turn:
+    """Turn of handle ``k`` about the line from the centre of the base to its own.
+
+    Parameters
+    ----------
+    document : Document
+    k : int
+    amount : float
+        Radians, of any size.
+
+    Raises
+    ------
+    InputError
+        If there is no such line.
+    """
+    if not document.counts[BASE]:
+        raise InputError(tr("There is no base to twist against: paint the part that stays in place as base."))
+    base = memo.centre(document.labels, document.grip, BASE)
+    centre = document.centre(k)
+    if centre is None:
+        raise InputError(tr("“{name}” is empty; paint it first.").format(name=document.handles[k].name))
+    line: np.ndarray = centre - base
+    if not line.any():
+        raise InputError(
+            tr("The centres of the base and the handle coincide, so there is no line to twist about.")
+        )
+    return Turn(base, line, amount)
+
+
+def gripped_at_rest(document: Document) -> Document:
+    """The document with its handles back at their grips."""
+    return replace(document, handles=tuple(handle.at(IDENTITY) for handle in document.handles))
+
+
+def posed_along(document: Document, paths: Sequence[HandlePath | MotionPath], part: float = 1.0) -> Document:
+    """The document with its handles moved along their paths, turns of any size kept."""
+    document = gripped_at_rest(document)
+    for k, path in enumerate(paths):
+        count = max(1, math.ceil(abs(part * path.angle) / _STEP))
+        for step in range(1, count + 1):
+            document = document.moved(k, path.at(part * step / count))
+    return document
