@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 import apd_viewer
-from apd_viewer.commands.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.result_output import progress_line, readings, summary, write_result
 from apd_viewer.commands.scalar_output import add_scalar_options, check_scalar_options, write_scalar_files
+from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
 from apd_viewer.files.mesh_writing import check_target

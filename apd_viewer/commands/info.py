@@ -6,7 +6,7 @@ import json
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import apart_of, room_of
 from apd_viewer.geometry.analysis.inspection import inspect

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.commands import paper_tables
-from apd_viewer.commands.parser import Parser
-from apd_viewer.commands.progress import Progress
+from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.shapes import Picture, draw_shapes, no_pictures
 from apd_viewer.files.samples import open_sample
 from apd_viewer.files.storage.atomic_folder import filling

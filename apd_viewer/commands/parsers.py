@@ -7,10 +7,10 @@ from collections.abc import Callable
 from apd_viewer.commands.deform import deform_parser
 from apd_viewer.commands.info import info_parser
 from apd_viewer.commands.paper import paper_parser
-from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.press import press_parser
 from apd_viewer.commands.replay import replay_parser
 from apd_viewer.commands.sweep import sweep_parser
+from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.volumes import volumes_parser
 
 PARSERS: dict[str, Callable[[], Parser]] = {

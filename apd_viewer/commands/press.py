@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.press_output import report_of, summary
 from apd_viewer.commands.press_rows import rows_of
 from apd_viewer.commands.press_wall import add_wall_options, gas_of, wall_of
-from apd_viewer.commands.progress import Progress
+from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_folder, check_target, save_mesh
 from apd_viewer.files.meshes import open_mesh

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.plain_numbers import signed
 from apd_viewer.commands.press_rows import row_of
+from apd_viewer.commands.terminal.plain_numbers import signed
 from apd_viewer.files.report import room_of
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.language import tr

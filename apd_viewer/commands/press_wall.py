@@ -29,7 +29,7 @@ from apd_viewer.session.quantities.wall_materials import (
 if TYPE_CHECKING:
     import argparse
 
-    from apd_viewer.commands.parser import Parser
+    from apd_viewer.commands.terminal.parser import Parser
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
 
 _GPA = 1e9

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.commands.measurement_output import measurements_report
-from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.result_output import progress_line, summary, write_result
 from apd_viewer.commands.scalar_output import add_scalar_options, check_scalar_options, write_scalar_files
+from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.files.mesh_writing import check_target
 from apd_viewer.language import tr
 from apd_viewer.session.model.status_text import about_missing_target

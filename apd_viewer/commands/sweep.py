@@ -8,8 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.parser import Parser
-from apd_viewer.commands.progress import Progress
 from apd_viewer.commands.sweep_output import (
     SWEPT_SHARE,
     mesh_path,
@@ -18,6 +16,8 @@ from apd_viewer.commands.sweep_output import (
     summary,
     write_sweep_film,
 )
+from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import keep_shape, no_pictures
 from apd_viewer.files.mesh_writing import check_folder, save_mesh

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.plain_numbers import signed
-from apd_viewer.commands.progress import Progress
+from apd_viewer.commands.terminal.plain_numbers import signed
+from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.shapes import Picture, draw_shapes
 from apd_viewer.files.mesh_writing import suffix_for
 from apd_viewer.geometry.solver.methods import METHODS

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.volumes_output import report_of, written
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh

@@ -122,7 +122,7 @@ def test_the_same_press_writes_the_same_files(ball, press, tmp_path):
 
 
 def test_progress_is_said_in_lines(ball, press, monkeypatch):
-    monkeypatch.setattr("apd_viewer.commands.progress._INTERVAL", 0.0)
+    monkeypatch.setattr("apd_viewer.commands.terminal.progress._INTERVAL", 0.0)
     _, said, _, _ = press(ball, *QUICK, "--progress-lines")
     lines = [json.loads(line) for line in said.splitlines() if line.startswith("{")]
     done = [line["done"] for line in lines]

@@ -2,7 +2,7 @@
 
 import sys
 
-from apd_viewer.commands.progress import Progress
+from apd_viewer.commands.terminal.progress import Progress
 
 
 def drawn(text, width=100):

@@ -25,14 +25,17 @@ class Progress:
         self._last = -_INTERVAL
         self._shown = ""
 
-    def show(self, done: float, doing: str) -> None:
-        """Show the share of work done, 0 to 1, and the current step."""
+    def show(self, done: float, doing: str, **more: float | None) -> None:
+        """Show the share of work done, 0 to 1, and the current step.
+
+        Lines have ``more`` numbers as well.
+        """
         now = time.monotonic()
-        if not (self._lines or self._bar) or now - self._last < _INTERVAL:
+        if not (self._lines or self._bar) or (now - self._last < _INTERVAL and done < 1.0):
             return
         self._last = now
         if self._lines:
-            print(json.dumps({"done": round(done, 4), "doing": doing}), flush=True)
+            print(json.dumps({"done": round(done, 4), "doing": doing, **more}), flush=True)
             return
         full = round(_WIDTH * done)
         said = f"{'━' * full}{'╌' * (_WIDTH - full)} {100 * done:3.0f} %  {doing}"

@@ -1,0 +1,1 @@
+"""Parser, progress and plain numbers of all commands."""
