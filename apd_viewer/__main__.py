@@ -14,7 +14,7 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_COMMANDS = "deform", "info", "paper", "press", "replay", "sweep", "volumes"
+_COMMANDS = "deform", "info", "paper", "press", "replay", "study", "sweep", "volumes"
 _USAGE = tr(
     """\
 apd-viewer [FILE]                    open the window on FILE or on the sample bottle
@@ -22,6 +22,7 @@ apd-viewer deform MESH ... -o OUT    deform a mesh without a window
 apd-viewer info MESH                 check a mesh file and describe its contents
 apd-viewer press MESH ... -o OUT     press a mesh between two plates
 apd-viewer replay SESSION -o OUT     re-run a saved session without a window
+apd-viewer study PLAN.csv -o DIR     run many cases, by many processes; "study design" writes plans
 apd-viewer sweep SESSION -o DIR      area, volume and energy along the motion of the handle
 apd-viewer volumes MESH              volumes by name, beside published figures of crushed bottles
 apd-viewer paper [-o DIR]            reproduce the paper's tables on the sample bottle and duck
@@ -33,7 +34,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status, 2 after an ``error:`` line."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     if words and words[0] in _COMMANDS:
-        options = _command_parser(words.pop(0)).parse_args(words)
+        command = words.pop(0)
+        if command == "study" and words[:1] == ["design"]:
+            command = f"{command} {words.pop(0)}"
+        options = _command_parser(command).parse_args(words)
     else:
         options = _view_parser().parse_args(words)
     # Here, because --version and --help, which end before, take twice as long with it.

@@ -16,6 +16,7 @@ PACKAGE = "apd_viewer"
 ROOMS = [
     "top",
     "commands",
+    "commands/studies",
     "commands/terminal",
     "figures",
     "ui",
@@ -39,6 +40,7 @@ ROOMS = [
     "ui/preferences",
     "ui/widgets",
     "presentation",
+    "studies",
     "session",
     "session/studies",
     "session/processes",
@@ -80,6 +82,7 @@ LIBRARIES = {
     "figures": {"numpy", "matplotlib", "PIL", "imageio_ffmpeg", "pyvista"},
     "ui": SCREEN | {"numpy"},
     "presentation": {"numpy"},
+    "studies": {"numpy", "scipy", "distributed", "dask", "pyarrow", "threadpoolctl"},
     "session": {"numpy"},
     "files": {"numpy", "trimesh", "PIL"},
     "geometry": {"numpy", "scipy", "numba", "cholespy", "fast_simplification", "ipctk", "potpourri3d"},
@@ -115,6 +118,10 @@ CONFINED = {
     "pyvistaqt": DRAWS,
     "vtk": DRAWS,
     "vtkmodules": DRAWS,
+    "distributed": {"studies/cluster.py"},
+    "dask": {"studies/cluster.py"},
+    "pyarrow": {"studies/results.py"},
+    "threadpoolctl": {"studies/worker.py"},
     "qtpy": set(),  # the binding that pyvistaqt chooses is its own affair
 }
 MEANINGLESS = {"utils", "util", "common", "helpers", "helper", "manager", "base", "misc", "core"}

@@ -9,6 +9,8 @@ from apd_viewer.commands.info import info_parser
 from apd_viewer.commands.paper import paper_parser
 from apd_viewer.commands.press import press_parser
 from apd_viewer.commands.replay import replay_parser
+from apd_viewer.commands.studies.study import study_parser
+from apd_viewer.commands.studies.study_design import design_parser
 from apd_viewer.commands.sweep import sweep_parser
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.volumes import volumes_parser
@@ -19,6 +21,8 @@ PARSERS: dict[str, Callable[[], Parser]] = {
     "paper": paper_parser,
     "press": press_parser,
     "replay": replay_parser,
+    "study": study_parser,
+    "study design": design_parser,
     "sweep": sweep_parser,
     "volumes": volumes_parser,
 }

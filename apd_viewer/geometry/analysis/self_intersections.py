@@ -147,3 +147,12 @@ def _overlapping(X: np.ndarray, S: np.ndarray, T: np.ndarray) -> np.ndarray:
             )
     over[over] = ~apart
     return over
+
+
+def search_by_one_core() -> None:
+    """Have the library that finds near edges use one core, where it is installed."""
+    try:
+        import ipctk  # Here: few runs of the program need it.
+    except ImportError:
+        return
+    ipctk.set_num_threads(1)

@@ -73,3 +73,8 @@ def cores_for(n: int) -> Iterator[None]:
             yield
         finally:
             numba.set_num_threads(before)
+
+
+def use_one_core() -> None:
+    """Run the parallel kernels that this thread calls from now on by one core."""
+    numba.set_num_threads(1)

@@ -1,0 +1,1 @@
+"""The command ``apd-viewer study`` and its design of plans."""

@@ -1,0 +1,77 @@
+"""Output of a study: mistakes of its plan, work left, summary."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from apd_viewer.commands.studies.study_progress import duration
+from apd_viewer.language import tr
+from apd_viewer.studies.case_file import DONE, FAILED
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from apd_viewer.studies.plan import Plan
+    from apd_viewer.studies.results import ResultTable
+    from apd_viewer.studies.study import WorkLeft
+
+_MOST_SAID = 20  # sentences; the table has all of them
+
+
+def mistakes(plan: Plan) -> str:
+    """A line for each wrong or repeated row."""
+    lines = [_on_line(row.line, row.mistake) for row in plan.rows if row.mistake]
+    return "".join(f"{line}\n" for line in _first(lines))
+
+
+def planned(left: WorkLeft, processes: int) -> str:
+    """Lines on the work left."""
+    lines = [
+        tr("{cases:,} cases, {done:,} of them done, {left:,} to do").format(
+            cases=left.cases, done=left.done, left=left.cases - left.done
+        )
+    ]
+    if left.failed:
+        lines.append(tr("{failed:,} have failed; --retry-failed runs them again").format(failed=left.failed))
+    if left.wrong:
+        lines.append(tr("{wrong:,} rows are wrong and are left out").format(wrong=left.wrong))
+    if left.seconds is None:
+        lines.append(tr("No case was timed yet, so nobody knows how long they take."))
+    elif left.cases > left.done:
+        lines.append(
+            tr("about {time} by {processes} processes, as measured so far").format(
+                time=duration(left.seconds / processes), processes=processes
+            )
+        )
+    return "\n".join(lines)
+
+
+def summary(table: ResultTable, folder: Path) -> str:
+    """Lines on the results."""
+    count = Counter(row.status for row in table.rows)
+    words = ", ".join(f"{number:,} {_named(status)}" for status, number in count.items())
+    lines = [tr("{folder}: {words}").format(folder=folder / "results.csv", words=words)]
+    failed = [_on_line(row.line, row.sentence) for row in table.rows if row.status == FAILED]
+    return "\n".join([*lines, *_first(failed)])
+
+
+def _named(status: str) -> str:
+    words = {
+        DONE: tr("done"),
+        FAILED: tr("failed"),
+        "waiting": tr("waiting"),
+        "wrong": tr("wrong"),
+        "duplicate": tr("duplicate"),
+    }
+    return words[status]
+
+
+def _on_line(line: int, sentence: str) -> str:
+    return tr("line {line}: {sentence}").format(line=line, sentence=sentence)
+
+
+def _first(lines: list[str]) -> list[str]:
+    """The first lines, and how many more there are."""
+    more = len(lines) - _MOST_SAID
+    return lines if more <= 0 else [*lines[:_MOST_SAID], tr("... and {more:,} more").format(more=more)]

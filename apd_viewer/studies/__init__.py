@@ -1,0 +1,1 @@
+"""Studies: plans of many deformations, run by many processes into one folder."""

@@ -1,0 +1,121 @@
+"""Files of finished cases: readings, curves and the shape, whole or not at all."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import struct
+import zlib
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.storage.archive import npy
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+SUFFIX = ".case"
+DONE, FAILED = "done", "failed"
+_MAGIC = b"apd-case\x01"
+_HEAD = struct.Struct("<IQQ")  # CRC-32 of what follows, lengths of text and array
+
+
+@dataclass(frozen=True, eq=False)
+class CaseResult:
+    """Result of a case.
+
+    Attributes
+    ----------
+    key : str
+    status : str
+        DONE or FAILED.
+    sentence : str
+        Why it failed, or what its user should know; empty if there is nothing.
+    readings : dict
+        Numbers by name; None where there is none.
+    curves : dict
+        Numbers by name, one for each step from 0.
+    frame : dict
+        Of the last step, as sessions write it.
+    U : (n, 3) float array or None
+        The last shape; None of a failed one.
+    """
+
+    key: str
+    status: str
+    sentence: str = ""
+    readings: dict[str, float | None] = field(default_factory=dict)
+    curves: dict[str, list[float | None]] = field(default_factory=dict)
+    frame: dict[str, Any] = field(default_factory=dict)
+    U: np.ndarray | None = None
+
+
+def packed(result: CaseResult) -> bytes:
+    """A result as bytes; the same one gives the same bytes."""
+    said = {
+        name: getattr(result, name) for name in ("key", "status", "sentence", "readings", "curves", "frame")
+    }
+    text = json.dumps(said).encode()
+    array = b"" if result.U is None else npy(result.U)
+    sizes = len(text), len(array)
+    crc = zlib.crc32(array, zlib.crc32(text))
+    return b"".join([_MAGIC, _HEAD.pack(crc, *sizes), text, array])
+
+
+def unpacked(content: bytes, shape: bool = True) -> CaseResult:
+    """A result from its bytes, with or without its shape.
+
+    Raises
+    ------
+    ValueError
+        If they are damaged; a phrase says how.
+    """
+    start = len(_MAGIC) + _HEAD.size
+    if not content.startswith(_MAGIC) or len(content) < start:
+        raise ValueError(tr("it is no result of a case"))
+    crc, text, array = _HEAD.unpack_from(content, len(_MAGIC))
+    body = memoryview(content)[start:]
+    if len(body) != text + array or zlib.crc32(body) != crc:
+        raise ValueError(tr("it is damaged"))
+    said = json.loads(bytes(body[:text]))
+    U = frozen(np.load(io.BytesIO(body[text:]), allow_pickle=False)) if shape and array else None
+    return CaseResult(**said, U=U)
+
+
+def write_case(path: Path, content: bytes) -> None:
+    """Write the bytes of a result; raises InputError."""
+    with replacing(path) as scratch:
+        scratch.write_bytes(content)
+
+
+def case_path(folder: Path, key: str) -> Path:
+    """File of a finished case in the folder of its study."""
+    return folder / "cases" / f"{key}{SUFFIX}"
+
+
+def read_case(folder: Path, key: str, shape: bool = False) -> CaseResult:
+    """Read a finished case; raises InputError if it is not there or damaged."""
+    path = case_path(folder, key)
+    try:
+        return unpacked(path.read_bytes(), shape)
+    except OSError as error:
+        raise InputError(tr("This case is not done yet; wait until it is.")) from error
+    except ValueError as error:
+        raise InputError(tr("{name} is damaged; run the study again.").format(name=path.name)) from error
+
+
+def case_sizes(folder: Path) -> dict[str, int]:
+    """Size in bytes of each file of a finished case, by its key."""
+    with os.scandir(folder / "cases") as entries:
+        return {
+            entry.name.removesuffix(SUFFIX): entry.stat().st_size
+            for entry in entries
+            if entry.name.endswith(SUFFIX) and not entry.name.startswith(".")
+        }

@@ -1,0 +1,142 @@
+"""Engine of Dask workers: started here, or by others behind a scheduler.
+
+Tasks travel as pickles, which are programs: a scheduler is for people who trust each other.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.studies.worker import work as work_on_case
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+    from pathlib import Path
+
+    from apd_viewer.studies.worker import CaseAnswer, Task, Work
+
+_PATIENCE = 20  # s that a scheduler may take to answer
+_GONE = 30.0  # s without a scheduler, after which it does not come back
+_LOOK = 2.0  # s between two looks at the workers
+# Dask trims freed memory at once, which costs a third of the time of a case.
+_TRIM = "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_"
+_SETTINGS = {_TRIM: str(1 << 28), "distributed.nanny.pre-spawn-environ.NUMBA_NUM_THREADS": 1}
+
+
+class Cluster:
+    """Workers of Dask.
+
+    Parameters
+    ----------
+    client : distributed.Client
+    work : callable
+        What they do with a task.
+    """
+
+    # A worker has the next cases at hand already, and Dask blames them too.
+    knows_whose_fault = False
+
+    def __init__(self, client: Any, work: Work = work_on_case, cluster: Any = None) -> None:
+        self._client, self._work, self._cluster = client, work, cluster
+        self._executor = client.get_executor(pure=False, retries=2)
+        self._futures: set[Future[CaseAnswer]] = set()
+        self.overdue: set[Future[CaseAnswer]] = set()
+        self._threads, self._looked = 0, -_LOOK
+        self._gone_since: float | None = None
+
+    def room(self) -> int:
+        """Number of cases to be started now, one more for each running one."""
+        now = time.monotonic()
+        if now - self._looked > _LOOK:
+            self._looked = now
+            self._threads = sum(self._client.nthreads().values()) if self._alive else 0
+        return 2 * self._threads - len(self._futures)
+
+    @property
+    def _alive(self) -> bool:
+        return self._client.status == "running"
+
+    def running(self) -> int:
+        """Number of running cases."""
+        return min(self._threads, len(self._futures))
+
+    def start(self, task: Task) -> Future[CaseAnswer]:
+        """Hand a case to the scheduler."""
+        future: Future[CaseAnswer] = self._executor.submit(self._work, task)
+        self._futures.add(future)
+        # Results are dropped as soon as they are here: a worker that dies would lose them for others.
+        future.add_done_callback(self._futures.discard)
+        return future
+
+    def look_after(self) -> None:
+        """Raise InputError once the scheduler is gone."""
+        now = time.monotonic()
+        self._gone_since = None if self._alive else self._gone_since or now
+        if self._gone_since is not None and now - self._gone_since > _GONE:
+            raise InputError(
+                tr("The scheduler is gone. What is done is kept; give the same command to go on.")
+            )
+
+    def close(self, at_once: bool) -> None:
+        """Take back cases not begun, and end the workers started here."""
+        self._executor.shutdown(wait=False)
+        self._client.close(timeout=0 if at_once else _PATIENCE)
+        if self._cluster is not None:
+            self._cluster.close()
+
+
+def local_cluster(workers: int, work: Work = work_on_case) -> Cluster:
+    """Dask workers on this machine; raises InputError without Dask."""
+    distributed = _distributed()
+    # Here, as it is part of Dask.
+    import dask
+
+    with dask.config.set(_SETTINGS):
+        cluster = distributed.LocalCluster(
+            n_workers=workers, threads_per_worker=1, dashboard_address=None, memory_limit=0
+        )
+    return Cluster(distributed.Client(cluster), work, cluster)
+
+
+def connected(address: str | None, scheduler_file: Path | None, work: Work = work_on_case) -> Cluster:
+    """Dask workers behind a scheduler.
+
+    Parameters
+    ----------
+    address : str or None
+        Such as ``tcp://host:8786`` or ``tls://host:8786``; None with a file.
+    scheduler_file : Path or None
+        What the scheduler has written about itself.
+    work : callable
+
+    Raises
+    ------
+    InputError
+        Without Dask, or if there is no such scheduler.
+    """
+    distributed = _distributed()
+    where = {"scheduler_file": str(scheduler_file)} if scheduler_file else {"address": address}
+    if scheduler_file and not scheduler_file.is_file():
+        raise InputError(tr("There is no file {path}; check the name.").format(path=scheduler_file))
+    try:
+        return Cluster(distributed.Client(**where, timeout=_PATIENCE), work)
+    except (OSError, ValueError, TypeError) as error:
+        raise InputError(
+            tr("No scheduler answers at {where} ({reason}); check the address.").format(
+                where=scheduler_file or address, reason=error or type(error).__name__
+            )
+        ) from error
+
+
+def _distributed() -> Any:
+    try:
+        # Here: it takes half a second, and is there only where the user has installed it.
+        import distributed
+    except ImportError as error:
+        raise InputError(
+            tr("Dask is not installed; install apd-viewer[cluster], or omit the scheduler.")
+        ) from error
+    return distributed

@@ -1,0 +1,192 @@
+"""Designs of studies: samples of ranges and choices, as the rows of a plan."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.session.posing.motion_text import WORDS
+from apd_viewer.studies.plan_columns import COLUMNS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+LATIN, SOBOL, GRID = "lhs", "sobol", "grid"
+DESIGNS = (LATIN, SOBOL, GRID)
+MOST_SAMPLES = 1_000_000
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_RANGE = re.compile(
+    rf"\s*(?P<low>{_NUMBER})\s*\.\.\s*(?P<high>{_NUMBER})\s*(?P<unit>[a-zA-Z%]*)\s*(?::\s*(?P<scale>log))?\s*"
+)
+_DIGITS = 6  # significant ones of a sampled number
+_ONE_NUMBER = tuple(word for word in WORDS if word not in ("move", "turn"))
+
+
+@dataclass(frozen=True)
+class Varied:
+    """Quantity varied by a study.
+
+    Attributes
+    ----------
+    name : str
+        A column, a name in braces in the motion, or a motion that needs one number.
+    choices : tuple of str
+        Texts to choose from; empty for a range.
+    low, high : float
+        Ends of a range.
+    unit : str
+        Written behind a number of the range.
+    by_factors : bool
+        Whether equal shares of the range are equal factors.
+    """
+
+    name: str
+    choices: tuple[str, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+    unit: str = ""
+    by_factors: bool = False
+
+    def at(self, share: float) -> str:
+        """Text at a share of the range or among the choices, 0 to 1."""
+        if self.choices:
+            return self.choices[min(int(share * len(self.choices)), len(self.choices) - 1)]
+        if self.by_factors:
+            value = self.low * (self.high / self.low) ** share
+        else:
+            value = self.low + (self.high - self.low) * share
+        return f"{float(f'{value:.{_DIGITS}g}'):.{_DIGITS}g}{self.unit}"
+
+    def levels(self, count: int) -> list[str]:
+        """All choices, or so many numbers from one end of the range to the other."""
+        if self.choices:
+            return list(self.choices)
+        return [self.at(share) for share in (np.linspace(0.0, 1.0, count) if count > 1 else [0.5])]
+
+
+def varied(text: str) -> Varied:
+    """Quantity from ``NAME=LOW..HIGH``, ``NAME=LOW..HIGH:log`` or ``NAME=A,B,C``.
+
+    Raises
+    ------
+    InputError
+        If it is none of these.
+    """
+    name, equals, said = (part.strip() for part in text.partition("="))
+    if not equals or not name or not said:
+        raise InputError(
+            tr(
+                "“{text}” varies nothing; give a range as twist=0..180deg, or choices as method=arap,exact."
+            ).format(text=text)
+        )
+    found = _RANGE.fullmatch(said)
+    if found is None:
+        return Varied(name, tuple(each.strip() for each in said.split(",") if each.strip()))
+    low, high = float(found["low"]), float(found["high"])
+    if not low < high:
+        raise InputError(
+            tr("The range of {name} ends before it begins; exchange its ends.").format(name=name)
+        )
+    if found["scale"] and not low > 0.0:
+        raise InputError(
+            tr("A range by factors needs ends above 0; change that of {name}.").format(name=name)
+        )
+    return Varied(name, (), low, high, found["unit"], bool(found["scale"]))
+
+
+def designed(
+    given: dict[str, str], vary: Sequence[Varied], design: str, samples: int, seed: int
+) -> tuple[list[str], list[list[str]]]:
+    """Columns and rows of a plan.
+
+    Parameters
+    ----------
+    given : dict
+        Cells that are the same in all rows, by column.
+    vary : sequence of Varied
+    design : str
+        LATIN, SOBOL (of as many as the next power of 2 is best), or GRID: all combinations.
+    samples : int
+        Rows; of a grid, levels of each range.
+    seed : int
+
+    Raises
+    ------
+    InputError
+        If a name stands for nothing, or there are too many rows.
+    """
+    _check(given, vary)
+    own = [each for each in vary if each.name in COLUMNS]
+    names = [*given, *(each.name for each in own)]
+    names += [] if "motion" in names or len(own) == len(vary) else ["motion"]
+    rows = []
+    for texts in _combinations(vary, design, samples, seed):
+        said = dict(zip((each.name for each in vary), texts, strict=True))
+        cells = {**given, **{each.name: said[each.name] for each in own}}
+        if len(own) < len(vary):
+            cells["motion"] = _motion(
+                cells.get("motion", ""), {k: v for k, v in said.items() if k not in COLUMNS}
+            )
+        rows.append([cells[name] for name in names])
+    return names, rows
+
+
+def _motion(template: str, said: dict[str, str]) -> str:
+    """The motion with numbers for the names in braces, and those of motions behind."""
+    for name, text in said.items():
+        template = template.replace(f"{{{name}}}", text)
+    behind = [f"{name} {text}" for name, text in said.items() if name in _ONE_NUMBER]
+    return "; ".join(filter(None, [template, *behind]))
+
+
+def _check(given: dict[str, str], vary: Sequence[Varied]) -> None:
+    names, motion = [each.name for each in vary], given.get("motion", "")
+    if not names:
+        raise InputError(tr("Nothing varies; give --vary, such as --vary twist=0..180deg."))
+    for name in names:
+        if names.count(name) > 1 or (name in COLUMNS and name in given):
+            raise InputError(tr("“{name}” is given twice; omit one.").format(name=name))
+        if name not in COLUMNS and f"{{{name}}}" not in motion and name not in _ONE_NUMBER:
+            raise InputError(
+                tr("“{name}” is no column, no {{{name}}} in the motion and none of {words}.").format(
+                    name=name, words=", ".join(_ONE_NUMBER)
+                )
+            )
+
+
+def _combinations(vary: Sequence[Varied], design: str, samples: int, seed: int) -> Iterator[tuple[str, ...]]:
+    if samples < 1 or samples > MOST_SAMPLES:
+        raise InputError(tr("A plan has 1 to {most:,} rows; enter another number.").format(most=MOST_SAMPLES))
+    if design == GRID:
+        levels = [each.levels(samples) for each in vary]
+        if math.prod(map(len, levels)) > MOST_SAMPLES:
+            raise InputError(
+                tr("That makes {count:,} rows, and {most:,} are the most; vary less.").format(
+                    count=math.prod(map(len, levels)), most=MOST_SAMPLES
+                )
+            )
+        yield from itertools.product(*levels)
+        return
+    for shares in _shares(len(vary), design, samples, seed):
+        yield tuple(each.at(float(share)) for each, share in zip(vary, shares, strict=True))
+
+
+def _shares(count: int, design: str, samples: int, seed: int) -> np.ndarray:
+    """Points in the unit cube, (samples, count)."""
+    # Here: it is slow to import, and few plans are designed.
+    from scipy.stats import qmc
+
+    if design == SOBOL:
+        # More than are asked for are drawn, as it is balanced in powers of 2 only.
+        points = qmc.Sobol(count, rng=seed).random_base2(math.ceil(math.log2(samples)))[:samples]
+    else:
+        points = qmc.LatinHypercube(count, rng=seed).random(samples)
+    return np.asarray(points)

@@ -1,0 +1,164 @@
+"""Run the cases of a study, each once, whatever becomes of its process.
+
+An engine starts cases and says when they end. It is one of processes on this machine, or of workers
+elsewhere; the runner does not know which.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import time
+from collections import deque
+from concurrent.futures import BrokenExecutor, CancelledError, Future
+from typing import TYPE_CHECKING, Protocol
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.studies.case_file import FAILED, CaseResult, packed
+from apd_viewer.studies.worker import CaseAnswer, Task
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from apd_viewer.studies.case import StudyCase
+
+# Others may end a process, who are short of memory, say: a case is tried again before it is blamed.
+MOST_DEATHS = 3
+_TICK = 0.5  # s between two looks at what runs
+
+
+class Engine(Protocol):
+    """Workers for cases.
+
+    Attributes
+    ----------
+    knows_whose_fault : bool
+        Whether a death is the fault of the one case that is told of it.
+    overdue : set of Future
+        Cases that were ended with their process as they took far too long.
+    """
+
+    knows_whose_fault: bool
+    overdue: set[Future[CaseAnswer]]
+
+    def room(self) -> int:
+        """Number of cases to be started now."""
+
+    def running(self) -> int:
+        """Number of running cases."""
+
+    def start(self, task: Task) -> Future[CaseAnswer]:
+        """Start a case."""
+
+    def look_after(self) -> None:
+        """End overdue cases; raises InputError if the engine is gone."""
+
+    def close(self, at_once: bool) -> None:
+        """End the workers, or leave them to others."""
+
+
+class Runner:
+    """Runs cases by an engine, until all are finished or it is stopped.
+
+    Parameters
+    ----------
+    cases : mapping of str to StudyCase
+        By their keys.
+    engine : Engine
+    finished : callable
+        Called with the bytes of each result, on the thread of :meth:`run`.
+    limit : float or None
+        Seconds that a case may take.
+    tick : callable
+        Called twice a second, and after every case.
+    """
+
+    def __init__(
+        self,
+        cases: Mapping[str, StudyCase],
+        engine: Engine,
+        finished: Callable[[bytes], object],
+        limit: float | None = None,
+        tick: Callable[[int], object] = lambda _: None,
+    ) -> None:
+        self._cases, self._engine, self._finished = cases, engine, finished
+        self._limit, self._tick = limit, tick
+        self._waiting = deque(cases)
+        self._suspects: deque[str] = deque()
+        self._deaths: dict[str, int] = {}
+        self._running: dict[Future[CaseAnswer], str] = {}
+        self._ended: queue.SimpleQueue[Future[CaseAnswer]] = queue.SimpleQueue()
+        self._stopping = False
+
+    def stop(self) -> None:
+        """Start no more cases, and finish the running ones; safe in a signal handler."""
+        self._stopping = True
+
+    def run(self) -> None:
+        """Run the cases; raises InputError if the engine is gone."""
+        looked = time.monotonic()
+        while True:
+            if not self._stopping:
+                self._fill()
+            if not self._running and (self._stopping or not (self._waiting or self._suspects)):
+                return
+            with contextlib.suppress(queue.Empty):
+                self._end(self._ended.get(timeout=_TICK))
+            self._tick(self._engine.running())
+            if time.monotonic() - looked > _TICK:
+                self._engine.look_after()
+                looked = time.monotonic()
+
+    def _fill(self) -> None:
+        """Start as many as there is room for; suspects alone, when nothing else runs."""
+        while self._waiting and self._engine.room() > 0:
+            self._start(self._waiting.popleft())
+        if self._suspects and not self._running and self._engine.room() > 0:
+            self._start(self._suspects.popleft())
+
+    def _start(self, key: str, sent: Mapping[str, bytes] | None = None) -> None:
+        future = self._engine.start(Task(self._cases[key], self._limit, sent or {}))
+        self._running[future] = key
+        future.add_done_callback(self._ended.put)
+
+    def _end(self, future: Future[CaseAnswer]) -> None:
+        key = self._running.pop(future)
+        try:
+            answer = future.result()
+        except BrokenExecutor:
+            if future in self._engine.overdue:
+                self._fail(key, tr("It took longer than {limit:g} s.").format(limit=self._limit))
+            else:
+                self._died(key)
+        except CancelledError:
+            self._waiting.appendleft(key)
+        except ImportError as error:
+            raise InputError(
+                tr("The workers or their scheduler cannot load {name}; install apd-viewer there.").format(
+                    name=error.name or error
+                )
+            ) from error
+        except Exception as error:
+            if type(error).__name__ != "KilledWorker":
+                raise
+            self._died(key)
+        else:
+            if answer.missing:
+                sources = self._cases[key].sources
+                self._start(key, {source.digest: source.path.read_bytes() for source in sources})
+            else:
+                self._finished(answer.content)
+
+    def _died(self, key: str) -> None:
+        """The process of a case, or of one beside it, has died."""
+        self._deaths[key] = deaths = self._deaths.get(key, 0) + 1
+        if self._engine.knows_whose_fault and deaths < MOST_DEATHS:
+            self._waiting.append(key)
+        elif not self._engine.knows_whose_fault and deaths == 1:
+            self._suspects.append(key)
+        else:
+            self._fail(key, tr("Its process died each time that it was tried."))
+
+    def _fail(self, key: str, sentence: str) -> None:
+        self._finished(packed(CaseResult(key, FAILED, sentence)))

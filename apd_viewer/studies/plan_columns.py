@@ -1,0 +1,124 @@
+"""Columns of a plan, and their values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA
+from apd_viewer.geometry.solver.convergence import LARGEST_TOLERANCE, MOST_ITERATIONS
+from apd_viewer.geometry.solver.methods import method_named
+from apd_viewer.language import tr
+from apd_viewer.session.quantities.expressions import number
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.studies.sweep_setup import MOST_STEPS
+from apd_viewer.studies.case import Setting
+
+NOTE = "#"
+_YES, _NO = ("yes", "on", "true", "1"), ("no", "off", "false", "0")
+_LARGEST = 1e6
+_SHOWN = 40  # characters quoted from invalid input
+
+
+class PlanColumn(NamedTuple):
+    """A column of a plan.
+
+    Attributes
+    ----------
+    read : callable
+        Makes a setting of what a cell says; raises InputError.
+    about : str
+        What it is, for the help of the command.
+    """
+
+    read: Callable[[str], Setting]
+    about: str
+
+
+def _number(least: float, most: float) -> Callable[[str], float]:
+    def read(text: str) -> float:
+        value = number(text, {})
+        if not least <= value <= most:
+            raise InputError(
+                tr("{value:g} is out of range; enter {least:g} to {most:g}.").format(
+                    value=value, least=least, most=most
+                )
+            )
+        return value
+
+    return read
+
+
+def _percent(text: str) -> float:
+    return _number(LEAST_AREA, MOST_AREA)(text.removesuffix("%"))
+
+
+def _count(most: int) -> Callable[[str], int]:
+    def read(text: str) -> int:
+        value = number(text, {})
+        if not 1 <= value <= most or value != int(value):
+            raise InputError(
+                tr("“{text}” is no whole number from 1 to {most:,}.").format(text=text[:_SHOWN], most=most)
+            )
+        return int(value)
+
+    return read
+
+
+def _switch(text: str) -> bool:
+    if text.lower() not in (*_YES, *_NO):
+        raise InputError(tr("“{text}” is neither yes nor no.").format(text=text[:_SHOWN]))
+    return text.lower() in _YES
+
+
+def _method(text: str) -> str:
+    method_named(text)
+    return text
+
+
+def unit_of(text: str) -> str:
+    """Symbol of a unit of length; raises InputError."""
+    symbols = [unit.value for unit in Unit if unit.value]
+    if text not in symbols:
+        raise InputError(
+            tr("“{text}” is no unit of length; use {units}.").format(
+                text=text[:_SHOWN], units=", ".join(symbols)
+            )
+        )
+    return text
+
+
+# What belongs together in a case: files, motion, and the number of its steps.
+CASE_COLUMNS = {
+    "mesh": tr("mesh file, or a session (.apd)"),
+    "session": tr("session (.apd) with its paint, instead of mesh and selection"),
+    "selection": tr("what of the mesh is base and handle"),
+    "motion": tr("of the handles, such as twist 120deg; push 30%; without, that of the session"),
+    "unit": tr("of the mesh: mm, cm, m, in or ft"),
+    "steps": tr("of the motion; default: 10"),
+}
+SETTINGS = {
+    "method": PlanColumn(_method, tr("arap, paper, exact, local or sr-arap; default: exact")),
+    "iterations": PlanColumn(_count(MOST_ITERATIONS), tr("at most so many a step; default: as sweep")),
+    "stiffness": PlanColumn(_number(0.0, _LARGEST), tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal)")),
+    "area_stiffness": PlanColumn(
+        _number(0.0, _LARGEST), tr("of local: how strongly triangles keep their area")
+    ),
+    "shear_stiffness": PlanColumn(
+        _number(0.0, _LARGEST), tr("of local: how strongly triangles keep their shape")
+    ),
+    "area": PlanColumn(_percent, tr("target of the total area, percent of rest")),
+    "volume": PlanColumn(_percent, tr("target of the volume, percent of rest; empty: free")),
+    "tolerance": PlanColumn(_number(1e-12, LARGEST_TOLERANCE), tr("of the area, by paper")),
+    "hold_area": PlanColumn(_switch, tr("of local: keep the total area too")),
+    "calm": PlanColumn(_switch, tr("of exact: keep the area of calm parts; default: yes")),
+    "contact": PlanColumn(_switch, tr("keep walls from passing through each other; default: no")),
+    "thickness": PlanColumn(str, tr("length: distance that walls in contact keep")),
+}
+COLUMNS = (*CASE_COLUMNS, *SETTINGS)
+
+
+def steps_of(text: str) -> int:
+    """Number of steps; raises InputError."""
+    return _count(MOST_STEPS)(text)

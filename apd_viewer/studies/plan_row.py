@@ -1,0 +1,111 @@
+"""Rows of a plan as cases."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from functools import lru_cache
+from typing import TYPE_CHECKING, TypeVar
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS
+from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.view import SUFFIX
+from apd_viewer.session.posing.motion_step import check_amounts
+from apd_viewer.session.posing.motion_text import parsed_motion
+from apd_viewer.session.quantities.expressions import length
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.studies.case import Setting, StudyCase
+from apd_viewer.studies.plan_columns import SETTINGS, steps_of, unit_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
+
+    from apd_viewer.studies.sources import Sources
+
+T = TypeVar("T")
+
+DEFAULT_STEPS = 10
+_NAMES = dict.fromkeys("XYZLD", 1.0)
+# Of a mesh: who writes down what is usual asks for the same as who does not.
+_USUAL = {each.name: each.default for each in fields(Document) if each.name in SETTINGS}
+# A session says its own unit; which, is of no account for what can be said in one.
+_SOME = Unit.MILLIMETRE
+
+
+def case_of(said: Mapping[str, str], folder: Path, sources: Sources) -> StudyCase:
+    """Case of a row; raises InputError.
+
+    Parameters
+    ----------
+    said : mapping of str to str
+        Cells that are not empty, by their columns.
+    folder : Path
+        Where the files are that it names.
+    sources : Sources
+    """
+    settings = _settings(said)
+    unit = _in_column("unit", unit_of, said["unit"]) if "unit" in said else ""
+    steps = _in_column("steps", steps_of, said["steps"]) if "steps" in said else DEFAULT_STEPS
+    name = said.get("mesh") or said.get("session")
+    if not name or ("mesh" in said and "session" in said):
+        raise InputError(tr("Give either a mesh or a session."))
+    whole = name.lower().endswith(SUFFIX)
+    if "session" in said and not whole:
+        raise InputError(tr("“{name}” is no session (.apd); give it as the mesh.").format(name=name))
+    if whole == ("selection" in said):
+        raise InputError(
+            tr("A session has its own paint; leave “selection” empty.")
+            if whole
+            else tr("A mesh needs a selection of base and handle; fill in “selection”.")
+        )
+    if whole and unit:
+        raise InputError(tr("A session has its own unit; leave “unit” empty."))
+    if not whole and "motion" not in said:
+        raise InputError(tr("Nothing moves; fill in “motion”, such as twist 120deg."))
+    typed = _SOME if whole else Unit(unit)
+    motion = (
+        _in_column("motion", lambda text: _motion(text, typed), said["motion"]) if "motion" in said else ()
+    )
+    if "thickness" in said:
+        _in_column("thickness", lambda text: _thickness(text, typed), said["thickness"])
+    mesh = sources.mesh(folder / name)
+    if not whole:
+        settings = tuple((name, value) for name, value in settings if value != _USUAL.get(name))
+    selection = None if whole else sources.selection(folder / said["selection"])
+    return StudyCase(mesh, selection, motion, unit, steps, settings)
+
+
+def _settings(said: Mapping[str, str]) -> tuple[tuple[str, Setting], ...]:
+    found = {
+        name: _in_column(name, column.read, said[name]) for name, column in SETTINGS.items() if name in said
+    }
+    method = str(found.get("method", DEFAULT_METHOD))
+    if found.get("contact") and not METHODS[method].may_touch:
+        raise InputError(tr("“{method}” knows no contact; choose another method.").format(method=method))
+    if "thickness" in found and not found.get("contact", "session" in said):
+        raise InputError(tr("“thickness” is the distance of walls in contact; set “contact” to yes."))
+    return tuple(found.items())
+
+
+@lru_cache(maxsize=4096)
+def _motion(text: str, unit: Unit) -> tuple[str, ...]:
+    steps = parsed_motion(text)
+    check_amounts(steps, unit)
+    return tuple(step.text for step in steps)
+
+
+def _thickness(text: str, unit: Unit) -> float:
+    value = length(text, unit, _NAMES)
+    if not value > 0.0:
+        raise InputError(tr("A distance must be greater than 0; enter another one."))
+    return value
+
+
+def _in_column(name: str, read: Callable[[str], T], text: str) -> T:
+    """Value of a cell; raises InputError with the column's name."""
+    try:
+        return read(text)
+    except InputError as error:
+        raise InputError(tr("Column “{name}”: {sentence}").format(name=name, sentence=error)) from error

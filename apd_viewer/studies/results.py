@@ -1,0 +1,159 @@
+"""Results of a study as a table: read while it runs, written as CSV and Parquet."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.tables import write_table
+from apd_viewer.language import tr
+from apd_viewer.studies.case_file import DONE, read_case
+from apd_viewer.studies.database import reading
+from apd_viewer.studies.run_case import FINAL
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from apd_viewer.files.tables import Cell
+
+WAITING, WRONG, DUPLICATE = "waiting", "wrong", "duplicate"
+# Behind the plan's columns; others may rely on these and their order.
+PROMISED = ("area_error", "volume", "volume_capped", "energy", "crossings", "seconds")
+READINGS = (*PROMISED, *FINAL)
+HEAD = ("status", "sentence")
+TAIL = ("line", "key")
+
+
+@dataclass(frozen=True)
+class ResultRow:
+    """A row of a plan with its result.
+
+    Attributes
+    ----------
+    line : int
+        Of the plan's file, from 1.
+    key : str
+        Of its result; empty where the row is wrong.
+    cells : tuple of str
+        In the order of the plan's columns.
+    status : str
+        "done", "failed", "waiting", "wrong" (no case can be made of the row) or "duplicate".
+    sentence : str
+    readings : dict
+        Numbers by name; empty unless it is done.
+    """
+
+    line: int
+    key: str
+    cells: tuple[str, ...]
+    status: str
+    sentence: str
+    readings: dict[str, float | None]
+
+
+@dataclass(frozen=True)
+class ResultTable:
+    """All rows of a study, in the order of its plan.
+
+    Attributes
+    ----------
+    columns : tuple of str
+        Of the plan.
+    rows : tuple of ResultRow
+    """
+
+    columns: tuple[str, ...]
+    rows: tuple[ResultRow, ...]
+
+
+def read_results(folder: Path) -> ResultTable:
+    """Read the results so far; raises InputError without a study."""
+    try:
+        with reading(folder) as base:
+            found = base.execute("select value from facts where name = 'columns'").fetchone()
+            rows = base.execute(
+                "select line, plan.key, cells, mistake, same_as, status, sentence, readings"
+                " from plan left join cases on plan.key = cases.key order by position"
+            )
+            return ResultTable(
+                tuple(json.loads(found[0])) if found else (), tuple(_row(*row) for row in rows)
+            )
+    except sqlite3.DatabaseError as error:
+        raise InputError(
+            tr("The results in {folder} cannot be read now ({reason}); try again.").format(
+                folder=folder, reason=error
+            )
+        ) from error
+
+
+def _row(
+    line: int,
+    key: str | None,
+    cells: str,
+    mistake: str,
+    same_as: int | None,
+    status: str | None,
+    sentence: str | None,
+    readings: str | None,
+) -> ResultRow:
+    if key is None:
+        status, sentence = WRONG, mistake
+    elif same_as is not None:
+        status, sentence = DUPLICATE, mistake
+    found = json.loads(readings) if readings else {}
+    return ResultRow(line, key or "", tuple(json.loads(cells)), status or WAITING, sentence or "", found)
+
+
+def write_results(folder: Path, table: ResultTable) -> None:
+    """Write ``results.csv``, and ``results.parquet`` if possible; raises InputError."""
+    columns = [*table.columns, *HEAD, *READINGS, *TAIL]
+    rows = [_cells(row) for row in table.rows]
+    write_table(folder / "results.csv", columns, rows)
+    _write_parquet(folder, columns, rows, len(table.columns))
+
+
+def write_curves(folder: Path, table: ResultTable) -> None:
+    """Write ``curves.csv``, a row a step of every finished case; raises InputError."""
+    rows: list[list[Cell]] = []
+    names: list[str] = []
+    for row in table.rows:
+        if row.status != DONE:
+            continue
+        curves = read_case(folder, row.key).curves
+        names = names or list(curves)
+        rows += [[row.line, step, *values] for step, values in enumerate(zip(*curves.values(), strict=True))]
+    write_table(folder / "curves.csv", ["line", "step", *names], rows)
+
+
+def _cells(row: ResultRow) -> list[Cell]:
+    numbers: list[Cell] = [row.readings.get(name) for name in READINGS]
+    return [*row.cells, row.status, row.sentence, *numbers, row.line, row.key]
+
+
+def _write_parquet(folder: Path, columns: list[str], rows: list[list[Cell]], plan: int) -> None:
+    try:
+        # Here: it is slow to import, and there only where the user has installed it.
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        return
+    words = {*range(plan + len(HEAD)), len(columns) - 1}
+    arrays = [
+        pyarrow.array(
+            [row[k] for row in rows] if k in words else [_number(row[k]) for row in rows],
+            pyarrow.string() if k in words else pyarrow.float64(),
+        )
+        for k in range(len(columns))
+    ]
+    # No name may be there twice: what was asked for gives way to what was found.
+    asked = [f"plan_{name}" if name in columns[plan:] else name for name in columns[:plan]]
+    with replacing(folder / "results.parquet") as scratch:
+        parquet.write_table(pyarrow.table(arrays, [*asked, *columns[plan:]]), scratch)
+
+
+def _number(cell: Cell) -> float | None:
+    return None if cell is None else float(cell)

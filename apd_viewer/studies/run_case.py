@@ -1,0 +1,151 @@
+"""A case walked from its beginning to its end, with its readings."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.shape_check import check_shape
+from apd_viewer.language import tr
+from apd_viewer.session.storage.session_json import frame_said
+from apd_viewer.studies.case_document import OpenedMeshes, state_of, sweep_of_case
+from apd_viewer.studies.case_file import DONE, FAILED, CaseResult
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.studies.sweep import Sweep, SweepStep
+    from apd_viewer.studies.case import StudyCase
+
+# Readings of a case beside those of its curves, in the order of the tables.
+FINAL = (
+    "area",
+    "area_rest",
+    "volume_rest",
+    "volume_error",
+    "local_change",
+    "handle_drift",
+    "share_reached",
+    "least_gap",
+    "box_volume",
+    "packed_volume",
+    "hull_volume",
+    "iterations",
+    "unsettled_steps",
+)
+
+
+class _OutOfTimeError(Exception):
+    """The case took longer than it may."""
+
+
+def run_case(case: StudyCase, meshes: OpenedMeshes, limit: float | None = None) -> CaseResult:
+    """Walk a case; whatever is wrong with it is a sentence of its result.
+
+    Parameters
+    ----------
+    case : StudyCase
+    meshes : OpenedMeshes
+    limit : float, optional
+        Seconds that it may take.
+    """
+    key, started = case.key, time.perf_counter()
+
+    def tick(*_: object) -> None:
+        if limit is not None and time.perf_counter() - started > limit:
+            raise _OutOfTimeError
+
+    try:
+        state, _, motion = state_of(case, meshes)
+        mesh = state.document.mesh
+        sweep = sweep_of_case(case, state.document, motion)
+        # A divergence is found in what it has done to the shape, and said in a sentence.
+        with np.errstate(all="ignore"):
+            return _result(key, mesh, sweep, list(_checked_steps(sweep, tick)), started)
+    except _OutOfTimeError:
+        return CaseResult(key, FAILED, tr("It took longer than {limit:g} s.").format(limit=limit))
+    except InputError as error:
+        return CaseResult(key, FAILED, " ".join(str(error).split()))
+    except MemoryError:
+        return CaseResult(key, FAILED, tr("It does not fit into memory."))
+    except Exception as error:
+        # One case must not end a study: a defect of the program is named, and the others go on.
+        return CaseResult(key, FAILED, tr("The program failed: {error!r}.").format(error=error)[:500])
+
+
+def _checked_steps(sweep: Sweep, tick: Callable[..., object]) -> Iterator[SweepStep]:
+    for step in sweep.steps(tick):
+        if not np.isfinite(step.frame.U).all():
+            raise InputError(tr("It diverged in step {number}.").format(number=step.number))
+        # Shapes on the way need not be kept in memory.
+        last = step.number == len(sweep.parts) - 1
+        yield step if last else step._replace(frame=replace(step.frame, U=sweep.document.mesh.V[:0]))
+
+
+def _result(key: str, mesh: Mesh, sweep: Sweep, steps: list[SweepStep], started: float) -> CaseResult:
+    last = steps[-1]
+    frame = last.frame
+    room = check_shape(frame.U, mesh.joined_F)
+    readings = {
+        **{name: values[-1] for name, values in _curves(steps).items()},
+        "area_rest": frame.area / (1.0 + frame.area_error),
+        "volume_rest": last.volume_rest,
+        "least_gap": None if frame.contact is None else frame.contact.least_gap,
+        "crossings": None if room.crossing is None else len(room.crossing),
+        "box_volume": room.box,
+        "packed_volume": room.packed,
+        "hull_volume": room.hull.volume,
+        "iterations": sum(step.frame.iteration for step in steps),
+        "unsettled_steps": sum(not step.frame.settled for step in steps),
+        "seconds": round(time.perf_counter() - started, 3),
+    }
+    return CaseResult(
+        key, DONE, _sentence(steps, sweep), _plain(readings), _curves(steps), frame_said(frame), frame.U
+    )
+
+
+def _curves(steps: list[SweepStep]) -> dict[str, list[float | None]]:
+    """Readings of all steps by their names."""
+    return {
+        "part": [step.part for step in steps],
+        "degrees": [step.degrees for step in steps],
+        "way": [step.way for step in steps],
+        "area": [step.frame.area for step in steps],
+        "area_error": [step.frame.area_error for step in steps],
+        "volume": [step.frame.volume for step in steps],
+        "volume_capped": [step.frame.volume_capped for step in steps],
+        "volume_error": [step.volume_error for step in steps],
+        "energy": [step.energy for step in steps],
+        "local_change": [step.frame.local_change for step in steps],
+        "handle_drift": [step.frame.handle_drift for step in steps],
+        "share_reached": [step.frame.share_reached for step in steps],
+    }
+
+
+def _plain(readings: dict[str, Any]) -> dict[str, float | None]:
+    """Numbers for JSON, whole ones as integers."""
+    return {
+        name: value if value is None or isinstance(value, int) else float(value)
+        for name, value in readings.items()
+    }
+
+
+def _sentence(steps: list[SweepStep], sweep: Sweep) -> str:
+    """Sentence for the user; empty without anything to say."""
+    last = steps[-1].frame
+    if last.unreached:
+        return last.unreached
+    if last.share_reached < 1.0:
+        share = 100.0 * last.share_reached
+        return tr("Contact stopped the handle after {share:.3g} % of its way.").format(share=share)
+    unsettled = sum(not step.frame.settled for step in steps)
+    if unsettled:
+        return tr("{count} of {steps} shapes did not converge within {most} iterations.").format(
+            count=unsettled, steps=len(steps), most=sweep.iterations
+        )
+    return ""

@@ -1,0 +1,87 @@
+"""Files needed by cases, kept in the folder of the study."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import TYPE_CHECKING
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.meshes import check_readable
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.reading import content_of
+from apd_viewer.language import tr
+from apd_viewer.session.model.view import SUFFIX
+from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.studies.case import Source
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+# Its buffers may be in files beside it, which do not travel with it.
+_IN_PARTS = ".gltf"
+
+
+class Sources:
+    """Copies of meshes, selections and sessions, each made once.
+
+    A study goes on with what it began with where a file is changed meanwhile, and can be taken elsewhere.
+
+    Parameters
+    ----------
+    folder : Path
+        For the copies; made when the first is.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._known: dict[Path, Source | str] = {}
+
+    def mesh(self, path: Path) -> Source:
+        """A mesh or a session; raises InputError."""
+        return self._once(path, self._read_mesh)
+
+    def selection(self, path: Path) -> Source:
+        """A selection; raises InputError."""
+        return self._once(path, lambda there: self._kept(content_of(there), there.suffix.lower()))
+
+    def _once(self, path: Path, read: Callable[[Path], Source]) -> Source:
+        if path not in self._known:
+            try:
+                self._known[path] = read(path)
+            except InputError as error:
+                self._known[path] = str(error)
+        found = self._known[path]
+        if isinstance(found, str):
+            raise InputError(found)
+        return found
+
+    def _read_mesh(self, path: Path) -> Source:
+        check_readable(path, (SUFFIX,))
+        suffix = path.suffix.lower()
+        if suffix == _IN_PARTS:
+            raise InputError(
+                tr("{name} may have parts in other files; save it as .glb.").format(name=path.name)
+            )
+        content = content_of(path)
+        if suffix != SUFFIX:
+            return self._kept(content, suffix)
+        there = self._path(hashlib.sha256(content).hexdigest(), suffix)
+        if not there.exists():
+            # With its mesh in it, which may be elsewhere.
+            state, view = open_session(path)
+            self._folder.mkdir(parents=True, exist_ok=True)
+            save_session(there, state, view, embed=True)
+        return Source(there.stem, suffix, there)
+
+    def _kept(self, content: bytes, suffix: str) -> Source:
+        digest = hashlib.sha256(content).hexdigest()
+        there = self._path(digest, suffix)
+        if not there.exists():
+            self._folder.mkdir(parents=True, exist_ok=True)
+            with replacing(there) as scratch:
+                scratch.write_bytes(content)
+        return Source(digest, suffix, there)
+
+    def _path(self, digest: str, suffix: str) -> Path:
+        return self._folder / f"{digest}{suffix}"

@@ -1,0 +1,117 @@
+"""The task of a worker: one case, by one core, with its set-up in the task itself.
+
+So a worker needs no environment of its own, whoever started it.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import TYPE_CHECKING, NamedTuple
+
+from apd_viewer.geometry.analysis.self_intersections import search_by_one_core
+from apd_viewer.geometry.linalg.threads import use_one_core
+from apd_viewer.session.processes.freed_memory import keep_freed_memory
+from apd_viewer.studies.case_document import OpenedMeshes
+from apd_viewer.studies.case_file import packed
+from apd_viewer.studies.kernels import compile_once
+from apd_viewer.studies.run_case import run_case
+
+if TYPE_CHECKING:
+    from apd_viewer.studies.case import Source, StudyCase
+
+# A process runs one case at a time: memory is measured by it, and kernels run one at a time anyway.
+_ONE_CASE = threading.Lock()
+_sent: dict[str, bytes] = {}
+
+
+class Task(NamedTuple):
+    """A case for a worker.
+
+    Attributes
+    ----------
+    case : StudyCase
+    limit : float or None
+        Seconds that it may take.
+    sent : mapping of str to bytes
+        Content of its sources by digest, for a worker that has not got them; empty at first.
+    """
+
+    case: StudyCase
+    limit: float | None = None
+    sent: Mapping[str, bytes] = {}
+
+
+class CaseAnswer(NamedTuple):
+    """Reply of a worker.
+
+    Attributes
+    ----------
+    content : bytes
+        The result, as its file holds it; empty where sources are missing.
+    missing : tuple of str
+        Digests of sources that the worker has not got and cannot see: they are to be sent.
+    """
+
+    content: bytes
+    missing: tuple[str, ...] = ()
+
+
+Work = Callable[[Task], CaseAnswer]
+
+
+class _MissingError(Exception):
+    """A source is not to be seen from here."""
+
+
+def work(task: Task) -> CaseAnswer:
+    """Run a case in this process."""
+    with _ONE_CASE:
+        _prepare_process()
+        use_one_core()
+        _sent.update(task.sent)
+        try:
+            return CaseAnswer(packed(run_case(task.case, _meshes(), task.limit)))
+        except _MissingError:
+            return CaseAnswer(b"", tuple(source.digest for source in task.case.sources))
+        finally:
+            _sent.clear()
+
+
+@cache
+def _prepare_process() -> None:
+    keep_freed_memory()
+    _limit_blas()
+    search_by_one_core()
+    compile_once()
+
+
+@cache
+def _meshes() -> OpenedMeshes:
+    return OpenedMeshes(_content)
+
+
+def _content(source: Source) -> bytes:
+    if source.digest in _sent:
+        return _sent[source.digest]
+    try:
+        return source.path.read_bytes()
+    except OSError:
+        raise _MissingError from None
+
+
+def _limit_blas() -> None:
+    """Limit BLAS to one core, if threadpoolctl is installed."""
+    try:
+        # Here: few runs of the program need it.
+        from threadpoolctl import threadpool_limits
+    except ImportError:
+        return
+    threadpool_limits(1, user_api="blas")
+
+
+def process_id() -> int:
+    """Number of the worker's process."""
+    return os.getpid()
