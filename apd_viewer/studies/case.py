@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 # Of what is computed and how it is stored: raised when results of earlier versions no longer count.
 RESULTS_VERSION = 1
+_FOLDER = 16  # characters of a digest that name a folder
 
 Setting = float | int | bool | str
 
@@ -26,12 +28,24 @@ class Source:
     suffix : str
         In lower case, with its dot.
     path : Path
-        Copy of it, named by its content; perhaps not to be seen from other machines.
+        Copy of it, of the same name in a folder named by its content; perhaps not to be seen from other
+        machines.
     """
 
     digest: str
     suffix: str
     path: Path
+
+    @property
+    def said(self) -> dict[str, str]:
+        """Its digest and its name, for JSON."""
+        return {"digest": self.digest, "name": self.path.name}
+
+    @classmethod
+    def of(cls, said: dict[str, str], inputs: Path) -> Source:
+        """The source again, with its copy in a folder of inputs."""
+        path = copy_of(inputs, said["digest"], said["name"])
+        return cls(said["digest"], path.suffix.lower(), path)
 
 
 @dataclass(frozen=True)
@@ -79,6 +93,30 @@ class StudyCase:
     def sources(self) -> tuple[Source, ...]:
         """Files needed by it."""
         return (self.mesh,) if self.selection is None else (self.mesh, self.selection)
+
+    @property
+    def said(self) -> dict[str, Any]:
+        """All of it for JSON."""
+        return {
+            "mesh": self.mesh.said,
+            "selection": self.selection and self.selection.said,
+            "motion": list(self.motion),
+            "unit": self.unit,
+            "steps": self.steps,
+            "settings": dict(self.settings),
+        }
+
+    @classmethod
+    def of(cls, said: dict[str, Any], inputs: Path) -> StudyCase:
+        """The case again, with its files in a folder of inputs."""
+        selection = said["selection"] and Source.of(said["selection"], inputs)
+        mesh, settings = Source.of(said["mesh"], inputs), tuple(said["settings"].items())
+        return cls(mesh, selection, tuple(said["motion"]), said["unit"], said["steps"], settings)
+
+
+def copy_of(inputs: Path, digest: str, name: str) -> Path:
+    """Path of the copy of a file in a folder of inputs."""
+    return inputs / digest[:_FOLDER] / name
 
 
 @cache

@@ -7,7 +7,7 @@ import json
 import os
 import struct
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,6 +34,8 @@ class CaseResult:
     Attributes
     ----------
     key : str
+    case : dict
+        Its inputs, as :attr:`StudyCase.said`.
     status : str
         DONE or FAILED.
     sentence : str
@@ -49,6 +51,7 @@ class CaseResult:
     """
 
     key: str
+    case: dict[str, Any]
     status: str
     sentence: str = ""
     readings: dict[str, float | None] = field(default_factory=dict)
@@ -59,9 +62,7 @@ class CaseResult:
 
 def packed(result: CaseResult) -> bytes:
     """A result as bytes; the same one gives the same bytes."""
-    said = {
-        name: getattr(result, name) for name in ("key", "status", "sentence", "readings", "curves", "frame")
-    }
+    said = {each.name: getattr(result, each.name) for each in fields(result) if each.name != "U"}
     text = json.dumps(said).encode()
     array = b"" if result.U is None else npy(result.U)
     sizes = len(text), len(array)

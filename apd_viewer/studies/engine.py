@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Protocol
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.studies.case_file import FAILED, CaseResult, packed
+from apd_viewer.studies.case_file import packed
+from apd_viewer.studies.run_case import failed
 from apd_viewer.studies.worker import CaseAnswer, Task
 
 if TYPE_CHECKING:
@@ -161,4 +162,4 @@ class Runner:
             self._fail(key, tr("Its process died each time that it was tried."))
 
     def _fail(self, key: str, sentence: str) -> None:
-        self._finished(packed(CaseResult(key, FAILED, sentence)))
+        self._finished(packed(failed(self._cases[key], sentence)))

@@ -54,7 +54,7 @@ def run_case(case: StudyCase, meshes: OpenedMeshes, limit: float | None = None) 
     limit : float, optional
         Seconds that it may take.
     """
-    key, started = case.key, time.perf_counter()
+    started = time.perf_counter()
 
     def tick(*_: object) -> None:
         if limit is not None and time.perf_counter() - started > limit:
@@ -66,16 +66,21 @@ def run_case(case: StudyCase, meshes: OpenedMeshes, limit: float | None = None) 
         sweep = sweep_of_case(case, state.document, motion)
         # A divergence is found in what it has done to the shape, and said in a sentence.
         with np.errstate(all="ignore"):
-            return _result(key, mesh, sweep, list(_checked_steps(sweep, tick)), started)
+            return _result(case, mesh, sweep, list(_checked_steps(sweep, tick)), started)
     except _OutOfTimeError:
-        return CaseResult(key, FAILED, tr("It took longer than {limit:g} s.").format(limit=limit))
+        return failed(case, tr("It took longer than {limit:g} s.").format(limit=limit))
     except InputError as error:
-        return CaseResult(key, FAILED, " ".join(str(error).split()))
+        return failed(case, " ".join(str(error).split()))
     except MemoryError:
-        return CaseResult(key, FAILED, tr("It does not fit into memory."))
+        return failed(case, tr("It does not fit into memory."))
     except Exception as error:
         # One case must not end a study: a defect of the program is named, and the others go on.
-        return CaseResult(key, FAILED, tr("The program failed: {error!r}.").format(error=error)[:500])
+        return failed(case, tr("The program failed: {error!r}.").format(error=error)[:500])
+
+
+def failed(case: StudyCase, sentence: str) -> CaseResult:
+    """Result of a failed case."""
+    return CaseResult(case.key, case.said, FAILED, sentence)
 
 
 def _checked_steps(sweep: Sweep, tick: Callable[..., object]) -> Iterator[SweepStep]:
@@ -87,7 +92,7 @@ def _checked_steps(sweep: Sweep, tick: Callable[..., object]) -> Iterator[SweepS
         yield step if last else step._replace(frame=replace(step.frame, U=sweep.document.mesh.V[:0]))
 
 
-def _result(key: str, mesh: Mesh, sweep: Sweep, steps: list[SweepStep], started: float) -> CaseResult:
+def _result(case: StudyCase, mesh: Mesh, sweep: Sweep, steps: list[SweepStep], started: float) -> CaseResult:
     last = steps[-1]
     frame = last.frame
     room = check_shape(frame.U, mesh.joined_F)
@@ -104,14 +109,13 @@ def _result(key: str, mesh: Mesh, sweep: Sweep, steps: list[SweepStep], started:
         "unsettled_steps": sum(not step.frame.settled for step in steps),
         "seconds": round(time.perf_counter() - started, 3),
     }
-    return CaseResult(
-        key, DONE, _sentence(steps, sweep), _plain(readings), _curves(steps), frame_said(frame), frame.U
-    )
+    told = _sentence(steps, sweep), _plain(readings), _curves(steps), frame_said(frame)
+    return CaseResult(case.key, case.said, DONE, *told, frame.U)
 
 
 def _curves(steps: list[SweepStep]) -> dict[str, list[float | None]]:
     """Readings of all steps by their names."""
-    return {
+    curves: dict[str, list[float | None]] = {
         "part": [step.part for step in steps],
         "degrees": [step.degrees for step in steps],
         "way": [step.way for step in steps],
@@ -125,14 +129,18 @@ def _curves(steps: list[SweepStep]) -> dict[str, list[float | None]]:
         "handle_drift": [step.frame.handle_drift for step in steps],
         "share_reached": [step.frame.share_reached for step in steps],
     }
+    return {name: [_number(value) for value in values] for name, values in curves.items()}
 
 
 def _plain(readings: dict[str, Any]) -> dict[str, float | None]:
-    """Numbers for JSON, whole ones as integers."""
-    return {
-        name: value if value is None or isinstance(value, int) else float(value)
-        for name, value in readings.items()
-    }
+    """Numbers for JSON, whole ones as integers; None for those that are not finite."""
+    return {name: _number(value) for name, value in readings.items()}
+
+
+def _number(value: Any) -> float | None:
+    if value is None or not np.isfinite(value):
+        return None
+    return value if isinstance(value, int) else float(value)
 
 
 def _sentence(steps: list[SweepStep], sweep: Sweep) -> str:

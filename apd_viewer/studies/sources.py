@@ -12,7 +12,7 @@ from apd_viewer.files.storage.reading import content_of
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.studies.case import Source
+from apd_viewer.studies.case import Source, copy_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,7 +43,7 @@ class Sources:
 
     def selection(self, path: Path) -> Source:
         """A selection; raises InputError."""
-        return self._once(path, lambda there: self._kept(content_of(there), there.suffix.lower()))
+        return self._once(path, lambda there: self._kept(content_of(there), there))
 
     def _once(self, path: Path, read: Callable[[Path], Source]) -> Source:
         if path not in self._known:
@@ -65,23 +65,23 @@ class Sources:
             )
         content = content_of(path)
         if suffix != SUFFIX:
-            return self._kept(content, suffix)
-        there = self._path(hashlib.sha256(content).hexdigest(), suffix)
-        if not there.exists():
+            return self._kept(content, path)
+        source = self._source(content, path)
+        if not source.path.exists():
             # With its mesh in it, which may be elsewhere.
             state, view = open_session(path)
-            self._folder.mkdir(parents=True, exist_ok=True)
-            save_session(there, state, view, embed=True)
-        return Source(there.stem, suffix, there)
+            source.path.parent.mkdir(parents=True, exist_ok=True)
+            save_session(source.path, state, view, embed=True)
+        return source
 
-    def _kept(self, content: bytes, suffix: str) -> Source:
-        digest = hashlib.sha256(content).hexdigest()
-        there = self._path(digest, suffix)
-        if not there.exists():
-            self._folder.mkdir(parents=True, exist_ok=True)
-            with replacing(there) as scratch:
+    def _kept(self, content: bytes, path: Path) -> Source:
+        source = self._source(content, path)
+        if not source.path.exists():
+            source.path.parent.mkdir(parents=True, exist_ok=True)
+            with replacing(source.path) as scratch:
                 scratch.write_bytes(content)
-        return Source(digest, suffix, there)
+        return source
 
-    def _path(self, digest: str, suffix: str) -> Path:
-        return self._folder / f"{digest}{suffix}"
+    def _source(self, content: bytes, path: Path) -> Source:
+        digest = hashlib.sha256(content).hexdigest()
+        return Source(digest, path.suffix.lower(), copy_of(self._folder, digest, path.name))

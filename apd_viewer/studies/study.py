@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.studies.case_file import FAILED
+from apd_viewer.studies.case_session import INPUTS
 from apd_viewer.studies.engine import Runner
 from apd_viewer.studies.pace import Pace
 from apd_viewer.studies.plan import read_plan
@@ -70,7 +71,7 @@ class Study:
 
     def __init__(self, plan: Path, folder: Path, retry_failed: bool = False) -> None:
         self.folder = folder
-        self.plan: Plan = read_plan(plan, Sources(folder / "inputs"))
+        self.plan: Plan = read_plan(plan, Sources(folder / INPUTS))
         self._store = StudyStore(folder)
         try:
             self._cases = self.plan.cases

@@ -1,0 +1,62 @@
+"""A finished case as a session, to look at its shape in the window."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.language import tr
+from apd_viewer.session.posing.motion_path import posed_along
+from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.session.storage.session_json import frame_of
+from apd_viewer.studies.case import StudyCase
+from apd_viewer.studies.case_document import OpenedMeshes, state_of, sweep_of_case
+from apd_viewer.studies.case_file import read_case
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.model.view import View
+
+INPUTS = "inputs"
+
+
+def case_session(folder: Path, key: str) -> tuple[State, View]:
+    """State of a finished case, its shape bit for bit, and the view.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the study.
+    key : str
+        Of the case.
+
+    Raises
+    ------
+    InputError
+        If it is not done, has failed, or what it needs is gone.
+    """
+    result = read_case(folder, key, shape=True)
+    if result.U is None:
+        raise InputError(tr("This case has no shape: {sentence}").format(sentence=result.sentence))
+    case = StudyCase.of(result.case, folder / INPUTS)
+    try:
+        state, view, motion = state_of(case, OpenedMeshes(lambda source: source.path.read_bytes()))
+    except OSError as error:
+        raise InputError(
+            tr("The mesh of this case is gone from {folder}; run the study again.").format(
+                folder=folder / INPUTS
+            )
+        ) from error
+    document = state.document
+    if motion:
+        document = posed_along(document, sweep_of_case(case, document, motion).paths)
+    state = state.at(document)
+    return state.at(frame=frame_of(Fields(result.frame, "frame"), state, result.U)), view
+
+
+def write_case_session(folder: Path, key: str, path: Path) -> None:
+    """Write the session of a finished case, with its mesh in it; raises InputError."""
+    save_session(path, *case_session(folder, key), embed=True)
