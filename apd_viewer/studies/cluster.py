@@ -52,8 +52,15 @@ class Cluster:
         now = time.monotonic()
         if now - self._looked > _LOOK:
             self._looked = now
-            self._threads = sum(self._client.nthreads().values()) if self._alive else 0
+            self._threads = self._count()
         return 2 * self._threads - len(self._futures)
+
+    def _count(self) -> int:
+        """Threads of all workers; 0 without a scheduler."""
+        try:
+            return sum(self._client.nthreads().values()) if self._alive else 0
+        except OSError:
+            return 0
 
     @property
     def _alive(self) -> bool:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from apd_viewer.studies.worker import CaseAnswer, Task, Work
 
 # Cases of a process before another one takes its place.
-RECYCLE_AFTER = 100
+RECYCLE_AFTER = 300
 # Times its limit, and seconds: a case that native code holds so long is ended with its process.
 _FAR_TOO_LONG = 1.5, 30.0
 _ONE_CORE = dict.fromkeys(

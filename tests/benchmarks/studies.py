@@ -1,0 +1,303 @@
+"""Measure studies: overhead, memory, resumption, kills, and the efficiency of two workers.
+
+    python tests/benchmarks/studies.py simulated [--cases 10000] [--pool local|tcp] [--seconds 0.02]
+    python tests/benchmarks/studies.py bottles [--cases 400] [--pool local|tcp] [--workers 1 2]
+    python tests/benchmarks/studies.py kills [--kills 30]
+
+``simulated`` replaces the solver by a sleep and a result of the size of the sample bottle's; ``bottles`` runs
+the sample bottle of 13,000 vertices; ``kills`` ends workers, scheduler and client at random and compares what
+the resumed study found, bit for bit, with an undisturbed one. "tcp" starts a scheduler and workers of Dask by
+their own commands, without any setting.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import random
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from apd_viewer.studies.case_file import CaseResult, packed, read_case
+from apd_viewer.studies.cluster import connected
+from apd_viewer.studies.local_pool import LocalPool
+from apd_viewer.studies.results import read_results
+from apd_viewer.studies.study import Study
+from apd_viewer.studies.worker import CaseAnswer, Task
+
+RESOURCES = Path(__file__).parents[2] / "resources"
+VERTICES = 13_068
+DASK = [sys.executable, "-m", "dask"]
+PORT = 28_786
+
+
+class Simulated:
+    """Work of a worker that sleeps and returns a result of the real size."""
+
+    def __init__(self, seconds):
+        self.seconds = seconds
+
+    def __call__(self, task):
+        time.sleep(self.seconds)
+        U = np.random.default_rng(0).normal(size=(VERTICES, 3))
+        readings = dict.fromkeys((f"reading_{k}" for k in range(20)), 1.0 / 3.0)
+        curves = {f"curve_{k}": [1.0 / 3.0] * 11 for k in range(12)}
+        return CaseAnswer(
+            packed(CaseResult(task.case.key, task.case.said, "done", "", readings, curves, {}, U))
+        )
+
+
+def design(folder, cases, *more, mesh="bottle"):
+    """Write the plan of a study, and return its path."""
+    plan = folder / "plan.csv"
+    words = [
+        "--mesh",
+        RESOURCES / f"{mesh}.obj",
+        "--selection",
+        RESOURCES / f"{mesh}.sel",
+        "--samples",
+        cases,
+    ]
+    words += ["--vary", "twist=10..170deg", "--vary", "push=1..40%", *more, "-o", plan]
+    subprocess.run(
+        [sys.executable, "-m", "apd_viewer", "study", "design", *map(str, words)],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
+    return plan
+
+
+@contextmanager
+def dask(workers, port=PORT):
+    """A scheduler and workers as somebody starts them by hand; yields their processes."""
+    address = f"tcp://127.0.0.1:{port}"
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": RESOURCES.parent}
+    started = [
+        subprocess.Popen(
+            [*DASK, "scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"], **quiet
+        )
+    ]
+    try:
+        for _ in range(workers):
+            started.append(
+                subprocess.Popen([*DASK, "worker", address, "--nthreads", "1", "--no-dashboard"], **quiet)
+            )
+        yield address, started
+    finally:
+        for process in started[::-1]:
+            process.terminate()
+        for process in started:
+            process.wait()
+
+
+@contextmanager
+def engine(pool, workers, work=None):
+    """An engine of so many workers."""
+    given = {} if work is None else {"work": work}
+    if pool == "local":
+        found = LocalPool(workers, **given)
+        try:
+            yield found
+        finally:
+            found.close(at_once=False)
+        return
+    with dask(workers) as (address, _):
+        found = connected(address, None, **given)
+        while found.room() < 2 * workers:
+            time.sleep(0.1)
+        try:
+            yield found
+        finally:
+            found.close(at_once=False)
+
+
+def memory_of(pid):
+    """Resident memory of a process, MiB."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    return int(next(line for line in status.splitlines() if line.startswith("VmRSS")).split()[1]) / 1024
+
+
+def children_of(pid):
+    """Processes below a process."""
+    found = []
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+        for child in task.read_text().split():
+            found += [int(child), *children_of(child)]
+    return found
+
+
+def simulated(options):
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        plan = design(folder, options.cases)
+        study = Study(plan, folder / "out")
+        sizes, work = [], Simulated(options.seconds)
+
+        def told(now):
+            if not sizes or now.done >= sizes[-1][0] + options.cases // 10:
+                sizes.append((now.done, memory_of(os.getpid())))
+
+        workers = options.workers[-1]
+        with engine(options.pool, workers, work) as pool:
+            pool.start(next(iter(Task(case) for case in study.left.values()))).result()
+            started, before = time.perf_counter(), time.process_time()
+            study.run(pool, told=told)
+            wall, own = time.perf_counter() - started, time.process_time() - before
+        study.close()
+        over = (wall - options.cases * options.seconds / workers) / options.cases
+        print(f"{options.cases} simulated cases, {options.pool}, {workers} workers: {wall:.1f} s")
+        print(
+            f"  overhead {1e3 * over:.2f} ms a case by the clock, {1e3 * own / options.cases:.2f} ms of the client"
+        )
+        print("  memory of the client, MiB:", ", ".join(f"{done}: {size:.0f}" for done, size in sizes))
+        last = Study(plan, folder / "out")
+        key = list(last.plan.cases)[-1]
+        last.close()
+        (folder / "out" / "cases" / f"{key}.case").unlink()
+        started = time.perf_counter()
+        study = Study(plan, folder / "out")
+        with engine("local", 1, work) as pool:
+            study.run(
+                pool,
+                told=lambda now: (
+                    now.running and print(f"  resumed after {time.perf_counter() - started:.1f} s")
+                ),
+            )
+        study.close()
+
+
+def bottles(options):
+    """Wall time by numbers of workers in turns, and memory of the workers."""
+    for workers in options.workers:
+        with tempfile.TemporaryDirectory() as folder:
+            folder = Path(folder)
+            plan = design(folder, options.cases, "--set", "steps=2", "--set", "iterations=60")
+            study, sizes = Study(plan, folder / "out"), {}
+            with engine(options.pool, workers) as pool:
+
+                def told(now, sizes=sizes):
+                    if now.done % 50 == 0 and now.done not in sizes:
+                        sizes[now.done] = max(map(memory_of, children_of(os.getpid())), default=0.0)
+
+                before = resource.getrusage(resource.RUSAGE_CHILDREN)
+                started = time.perf_counter()
+                table = study.run(pool, told=told)
+                wall = time.perf_counter() - started
+            own = sum(row.readings["seconds"] for row in table.rows)
+            study.close()
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+            print(
+                f"{options.cases} bottles, {options.pool}, {workers} workers: {wall:.1f} s by the clock",
+                flush=True,
+            )
+            print(f"  {own:.1f} s in the cases, {spent:.1f} s of the processors by all processes")
+            said = ", ".join(f"{done}: {size:.0f}" for done, size in sizes.items())
+            print(f"  memory of the largest process, MiB: {said}", flush=True)
+
+
+class Killed:
+    """A study that runs by its command and is killed now and then."""
+
+    def __init__(self, plan, out, pool, chance):
+        self.plan, self.out, self.pool, self.chance = plan, out, pool, chance
+
+    def run(self, words, kills, started=()):
+        """Run it until it has ended by itself; return how often something was killed."""
+        done, killed, redone = {}, 0, 0
+        while True:
+            client = subprocess.Popen(
+                [sys.executable, "-m", "apd_viewer", "study", str(self.plan), "-o", str(self.out), *words],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                cwd=RESOURCES.parent,
+            )
+            while client.poll() is None:
+                time.sleep(self.chance.uniform(0.5, 4.0))
+                if killed < kills and client.poll() is None:
+                    self._kill(client, started)
+                    killed += 1
+            now = self._files()
+            redone += sum(now.get(name) != when for name, when in done.items())
+            done = now
+            if client.returncode == 0:
+                return killed, redone
+
+    def _kill(self, client, started):
+        """Kill the client or a worker, or what serves the client."""
+        workers = (
+            children_of(client.pid)
+            if self.pool == "local"
+            else [pid for each in started[1:] for pid in children_of(each.pid)]
+        )
+        targets = [client.pid, *workers[-2:]]
+        os.kill(self.chance.choice(targets), signal.SIGKILL)
+
+    def _files(self):
+        return {path.name: path.stat().st_mtime_ns for path in self.out.glob("cases/*.case")}
+
+
+def alike(one, other):
+    """Whether two studies found the same, bit for bit, but for the time."""
+    tables = read_results(one), read_results(other)
+    for a, b in zip(*(table.rows for table in tables), strict=True):
+        x, y = read_case(one, a.key, shape=True), read_case(other, b.key, shape=True)
+        if {**a.readings, "seconds": 0} != {**b.readings, "seconds": 0} or x.curves != y.curves:
+            return False
+        if a.status != "done" or not np.array_equal(x.U, y.U):
+            return False
+    return True
+
+
+def kills(options):
+    chance, left = random.Random(0), options.kills
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        plan = design(folder, options.cases, "--set", "steps=1", "--set", "iterations=30")
+        whole = Killed(plan, folder / "whole", "local", chance)
+        whole.run(["--processes", "2"], 0)
+        rounds = 0
+        while left > 0:
+            rounds += 1
+            out = folder / f"killed-{rounds}"
+            if options.pool == "local":
+                killed, redone = Killed(plan, out, "local", chance).run(["--processes", "2"], left)
+            else:
+                with dask(2) as (address, started):
+                    killed, redone = Killed(plan, out, "tcp", chance).run(
+                        ["--scheduler", address], left, started
+                    )
+            left -= killed
+            with (out / "results.csv").open(encoding="utf-8") as stream:
+                rows = len(list(csv.DictReader(stream)))
+            same = alike(folder / "whole", out)
+            print(
+                f"round {rounds}: {killed} kills, {rows} rows of {options.cases}, {redone} finished cases "
+                f"computed again, results {'equal' if same else 'DIFFERENT'}",
+                flush=True,
+            )
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("what", choices=("simulated", "bottles", "kills"))
+    parser.add_argument("--cases", type=int, default=400)
+    parser.add_argument("--pool", choices=("local", "tcp"), default="local")
+    parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--seconds", type=float, default=0.02)
+    parser.add_argument("--kills", type=int, default=30)
+    options = parser.parse_args()
+    {"simulated": simulated, "bottles": bottles, "kills": kills}[options.what](options)
+
+
+if __name__ == "__main__":
+    main()
