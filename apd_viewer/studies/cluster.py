@@ -5,12 +5,16 @@ Tasks travel as pickles, which are programs: a scheduler is for people who trust
 
 from __future__ import annotations
 
+import os
+import signal
 import time
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.studies.worker import work as work_on_case
+from apd_viewer.studies.worker_birth import workers_born
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -89,10 +93,21 @@ class Cluster:
 
     def close(self, at_once: bool) -> None:
         """Take back cases not begun, and end the workers started here."""
-        self._executor.shutdown(wait=False)
-        self._client.close(timeout=0 if at_once else _PATIENCE)
-        if self._cluster is not None:
-            self._cluster.close()
+        if self._alive:
+            self._executor.shutdown(wait=False)
+        # Dask says that it has not ended in time by an OSError; the processes end with this one.
+        with suppress(OSError):
+            if self._cluster is not None and at_once:
+                self._kill()
+            self._client.close(timeout=1 if at_once else _PATIENCE)
+            if self._cluster is not None:
+                self._cluster.close(timeout=_PATIENCE)
+
+    def _kill(self) -> None:
+        """End the workers started here with their cases."""
+        for nanny in self._cluster.workers.values():
+            nanny.auto_restart = False
+            os.kill(nanny.pid, signal.SIGKILL)
 
 
 def local_cluster(workers: int, work: Work = work_on_case) -> Cluster:
@@ -101,7 +116,7 @@ def local_cluster(workers: int, work: Work = work_on_case) -> Cluster:
     # Here, as it is part of Dask.
     import dask
 
-    with dask.config.set(_SETTINGS):
+    with dask.config.set(_SETTINGS), workers_born():
         cluster = distributed.LocalCluster(
             n_workers=workers, threads_per_worker=1, dashboard_address=None, memory_limit=0
         )

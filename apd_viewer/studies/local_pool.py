@@ -6,10 +6,7 @@ too long can be ended, and a process is replaced after so many cases without wai
 
 from __future__ import annotations
 
-import contextlib
 import os
-import signal
-import threading
 import time
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from multiprocessing import get_context
@@ -17,19 +14,15 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.session.processes.child_boot import set_up
 from apd_viewer.studies.worker import work as work_on_case
+from apd_viewer.studies.worker_birth import workers_born
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from apd_viewer.studies.worker import CaseAnswer, Task, Work
 
 # Cases of a process before another one takes its place.
 RECYCLE_AFTER = 300
 # Times its limit, and seconds: a case that native code holds so long is ended with its process.
 _FAR_TOO_LONG = 1.5, 30.0
-_ONE_CORE = dict.fromkeys(
-    ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"
-)
 
 
 class _Lane:
@@ -52,20 +45,21 @@ class _Lane:
             self.end()
         factor, more = _FAR_TOO_LONG
         self.until = float("inf") if task.limit is None else time.monotonic() + factor * task.limit + more
-        with _environment():
-            try:
-                self.future = self._submitted(work, task)
-            except BrokenExecutor:  # the process died of the last case, or idle
-                self.end()
-                self.future = self._submitted(work, task)
+        try:
+            self.future = self._submitted(work, task)
+        except BrokenExecutor:  # the process died of the last case, or idle
+            self.end()
+            self.future = self._submitted(work, task)
         self.cases += 1
         return self.future
 
     def _submitted(self, work: Work, task: Task) -> Future[CaseAnswer]:
-        if self.executor is None:
-            self.executor = ProcessPoolExecutor(1, get_context("spawn"), set_up, (os.getpid(),))
-            self.cases = 0
-        return self.executor.submit(work, task)
+        if self.executor is not None:
+            return self.executor.submit(work, task)
+        self.executor = ProcessPoolExecutor(1, get_context("spawn"), set_up, (os.getpid(),))
+        self.cases = 0
+        with workers_born():  # the first case starts the process
+            return self.executor.submit(work, task)
 
     def end(self, at_once: bool = False) -> None:
         """End the process after its case, or with it."""
@@ -125,22 +119,3 @@ class LocalPool:
         """End the processes, with their cases if at once."""
         for lane in self._lanes:
             lane.end(at_once)
-
-
-@contextlib.contextmanager
-def _environment() -> Iterator[None]:
-    """Have processes started within use one core, and ignore Ctrl+C."""
-    before = {name: os.environ.get(name) for name in _ONE_CORE}
-    main = threading.current_thread() is threading.main_thread()
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if main else None
-    os.environ.update(_ONE_CORE)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-        if main:
-            signal.signal(signal.SIGINT, handler)

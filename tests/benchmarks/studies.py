@@ -155,9 +155,7 @@ def simulated(options):
         study.close()
         over = (wall - options.cases * options.seconds / workers) / options.cases
         print(f"{options.cases} simulated cases, {options.pool}, {workers} workers: {wall:.1f} s")
-        print(
-            f"  overhead {1e3 * over:.2f} ms a case by the clock, {1e3 * own / options.cases:.2f} ms of the client"
-        )
+        print(f"  overhead {1e3 * over:.2f} ms a case, {1e3 * own / options.cases:.2f} by the client")
         print("  memory of the client, MiB:", ", ".join(f"{done}: {size:.0f}" for done, size in sizes))
         last = Study(plan, folder / "out")
         key = list(last.plan.cases)[-1]
