@@ -35,23 +35,24 @@ class Sources:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._known: dict[Path, Source | str] = {}
+        self._known: dict[tuple[str, Path], Source | str] = {}
 
     def mesh(self, path: Path) -> Source:
         """A mesh or a session; raises InputError."""
-        return self._once(path, self._read_mesh)
+        return self._once("mesh", path, self._read_mesh)
 
     def selection(self, path: Path) -> Source:
         """A selection; raises InputError."""
-        return self._once(path, lambda there: self._kept(content_of(there), there))
+        return self._once("selection", path, lambda there: self._kept(content_of(there), there))
 
-    def _once(self, path: Path, read: Callable[[Path], Source]) -> Source:
-        if path not in self._known:
+    def _once(self, kind: str, path: Path, read: Callable[[Path], Source]) -> Source:
+        key = kind, path
+        if key not in self._known:
             try:
-                self._known[path] = read(path)
+                self._known[key] = read(path)
             except InputError as error:
-                self._known[path] = str(error)
-        found = self._known[path]
+                self._known[key] = str(error)
+        found = self._known[key]
         if isinstance(found, str):
             raise InputError(found)
         return found

@@ -70,6 +70,7 @@ def motion_paths(document: Document, steps: Sequence[MotionStep]) -> tuple[Handl
     """Path of each handle from its grip along a typed motion; raises InputError."""
     if any(abs(step.angle) > MOST_TURNS * 2.0 * math.pi for step in steps):
         raise InputError(tr("Enter at most {most} turns at a time.").format(most=MOST_TURNS))
+    document = gripped_at_rest(document)
     own = [tuple(step for step in steps if step.handle == k) for k in range(len(document.handles))]
     paths = tuple(_path(document, k, mine) for k, mine in enumerate(own))
     for path in paths:

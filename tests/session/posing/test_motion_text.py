@@ -1,0 +1,131 @@
+"""Motions in words: what they say, where they lead, and what is no motion."""
+
+import numpy as np
+import pytest
+from meshes import box, ends, rotation
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.posing.motion_path import motion_paths, posed_along
+from apd_viewer.session.posing.motion_step import check_amounts, motion_of
+from apd_viewer.session.posing.motion_text import parsed_motion
+from apd_viewer.session.posing.typed_motion import names_of, poses_along
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.studies.sweep_setup import sweep_of, twist_of
+
+
+@pytest.fixture(scope="module")
+def state():
+    """A bar along z in millimetres, its base below, one handle on top and one in the middle."""
+    V, F = box(2, 2, 6)
+    labels = np.ones(len(V), dtype=np.uint8)
+    base, handle = ends(V)
+    labels[base], labels[handle], labels[V[:, 2] == 3] = 0, 2, 3
+    return opened(Mesh(V, F), labels)
+
+
+def paths(state, text):
+    steps = parsed_motion(text)
+    check_amounts(steps, Unit.MILLIMETRE)
+    return motion_paths(state.document, motion_of(state.document, steps, names_of(state), Unit.MILLIMETRE))
+
+
+def turned(axis, degrees, about):
+    pose = np.eye(4)
+    pose[:3, :3] = rotation(axis, np.radians(degrees))
+    pose[:3, 3] = about - pose[:3, :3] @ about
+    return pose
+
+
+TOP, BOTTOM, MIDDLE = np.array([1.0, 1, 6]), np.array([1.0, 1, 0]), np.array([1.0, 1, 3])
+POSES = {
+    "twist 120deg": turned([0, 0, 1], 120, TOP),
+    "twist 400": turned([0, 0, 1], 40, TOP),
+    "bend 20deg": turned([1, 0, 0], 20, BOTTOM),
+    "bend 20deg about y": turned([0, 1, 0], 20, BOTTOM),
+    "turn 0.25 turn about x": turned([1, 0, 0], 90, TOP),
+    "push 30%": [0, 0, -1.8],
+    "push 2mm": [0, 0, -2],
+    "push 0.5 X": [0, 0, -1],
+    "move 0 0.2cm -1": [0, 2, -1],
+    "scale 1.5": np.diag([1.5, 1.5, 1.5, 1]),
+}
+
+
+@pytest.mark.parametrize("text", POSES)
+def test_a_motion_ends_where_its_words_say(text, state):
+    wanted = np.asarray(POSES[text], dtype=float)
+    if wanted.shape == (3,):
+        wanted = np.block([[np.eye(3), wanted[:, None]], [np.zeros((1, 3)), 1.0]])
+    elif text.startswith("scale"):
+        wanted[:3, 3] = TOP - 1.5 * TOP
+    path, other = paths(state, text)
+    np.testing.assert_allclose(path.at(1.0), wanted, atol=1e-12)
+    np.testing.assert_array_equal(path.at(0.0), np.eye(4))
+    assert not other.moves
+
+
+def test_all_amounts_grow_together(state):
+    whole, half = (paths(state, text)[0] for text in ("twist 300deg; push 40%", "twist 150deg; push 20%"))
+    np.testing.assert_allclose(whole.at(0.5), half.at(1.0), atol=1e-12)
+    assert np.degrees(whole.angle) == pytest.approx(300)
+
+
+def test_steps_follow_each_other_and_name_their_handle(state):
+    top, middle = paths(state, "turn 90 about x; move 0 0 1; Handle 2: push 1; scale 2")
+    pose = turned([1, 0, 0], 90, TOP)
+    pose[2, 3] += 1
+    np.testing.assert_allclose(top.at(1.0), pose, atol=1e-12)
+    np.testing.assert_allclose(middle.at(1.0) @ [*MIDDLE, 1], [1, 1, 2, 1], atol=1e-12)
+
+
+@pytest.mark.parametrize("degrees", [40, 400, -1000])
+def test_a_twist_is_that_of_the_window_and_of_the_sweep(degrees, state):
+    document = state.document
+    *_, pose = poses_along(document, 0, TypedMotion.TWIST, np.radians(degrees))
+    path = paths(state, f"twist {degrees}")[0]
+    np.testing.assert_allclose(path.at(1.0), pose, atol=1e-12)
+    swept = sweep_of(document, 3, methods=["arap"], twists=[twist_of(f"{degrees}"), 0.0]).paths[0]
+    assert all(np.array_equal(path.at(part), swept.at(part)) for part in (0.3, 1.0))
+    posed = posed_along(document, paths(state, f"twist {degrees}"))
+    assert np.degrees(posed.handles[0].rotation) == pytest.approx([0, 0, degrees], abs=1e-6)
+
+
+def test_words_are_written_in_one_way():
+    first, second = (
+        parsed_motion(text) for text in ("Twist  120deg ;; push 30%", "handle 1: twist 120deg; push 30%")
+    )
+    assert first == second
+    assert parsed_motion("; ".join(step.text for step in first)) == first
+
+
+WRONG = {
+    "": "is empty",
+    "wring 30": "“wring” is no motion",
+    "twist": "Nothing was entered",
+    "twist 30mm": "not allowed here",
+    "twist fast": "unknown",
+    "twist 30 about x": "has no axis",
+    "turn 30": "needs an axis",
+    "turn 30 about w": "needs an axis",
+    "move 1 2": "three lengths",
+    "move 1 2 3deg": "an angle",
+    "push 30deg": "an angle",
+    "scale 0": "greater than 0",
+    "handle 0: push 1": "from 1",
+    "handle 3: push 1": "no handle 3",
+    "twist 40000": "at most 100 turns",
+}
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_what_is_no_motion_is_said(text, state):
+    with pytest.raises(InputError, match=WRONG[text]):
+        paths(state, text)
+
+
+def test_a_length_needs_the_unit_of_the_mesh(state):
+    with pytest.raises(InputError, match="unit of the mesh is not set"):
+        check_amounts(parsed_motion("push 2mm"), Unit.NONE)

@@ -1,0 +1,58 @@
+"""Files of cases: read again as written, or refused."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from apd_viewer.errors import InputError
+from apd_viewer.studies.case_file import CaseResult, case_path, packed, read_case, unpacked, write_case
+
+RESULT = CaseResult(
+    "abc",
+    {"steps": 3},
+    "done",
+    "Kühl – “no”.",
+    {"area": 1.0 / 3.0, "volume": None, "crossings": 2},
+    {"part": [0.0, 1.0]},
+    {"settled": True},
+    np.random.default_rng(1).normal(size=(7, 3)),
+)
+
+
+def same(one, other):
+    return all(getattr(one, name) == getattr(other, name) for name in vars(one) if name != "U")
+
+
+def test_a_result_comes_back_bit_for_bit():
+    found = unpacked(packed(RESULT))
+    assert same(found, RESULT)
+    assert np.array_equal(found.U, RESULT.U)
+    assert not found.U.flags.writeable
+    assert packed(RESULT) == packed(found)
+    light = unpacked(packed(RESULT), shape=False)
+    assert same(light, RESULT)
+    assert light.U is None
+
+
+@given(st.data())
+def test_no_damage_goes_unnoticed(data):
+    content = packed(RESULT)
+    if data.draw(st.booleans()):
+        broken = content[: data.draw(st.integers(0, len(content) - 1))]
+    else:
+        k, bit = data.draw(st.integers(0, len(content) - 1)), 1 << data.draw(st.integers(0, 7))
+        broken = content[:k] + bytes([content[k] ^ bit]) + content[k + 1 :]
+    with pytest.raises(ValueError, match=r"damaged|no result"):
+        unpacked(broken)
+
+
+def test_a_case_that_is_not_there_or_damaged_is_said(tmp_path):
+    with pytest.raises(InputError, match="not done yet"):
+        read_case(tmp_path, "abc")
+    case_path(tmp_path, "abc").parent.mkdir()
+    write_case(case_path(tmp_path, "abc"), packed(RESULT)[:-1])
+    with pytest.raises(InputError, match="run the study again"):
+        read_case(tmp_path, "abc")
+    write_case(case_path(tmp_path, "abc"), packed(RESULT))
+    assert same(read_case(tmp_path, "abc"), RESULT)

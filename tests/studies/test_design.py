@@ -1,0 +1,98 @@
+"""Designs: laws of samples, and what cannot be designed."""
+
+import csv
+import itertools
+import re
+
+import numpy as np
+import pytest
+
+from apd_viewer.__main__ import main
+from apd_viewer.errors import InputError
+from apd_viewer.studies.design import GRID, LATIN, SOBOL, designed, varied
+
+GIVEN = {"mesh": "a.off", "selection": "a.sel"}
+
+
+def column(rows, names, name, unit=""):
+    return np.array([float(row[names.index(name)].removesuffix(unit)) for row in rows])
+
+
+def test_a_latin_hypercube_has_one_sample_in_each_stratum():
+    vary = [varied("stiffness=1e-4..1:log"), varied("area=90..110%")]
+    names, rows = designed(GIVEN, vary, LATIN, 50, seed=3)
+    assert names == ["mesh", "selection", "stiffness", "area"]
+    for shares in (
+        np.log10(column(rows, names, "stiffness")) / 4 + 1,
+        (column(rows, names, "area", "%") - 90) / 20,
+    ):
+        assert sorted(np.floor(50 * (shares + 1e-7)).astype(int)) == list(range(50))
+
+
+def test_a_sobol_sequence_is_balanced():
+    names, rows = designed(GIVEN, [varied("stiffness=0..1"), varied("method=arap,exact")], SOBOL, 64, 0)
+    assert np.bincount((8 * column(rows, names, "stiffness")).astype(int), minlength=8).tolist() == [8] * 8
+    assert sum(row[-1] == "arap" for row in rows) == 32
+
+
+def test_a_grid_has_every_combination_once():
+    vary = [varied("mesh=a.off,b.off"), varied("twist=0..180deg"), varied("steps=5,10")]
+    names, rows = designed({"selection": "a.sel"}, vary, GRID, 3, 0)
+    assert names == ["selection", "mesh", "steps", "motion"]
+    turns = ["twist 0deg", "twist 90deg", "twist 180deg"]
+    expected = itertools.product(["a.off", "b.off"], turns, ["5", "10"])
+    assert [tuple(row[1:]) for row in rows] == [(mesh, steps, turn) for mesh, turn, steps in expected]
+
+
+def test_the_seed_decides():
+    vary = [varied("twist=0..180deg"), varied("push=0..40%")]
+    for design in (LATIN, SOBOL):
+        one, same, other = (designed(GIVEN, vary, design, 20, seed)[1] for seed in (1, 1, 2))
+        assert one == same != other
+        assert all(re.fullmatch(r"twist [\d.e-]+deg; push [\d.e-]+%", row[-1]) for row in one)
+
+
+def test_names_in_the_motion_are_filled_in():
+    given = {**GIVEN, "motion": "bend {by}deg; move 0 {way} 0"}
+    names, rows = designed(
+        given, [varied("by=10..20"), varied("way=1..2mm"), varied("push=5..6%")], GRID, 2, 0
+    )
+    assert rows[0][names.index("motion")] == "bend 10deg; move 0 1mm 0; push 5%"
+    assert rows[-1][names.index("motion")] == "bend 20deg; move 0 2mm 0; push 6%"
+
+
+WRONG = {
+    "nothing": ([], {}, "Nothing varies"),
+    "no range": (["twist"], {}, "varies nothing"),
+    "backwards": (["twist=9..2"], {}, "exchange its ends"),
+    "factors from 0": (["stiffness=0..1:log"], {}, "ends above 0"),
+    "an unknown name": (["colour=1..2"], {}, "“colour” is no column"),
+    "twice": (["push=1..2", "push=3..4"], {}, "given twice"),
+    "given already": (["steps=1,2"], {"steps": "4"}, "given twice"),
+    "too many": (["push=1..2", "twist=1..2"], {}, "are the most"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_cannot_be_designed_is_said(case):
+    vary, given, words = WRONG[case]
+    with pytest.raises(InputError, match=words):
+        designed({**GIVEN, **given}, list(map(varied, vary)), GRID, 1001, 0)
+
+
+def test_the_command_writes_a_plan_that_finds_its_files(bar, planned, capsys, monkeypatch):
+    monkeypatch.chdir(bar)
+    (bar / "plans").mkdir()
+    words = "--mesh bar.off --selection bar.sel --vary twist=0..180deg --samples 7 --method sobol --seed 5"
+    words += " --set steps=3 --set method=arap -o plans/plan.csv"
+    assert main(["study", "design", *words.split()]) == 0
+    assert capsys.readouterr().out == "plans/plan.csv: 7 cases\n"
+    with (bar / "plans" / "plan.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert {(row["mesh"], row["selection"], row["steps"]) for row in rows} == {
+        ("../bar.off", "../bar.sel", "3")
+    }
+    assert len({row["motion"] for row in rows}) == 7
+    assert main(["study", "design", "--vary", "twist=1..2", "-o", "plans/other.csv"]) == 2
+    assert "There is no mesh" in capsys.readouterr().err
+    assert not (bar / "plans" / "other.csv").exists()

@@ -1,0 +1,88 @@
+"""Processes of this machine: killed, stuck, replaced; and the same bits as without them."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+import study_work
+
+from apd_viewer.studies.case_document import OpenedMeshes
+from apd_viewer.studies.case_file import read_case, unpacked
+from apd_viewer.studies.local_pool import LocalPool
+from apd_viewer.studies.run_case import run_case
+from apd_viewer.studies.study import Study
+from apd_viewer.studies.worker import Task
+
+
+@pytest.fixture
+def pool():
+    """Start pools that are ended with the test."""
+    started = []
+
+    def start(*arguments, **options):
+        started.append(LocalPool(*arguments, **options))
+        return started[-1]
+
+    yield start
+    for each in started:
+        each.close(at_once=True)
+
+
+@pytest.fixture
+def run(written, bar):
+    """Run a study of rows; return its table."""
+
+    def study(rows, pool, **options):
+        study = Study(written(*rows), bar / "out")
+        try:
+            return study.run(pool, **options)
+        finally:
+            study.close()
+
+    return study
+
+
+def test_what_dies_is_tried_again_and_the_rest_goes_on(pool, run, bar, monkeypatch):
+    monkeypatch.setenv("DEADLY_ONCE", str(bar / "once"))
+    rows = [{"steps": str(steps)} for steps in (3, 13, 7, 5)]
+    table = run(rows, pool(2, study_work.deadly))
+    assert [row.status for row in table.rows] == ["done", "failed", "done", "done"]
+    assert "died each time" in table.rows[1].sentence
+    assert (bar / "once").exists()
+
+
+def test_a_case_that_native_code_holds_is_ended(pool, run, monkeypatch):
+    monkeypatch.setattr("apd_viewer.studies.local_pool._FAR_TOO_LONG", (1.0, 0.5))
+    table = run([{"steps": "13"}, {"steps": "3"}], pool(1, study_work.stuck), limit=0.5)
+    assert [row.status for row in table.rows] == ["failed", "done"]
+    assert "longer than 0.5 s" in table.rows[0].sentence
+
+
+def test_processes_are_replaced_and_killed_idle_ones_too(pool, planned):
+    case = next(iter(planned({}).cases.values()))
+    engine = pool(1, study_work.quick, recycle=2)
+
+    def process():
+        return int(unpacked(engine.start(Task(case)).result().content).readings["process"])
+
+    first, second, third = process(), process(), process()
+    assert first == second != third
+    os.kill(third, signal.SIGKILL)
+    end = time.monotonic() + 20.0
+    while Path(f"/proc/{third}/stat").exists() and time.monotonic() < end:
+        time.sleep(0.02)
+    assert process() not in (first, third)
+
+
+def test_the_bits_are_those_of_this_process(pool, run, planned, bar):
+    rows = [{"motion": f"twist {angle}deg; push 10%", "iterations": "20"} for angle in (50, 100, 200)]
+    table = run(rows, pool(2))
+    meshes = OpenedMeshes(lambda source: source.path.read_bytes())
+    for row, case in zip(table.rows, planned(*rows).cases.values(), strict=True):
+        here, there = run_case(case, meshes), read_case(bar / "out", row.key, shape=True)
+        assert there.status == "done"
+        assert here.curves == there.curves
+        assert here.U.tobytes() == there.U.tobytes()
+        assert {**here.readings, "seconds": 0} == {**there.readings, "seconds": 0}

@@ -1,0 +1,132 @@
+"""A case: the shapes and readings of the sweep, a session of it, and sentences where it fails."""
+
+import numpy as np
+import pytest
+import trimesh
+from meshes import ends, tube
+
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.selections.selection_files import read_selection_file
+from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.pose.transforms import turned_about
+from apd_viewer.session.model.document_selection import with_selection
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.studies.sweep_setup import sweep_of, twist_of
+from apd_viewer.studies import run_case as module
+from apd_viewer.studies.case_document import OpenedMeshes
+from apd_viewer.studies.case_file import case_path, packed, write_case
+from apd_viewer.studies.case_session import write_case_session
+from apd_viewer.studies.run_case import run_case
+
+
+@pytest.fixture
+def run(planned):
+    """Run a case of the bar."""
+
+    def result(limit=None, **cells):
+        (row,) = planned(cells).rows
+        assert row.mistake == ""
+        return run_case(row.case, OpenedMeshes(lambda source: source.path.read_bytes()), limit)
+
+    return result
+
+
+@pytest.fixture
+def document(bar):
+    mesh = open_mesh(bar / "bar.off")
+    return with_selection(opened(mesh).document, read_selection_file(bar / "bar.sel", mesh))
+
+
+def test_a_case_is_a_sweep_bit_for_bit(run, document):
+    result = run(motion="twist 200deg", steps="3", iterations="40", method="exact")
+    steps = list(sweep_of(document, 3, 1.0, ["exact"], [twist_of("200deg")], 40).steps())
+    assert np.array_equal(result.U, steps[-1].frame.U)
+    for name, values in {
+        "area": [step.frame.area for step in steps],
+        "volume": [step.frame.volume for step in steps],
+        "energy": [step.energy for step in steps],
+        "degrees": [step.degrees for step in steps],
+    }.items():
+        assert result.curves[name] == values
+        assert result.readings[name] == values[-1]
+
+
+def test_readings_are_those_of_the_shape(run, document):
+    result = run(motion="twist 170deg; push 30%", method="arap", iterations="200")
+    shape = trimesh.Trimesh(result.U, document.mesh.F, process=False)
+    found = result.readings
+    assert found["area"] == pytest.approx(shape.area, rel=1e-12)
+    assert found["volume"] == pytest.approx(shape.volume, rel=1e-12)
+    assert found["area_error"] == pytest.approx(shape.area / found["area_rest"] - 1, abs=1e-12)
+    assert found["box_volume"] == pytest.approx(np.prod(shape.extents), rel=1e-12)
+    assert found["hull_volume"] == pytest.approx(shape.convex_hull.volume, rel=1e-9)
+    assert found["crossings"] == len(crossings(result.U, document.mesh.joined_F))
+    assert found["crossings"] > 0
+    assert found["handle_drift"] == pytest.approx(0.0, abs=1e-12)
+    assert found["volume_capped"] is None
+
+
+@pytest.mark.parametrize(
+    "cells", [{"motion": "twist 400deg; push 10%"}, {"motion": "bend 30", "contact": "yes"}]
+)
+def test_a_case_opens_as_a_session(cells, run, bar):
+    result = run(**cells, iterations="30", unit="cm")
+    case_path(bar, result.key).parent.mkdir()
+    write_case(case_path(bar, result.key), packed(result))
+    write_case_session(bar, result.key, bar / "case.apd")
+    state, view = open_session(bar / "case.apd")
+    assert np.array_equal(state.frame.U, result.U)
+    assert state.frame.area_error == pytest.approx(result.readings["area_error"], abs=1e-12)
+    assert (view.unit, state.document.contact, state.document.mesh.name) == (
+        "cm",
+        "contact" in cells,
+        "bar.off",
+    )
+    held = state.document.constraints()
+    np.testing.assert_allclose(result.U[held.fixed], held.targets, atol=1e-9)
+    turned = np.degrees(np.linalg.norm(document.handles[0].rotation))
+    assert turned == pytest.approx(400 if "400" in cells["motion"] else 30)
+
+
+def test_a_session_walks_its_own_motion_or_a_given_one(bar, document, planned):
+    pose = turned_about([1, 1, 0], [1, 0, 0], 0.5)
+    save_session(bar / "bar.apd", opened(document.mesh).at(document.with_pose(0, pose)), View(unit="mm"))
+    nothing = {"mesh": "bar.apd", "selection": "", "motion": "", "method": "arap"}
+    plan = planned(nothing, {**nothing, "motion": "push 1mm"})
+    meshes = OpenedMeshes(lambda source: source.path.read_bytes())
+    own, pushed = (run_case(case, meshes) for case in plan.cases.values())
+    handle, X = document.labels == 2, document.mesh.V
+    np.testing.assert_allclose(own.U[handle], X[handle] @ pose[:3, :3].T + pose[:3, 3], atol=1e-12)
+    np.testing.assert_allclose(pushed.U[handle], X[handle] - [0, 0, 1], atol=1e-12)
+
+
+def test_what_does_not_fit_the_mesh_is_a_sentence(run, bar, monkeypatch):
+    assert "no handle 2" in run(motion="handle 2: push 1").sentence
+    assert "longer than 1e-06 s" in run(limit=1e-6).sentence
+    V, F = tube()
+    base, handle = ends(V)
+    labels = np.ones(len(V), dtype=int)
+    labels[base], labels[handle] = 0, 2
+    (bar / "bar.sel").write_text("0\n1\n2\n")
+    assert "for a mesh of 3 vertices" in run().sentence
+    trimesh.Trimesh(V, F, process=False).export(bar / "bar.off")
+    np.savetxt(bar / "bar.sel", labels, fmt="%d")
+    assert "no volume to keep" in run(volume="50").sentence
+    monkeypatch.setattr(module, "check_shape", lambda *_: 1 / 0)
+    result = run(iterations="2")
+    assert (result.status, result.U) == ("failed", None)
+    assert "ZeroDivisionError" in result.sentence
+
+
+def test_targets_out_of_reach_are_said(run):
+    result = run(volume="900", iterations="300", steps="1")
+    assert result.status == "done"
+    assert "volume" in result.sentence
+
+
+def test_steps_that_do_not_settle_are_said(run):
+    result = run(iterations="1", motion="twist 90deg")
+    assert "of 3 shapes did not converge within 1 iterations" in result.sentence
+    assert result.readings["unsettled_steps"] > 0

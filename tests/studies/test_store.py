@@ -1,0 +1,180 @@
+"""The folder of a study: what is there is done, whatever became of the program, and others may read."""
+
+import csv
+import json
+
+import pytest
+from study_work import quick
+
+from apd_viewer.errors import InputError
+from apd_viewer.studies.case_file import case_path, packed
+from apd_viewer.studies.results import READINGS, read_results
+from apd_viewer.studies.run_case import failed
+from apd_viewer.studies.store import StudyStore
+from apd_viewer.studies.study import Study
+from apd_viewer.studies.worker import CaseAnswer, Task
+
+ROWS = [{"motion": f"twist {angle}deg"} for angle in (10, 20, 30, 40)]
+
+
+class Here:
+    """An engine that runs every case at once, here, and remembers which."""
+
+    knows_whose_fault = True
+
+    def __init__(self, work=quick):
+        self.work, self.ran, self.overdue = work, [], set()
+
+    def room(self):
+        return 1
+
+    def running(self):
+        return 0
+
+    def start(self, task):
+        from concurrent.futures import Future
+
+        self.ran.append(task.case.motion[0])
+        future = Future()
+        future.set_result(self.work(task))
+        return future
+
+    def look_after(self):
+        pass
+
+
+@pytest.fixture
+def run(written, bar):
+    """Run a study of rows in the folder ``out``; return the motions that were computed, and the table."""
+
+    def study(*rows, work=quick, **options):
+        engine = Here(work)
+        study = Study(written(*rows), bar / "out", **options)
+        try:
+            table = study.run(engine)
+        finally:
+            study.close()
+        return [motion.split()[-1] for motion in engine.ran], table
+
+    return study
+
+
+def test_a_changed_plan_computes_only_what_is_new(run):
+    assert run(*ROWS)[0] == ["10deg", "20deg", "30deg", "40deg"]
+    assert run(*ROWS)[0] == []
+    ran, table = run(ROWS[3], {"motion": "twist 50deg"}, ROWS[0], ROWS[0])
+    assert ran == ["50deg"]
+    assert [row.status for row in table.rows] == ["done", "done", "done", "duplicate"]
+    assert table.rows[3].readings == table.rows[2].readings
+    assert run(*ROWS)[0] == []
+
+
+def test_what_is_lost_or_damaged_is_computed_again(run, bar):
+    _, table = run(*ROWS)
+    keys = [row.key for row in table.rows]
+    case_path(bar / "out", keys[1]).unlink()
+    path = case_path(bar / "out", keys[2])
+    path.write_bytes(path.read_bytes()[:-1])
+    assert run(*ROWS)[0] == ["20deg", "30deg"]
+
+
+def test_files_that_the_database_does_not_know_count(run, bar):
+    """So it is where the program was killed before it wrote the database."""
+    _, table = run(*ROWS)
+    for wreck in (None, b"", b"this is no database" * 100):
+        if wreck is None:
+            (bar / "out" / "study.sqlite").unlink()
+        else:
+            (bar / "out" / "study.sqlite").write_bytes(wreck)
+        ran, again = run(*ROWS)
+        assert ran == []
+        assert again == table
+    assert (bar / "out" / "study.sqlite.damaged").exists()
+
+
+def test_failed_cases_are_kept_or_tried_again(run):
+    def fails(task):
+        return CaseAnswer(packed(failed(task.case, "No.")))
+
+    _, table = run(*ROWS[:2], work=fails)
+    assert [(row.status, row.sentence, row.readings) for row in table.rows] == [("failed", "No.", {})] * 2
+    assert run(*ROWS[:2])[0] == []
+    ran, table = run(*ROWS[:2], retry_failed=True)
+    assert ran == ["10deg", "20deg"]
+    assert [row.status for row in table.rows] == ["done"] * 2
+
+
+def test_one_program_writes_and_others_read(written, bar):
+    study = Study(written(*ROWS), bar / "out")
+    with pytest.raises(InputError, match="Another program"):
+        Study(written(*ROWS), bar / "out")
+    assert [row.status for row in read_results(bar / "out").rows] == ["waiting"] * 4
+    key, case = next(iter(study.left.items()))
+    study._store.add(quick(Task(case)).content)
+    study._store.commit()
+    assert [row.status for row in read_results(bar / "out").rows] == ["done", *["waiting"] * 3]
+    assert read_results(bar / "out").rows[0].key == key
+    study.close()
+    Study(written(*ROWS), bar / "out").close()
+    with pytest.raises(InputError, match="holds no study"):
+        read_results(bar)
+
+
+def test_the_table_has_what_it_promises(run, bar):
+    pyarrow = pytest.importorskip("pyarrow.parquet")
+    rows = [{"motion": "twist 10deg", "volume": "90", "# who": "me, myself"}, {"motion": "none"}]
+    run(*rows)
+    with (bar / "out" / "results.csv").open(encoding="utf-8") as stream:
+        columns = next(csv.reader(stream))
+    plan = ["mesh", "selection", "motion", "steps", "volume", "# who"]
+    promised = ["status", "sentence", "area_error", "volume", "volume_capped", "energy", "crossings"]
+    promised += ["seconds"]
+    assert columns[: len(plan) + len(promised)] == plan + promised
+    with (bar / "out" / "results.csv").open(encoding="utf-8") as stream:
+        first, second = csv.DictReader(stream)
+    assert (first["status"], first["seconds"], first["# who"], first["line"]) == (
+        "done",
+        "0.5",
+        "me, myself",
+        "2",
+    )
+    assert (second["status"], second["seconds"], second["line"]) == ("wrong", "", "3")
+    assert "“none” is no motion" in second["sentence"]
+    found = pyarrow.read_table(bar / "out" / "results.parquet").to_pylist()
+    assert [row["plan_volume"] for row in found] == ["90", ""]
+    assert [row["seconds"] for row in found] == [0.5, None]
+    assert set(READINGS) <= set(found[0])
+
+
+def test_the_rest_is_forecast_by_what_was_measured(written, bar):
+    study = Study(written(*ROWS), bar / "out")
+    assert study.forecast().seconds is None
+    case = next(iter(study.left.values()))
+    study._store.add(quick(Task(case)).content)
+    study._store.commit()
+    study.close()
+    more = {"motion": "twist 50deg", "steps": "5"}
+    study = Study(written(*ROWS, more, {"steps": "0"}), bar / "out")
+    left = study.forecast()
+    study.close()
+    assert (left.cases, left.done, left.failed, left.wrong) == (5, 1, 0, 1)
+    # Half a second for two steps and the shape before them.
+    assert left.seconds == pytest.approx(3 * 0.5 + 0.5 / 3 * 6)
+
+
+def test_keys_do_not_depend_on_the_place(written, bar, tmp_path_factory):
+    study = Study(written(*ROWS), bar / "out")
+    other = tmp_path_factory.mktemp("elsewhere")
+    moved = Study(written(*ROWS), other)
+    assert list(study.left) == list(moved.left)
+    assert json.dumps([case.said for case in study.left.values()]) == json.dumps(
+        [case.said for case in moved.left.values()]
+    )
+    study.close()
+    moved.close()
+
+
+def test_a_folder_that_cannot_be_written_is_said(bar, planned):
+    (bar / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        StudyStore(bar / "file")
