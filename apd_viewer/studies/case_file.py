@@ -92,13 +92,15 @@ def unpacked(content: bytes, shape: bool = True) -> CaseResult:
 
 def write_case(path: Path, content: bytes) -> None:
     """Write the bytes of a result; raises InputError."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as scratch:
         scratch.write_bytes(content)
 
 
 def case_path(folder: Path, key: str) -> Path:
     """File of a finished case in the folder of its study."""
-    return folder / "cases" / f"{key}{SUFFIX}"
+    # In folders of their own, as all writing of files looks through the folder for what was left behind.
+    return folder / "cases" / key[:2] / f"{key}{SUFFIX}"
 
 
 def read_case(folder: Path, key: str, shape: bool = False) -> CaseResult:
@@ -114,9 +116,11 @@ def read_case(folder: Path, key: str, shape: bool = False) -> CaseResult:
 
 def case_sizes(folder: Path) -> dict[str, int]:
     """Size in bytes of each file of a finished case, by its key."""
-    with os.scandir(folder / "cases") as entries:
-        return {
-            entry.name.removesuffix(SUFFIX): entry.stat().st_size
-            for entry in entries
-            if entry.name.endswith(SUFFIX) and not entry.name.startswith(".")
-        }
+    sizes = {}
+    with os.scandir(folder / "cases") as groups:
+        for group in groups:
+            with os.scandir(group) as entries:
+                for entry in entries:
+                    if entry.name.endswith(SUFFIX) and not entry.name.startswith("."):
+                        sizes[entry.name.removesuffix(SUFFIX)] = entry.stat().st_size
+    return sizes

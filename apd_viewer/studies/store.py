@@ -1,7 +1,7 @@
 """Folder of a study: a file for each case, a database, copies of inputs.
 
 ======================  ==================================================================
-``cases/KEY.case``      readings, curves and shape of a finished case; what is here is done
+``cases/KE/KEY.case``   readings, curves and shape of a finished case; what is here is done
 ``inputs/``             meshes, selections and sessions, named by their content
 ``study.sqlite``        the plan and the readings; made anew from the files if it is lost
 ``results.csv``         the same as a table, and ``results.parquet`` where pyarrow is

@@ -27,7 +27,7 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.studies.case_file import CaseResult, packed, read_case
+from apd_viewer.studies.case_file import CaseResult, case_path, packed, read_case
 from apd_viewer.studies.cluster import connected
 from apd_viewer.studies.local_pool import LocalPool
 from apd_viewer.studies.results import read_results
@@ -160,7 +160,7 @@ def simulated(options):
         last = Study(plan, folder / "out")
         key = list(last.plan.cases)[-1]
         last.close()
-        (folder / "out" / "cases" / f"{key}.case").unlink()
+        case_path(folder / "out", key).unlink()
         started = time.perf_counter()
         study = Study(plan, folder / "out")
         with engine("local", 1, work) as pool:
@@ -241,7 +241,7 @@ class Killed:
         os.kill(self.chance.choice(targets), signal.SIGKILL)
 
     def _files(self):
-        return {path.name: path.stat().st_mtime_ns for path in self.out.glob("cases/*.case")}
+        return {path.name: path.stat().st_mtime_ns for path in self.out.glob("cases/*/*.case")}
 
 
 def alike(one, other):

@@ -50,7 +50,6 @@ def test_no_damage_goes_unnoticed(data):
 def test_a_case_that_is_not_there_or_damaged_is_said(tmp_path):
     with pytest.raises(InputError, match="not done yet"):
         read_case(tmp_path, "abc")
-    case_path(tmp_path, "abc").parent.mkdir()
     write_case(case_path(tmp_path, "abc"), packed(RESULT)[:-1])
     with pytest.raises(InputError, match="run the study again"):
         read_case(tmp_path, "abc")

@@ -18,9 +18,9 @@ class KilledWorker(Exception):  # noqa: N818
 class Pseudo:
     """An engine of two places; ``fate(task, alone)`` is an answer or what is raised."""
 
-    def __init__(self, fate, exact=True, room=2):
+    def __init__(self, fate, exact=True, eager=True):
         self.knows_whose_fault, self.overdue = exact, set()
-        self.fate, self.places = fate, room
+        self.fate, self.places, self.eager = fate, 2, eager
         self.open, self.tried = [], []
 
     def room(self):
@@ -33,7 +33,7 @@ class Pseudo:
         future = Future()
         self.open.append((future, task))
         self.tried.append(task.case.steps)
-        if not self.room():
+        if self.eager and not self.room():
             self.settle()
         return future
 
@@ -154,9 +154,12 @@ def test_time_that_runs_out_in_native_code_is_a_sentence(cases):
 
 def test_a_stop_finishes_what_runs(cases):
     found = []
-    engine = Pseudo(lambda task, _: quick(task))
-    runner = Runner(
-        cases, engine, lambda content: found.append(unpacked(content)), tick=lambda _: runner.stop()
-    )
+    engine = Pseudo(lambda task, _: quick(task), eager=False)
+
+    def tick(_):
+        runner.stop()
+        engine.settle()
+
+    runner = Runner(cases, engine, lambda content: found.append(unpacked(content)), tick=tick)
     runner.run()
     assert [result.case["steps"] for result in found] == [1, 2]

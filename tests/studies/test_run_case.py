@@ -73,20 +73,17 @@ def test_readings_are_those_of_the_shape(run, document):
 )
 def test_a_case_opens_as_a_session(cells, run, bar):
     result = run(**cells, iterations="30", unit="cm")
-    case_path(bar, result.key).parent.mkdir()
     write_case(case_path(bar, result.key), packed(result))
     write_case_session(bar, result.key, bar / "case.apd")
     state, view = open_session(bar / "case.apd")
     assert np.array_equal(state.frame.U, result.U)
     assert state.frame.area_error == pytest.approx(result.readings["area_error"], abs=1e-12)
-    assert (view.unit, state.document.contact, state.document.mesh.name) == (
-        "cm",
-        "contact" in cells,
-        "bar.off",
-    )
-    held = state.document.constraints()
-    np.testing.assert_allclose(result.U[held.fixed], held.targets, atol=1e-9)
-    turned = np.degrees(np.linalg.norm(document.handles[0].rotation))
+    posed = state.document
+    assert (view.unit, posed.contact, posed.mesh.name) == ("cm", "contact" in cells, "bar.off")
+    if not posed.contact:  # which stops the handle on its way
+        held = posed.constraints()
+        np.testing.assert_allclose(result.U[held.fixed], held.targets, atol=1e-9)
+    turned = np.degrees(np.linalg.norm(posed.handles[0].rotation))
     assert turned == pytest.approx(400 if "400" in cells["motion"] else 30)
 
 
