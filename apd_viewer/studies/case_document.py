@@ -36,13 +36,17 @@ _MOST_VERTICES = 1_000_000
 Content = Callable[["Source"], bytes]
 
 
+class MissingSourceError(Exception):
+    """A source is not to be seen from this machine."""
+
+
 class OpenedMeshes:
     """Meshes and sessions at rest, opened once each and kept for the next case.
 
     Parameters
     ----------
     content : callable
-        Bytes of a source.
+        Bytes of a source; raises MissingSourceError where they cannot be had.
     """
 
     def __init__(self, content: Content) -> None:

@@ -12,7 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.language import tr
 from apd_viewer.session.storage.session_json import frame_said
-from apd_viewer.studies.case_document import OpenedMeshes, state_of, sweep_of_case
+from apd_viewer.studies.case_document import MissingSourceError, OpenedMeshes, state_of, sweep_of_case
 from apd_viewer.studies.case_file import DONE, FAILED, CaseResult
 
 if TYPE_CHECKING:
@@ -53,6 +53,11 @@ def run_case(case: StudyCase, meshes: OpenedMeshes, limit: float | None = None) 
     meshes : OpenedMeshes
     limit : float, optional
         Seconds that it may take.
+
+    Raises
+    ------
+    MissingSourceError
+        If a file that it needs is not here.
     """
     started = time.perf_counter()
 
@@ -71,6 +76,8 @@ def run_case(case: StudyCase, meshes: OpenedMeshes, limit: float | None = None) 
         return failed(case, tr("It took longer than {limit:g} s.").format(limit=limit))
     except InputError as error:
         return failed(case, " ".join(str(error).split()))
+    except MissingSourceError:
+        raise
     except MemoryError:
         return failed(case, tr("It does not fit into memory."))
     except Exception as error:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from apd_viewer.geometry.analysis.self_intersections import search_by_one_core
 from apd_viewer.geometry.linalg.threads import use_one_core
 from apd_viewer.session.processes.freed_memory import keep_freed_memory
-from apd_viewer.studies.case_document import OpenedMeshes
+from apd_viewer.studies.case_document import MissingSourceError, OpenedMeshes
 from apd_viewer.studies.case_file import packed
 from apd_viewer.studies.kernels import compile_once
 from apd_viewer.studies.run_case import run_case
@@ -62,10 +62,6 @@ class CaseAnswer(NamedTuple):
 Work = Callable[[Task], CaseAnswer]
 
 
-class _MissingError(Exception):
-    """A source is not to be seen from here."""
-
-
 def work(task: Task) -> CaseAnswer:
     """Run a case in this process."""
     with _ONE_CASE:
@@ -74,7 +70,7 @@ def work(task: Task) -> CaseAnswer:
         _sent.update(task.sent)
         try:
             return CaseAnswer(packed(run_case(task.case, _meshes(), task.limit)))
-        except _MissingError:
+        except MissingSourceError:
             return CaseAnswer(b"", tuple(source.digest for source in task.case.sources))
         finally:
             _sent.clear()
@@ -99,7 +95,7 @@ def _content(source: Source) -> bytes:
     try:
         return source.path.read_bytes()
     except OSError:
-        raise _MissingError from None
+        raise MissingSourceError from None
 
 
 def _limit_blas() -> None:

@@ -1,0 +1,117 @@
+"""The command that runs studies: what it says, what it writes, and how it is interrupted."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import trimesh
+from meshes import box, ends
+
+from apd_viewer.__main__ import main
+
+
+@pytest.fixture
+def bar(tmp_path):
+    V, F = box(2, 2, 5)
+    trimesh.Trimesh(V, F, process=False).export(tmp_path / "bar.off")
+    labels = np.ones(len(V), dtype=int)
+    base, handle = ends(V)
+    labels[base], labels[handle] = 0, 2
+    np.savetxt(tmp_path / "bar.sel", labels, fmt="%d")
+    return tmp_path
+
+
+def plan_of(folder, motions, steps=2):
+    lines = ["mesh,selection,motion,steps,iterations", *(f"bar.off,bar.sel,{m},{steps},20" for m in motions)]
+    (folder / "plan.csv").write_text("\n".join(lines) + "\n")
+    return str(folder / "plan.csv")
+
+
+def rows_of(folder):
+    with (folder / "results.csv").open(encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_a_study_is_planned_run_and_gone_on_with(bar, capsys):
+    words = ["study", plan_of(bar, ["twist 30", "twist", "push 10%", "twist 30"]), "-o", str(bar / "out")]
+    assert main([*words, "--dry-run"]) == 0
+    said = capsys.readouterr()
+    assert said.out.splitlines() == [
+        "2 cases, 0 of them done, 2 to do",
+        "1 rows are wrong and are left out",
+        "No case was timed yet, so nobody knows how long they take.",
+    ]
+    assert said.err.splitlines() == [
+        "line 3: Column “motion”: Nothing was entered; enter an angle such as 30 or 30deg.",
+        "line 5: It asks for the same as line 2.",
+    ]
+    assert not (bar / "out" / "results.csv").exists()
+    assert main([*words, "--processes", "1", "--progress-lines"]) == 0
+    *lines, last = capsys.readouterr().out.splitlines()
+    assert last.endswith("results.csv: 2 done, 1 wrong, 1 duplicate")
+    progress = [json.loads(line) for line in lines]
+    assert set(progress[0]) == {
+        *("done", "doing", "cases", "finished", "running", "failed", "rate", "seconds_left"),
+    }
+    assert (progress[-1]["done"], progress[-1]["finished"]) == (1.0, 2)
+    assert [each["done"] for each in progress] == sorted(each["done"] for each in progress)
+    assert [row["status"] for row in rows_of(bar / "out")] == ["done", "wrong", "done", "duplicate"]
+    with (bar / "out" / "curves.csv").open(encoding="utf-8") as stream:
+        curves = list(csv.DictReader(stream))
+    assert [(row["line"], row["step"], row["part"]) for row in curves] == [
+        (line, str(step), part) for line in ("2", "4") for step, part in enumerate(("0", "0.5", "1"))
+    ]
+    plan_of(bar, ["twist 30", "twist 60"])
+    assert main([*words, "--dry-run"]) == 0
+    assert "2 cases, 1 of them done, 1 to do" in capsys.readouterr().out
+
+
+def test_what_cannot_be_run_is_said(bar, capsys):
+    plan = plan_of(bar, ["twist 30"])
+    for words, said in (
+        (["--limit", "0"], "greater than 0"),
+        (["--processes", "0"], "--processes must be 1 to 1000"),
+        (["--scheduler-file", str(bar / "gone.json")], "There is no file"),
+    ):
+        assert main(["study", plan, "-o", str(bar / "out"), *words]) == 2
+        assert said in capsys.readouterr().err
+    (bar / "plan.csv").write_text("mesh,colour\na,b\n")
+    assert main(["study", plan, "-o", str(bar / "out")]) == 2
+    assert "unknown column “colour”" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_an_interrupt_finishes_what_runs_and_a_second_ends_at_once(bar):
+    plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=30)
+
+    def interrupted(times):
+        process = subprocess.Popen(
+            [sys.executable, "-m", "apd_viewer", "study", plan, "-o", str(bar / "out"), "--processes", "1"],
+            start_new_session=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        before, end = len(list(bar.glob("out/cases/*/*"))), time.monotonic() + 60.0
+        while len(list(bar.glob("out/cases/*/*"))) <= before and time.monotonic() < end:
+            time.sleep(0.02)
+        for _ in range(times):
+            os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+            time.sleep(0.01)
+        out, err = process.communicate(timeout=60.0)
+        assert process.returncode == 130, err
+        assert "the same command goes on" in err
+        assert "Traceback" not in err
+        return sum(row["status"] == "done" for row in rows_of(bar / "out")), out
+
+    once, out = interrupted(1)
+    assert 0 < once < 399
+    assert f"{once} done, {399 - once} waiting" in out
+    twice, _ = interrupted(2)
+    assert once < twice < 399

@@ -1,0 +1,117 @@
+"""A real scheduler of Dask and two workers over TCP: the same bits, deaths, files that travel."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import study_work
+
+from apd_viewer.errors import InputError
+from apd_viewer.studies.case_document import OpenedMeshes
+from apd_viewer.studies.case_file import read_case
+from apd_viewer.studies.cluster import Cluster, connected
+from apd_viewer.studies.run_case import run_case
+from apd_viewer.studies.study import Study
+from apd_viewer.studies.worker import work
+
+pytest.importorskip("distributed")
+ROOT = Path(__file__).parents[2]
+SUPPORT = ROOT / "tests" / "support"
+# A file descriptor that Dask closes late is no fault of ours.
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::ResourceWarning:distributed"),
+    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
+]
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory):
+    """The file of a scheduler that was started by hand, with two workers, without any setting."""
+    folder = tmp_path_factory.mktemp("dask")
+    file = folder / "scheduler.json"
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(map(str, (ROOT, SUPPORT))),
+        "DEADLY_ONCE": str(folder / "once"),
+    }
+    quiet = {"env": environment, "cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    dask = [sys.executable, "-m", "dask"]
+    words = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", file]
+    started = [subprocess.Popen([*dask, "scheduler", *map(str, words)], **quiet)]
+    worker = [*dask, "worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-dashboard"]
+    started += [subprocess.Popen(worker, **quiet) for _ in range(2)]
+    yield file
+    for process in started[::-1]:
+        process.terminate()
+    for process in started:
+        process.wait()
+
+
+@pytest.fixture
+def run(scheduler, written, bar):
+    """Run a study of rows by its workers; return its table."""
+
+    def study(rows, work=work, told=lambda _: None):
+        engine = connected(None, scheduler, work)
+        study = Study(written(*rows), bar / "out")
+        try:
+            return study.run(engine, told=told)
+        finally:
+            study.close()
+            engine.close(at_once=False)
+
+    return study
+
+
+def test_the_bits_are_those_of_this_process_though_workers_see_no_files(run, planned, bar, monkeypatch):
+    rows = [{"motion": f"twist {angle}deg; push 10%", "iterations": "20"} for angle in (50, 100, 200)]
+    cases = planned(*rows).cases
+    meshes = OpenedMeshes(lambda source: source.path.read_bytes())
+    here = [run_case(case, meshes) for case in cases.values()]
+    sent = []
+
+    def elsewhere(source):
+        return replace(source, path=Path("/nowhere") / source.path.name)
+
+    def start(self, task, start=Cluster.start):
+        """Start it on workers of other machines, in effect."""
+        sent.append(sum(map(len, task.sent.values())))
+        case = task.case
+        hidden = replace(case, mesh=elsewhere(case.mesh), selection=elsewhere(case.selection))
+        return start(self, task._replace(case=hidden))
+
+    monkeypatch.setattr(Cluster, "start", start)
+    for row, mine in zip(run(rows).rows, here, strict=True):
+        there = read_case(bar / "out", row.key, shape=True)
+        assert there.status == "done"
+        assert mine.curves == there.curves
+        assert mine.U.tobytes() == there.U.tobytes()
+    assert any(sent)
+    before = len(sent)
+    run([{"motion": f"twist {angle}deg", "iterations": "2"} for angle in range(1, 9)])
+    assert sum(map(bool, sent[before:])) <= 1, "a mesh travels once a worker"
+
+
+def test_a_worker_that_dies_loses_no_case(run):
+    rows = [{"steps": str(steps)} for steps in (3, 7, 5, 9)]
+    assert [row.status for row in run(rows, study_work.deadly).rows] == ["done"] * 4
+
+
+def test_a_case_that_kills_every_worker_is_named(run):
+    table = run([{"steps": "13"}, {"steps": "3"}, {"steps": "5"}], study_work.deadly)
+    assert [row.status for row in table.rows] == ["failed", "done", "done"]
+    assert "died each time" in table.rows[0].sentence
+
+
+def test_there_may_be_no_scheduler(tmp_path, monkeypatch):
+    monkeypatch.setattr("apd_viewer.studies.cluster._PATIENCE", 1)
+    with pytest.raises(InputError, match=r"No scheduler answers at tcp://127\.0\.0\.1:9"):
+        connected("tcp://127.0.0.1:9", None)
+    with pytest.raises(InputError, match="There is no file"):
+        connected(None, tmp_path / "gone.json")
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"install apd-viewer\[cluster\]"):
+        connected("tcp://127.0.0.1:9", None)
