@@ -12,6 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
+    import argparse
     from collections.abc import Sequence
 
 _COMMANDS = "deform", "info", "paper", "press", "replay", "study", "sweep", "volumes"
@@ -33,13 +34,7 @@ apd-viewer paper [-o DIR]            reproduce the paper's tables on the sample 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status, 2 after an ``error:`` line."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    if words and words[0] in _COMMANDS:
-        command = words.pop(0)
-        if command == "study" and words[:1] == ["design"]:
-            command = f"{command} {words.pop(0)}"
-        options = _command_parser(command).parse_args(words)
-    else:
-        options = _view_parser().parse_args(words)
+    options = _parsed(words)
     # Here, because --version and --help, which end before, take twice as long with it.
     from apd_viewer import log
 
@@ -63,6 +58,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(tr("interrupted; nothing was written"), file=sys.stderr)
         return 130
     return 0
+
+
+def _parsed(words: list[str]) -> argparse.Namespace:
+    """Options of the command line."""
+    if not words or words[0] not in _COMMANDS:
+        return _view_parser().parse_args(words)
+    count = 2 if words[:2] == ["study", "design"] else 1
+    return _command_parser(" ".join(words[:count])).parse_args(words[count:])
 
 
 def _view_parser() -> Parser:

@@ -41,6 +41,7 @@ ROOMS = [
     "ui/widgets",
     "presentation",
     "studies",
+    "studies/plans",
     "session",
     "session/studies",
     "session/processes",

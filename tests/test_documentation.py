@@ -57,11 +57,7 @@ def test_relative_links_lead_somewhere():
 
 @pytest.mark.parametrize(("page", "line"), COMMANDS)
 def test_commands_parse(page, line):
-    words = shlex.split(line, comments=True)[1:]
-    if words and words[0] in command_line._COMMANDS:
-        command_line._command_parser(words[0]).parse_args(words[1:])
-    else:
-        command_line._view_parser().parse_args(words)
+    command_line._parsed(shlex.split(line, comments=True)[1:])
 
 
 def test_commands_and_targets_of_make_exist():

@@ -27,7 +27,7 @@ from apd_viewer.session.studies.sweep_setup import sweep_of
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.studies.sweep import Sweep
-    from apd_viewer.studies.case import Source, StudyCase
+    from apd_viewer.studies.plans.case import Source, StudyCase
 
 T = TypeVar("T")
 # Opened meshes that a worker keeps, the last used ones, have at most so many vertices together.

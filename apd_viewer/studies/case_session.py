@@ -10,9 +10,9 @@ from apd_viewer.language import tr
 from apd_viewer.session.posing.motion_path import posed_along
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.storage.session_json import frame_of
-from apd_viewer.studies.case import StudyCase
 from apd_viewer.studies.case_document import OpenedMeshes, state_of, sweep_of_case
 from apd_viewer.studies.case_file import read_case
+from apd_viewer.studies.plans.case import StudyCase
 
 if TYPE_CHECKING:
     from pathlib import Path

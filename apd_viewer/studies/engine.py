@@ -22,7 +22,7 @@ from apd_viewer.studies.worker import CaseAnswer, Task
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from apd_viewer.studies.case import StudyCase
+    from apd_viewer.studies.plans.case import StudyCase
 
 # Others may end a process, who are short of memory, say: a case is tried again before it is blamed.
 MOST_DEATHS = 3

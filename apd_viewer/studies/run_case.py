@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.studies.sweep import Sweep, SweepStep
-    from apd_viewer.studies.case import StudyCase
+    from apd_viewer.studies.plans.case import StudyCase
 
 # Readings of a case beside those of its curves, in the order of the tables.
 FINAL = (

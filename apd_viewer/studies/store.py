@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-    from apd_viewer.studies.plan import Plan
+    from apd_viewer.studies.plans.plan import Plan
 
 # Seconds between two commits: what is lost with the program is read from the files again.
 _COMMIT = 1.0

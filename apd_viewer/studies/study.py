@@ -11,19 +11,19 @@ from apd_viewer.studies.case_file import FAILED
 from apd_viewer.studies.case_session import INPUTS
 from apd_viewer.studies.engine import Runner
 from apd_viewer.studies.pace import Pace
-from apd_viewer.studies.plan import read_plan
+from apd_viewer.studies.plans.plan import read_plan
+from apd_viewer.studies.plans.sources import Sources
 from apd_viewer.studies.results import read_results, write_curves, write_results
-from apd_viewer.studies.sources import Sources
 from apd_viewer.studies.store import StudyStore
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from apd_viewer.studies.case import StudyCase
     from apd_viewer.studies.engine import Engine
     from apd_viewer.studies.pace import CaseCounts
-    from apd_viewer.studies.plan import Plan
+    from apd_viewer.studies.plans.case import StudyCase
+    from apd_viewer.studies.plans.plan import Plan
     from apd_viewer.studies.results import ResultTable
 
 # Seconds between two tables written on the way, and how many times longer than writing took that is at least.

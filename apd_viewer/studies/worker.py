@@ -20,7 +20,7 @@ from apd_viewer.studies.kernels import compile_once
 from apd_viewer.studies.run_case import run_case
 
 if TYPE_CHECKING:
-    from apd_viewer.studies.case import Source, StudyCase
+    from apd_viewer.studies.plans.case import Source, StudyCase
 
 # A process runs one case at a time: memory is measured by it, and kernels run one at a time anyway.
 _ONE_CASE = threading.Lock()

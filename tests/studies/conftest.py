@@ -7,8 +7,8 @@ import pytest
 import trimesh
 from meshes import box, ends
 
-from apd_viewer.studies.plan import read_plan
-from apd_viewer.studies.sources import Sources
+from apd_viewer.studies.plans.plan import read_plan
+from apd_viewer.studies.plans.sources import Sources
 
 
 @pytest.fixture

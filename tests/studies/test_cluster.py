@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -43,6 +44,9 @@ def scheduler(tmp_path_factory):
     started = [subprocess.Popen([*dask, "scheduler", *map(str, words)], **quiet)]
     worker = [*dask, "worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-dashboard"]
     started += [subprocess.Popen(worker, **quiet) for _ in range(2)]
+    end = time.monotonic() + 60.0
+    while not file.exists() and time.monotonic() < end:
+        time.sleep(0.1)
     yield file
     for process in started[::-1]:
         process.terminate()

@@ -16,7 +16,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.studies.cluster import connected, local_cluster
 from apd_viewer.studies.local_pool import LocalPool
-from apd_viewer.studies.plan_columns import CASE_COLUMNS, SETTINGS
+from apd_viewer.studies.plans.plan_columns import CASE_COLUMNS, SETTINGS
 from apd_viewer.studies.study import Study
 
 if TYPE_CHECKING:

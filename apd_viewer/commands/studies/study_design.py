@@ -12,8 +12,8 @@ from apd_viewer.files.mesh_writing import check_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SUFFIX
-from apd_viewer.studies.design import DESIGNS, LATIN, designed, varied
-from apd_viewer.studies.plan_columns import COLUMNS, NOTE
+from apd_viewer.studies.plans.design import DESIGNS, LATIN, designed, varied
+from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE
 
 if TYPE_CHECKING:
     import argparse

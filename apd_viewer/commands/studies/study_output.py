@@ -12,7 +12,7 @@ from apd_viewer.studies.case_file import DONE, FAILED
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from apd_viewer.studies.plan import Plan
+    from apd_viewer.studies.plans.plan import Plan
     from apd_viewer.studies.results import ResultTable
     from apd_viewer.studies.study import WorkLeft
 

@@ -15,14 +15,14 @@ from apd_viewer.session.posing.motion_step import check_amounts
 from apd_viewer.session.posing.motion_text import parsed_motion
 from apd_viewer.session.quantities.expressions import length
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.studies.case import Setting, StudyCase
-from apd_viewer.studies.plan_columns import SETTINGS, steps_of, unit_of
+from apd_viewer.studies.plans.case import Setting, StudyCase
+from apd_viewer.studies.plans.plan_columns import SETTINGS, steps_of, unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from pathlib import Path
 
-    from apd_viewer.studies.sources import Sources
+    from apd_viewer.studies.plans.sources import Sources
 
 T = TypeVar("T")
 

@@ -9,7 +9,7 @@ import pytest
 
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
-from apd_viewer.studies.design import GRID, LATIN, SOBOL, designed, varied
+from apd_viewer.studies.plans.design import GRID, LATIN, SOBOL, designed, varied
 
 GIVEN = {"mesh": "a.off", "selection": "a.sel"}
 

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.reading import content_of
 from apd_viewer.language import tr
-from apd_viewer.studies.case import StudyCase
-from apd_viewer.studies.plan_columns import COLUMNS, NOTE
-from apd_viewer.studies.plan_row import case_of
+from apd_viewer.studies.plans.case import StudyCase
+from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE
+from apd_viewer.studies.plans.plan_row import case_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from apd_viewer.studies.sources import Sources
+    from apd_viewer.studies.plans.sources import Sources
 
 MOST_ROWS = 1_000_000
 _SEPARATORS = ",;\t"

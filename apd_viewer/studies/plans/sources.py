@@ -12,7 +12,7 @@ from apd_viewer.files.storage.reading import content_of
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.studies.case import Source, copy_of
+from apd_viewer.studies.plans.case import Source, copy_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable

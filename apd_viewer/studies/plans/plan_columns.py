@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import number
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS
-from apd_viewer.studies.case import Setting
+from apd_viewer.studies.plans.case import Setting
 
 NOTE = "#"
 _YES, _NO = ("yes", "on", "true", "1"), ("no", "off", "false", "0")

@@ -14,7 +14,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.posing.motion_text import WORDS
-from apd_viewer.studies.plan_columns import COLUMNS
+from apd_viewer.studies.plans.plan_columns import COLUMNS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,8 +8,8 @@ from apd_viewer.geometry.pose.transforms import turned_about
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.studies.plan import read_plan
-from apd_viewer.studies.sources import Sources
+from apd_viewer.studies.plans.plan import read_plan
+from apd_viewer.studies.plans.sources import Sources
 
 MISTAKES = {
     "missing mesh": ({"mesh": "gone.off"}, "There is no file"),

@@ -1,0 +1,1 @@
+"""Plans of studies: cases, the files that they need, and designs."""
