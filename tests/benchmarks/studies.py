@@ -108,7 +108,7 @@ def engine(pool, workers, work=None):
         try:
             yield found
         finally:
-            found.close(at_once=False)
+            found.close(at_once=True)  # so that the time of the processes is counted
         return
     with dask(workers) as (address, _):
         found = connected(address, None, **given)
