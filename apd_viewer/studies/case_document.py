@@ -96,7 +96,8 @@ def state_of(case: StudyCase, meshes: OpenedMeshes) -> tuple[State, View, tuple[
     """
     state, view = meshes.painted(case)
     said, unit = dict(case.settings), Unit(view.unit)
-    said.pop("iterations", None)
+    for name in ("iterations", "to"):  # of the walk, not of the document
+        said.pop(name, None)
     if "thickness" in said:
         said["thickness"] = length(str(said["thickness"]), unit, names_of(state))
     if said.get("volume") is not None and state.inspection.nothing_to_keep:
@@ -114,4 +115,9 @@ def sweep_of_case(case: StudyCase, document: Document, motion: tuple[MotionStep,
     """Sweep of a case; raises InputError if nothing moves."""
     iterations = dict(case.settings).get("iterations")
     most = None if iterations is None else int(iterations)
-    return sweep_of(document, case.steps, 1.0, (document.method,), (), most, motion)
+    return sweep_of(document, case.steps, part_of_motion(case), (document.method,), (), most, motion)
+
+
+def part_of_motion(case: StudyCase) -> float:
+    """Part of the motion at the last step of a case."""
+    return float(dict(case.settings).get("to", 1.0))

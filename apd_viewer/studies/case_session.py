@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.posing.motion_path import posed_along
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.storage.session_json import frame_of
-from apd_viewer.studies.case_document import OpenedMeshes, state_of, sweep_of_case
+from apd_viewer.studies.case_document import OpenedMeshes, part_of_motion, state_of, sweep_of_case
 from apd_viewer.studies.case_file import read_case
 from apd_viewer.studies.plans.case import StudyCase
 
@@ -50,9 +50,10 @@ def case_session(folder: Path, key: str) -> tuple[State, View]:
                 folder=folder / INPUTS
             )
         ) from error
-    document = state.document
-    if motion:
-        document = posed_along(document, sweep_of_case(case, document, motion).paths)
+    document, part = state.document, part_of_motion(case)
+    if motion or part != 1.0:
+        sweep = sweep_of_case(case, document, motion)
+        document = posed_along(sweep.document_at(part), sweep.paths, part)
     state = state.at(document)
     return state.at(frame=frame_of(Fields(result.frame, "frame"), state, result.U)), view
 

@@ -54,6 +54,10 @@ def _percent(text: str) -> float:
     return _number(LEAST_AREA, MOST_AREA)(text.removesuffix("%"))
 
 
+def _part(text: str) -> float:
+    return _number(0.01, 10_000.0)(text.removesuffix("%")) / 100.0
+
+
 def _count(most: int) -> Callable[[str], int]:
     def read(text: str) -> int:
         value = number(text, {})
@@ -100,6 +104,7 @@ CASE_COLUMNS = {
 }
 SETTINGS = {
     "method": PlanColumn(_method, tr("arap, paper, exact, local or sr-arap; default: exact")),
+    "to": PlanColumn(_part, tr("percent of the motion at the last step; default: 100")),
     "iterations": PlanColumn(_count(MOST_ITERATIONS), tr("at most so many a step; default: as sweep")),
     "stiffness": PlanColumn(_number(0.0, _LARGEST), tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal)")),
     "area_stiffness": PlanColumn(
