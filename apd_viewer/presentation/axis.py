@@ -63,6 +63,18 @@ def decades(low: float, high: float) -> Axis:
     return Axis(float(bottom), float(top), ticks)
 
 
+def magnitudes(low: float, high: float, suffix: str = "") -> Axis:
+    """Logarithmic axis from one power of ten to another; positions are decimal logarithms."""
+    bottom, top = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
+    top = max(top, bottom + 1)
+
+    def ticks(most: int) -> Ticks:
+        every = math.ceil((top - bottom + 1) / max(1, most))
+        return [(float(k), f"{power(k)}{suffix}") for k in range(bottom, top + 1, every)]
+
+    return Axis(float(bottom), float(top), ticks)
+
+
 def power(exponent: int) -> str:
     """Power of ten, in digits if short."""
     if -3 <= exponent <= 3:

@@ -11,7 +11,7 @@ from apd_viewer.presentation.axis import Axis
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A line through points on the axes, in a colour of the theme.
+    """A line through points on the axes, in a colour of the theme or #rrggbb.
 
     It is broken where ``y`` is not finite.
     """
@@ -31,6 +31,37 @@ class Bars:
     above: str = "more"
 
 
+@dataclass(frozen=True, eq=False)
+class Dots:
+    """Points on the axes, each in a colour of its own.
+
+    Attributes
+    ----------
+    x, y : (n,) float array
+        Not drawn where one is not finite.
+    colors : tuple of str
+        #rrggbb.
+    crosses : (m, 2) float array
+        Places of crosses, for what has no result.
+    rings : tuple of (int, str)
+        Points that are marked, each by a ring of a colour.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    colors: tuple[str, ...]
+    crosses: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
+    rings: tuple[tuple[int, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """Scale of the colours of dots, beside the chart."""
+
+    axis: Axis
+    colors: tuple[str, ...]
+
+
 @dataclass(frozen=True)
 class Mark:
     """A dashed line across the chart at a place of an axis; text above upright ones."""
@@ -47,11 +78,12 @@ class Chart:
     Attributes
     ----------
     title : str
+        Empty where it stands elsewhere: the chart then has its room.
     readings : tuple of (str, str)
-        What is written under the title, and in which colour of the theme.
+        What is written under the title, and in which colour of the theme or #rrggbb.
     x, y : Axis or None
         None where there is nothing to be seen yet.
-    curves, bars, across, upright
+    curves, bars, dots, ramp, across, upright
         ``across`` are marks at places of y, ``upright`` at places of x.
     empty : str
         What is said where there is nothing to be seen.
@@ -63,6 +95,8 @@ class Chart:
     y: Axis | None = None
     curves: tuple[Curve, ...] = ()
     bars: Bars | None = None
+    dots: Dots | None = None
+    ramp: Ramp | None = None
     across: tuple[Mark, ...] = ()
     upright: tuple[Mark, ...] = ()
     empty: str = field(default="", repr=False)

@@ -11,6 +11,7 @@ from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen, QPolygon
 
 from apd_viewer.presentation.axis import Axis
 from apd_viewer.ui.plots.chart import Bars, Chart, Curve, Mark
+from apd_viewer.ui.plots.dots_drawing import draw_dots, draw_ramp, ink_of
 from apd_viewer.ui.widgets.theme import Theme
 
 # Pixels.
@@ -20,8 +21,9 @@ _ROW = 1.25  # heights of a line of text
 _BETWEEN_X, _BETWEEN_Y = 64.0, 26.0
 
 
-def draw_chart(painter: QPainter, room: QRectF, chart: Chart, theme: Theme, font: QFont) -> None:
-    """Draw a chart into a ``room``, in the colours of a theme."""
+def draw_chart(painter: QPainter, room: QRectF, chart: Chart, theme: Theme, font: QFont) -> PlotField | None:
+    """Draw a chart into a ``room``, in the colours of a theme; return the field between its axes."""
+    found = None
     painter.save()
     painter.setClipRect(room)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -31,13 +33,19 @@ def draw_chart(painter: QPainter, room: QRectF, chart: Chart, theme: Theme, font
     row = _ROW * metrics.height()
     inner = room.adjusted(_PAD, _GAP, -_PAD, -_GAP)
     _draw_words(painter, inner, chart, theme, row)
+    words = 2 * row if chart.title else row if chart.readings else 0.0
     if chart.x is None or chart.y is None:
         painter.setPen(QColor(theme.quiet))
-        below = inner.adjusted(0, row, 0, 0)
+        below = inner.adjusted(0, words / 2, 0, 0)
         painter.drawText(below, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, chart.empty)
     else:
-        PlotField(painter, inner.adjusted(0, 2 * row, 0, 0), chart.x, chart.y, theme, metrics).draw(chart)
+        below = inner.adjusted(0, words, 0, 0)
+        if chart.ramp is not None:
+            below = draw_ramp(painter, below, chart.ramp, theme, metrics)
+        found = PlotField(painter, below, chart.x, chart.y, theme, metrics)
+        found.draw(chart)
     painter.restore()
+    return found
 
 
 def tabular(font: QFont) -> QFont:
@@ -58,10 +66,11 @@ def _draw_words(painter: QPainter, room: QRectF, chart: Chart, theme: Theme, row
     painter.drawText(QPointF(room.left(), room.top() + 0.75 * row), title)
     painter.restore()
     metrics, x = QFontMetricsF(painter.font()), room.left()
+    baseline = room.top() + (1.75 if chart.title else 0.75) * row
     for text, color in chart.readings:
         shown = metrics.elidedText(text, Qt.TextElideMode.ElideRight, max(0.0, room.right() - x))
-        painter.setPen(QColor(getattr(theme, color)))
-        painter.drawText(QPointF(x, room.top() + 1.75 * row), shown)
+        painter.setPen(ink_of(theme, color))
+        painter.drawText(QPointF(x, baseline), shown)
         x += metrics.horizontalAdvance(text) + 2 * _GAP
 
 
@@ -93,6 +102,12 @@ class PlotField:
             self._draw_across(mark)
         for curve in chart.curves:
             self._draw_curve(curve)
+        if chart.dots is not None:
+            draw_dots(self._painter, chart.dots, self.places, self._theme)
+
+    def places(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Points (n, 2) on the axes in pixels."""
+        return np.column_stack([self._at_x(x), self._at_y(y)])
 
     def _at_x(self, x: np.ndarray) -> np.ndarray:
         axis, field = self._x, self._field
@@ -160,7 +175,7 @@ class PlotField:
         return pen
 
     def _draw_curve(self, curve: Curve) -> None:
-        pen = QPen(QColor(getattr(self._theme, curve.color)), 1.75)
+        pen = QPen(ink_of(self._theme, curve.color), 1.75)
         pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
         self._painter.setPen(pen)
         known = np.isfinite(curve.y)

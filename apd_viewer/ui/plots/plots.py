@@ -31,7 +31,7 @@ from apd_viewer.session.model.trace import COLUMNS
 from apd_viewer.ui.filing.plot_export import ask_where, write_picture
 from apd_viewer.ui.plots import reading_charts
 from apd_viewer.ui.plots.chart import Chart
-from apd_viewer.ui.plots.chart_drawing import draw_chart
+from apd_viewer.ui.plots.chart_drawing import PlotField, draw_chart
 from apd_viewer.ui.widgets.icons import SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
@@ -49,7 +49,7 @@ _HISTOGRAM = "ratio_from", "ratio_to", "share_of_rest_area"
 _FINE = 2.0 ** np.linspace(-2.0, 2.0, 161)  # ratios of areas between which a file tells the shares
 
 
-class _ChartWords(NamedTuple):
+class ChartWords(NamedTuple):
     """Texts of a chart in the menu."""
 
     title: str
@@ -57,10 +57,10 @@ class _ChartWords(NamedTuple):
 
 
 _CHARTS = {
-    "error": _ChartWords(tr("Area error"), tr("Deviation of the area from its target, by iteration")),
-    "energy": _ChartWords(tr("Energy"), tr("Energy of the deformation along the gesture")),
-    "area": _ChartWords(tr("Area and volume"), tr("Their changes from rest along the gesture")),
-    "local": _ChartWords(
+    "error": ChartWords(tr("Area error"), tr("Deviation of the area from its target, by iteration")),
+    "energy": ChartWords(tr("Energy"), tr("Energy of the deformation along the gesture")),
+    "area": ChartWords(tr("Area and volume"), tr("Their changes from rest along the gesture")),
+    "local": ChartWords(
         tr("Local change"),
         tr("Share of the surface by local area change, with the mean, the 99th percentile and the maximum"),
     ),
@@ -306,20 +306,26 @@ class ChartView(QWidget):
 
     Parameters
     ----------
-    words : _ChartWords
+    words : ChartWords
     chart : callable
         What to draw, asked for at every drawing.
+
+    Attributes
+    ----------
+    field : PlotField or None
+        Of the last drawing.
     """
 
-    def __init__(self, words: _ChartWords, chart: Callable[[], Chart]) -> None:
+    def __init__(self, words: ChartWords, chart: Callable[[], Chart]) -> None:
         super().__init__(accessibleName=words.title, toolTip=words.tip)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)  # or all that is below is drawn each time
         self.chart = chart
         self.theme = LIGHT
+        self.field: PlotField | None = None
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw the chart."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(self.theme.panel))
-        draw_chart(painter, QRectF(self.rect()), self.chart(), self.theme, self.font())
+        self.field = draw_chart(painter, QRectF(self.rect()), self.chart(), self.theme, self.font())
         painter.end()
