@@ -6,6 +6,8 @@ A QProcess and no ChildProcess: it reports by signals on the GUI thread, which h
 from __future__ import annotations
 
 import json
+import os
+import signal
 import sys
 from functools import partial
 
@@ -34,6 +36,8 @@ class CommandProcess(QObject):
     ----------
     progressed : Signal(float, str)
         The share that is done, and what is being done.
+    reported : Signal(object)
+        The same as a dict, with whatever else the command tells of its progress.
     ended : Signal(str)
         What it said, when it has ended well.
     failed : Signal(str)
@@ -41,6 +45,7 @@ class CommandProcess(QObject):
     """
 
     progressed = Signal(float, str)
+    reported = Signal(object)
     ended = Signal(str)
     failed = Signal(str)
 
@@ -72,12 +77,20 @@ class CommandProcess(QObject):
             process.waitForFinished(_PATIENCE)
             process.deleteLater()
 
+    def interrupt(self) -> bool:
+        """Ask the command to end soon, as Ctrl+C does; False where that cannot be said."""
+        if self._process is None or not hasattr(os, "getuid"):  # Windows knows no such signal
+            return False
+        os.kill(self._process.processId(), signal.SIGINT)
+        return True
+
     def _read(self, process: QProcess) -> None:
         while process is self._process and process.canReadLine():
             line = process.readLine().toStdString().rstrip()
             if line.startswith('{"done"'):
                 said = json.loads(line)
                 self.progressed.emit(said["done"], said["doing"])
+                self.reported.emit(said)
             else:
                 self._said.append(line)
 

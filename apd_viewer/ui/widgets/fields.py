@@ -58,7 +58,11 @@ class Choice(QComboBox):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         _draw_field(painter, self)
         painter.setPen(ink)
-        painter.drawText(room.adjusted(8, 0, -28, 0), Qt.AlignmentFlag.AlignVCenter, self.currentText())
+        words = room.adjusted(8, 0, -28, 0)
+        text = self.fontMetrics().elidedText(
+            self.currentText(), Qt.TextElideMode.ElideRight, int(words.width())
+        )
+        painter.drawText(words, Qt.AlignmentFlag.AlignVCenter, text)
         painter.setPen(QPen(ink, 1.5, c=Qt.PenCapStyle.RoundCap, j=Qt.PenJoinStyle.RoundJoin))
         tip = room.center() + QPointF(room.width() / 2 - 14, 2)
         painter.drawPolyline([tip - QPointF(4, 4), tip, tip + QPointF(4, -4)])
