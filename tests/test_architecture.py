@@ -24,6 +24,7 @@ ROOMS = [
     "ui/actions",
     "ui/compare",
     "ui/sharing",
+    "ui/case_studies",
     "ui/studies",
     "ui/settings_page",
     "ui/plots",

@@ -64,7 +64,7 @@ def decades(low: float, high: float) -> Axis:
 
 
 def magnitudes(low: float, high: float, suffix: str = "") -> Axis:
-    """Logarithmic axis from one power of ten to another; positions are decimal logarithms."""
+    """Logarithmic axis between powers of ten; positions are decimal logarithms."""
     bottom, top = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
     top = max(top, bottom + 1)
 

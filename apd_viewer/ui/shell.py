@@ -90,9 +90,10 @@ class Shell(QMainWindow):
         self.docks.add("readings", tr("Measurements"), self.panel)
         self.docks.add("history", tr("History"), self.history, shown=False)
         below = Qt.DockWidgetArea.BottomDockWidgetArea
-        # The plots read the session: the workbench replaces the empty widget by them.
+        # What reads the session takes the place of the empty widgets in the workbench.
         plots = self.docks.add("plots", tr("Plots"), QWidget(), below, False)
         plots.toggleViewAction().setShortcut("Ctrl+P")
+        self.docks.add("study", tr("Study results"), QWidget(), below, False)
 
     def _take(self, tool: Tool) -> None:
         self.canvas.take(tool)

@@ -17,6 +17,7 @@ from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.edit_commands import Editing
 from apd_viewer.ui.actions.part_commands import PartCommands
+from apd_viewer.ui.case_studies.case_studies import CaseStudies
 from apd_viewer.ui.compare.compare_controller import Comparing
 from apd_viewer.ui.connections import connect_hand, connect_parts, connect_settings
 from apd_viewer.ui.filing import file_dialogs
@@ -99,13 +100,8 @@ class Workbench(QObject):
         self.looks = Looks(self.canvas, self.memory, below)
 
     def _make_controllers(self, recovery: Path | None) -> None:
-        shell, canvas, memory, session, notice = (
-            self.shell,
-            self.canvas,
-            self.memory,
-            self.session,
-            self.notice,
-        )
+        shell, canvas, memory = self.shell, self.canvas, self.memory
+        session, notice = self.session, self.notice
         self.units = Units(memory, lambda: memory.values[UNIT])
         self.settings_page = SettingsPage(shell, memory.values, lambda: self.help.open_sheet())
         self.measuring = Measuring(self.panel, self.health, memory, self.looks.heat, session)
@@ -133,6 +129,10 @@ class Workbench(QObject):
         self.looks.cards.stand_above(self.editing.typed.cards)
         self.notice.stand_above(self.editing.typed.cards)
         self.studies = Studies(shell, memory, self._studied, notice.fail)
+        ghost, dock = self.preview.ghost, self.docks["study"]
+        self.case_studies = CaseStudies(
+            shell, dock, memory, session, self.filing, self._studied, notice, ghost
+        )
         self.comparing = Comparing(canvas, self.looks, memory, notice, session.store)
         self.reporting = Reporting(shell, canvas, self.looks, self.measuring, memory, notice, session)
 
@@ -172,6 +172,7 @@ class Workbench(QObject):
             obstacles=self.obstacles,
             findings=self.health,
             studies=self.studies,
+            case_studies=self.case_studies,
             comparing=self.comparing,
             reporting=self.reporting,
             targeting=self.targeting,
@@ -232,6 +233,7 @@ class Workbench(QObject):
 
     def _connect_shell(self) -> None:
         self.shell.closing.connect(self._ask_before_closing)
+        self.shell.closing.connect(self.case_studies.ask_before_closing)
         self.shell.closed.connect(self._close)
         self.shell.escaped.connect(self._escape)
         connect_menu(self.memory.values, self.actions_.view.schemes)
@@ -265,13 +267,10 @@ class Workbench(QObject):
         return self.measuring.in_view(self.canvas.view.saved(self.session.store.unit.value))
 
     def _studied(self) -> tuple[State, int, View] | None:
-        if self.session.store.state is None:
+        store = self.session.store
+        if store.state is None:
             return None
-        return (
-            self.session.store.state,
-            self.parts.handle,
-            self.canvas.view.saved(self.session.store.unit.value),
-        )
+        return store.state, self.parts.handle, self.canvas.view.saved(store.unit.value)
 
     # Showing
 
@@ -368,7 +367,7 @@ class Workbench(QObject):
             self.way_bar,
             self.kind_bar,
         )
-        for part in (self.actions_, self.plots, self.comparing, *over):
+        for part in (self.actions_, self.plots, self.comparing, self.case_studies, *over):
             part.set_theme(theme)
 
     # Closing
@@ -390,6 +389,7 @@ class Workbench(QObject):
         self.looks.close()
         self.targeting.close()
         self.studies.close_all()
+        self.case_studies.close()
         self.settings_page.close()
         self.comparing.close()
         self.session.close()

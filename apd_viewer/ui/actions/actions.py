@@ -150,7 +150,7 @@ class Actions:
 
     def offer(self, is_open: bool, is_at_rest: bool) -> None:
         """Enable the actions allowed by an open mesh, at rest or not."""
-        studies = [self.pose.compare, self.pose.sweep, self.pose.press]
+        studies = [self.pose.compare, self.pose.sweep, self.pose.study, self.pose.press]
         own = [*self.file.of_a_mesh, *studies, self.pose.symmetric, *self.obstacles.of_a_mesh]
         for action in (*own, *self.select.files, *self.select.changes):
             action.setEnabled(is_open)

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.ui.actions.edit_commands import Editing
     from apd_viewer.ui.actions.part_commands import PartCommands
+    from apd_viewer.ui.case_studies.case_studies import CaseStudies
     from apd_viewer.ui.compare.compare_controller import Comparing
     from apd_viewer.ui.filing.file_commands import Filing
     from apd_viewer.ui.filing.file_requests import FileRequests
@@ -44,6 +45,7 @@ class Commands:
     obstacles: ObstacleController
     findings: Health
     studies: Studies
+    case_studies: CaseStudies
     comparing: Comparing
     reporting: Reporting
     targeting: Targeting

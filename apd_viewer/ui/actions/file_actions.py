@@ -31,7 +31,7 @@ class FileActions:
 
     Attributes
     ----------
-    open, target, clear_target, save, save_as, export, scalars : QAction
+    open, open_study, target, clear_target, save, save_as, export, scalars : QAction
     report, picture, copy_picture, copy_python, quit : QAction
     samples : list of QAction
     recent : QMenu
@@ -44,6 +44,14 @@ class FileActions:
         self._open_path = requests.open_path
         self.open = make(
             "open", tr("&Open…"), "open", tr("Open a mesh or a session"), _KEYS.Open, requests.ask
+        )
+        self.open_study = make(
+            "open_study",
+            tr("Open st&udy…"),
+            "study",
+            tr("Open the results of a study from their folder, also while it runs elsewhere"),
+            None,
+            commands.case_studies.ask,
         )
         self._make_target(maker, commands)
         self.export = make(
@@ -142,6 +150,7 @@ class FileActions:
         menu.addAction(self.open)
         self.recent = menu.addMenu(tr("Open &recent"))
         menu.addMenu(tr("Open sa&mple")).addActions(self.samples)
+        menu.addAction(self.open_study)
         menu.addSeparator()
         menu.addActions([self.target, self.clear_target])
         menu.addSeparator()

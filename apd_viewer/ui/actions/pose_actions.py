@@ -44,7 +44,7 @@ class PoseActions:
     ----------
     parts, pivots, nudges, named : list of QAction
     along : dict of Along to QAction
-    typed, put_back, symmetric, pause, compare, sweep, press : QAction
+    typed, put_back, symmetric, pause, compare, sweep, study, press : QAction
     """
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
@@ -168,6 +168,14 @@ class PoseActions:
             None,
             commands.studies.sweep,
         )
+        self.study = make(
+            "study",
+            tr("Study…"),
+            "study",
+            tr("Compute many variants of this deformation, and compare what comes of them"),
+            None,
+            commands.case_studies.design,
+        )
         self.press = make(
             "press",
             tr("Press &between plates…"),
@@ -222,4 +230,4 @@ class PoseActions:
         menu.addSeparator()
         menu.addActions(list(self.along.values()))
         menu.addSeparator()
-        menu.addActions([self.pause, self.compare, self.sweep, self.press])
+        menu.addActions([self.pause, self.compare, self.sweep, self.study, self.press])

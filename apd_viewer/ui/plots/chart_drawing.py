@@ -22,7 +22,10 @@ _BETWEEN_X, _BETWEEN_Y = 64.0, 26.0
 
 
 def draw_chart(painter: QPainter, room: QRectF, chart: Chart, theme: Theme, font: QFont) -> PlotField | None:
-    """Draw a chart into a ``room``, in the colours of a theme; return the field between its axes."""
+    """Draw a chart into a ``room``, in the colours of a theme.
+
+    Returns the field between its axes, None where there is nothing to be seen.
+    """
     found = None
     painter.save()
     painter.setClipRect(room)

@@ -10,14 +10,14 @@ reshape:GROW reshape:SHRINK reshape:SMOOTH reshape:INVERT
 clear:base clear:handle clear:region clear:all lock_part hide_part
 reshape:MIRROR_X reshape:MIRROR_Y reshape:MIRROR_Z
 pause add_handle next_handle add_region type_motion put_back compare_methods
-pick_pivot type_pivot centre_pivot sweep press
+pick_pivot type_pivot centre_pivot sweep study press open_study
 nudge:(-1,0,0) nudge:(1,0,0) nudge:(0,1,0) nudge:(0,-1,0) nudge:(0,0,1) nudge:(0,0,-1)
 along:WORLD along:HANDLE along:VIEW
 frame findings look:front look:side look:top look:-front look:-side look:-top edges
 smooth shade:sharp shade:flat orthographic up:+X up:-X up:+Y up:-Y up:+Z up:-Z upright
 no_measure measure:AREA measure:STRAIN measure:BENDING measure:DISPLACEMENT measure:DISTANCE worst:1 worst:-1
 ghost compare cut ground file_colors textures turntable scheme:Unknown scheme:Light scheme:Dark
-shortcuts tour paper copy_diagnostics about panel:readings panel:history panel:plots
+shortcuts tour paper copy_diagnostics about panel:readings panel:history panel:plots panel:study
 """
 
 

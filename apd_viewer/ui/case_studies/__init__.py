@@ -1,0 +1,1 @@
+"""Studies of many cases in the window: set up, run, looked at."""

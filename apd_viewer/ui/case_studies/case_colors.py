@@ -1,0 +1,76 @@
+"""Colours of chosen cases and of the dots of a scatter plot."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.presentation.axis import Axis, magnitudes, rounded
+from apd_viewer.presentation.color_maps import SEQUENTIAL
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from apd_viewer.ui.case_studies.result_columns import ResultColumn
+
+# Okabe and Ito's, those first that stand out on light and dark.
+_CHOSEN = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a63c9", "#8c8c1e")
+MOST_CHOSEN = len(_CHOSEN)
+# Where the largest value is so many times the least, and half of all values lie in this lower share of the
+# range, a logarithmic axis parts them.
+_MANY, _CROWDED = 50.0, 0.25
+_NOTHING = "#b8bcc4"
+
+
+class CaseColors:
+    """Colours of chosen cases, each of which keeps its own while it is chosen."""
+
+    def __init__(self) -> None:
+        self._given: dict[int, str] = {}
+
+    def of(self, rows: Sequence[int]) -> dict[int, str]:
+        """Colours of the first rows of the plan."""
+        rows = rows[:MOST_CHOSEN]
+        kept = {row: color for row, color in self._given.items() if row in rows}
+        free = [color for color in _CHOSEN if color not in kept.values()]
+        self._given = {row: kept[row] if row in kept else free.pop(0) for row in rows}
+        return self._given
+
+
+def axis_of(column: ResultColumn) -> tuple[Axis, np.ndarray]:
+    """Axis of a column with numbers, and the places (n,) of its values on it."""
+    known = column.values[np.isfinite(column.values)]
+    low, high = float(known.min()), float(known.max())
+    crowded = float(np.median(known)) < low + _CROWDED * (high - low)
+    if low > 0.0 and high > _MANY * low and crowded:
+        with np.errstate(invalid="ignore"):
+            return magnitudes(low, high, column.suffix), np.log10(column.values)
+    return rounded(low, high, column.suffix), column.values
+
+
+def ramp_colors() -> tuple[str, ...]:
+    """Colours of the scale, from its lower end to its upper."""
+    return tuple(_hex(color) for color in SEQUENTIAL.knots)
+
+
+def dot_colors(axis: Axis, places: np.ndarray) -> tuple[str, ...]:
+    """Colour of each of the places (n,) on an axis, grey where there is none."""
+    share = np.clip((places - axis.low) / (axis.high - axis.low), 0.0, 1.0)
+    knots = np.array(SEQUENTIAL.knots, dtype=float)
+    at = np.linspace(0.0, 1.0, len(knots))
+    rgb = np.rint(np.column_stack([np.interp(np.nan_to_num(share), at, channel) for channel in knots.T]))
+    return tuple(
+        _hex(color) if known else _NOTHING
+        for color, known in zip(rgb.astype(int).tolist(), np.isfinite(share).tolist(), strict=True)
+    )
+
+
+def plain_colors(count: int) -> tuple[str, ...]:
+    """One colour for all dots."""
+    return (_hex(SEQUENTIAL.knots[3]),) * count
+
+
+def _hex(color: Sequence[int]) -> str:
+    red, green, blue = color
+    return f"#{red:02x}{green:02x}{blue:02x}"

@@ -1,0 +1,220 @@
+"""Studies of many cases in the window: their dialog, process and dock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QObject
+from PySide6.QtGui import QCloseEvent
+from PySide6.QtWidgets import QDockWidget, QFileDialog, QMessageBox, QWidget
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.studies.case_file import DONE
+from apd_viewer.studies.case_session import case_session
+from apd_viewer.studies.database import DATABASE
+from apd_viewer.ui.case_studies.folder_watch import FolderWatch
+from apd_viewer.ui.case_studies.plan_dialog import PlanDialog
+from apd_viewer.ui.case_studies.result_model import status_words
+from apd_viewer.ui.case_studies.results_panel import ResultsPanel
+from apd_viewer.ui.case_studies.study_run import StudyRun
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.model.view import View
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.filing.file_commands import Filing
+    from apd_viewer.ui.overlays.notice import Notice
+    from apd_viewer.ui.posing.motion_ghost import MotionGhost
+    from apd_viewer.ui.preferences.preferences import Preferences
+    from apd_viewer.ui.widgets.theme import Theme
+
+
+class CaseStudies(QObject):
+    """Designs, runs and shows studies, one at a time.
+
+    Parameters
+    ----------
+    window : QWidget
+    dock : QDockWidget
+        For the results.
+    memory : Preferences
+    session : Session
+    filing : Filing
+        Asks before unsaved work is left.
+    opened : callable
+        What is open, which handle is in the hand, and how the mesh is looked at; None before there is a mesh.
+    notice : Notice
+    ghost : MotionGhost
+        Of handles where a motion would bring them.
+
+    Attributes
+    ----------
+    panel : ResultsPanel
+    run : StudyRun
+    dialog : PlanDialog or None
+    """
+
+    def __init__(
+        self,
+        window: QWidget,
+        dock: QDockWidget,
+        memory: Preferences,
+        session: Session,
+        filing: Filing,
+        opened: Callable[[], tuple[State, int, View] | None],
+        notice: Notice,
+        ghost: MotionGhost,
+    ) -> None:
+        super().__init__(window)
+        self._window, self._dock, self._memory, self._notice = window, dock, memory, notice
+        self._session, self._filing, self._opened = session, filing, opened
+        self._ghost = ghost
+        self.dialog: PlanDialog | None = None
+        self.panel = ResultsPanel()
+        dock.setWidget(self.panel)
+        self.run = StudyRun(self)
+        self.watch = FolderWatch(self)
+        self.watch.read.connect(self.panel.show_results)
+        self.watch.failed.connect(notice.fail)
+        self.run.reported.connect(self._report)
+        self.run.ended.connect(self._end)
+        self.panel.case_asked.connect(self._open_case)
+        self.panel.go_on_asked.connect(self._go_on)
+        self.panel.stop_asked.connect(self._stop)
+        self.panel.open_asked.connect(self.ask)
+
+    # Commands
+
+    def design(self) -> None:
+        """Design a study of what is open."""
+        found = self._opened()
+        if found is None:
+            return
+        state, handle, view = found
+        if state.document.problem:
+            self._notice.fail(state.document.problem)
+        elif self.run.running:
+            self._notice.fail(tr("A study is running; wait for it or stop it, then begin another."))
+            self._dock.show()
+        else:
+            if self.dialog is None:
+                self.dialog = dialog = PlanDialog(
+                    self._window, self._session, handle, view, self._memory, self._ghost
+                )
+                dialog.begun.connect(self._begin)
+                dialog.finished.connect(self._forget_dialog)
+            self.dialog.show()
+            self.dialog.raise_()
+            self.dialog.activateWindow()
+
+    def ask(self) -> None:
+        """Choose the folder of a study to look at."""
+        folder = QFileDialog.getExistingDirectory(
+            self._window, tr("Open the folder of a study"), str(self._memory.folder)
+        )
+        if folder:
+            self.open(Path(folder))
+
+    def open(self, folder: Path) -> None:
+        """Show the results of a folder, and follow them while they grow."""
+        if not (folder / DATABASE).is_file() and folder != self.run.folder:
+            self._notice.fail(
+                tr("{folder} holds no study; choose the folder of one.").format(folder=folder.name)
+            )
+            return
+        self.panel.begin(folder)
+        self.panel.show_running(folder == self.run.folder, self.run.stopping)
+        self.watch.watch(folder)
+        self._dock.show()
+        self._dock.raise_()
+
+    def _forget_dialog(self) -> None:
+        self.dialog = None
+
+    def _begin(self, folder: Path, options: list[str] | None) -> None:
+        try:
+            self.run.begin(folder, options)
+        except InputError as error:
+            self._notice.fail(str(error))
+            return
+        self.open(folder)
+
+    def _go_on(self) -> None:
+        if self.panel.folder is not None and not self.run.running:
+            self._begin(self.panel.folder, None)
+
+    def _stop(self) -> None:
+        self.run.stop()
+        if self.run.running:
+            self.panel.show_running(True, stopping=True)
+
+    # Following
+
+    def _report(self, said: object) -> None:
+        if self.run.folder == self.panel.folder and isinstance(said, dict):
+            self.panel.show_progress(said)
+
+    def _end(self, sentence: str) -> None:
+        self.panel.show_running(False, sentence=sentence)
+        if self.panel.folder is not None:
+            self.watch.watch(self.panel.folder)
+
+    # Cases
+
+    def _open_case(self, row: int) -> None:
+        """Open the shape of a case, or say why there is none."""
+        folder, found = self.panel.folder, self.panel.model.rows[row]
+        if folder is None:
+            return
+        if found.status != DONE:
+            words = found.sentence or status_words(found.status)
+            self._notice.tell(tr("Case of line {line}: {words}").format(line=found.line, words=words))
+            return
+        name = tr("case {line} of {study}").format(line=found.line, study=folder.name)
+
+        def go() -> None:
+            before = self._opened()
+            self._session.files.open_with(name, lambda: _seen_as(before, *case_session(folder, found.key)))
+
+        self._filing.leave_for(go)
+
+    # The window
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour the parts beyond the style sheet's reach."""
+        self.panel.set_theme(theme)
+
+    def ask_before_closing(self, event: QCloseEvent) -> None:
+        """Ask before the window is closed over a running study."""
+        if not self.run.running or not event.isAccepted():
+            return
+        buttons = QMessageBox.StandardButton
+        answer = QMessageBox.question(
+            self._window,
+            tr("A study is running"),
+            tr("Close and stop the study? Finished cases are kept; File > Open study continues it."),
+            buttons.Close | buttons.Cancel,
+            buttons.Cancel,
+        )
+        if answer != buttons.Close:
+            event.ignore()
+
+    def close(self) -> None:
+        """End the run and the reading."""
+        if self.dialog is not None:
+            self.dialog.close()
+        self.run.end_at_once()
+        self.watch.close()
+
+
+def _seen_as(before: tuple[State, int, View] | None, state: State, view: View) -> tuple[State, View]:
+    """A case, in the view of before if the mesh is the same.
+
+    So shapes can be compared.
+    """
+    same = before is not None and np.array_equal(before[0].document.mesh.V, state.document.mesh.V)
+    return state, before[2] if before is not None and same else view

@@ -1,0 +1,55 @@
+"""Look at an end of a range on the mesh, and back again without a trace."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.posing.motion_ghost import MotionGhost
+
+
+class EndPreview:
+    """Shows documents within a gesture that is taken back.
+
+    Parameters
+    ----------
+    session : Session
+    ghost : MotionGhost
+        Shows the handles at once; the mesh follows.
+    """
+
+    def __init__(self, session: Session, ghost: MotionGhost) -> None:
+        self._session, self._ghost = session, ghost
+        self._before: State | None = None
+
+    @property
+    def shows(self) -> bool:
+        """True while it shows anything."""
+        return self._before is not None and self._session.gestures.before is self._before
+
+    def show(self, document: Document) -> None:
+        """Show a document, if its mesh is open and no other gesture is under way."""
+        gestures, state = self._session.gestures, self._session.store.state
+        if state is None or state.document.mesh is not document.mesh:
+            return
+        if not self.shows:
+            if gestures.before is not None:
+                return
+            gestures.begin()
+            self._before = gestures.before
+        self._ghost.show_asked(document)
+        self._session.handles.advance(document)
+
+    def hide(self) -> None:
+        """Return to the state before."""
+        self._ghost.hide()
+        gestures, before, self._before = self._session.gestures, self._before, None
+        if before is None:
+            return
+        if gestures.before is before:
+            gestures.cancel()
+        elif gestures.before is not None and gestures.before.document.mesh is before.document.mesh:
+            gestures.before = before  # a drag that began on what was shown is undone to what was before

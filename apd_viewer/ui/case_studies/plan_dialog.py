@@ -1,0 +1,253 @@
+"""Dialog that designs a study of the current document, and begins it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtWidgets import (
+    QDialog,
+    QFileDialog,
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QVBoxLayout,
+)
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.studies.sweep_setup import MOST_STEPS
+from apd_viewer.studies.database import DATABASE
+from apd_viewer.studies.plans.design import GRID, LATIN, MOST_SAMPLES, SOBOL
+from apd_viewer.ui.case_studies.end_preview import EndPreview
+from apd_viewer.ui.case_studies.engine_fields import EngineFields
+from apd_viewer.ui.case_studies.study_files import PLAN, Design, document_of, write_study
+from apd_viewer.ui.case_studies.varied_fields import HEADS, VariedFields
+from apd_viewer.ui.studies.study_dialog import count_field, row_of
+from apd_viewer.ui.widgets.fields import Choice, Entry
+from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+
+if TYPE_CHECKING:
+    from PySide6.QtWidgets import QLayout, QWidget
+
+    from apd_viewer.session.model.view import View
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.posing.motion_ghost import MotionGhost
+    from apd_viewer.ui.preferences.preferences import Preferences
+
+_WIDTH = 720  # px
+_CASES, _LEVELS = 100, 5
+
+
+class PlanDialog(QDialog):
+    """Designs a study of the document that is open when the dialog opens.
+
+    Parameters
+    ----------
+    window : QWidget
+    session : Session
+        On whose mesh the ends of ranges are shown.
+    handle : int
+        That typed motions move.
+    view : View
+    memory : Preferences
+    ghost : MotionGhost
+        Shows handles at once where the mesh follows.
+
+    Attributes
+    ----------
+    begun : Signal(object, object)
+        The folder with its plan, and the options of the command that runs it.
+    """
+
+    begun = Signal(object, object)
+
+    def __init__(
+        self,
+        window: QWidget,
+        session: Session,
+        handle: int,
+        view: View,
+        memory: Preferences,
+        ghost: MotionGhost,
+    ) -> None:
+        super().__init__(window, objectName="study")
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self._state, self._handle, self._view, self._memory = session.store.required(), handle, view, memory
+        self._preview = EndPreview(session, ghost)
+        mesh = self._state.document.mesh
+        self.setWindowTitle(tr("Study – {name}").format(name=mesh.name))
+        self.varied = VariedFields(self._state, Unit(view.unit))
+        self.varied.changed.connect(self._count)
+        self.varied.looked_at.connect(self._look)
+        self.varied.left.connect(self._preview.hide)
+        self.engine = EngineFields()
+        self._lay_out(_unused(memory.folder, f"{mesh.stem}-study"))
+        self._count()
+
+    # Laying out
+
+    def _lay_out(self, folder: Path) -> None:
+        column = QVBoxLayout(self, spacing=12)
+        column.setContentsMargins(20, 16, 20, 16)
+        about = tr(
+            "Computes many variants of this deformation, each walked in steps, and collects their "
+            "measurements in a table. While you edit an end of a range, the view shows it."
+        )
+        column.addWidget(QLabel(about, objectName="quiet", wordWrap=True))
+        column.addWidget(QLabel(self._named, objectName="heading"))
+        column.addWidget(self.varied)
+        column.addWidget(QFrame(objectName="rule", frameShape=QFrame.Shape.HLine))
+        column.addLayout(self._make_rows(folder))
+        column.addStretch(1)
+        column.addLayout(self._make_foot())
+        column.activate()
+        resize_on_screen(self, QSize(_WIDTH, column.totalHeightForWidth(_WIDTH)))
+
+    @property
+    def _named(self) -> str:
+        handles = self._state.document.handles
+        if len(handles) == 1:
+            return tr("Vary")
+        return tr("Vary – typed motions move “{name}”").format(name=handles[self._handle].name)
+
+    def _make_rows(self, folder: Path) -> QGridLayout:
+        rows: tuple[tuple[str, QLayout], ...] = (
+            (tr("Cases"), self._make_design()),
+            (tr("Run"), self.engine.layout_),
+            (tr("Folder"), self._make_folder(folder)),
+        )
+        grid = QGridLayout(horizontalSpacing=16, verticalSpacing=8)
+        grid.setColumnStretch(1, 1)
+        grid.setColumnMinimumWidth(0, HEADS - 16)
+        for number, (title, row) in enumerate(rows):
+            grid.addWidget(QLabel(title, objectName="heading"), number, 0)
+            grid.addLayout(row, number, 1)
+        return grid
+
+    def _make_design(self) -> QHBoxLayout:
+        self.design = Choice(accessibleName=tr("Design"))
+        for method, title, tip in (
+            (LATIN, tr("Latin hypercube"), tr("Each range is covered evenly, by any number of cases")),
+            (SOBOL, tr("Sobol sequence"), tr("Covers the ranges most evenly with 64, 128, 256 … cases")),
+            (GRID, tr("grid"), tr("Every combination of so many values of each range")),
+        ):
+            self.design.addItem(title, method)
+            self.design.setItemData(self.design.count() - 1, tip, Qt.ItemDataRole.ToolTipRole)
+        self.samples = count_field(tr("Number of cases"), 1, MOST_SAMPLES, _CASES)
+        self.steps = count_field(tr("Steps of a case"), 1, MOST_STEPS, 10)
+        self.design.currentIndexChanged.connect(self._choose_design)
+        self.samples.valueChanged.connect(self._count)
+        self.count = QLabel(objectName="quiet")
+        self._of_samples = QLabel()
+        each = QLabel(tr("steps each"))
+        return row_of(self.samples, self._of_samples, self.design, self.count, self.steps, each, spacing=8)
+
+    def _make_folder(self, folder: Path) -> QHBoxLayout:
+        self.folder = Entry(toolTip=tr("New folder of the plan and the results"))
+        self.folder.setAccessibleName(tr("Folder"))
+        self.folder.setText(str(folder))
+        self.browse = QPushButton(tr("Choose…"), clicked=self._browse, autoDefault=False)
+        row = QHBoxLayout(spacing=8)
+        row.addWidget(self.folder, 1)
+        row.addWidget(self.browse)
+        return row
+
+    def _make_foot(self) -> QHBoxLayout:
+        self.words = QLabel(objectName="quiet", wordWrap=True)
+        self.cancel = QPushButton(tr("Cancel"), clicked=self.reject, autoDefault=False)
+        self.start = QPushButton(tr("Run"), objectName="primary", clicked=self.begin)
+        self.start.setDefault(True)
+        row = QHBoxLayout(spacing=8)
+        row.addWidget(self.words, 1)
+        row.addWidget(self.cancel)
+        row.addWidget(self.start)
+        return row
+
+    # Choosing
+
+    def _choose_design(self) -> None:
+        grid = self.design.currentData() == GRID
+        levels = round(self.samples.value())
+        if grid is (levels == _CASES):
+            self.samples.setValue(_LEVELS if grid else _CASES)
+        self._count()
+
+    def _count(self) -> None:
+        """Say how many cases there will be."""
+        grid = self.design.currentData() == GRID
+        self._of_samples.setText(tr("values of each,") if grid else tr("cases,"))
+        varying = sum(row.on and bool(row.high.text().strip()) for row in self.varied.rows.values())
+        total = math.pow(self.samples.value(), varying) if grid else 0.0
+        self.count.setText(tr("= {n:,.0f} cases,").format(n=total) if grid else "")
+        self.count.setVisible(grid)
+        self.words.setText("")
+
+    def _look(self, name: str, upper: bool) -> None:
+        """Show an end of a range on the mesh."""
+        try:
+            said = self.varied.ends(name, upper)
+            document = document_of(self._state, Unit(self._view.unit), self._handle, said)
+        except InputError as error:
+            self.words.setText(str(error))
+            self._preview.hide()
+        else:
+            self.words.setText("")
+            self._preview.show(document)
+
+    def _browse(self) -> None:
+        folder = QFileDialog.getExistingDirectory(
+            self, tr("Choose a folder to save in"), str(Path(self.folder.text()).parent)
+        )
+        if folder:
+            self.folder.setText(str(_unused(Path(folder), Path(self.folder.text()).name)))
+
+    # Beginning
+
+    def begin(self) -> None:
+        """Write plan and session, and announce them."""
+        self._preview.hide()
+        folder = Path(self.folder.text().strip()).expanduser()
+        try:
+            options = self.engine.options()
+            design = Design(
+                self.varied.spans(),
+                self.design.currentData(),
+                round(self.samples.value()),
+                round(self.steps.value()),
+                self._handle,
+            )
+            rows = design.rows()
+            self._check(folder, design)
+            write_study(folder, rows, self._state, self._view, design.moves)
+        except InputError as error:
+            self.words.setText(str(error))
+            return
+        self.begun.emit(folder, options)
+        self.accept()
+
+    def _check(self, folder: Path, design: Design) -> None:
+        """Raise InputError for a folder in use, and where nothing would move."""
+        if not self.folder.text().strip() or any((folder / name).exists() for name in (PLAN, DATABASE)):
+            raise InputError(tr("This folder holds a study already; choose another one."))
+        if not design.moves and not self._state.document.posed:
+            raise InputError(tr("No handle moves; tick a motion as well, with one end or with both."))
+
+    def done(self, result: int) -> None:
+        """Close the dialog, and show the mesh as it was."""
+        self._preview.hide()
+        super().done(result)
+
+
+def _unused(folder: Path, name: str) -> Path:
+    """A path of this name, with a number appended where it exists."""
+    number, path = 1, folder / name
+    while path.exists():
+        number += 1
+        path = folder / f"{name}-{number}"
+    return path

@@ -1,0 +1,217 @@
+"""Columns of the results of a study: titles, numbers, texts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.presentation.number_format import grouped, short, significant
+from apd_viewer.session.posing.motion_text import parsed_motion
+from apd_viewer.studies.results import READINGS
+
+if TYPE_CHECKING:
+    from apd_viewer.studies.results import ResultTable
+
+LINE, MOTION = "line", "motion"
+_AMOUNT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z%°]*)\s*")
+_MOST_KINDS = 12  # of motions: more columns would hide the rest
+# Handle, word, axis, and which of the amounts.
+_Amount = tuple[int, str, str, int]
+_DEGREES = {"deg": "°"}
+
+
+class ReadingWords(NamedTuple):
+    """Words of a reading, and how its number is written.
+
+    Attributes
+    ----------
+    title, tip : str
+    percent : bool
+        Whether it is a fraction, written in percent.
+    whole : bool
+    """
+
+    title: str
+    tip: str
+    percent: bool = False
+    whole: bool = False
+
+
+READING_WORDS = {
+    "area_error": ReadingWords(tr("Area change"), tr("Of the total area, from rest"), percent=True),
+    "volume_error": ReadingWords(tr("Volume change"), tr("Of the enclosed volume, from rest"), percent=True),
+    "local_change": ReadingWords(tr("Local change"), tr("Largest area change of a triangle"), percent=True),
+    "energy": ReadingWords(tr("Energy"), tr("ARAP energy of the deformation")),
+    "crossings": ReadingWords(tr("Self-intersections"), tr("Triangles that pass through others"), whole=True),
+    "handle_drift": ReadingWords(tr("Handle drift"), tr("Largest distance of a handle from its place")),
+    "share_reached": ReadingWords(
+        tr("Motion reached"), tr("Share of the way on which contact let the handle go"), percent=True
+    ),
+    "least_gap": ReadingWords(tr("Least gap"), tr("Between walls in contact")),
+    "volume": ReadingWords(tr("Volume"), tr("Enclosed volume, mesh units")),
+    "volume_capped": ReadingWords(tr("Capped volume"), tr("With caps on its openings, mesh units")),
+    "packed_volume": ReadingWords(tr("Smallest box"), tr("Volume of the smallest box around it, any way up")),
+    "box_volume": ReadingWords(tr("Box"), tr("Volume of the box around it along the axes")),
+    "hull_volume": ReadingWords(tr("Convex hull"), tr("Volume of the convex hull")),
+    "area": ReadingWords(tr("Area"), tr("Total area, mesh units")),
+    "area_rest": ReadingWords(tr("Area at rest"), tr("Total area, mesh units")),
+    "volume_rest": ReadingWords(tr("Volume at rest"), tr("Enclosed volume, mesh units")),
+    "iterations": ReadingWords(tr("Iterations"), tr("Of all steps together"), whole=True),
+    "unsettled_steps": ReadingWords(
+        tr("Unsettled steps"), tr("Steps that stopped before they converged"), whole=True
+    ),
+    "seconds": ReadingWords(tr("Time (s)"), tr("Of the case, seconds")),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class ResultColumn:
+    """A column of results.
+
+    Attributes
+    ----------
+    name : str
+    title, tip : str
+    values : (n,) float array
+        NaN where there is no number.
+    texts : tuple of str
+    suffix : str
+        Behind a number on an axis.
+    asked : bool
+        Whether it comes from the plan.
+    """
+
+    name: str
+    title: str
+    tip: str
+    values: np.ndarray
+    texts: tuple[str, ...]
+    suffix: str = ""
+    asked: bool = False
+
+    @property
+    def numeric(self) -> bool:
+        """True if it has any number."""
+        return bool(np.isfinite(self.values).any())
+
+    @property
+    def varies(self) -> bool:
+        """True if not all are alike."""
+        return len(set(self.texts)) > 1
+
+
+def columns_of(table: ResultTable) -> list[ResultColumn]:
+    """The line, what varies of the plan, and all readings with a number."""
+    found = [_plain(LINE, tr("Line"), tr("Of the plan"), [float(row.line) for row in table.rows])]
+    for k in sorted(range(len(table.columns)), key=lambda k: table.columns[k] != MOTION):
+        cells = [row.cells[k] for row in table.rows]
+        found += _motions(cells) if table.columns[k] == MOTION else [_asked(table.columns[k], cells)]
+    readings = [_reading(table, name) for name in sorted(READINGS, key=_place)]
+    return [found[0], *(each for each in found[1:] if each.varies), *(r for r in readings if r.numeric)]
+
+
+def _place(name: str) -> int:
+    """Place of a reading among the columns; unknown ones come last."""
+    return list(READING_WORDS).index(name) if name in READING_WORDS else len(READING_WORDS)
+
+
+def words_of(name: str) -> ReadingWords:
+    """Words of a reading; its name where there are none."""
+    return READING_WORDS.get(name, ReadingWords(name, ""))
+
+
+def _plain(name: str, title: str, tip: str, values: Sequence[float]) -> ResultColumn:
+    return ResultColumn(name, title, tip, np.array(values), tuple(f"{value:.0f}" for value in values))
+
+
+def _asked(name: str, cells: Sequence[str]) -> ResultColumn:
+    """Column of a plan; numbers with one unit, or texts."""
+    titles = {"area": tr("Target area"), "volume": tr("Target volume"), "to": tr("Share of the motion")}
+    title = titles.get(name, name.lstrip("#").replace("_", " ").strip().capitalize())
+    tip = tr("Column “{name}” of the plan").format(name=name)
+    return _amounts(f"plan {name}", title, tip, cells)
+
+
+def _amounts(name: str, title: str, tip: str, cells: Sequence[str]) -> ResultColumn:
+    found = [_AMOUNT.fullmatch(cell) for cell in cells]
+    units = {match[2] for match in found if match}
+    if len(units) != 1 or any(cell.strip() and not match for cell, match in zip(cells, found, strict=True)):
+        return ResultColumn(name, title, tip, np.full(len(cells), np.nan), tuple(cells), "", True)
+    unit = units.pop()
+    suffix = _DEGREES.get(unit, f" {unit}" if unit else "")
+    values = np.array([float(match[1]) if match else np.nan for match in found])
+    texts = tuple(f"{short(v)}{suffix}".replace("-", "−") if np.isfinite(v) else "" for v in values)
+    return ResultColumn(name, title, tip, values, texts, suffix, True)
+
+
+def _motions(cells: Sequence[str]) -> list[ResultColumn]:
+    """A column for each amount; the texts if a row has the same motion twice."""
+    tip = tr("Motion of the plan")
+    nothing = np.full(len(cells), np.nan)
+    as_text = [ResultColumn(MOTION, tr("Motion"), tip, nothing, tuple(cells), "", True)]
+    found: list[dict[_Amount, str]] = []
+    for cell in cells:
+        try:
+            steps = parsed_motion(cell) if cell else ()
+        except InputError:  # the row is wrong
+            steps = ()
+        amounts = {
+            (step.handle, step.word, step.axis, place): text
+            for step in steps
+            for place, text in enumerate(step.amounts)
+        }
+        if len(amounts) < sum(len(step.amounts) for step in steps):
+            return as_text
+        found.append(amounts)
+    kinds = list(dict.fromkeys(kind for amounts in found for kind in amounts))
+    if len(kinds) > _MOST_KINDS:
+        return as_text
+    several = len({handle for handle, *_ in kinds}) > 1
+    return [
+        _amounts(
+            f"{MOTION} {' '.join(map(str, kind))}",
+            _motion_title(kind, several),
+            tip,
+            [amounts.get(kind, "") for amounts in found],
+        )
+        for kind in kinds
+    ]
+
+
+def _motion_title(kind: _Amount, several: bool) -> str:
+    handle, word, axis, place = kind
+    words = {
+        "twist": tr("Twist"),
+        "bend": tr("Bend"),
+        "turn": tr("Turn"),
+        "push": tr("Push"),
+        "move": tr("Move"),
+        "scale": tr("Scale"),
+    }
+    about = "xyz"[place] if word == "move" else axis.lower()
+    parts = [words[word], about, tr("(handle {n})").format(n=handle + 1) if several else ""]
+    return " ".join(filter(None, parts))
+
+
+def _reading(table: ResultTable, name: str) -> ResultColumn:
+    words = words_of(name)
+    numbers = [row.readings.get(name) for row in table.rows]
+    values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
+    values = 100.0 * values if words.percent else values
+    write = _writer(words)
+    texts = tuple(write(value) if np.isfinite(value) else "" for value in values.tolist())
+    return ResultColumn(name, words.title, words.tip, values, texts, " %" if words.percent else "")
+
+
+def _writer(words: ReadingWords) -> Callable[[float], str]:
+    if words.percent:
+        return lambda value: f"{grouped(value, 2)} %"
+    if words.whole:
+        return lambda value: grouped(value, 0)
+    return lambda value: significant(value, 4)

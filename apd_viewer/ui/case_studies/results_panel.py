@@ -1,0 +1,196 @@
+"""Results of a study: progress, table, scatter plot and curves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import QSize, Qt, QUrl, Signal
+from PySide6.QtGui import QDesktopServices, QResizeEvent
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QSizePolicy,
+    QSplitter,
+    QVBoxLayout,
+    QWidget,
+)
+
+from apd_viewer.language import tr
+from apd_viewer.ui.case_studies.case_colors import CaseColors
+from apd_viewer.ui.case_studies.case_curves import CaseCurves
+from apd_viewer.ui.case_studies.result_model import ResultModel
+from apd_viewer.ui.case_studies.result_table import ResultsView
+from apd_viewer.ui.case_studies.scatter_plot import ScatterPlot
+from apd_viewer.ui.case_studies.study_status import StudyStatus
+from apd_viewer.ui.panel.statusbar import Hint
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.case_studies.folder_watch import ReadResults
+    from apd_viewer.ui.widgets.theme import Theme
+
+_SCALE = 1000
+_SIZE, _SMALLEST = QSize(960, 320), QSize(320, 160)
+_TABLE, _PLOT, _CURVES = 46, 30, 24  # shares of the width
+
+
+class ResultsPanel(QWidget):
+    """Contents of the dock of a study.
+
+    Attributes
+    ----------
+    case_asked : Signal(int)
+        A row of the plan whose shape is to be opened.
+    go_on_asked, stop_asked, open_asked : Signal()
+    model : ResultModel
+    table : ResultsView
+    scatter : ScatterPlot
+    curves : CaseCurves
+    folder : Path or None
+    """
+
+    case_asked = Signal(int)
+    go_on_asked = Signal()
+    stop_asked = Signal()
+    open_asked = Signal()
+
+    def __init__(self) -> None:
+        super().__init__(objectName="casestudy")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.folder: Path | None = None
+        self.status = StudyStatus()
+        self._colors = CaseColors()
+        self.model = ResultModel()
+        self.model.setParent(self)
+        self.table = ResultsView(self.model)
+        self.scatter = ScatterPlot(self.model)
+        self.curves = CaseCurves(self.model)
+        self.table.chosen.connect(self._choose)
+        self.table.opened.connect(self.case_asked)
+        self.scatter.view.picked.connect(self._pick)
+        self._lay_out()
+        self._follow_status()
+
+    def _lay_out(self) -> None:
+        self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
+        self.name = QLabel(objectName="heading")
+        self.words = Hint(objectName="quiet")
+        self.words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.go_on = QPushButton(tr("Continue"), toolTip=tr("Compute the cases that are missing"))
+        self.stop = QPushButton(tr("Stop"))
+        self.show_folder = QPushButton(tr("Show folder"), toolTip=tr("Plan, tables and cases as files"))
+        self.open = QPushButton(tr("Open study…"))
+        self.go_on.clicked.connect(self.go_on_asked)
+        self.stop.clicked.connect(self.stop_asked)
+        self.open.clicked.connect(self.open_asked)
+        self.show_folder.clicked.connect(self._show_folder)
+        head = QHBoxLayout(spacing=8)
+        head.setContentsMargins(12, 4, 8, 4)
+        head.addWidget(self.name)
+        head.addWidget(self.words, 1)
+        for button in (self.go_on, self.stop, self.show_folder, self.open):
+            head.addWidget(button)
+        self.splitter = QSplitter(childrenCollapsible=False, handleWidth=5)
+        for part, share in ((self.table, _TABLE), (self.scatter, _PLOT), (self.curves, _CURVES)):
+            self.splitter.addWidget(part)
+            self.splitter.setStretchFactor(self.splitter.count() - 1, share)
+        column = QVBoxLayout(self, spacing=0)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addLayout(head)
+        column.addWidget(self.bar)
+        column.addWidget(self.splitter, 1)
+
+    # What is shown
+
+    def begin(self, folder: Path) -> None:
+        """Show another study, of which nothing is read yet."""
+        self.folder = folder
+        self.status.begin(folder)
+        self.name.setText(folder.name)
+        self.name.setToolTip(str(folder))
+        self.curves.begin(folder)
+        self._follow_status()
+
+    def show_results(self, found: ReadResults) -> None:
+        """Show the results of the study as they were read."""
+        self.model.show_results(found.table, found.columns)
+        self.status.count(found.table)
+        self.scatter.follow()
+        self._choose()
+        self._follow_status()
+
+    def show_progress(self, said: dict[str, Any]) -> None:
+        """Show the progress told by the command that runs it."""
+        self.status.report(said)
+        self._follow_status()
+
+    def show_running(self, runs: bool, stopping: bool = False, sentence: str = "") -> None:
+        """Show whether it runs here, and how it has ended."""
+        self.status.run(runs, stopping, sentence)
+        self._follow_status()
+
+    def _follow_status(self) -> None:
+        status = self.status
+        self.words.setText(status.words)
+        self.bar.setMaximum(0 if status.share is None else _SCALE)  # of unknown length
+        self.bar.setValue(round(_SCALE * (status.share or 0.0)))
+        self.bar.setVisible(status.unfinished)
+        self.go_on.setVisible(status.may_go_on)
+        self.stop.setVisible(status.runs)
+        self.stop.setText(tr("Stop now") if status.stopping else tr("Stop"))
+        self.stop.setToolTip(
+            tr("End the running cases too; they are computed again")
+            if status.stopping
+            else tr("Finish the running cases, and start no more; Continue goes on")
+        )
+        self.show_folder.setVisible(self.folder is not None)
+
+    # Choosing cases
+
+    def _choose(self) -> None:
+        colors = self._colors.of(self.table.rows)
+        self.scatter.mark(colors)
+        self.curves.show_cases(colors)
+
+    def _pick(self, row: int, more: bool) -> None:
+        """Choose the row of a dot, or add it; open it alone."""
+        rows = self.table.rows
+        if not more:
+            self.table.choose([row])
+            self.case_asked.emit(row)
+        elif row in rows:
+            self.table.choose([each for each in rows if each != row])
+        else:
+            self.table.choose([*rows, row])
+
+    def _show_folder(self) -> None:
+        if self.folder is not None:
+            QDesktopServices.openUrl(QUrl.fromLocalFile(str(self.folder)))
+
+    # Looks
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw in the colours of a theme."""
+        self.model.theme = theme
+        for view in (self.scatter.view, self.curves.view):
+            view.theme = theme
+            view.update()
+        self.table.viewport().update()
+
+    def sizeHint(self) -> QSize:
+        """Height for a readable table below a larger canvas."""
+        return _SIZE
+
+    def minimumSizeHint(self) -> QSize:
+        """As narrow as a column beside the canvas."""
+        return _SMALLEST
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Arrange the parts by the aspect of the dock."""
+        super().resizeEvent(event)
+        wide = self.width() > self.height()
+        way = Qt.Orientation.Horizontal if wide else Qt.Orientation.Vertical
+        if self.splitter.orientation() != way:
+            self.splitter.setOrientation(way)

@@ -1,0 +1,183 @@
+"""Scatter plot of two columns of the results, with the colour of a third."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QEvent, QPoint, QPointF, QSize, Qt, Signal
+from PySide6.QtGui import QHelpEvent, QMouseEvent
+from PySide6.QtWidgets import QGridLayout, QLabel, QToolTip, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.studies.case_file import FAILED
+from apd_viewer.ui.case_studies.case_colors import axis_of, dot_colors, plain_colors, ramp_colors
+from apd_viewer.ui.case_studies.column_choice import ColumnChoice
+from apd_viewer.ui.plots.chart import Chart, Dots, Ramp
+from apd_viewer.ui.plots.plots import ChartView, ChartWords
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.case_studies.result_columns import ResultColumn
+    from apd_viewer.ui.case_studies.result_model import ResultModel
+
+_NEAR = 10.0  # px
+_LOWEST = QSize(200, 120)
+
+
+class ScatterView(ChartView):
+    """Chart with dots to be clicked.
+
+    Parameters
+    ----------
+    chart : callable
+    about : callable
+        Words on a dot, by its number.
+
+    Attributes
+    ----------
+    picked : Signal(int, bool)
+        The number of a dot, and whether it is added to what is chosen.
+    """
+
+    picked = Signal(int, bool)
+
+    def __init__(self, chart: Callable[[], Chart], about: Callable[[int], str]) -> None:
+        super().__init__(ChartWords(tr("Scatter plot"), ""), chart)
+        self._about = about
+        self.setMouseTracking(True)
+        self.setMinimumSize(_LOWEST)
+
+    def places(self) -> np.ndarray:
+        """Dots in pixels, (n, 2); NaN where there is none."""
+        dots = self.chart().dots
+        if self.field is None or dots is None:
+            return np.empty((0, 2))
+        return self.field.places(dots.x, dots.y)
+
+    def dot_at(self, at: QPoint | QPointF) -> int | None:
+        """Number of the nearest dot around a point; None if none is near."""
+        places = self.places()
+        away = np.hypot(*(places - [at.x(), at.y()]).T)
+        if not np.isfinite(away).any():
+            return None
+        nearest = int(np.nanargmin(away))
+        return nearest if away[nearest] < _NEAR else None
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Pick the dot under the cursor."""
+        dot = self.dot_at(event.position())
+        if dot is not None and event.button() is Qt.MouseButton.LeftButton:
+            more = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
+            self.picked.emit(dot, bool(event.modifiers() & more))
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Show by the cursor what a click would do."""
+        near = self.dot_at(event.position()) is not None
+        self.setCursor(Qt.CursorShape.PointingHandCursor if near else Qt.CursorShape.ArrowCursor)
+
+    def event(self, event: QEvent) -> bool:
+        """Tell what is under the cursor."""
+        if isinstance(event, QHelpEvent) and event.type() is QEvent.Type.ToolTip:
+            dot = self.dot_at(event.pos())
+            QToolTip.showText(event.globalPos(), "" if dot is None else self._about(dot), self)
+            return True
+        return super().event(event)
+
+
+class ScatterPlot(QWidget):
+    """The plot, and the choices of its columns.
+
+    Parameters
+    ----------
+    model : ResultModel
+
+    Attributes
+    ----------
+    across, upright, color : ColumnChoice
+    view : ScatterView
+    """
+
+    def __init__(self, model: ResultModel) -> None:
+        super().__init__()
+        self._model = model
+        self._rings: Mapping[int, str] = {}
+        self._drawn: Chart | None = None
+        self.upright = ColumnChoice(tr("Upright axis"))
+        self.across = ColumnChoice(tr("Axis across"))
+        self.color = ColumnChoice(tr("Colour"), may_be_none=True)
+        self.view = ScatterView(self._chart, self._about)
+        for choice in (self.across, self.upright, self.color):
+            choice.chosen.connect(self.redraw)
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        head = QGridLayout(horizontalSpacing=6, verticalSpacing=0)
+        head.setContentsMargins(8, 4, 8, 0)
+        for k, (word, choice) in enumerate(
+            ((tr("y"), self.upright), (tr("x"), self.across), (tr("colour"), self.color))
+        ):
+            label = QLabel(word, objectName="quiet")
+            label.setBuddy(choice)
+            head.addWidget(label, 0, 2 * k)
+            head.addWidget(choice, 0, 2 * k + 1)
+            head.setColumnStretch(2 * k + 1, 1)
+        column = QVBoxLayout(self, spacing=0)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addLayout(head)
+        column.addWidget(self.view, 1)
+
+    def follow(self) -> None:
+        """Offer the columns of the model, and draw them."""
+        columns = self._model.numeric
+        asked = [column for column in columns if column.asked]
+        found = [column for column in columns if not column.asked]
+        volume = [column for column in found if column.name == "volume_error"]
+        self.across.offer(columns, [*asked, *found])
+        self.upright.offer(columns, [*volume, *found, *asked[1:], *asked])
+        self.color.offer(columns, [*asked[1:2], *found[:1]])
+        self.redraw()
+
+    def mark(self, rings: Mapping[int, str]) -> None:
+        """Mark rows of the plan by rings of these colours."""
+        self._rings = rings
+        self.redraw()
+
+    def redraw(self) -> None:
+        """Draw anew."""
+        self._drawn = None
+        self.view.update()
+
+    def _chart(self) -> Chart:
+        if self._drawn is None:
+            self._drawn = self._made()
+        return self._drawn
+
+    def _made(self) -> Chart:
+        columns = {column.name: column for column in self._model.columns}
+        x, y = columns.get(self.across.name), columns.get(self.upright.name)
+        if x is None or y is None or not (x.numeric and y.numeric):
+            return Chart("", empty=tr("Finished cases appear here."))
+        (across, at_x), (upright, at_y) = axis_of(x), axis_of(y)
+        color = columns.get(self.color.name)
+        ramp, colors = None, plain_colors(len(at_x))
+        if color is not None and color.numeric:
+            axis, places = axis_of(color)
+            ramp, colors = Ramp(axis, ramp_colors()), dot_colors(axis, places)
+        failed = np.array([row.status == FAILED for row in self._model.rows], dtype=bool)
+        crosses = np.column_stack([at_x, np.where(np.isfinite(at_y), at_y, upright.low)])[failed]
+        dots = Dots(
+            at_x,
+            np.where(failed, np.nan, at_y),
+            colors,
+            crosses[np.isfinite(crosses).all(axis=1)],
+            tuple(self._rings.items()),
+        )
+        return Chart("", x=across, y=upright, dots=dots, ramp=ramp)
+
+    def _about(self, row: int) -> str:
+        """Line of the plan and the values of the axes."""
+        named = {self.upright.name, self.across.name, self.color.name}
+        shown: list[ResultColumn] = [self._model.columns[0]]
+        shown += [column for column in self._model.columns if column.name in named]
+        return "\n".join(f"{column.title}: {column.texts[row]}" for column in shown)

@@ -1,0 +1,138 @@
+"""Plan and session of a new study, and the document at the ends of its ranges."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.tables import write_table
+from apd_viewer.language import tr
+from apd_viewer.session.model.handle_paths import document_at, paths_of
+from apd_viewer.session.posing.motion_path import gripped_at_rest, motion_paths, posed_along
+from apd_viewer.session.posing.motion_step import motion_of
+from apd_viewer.session.posing.motion_text import parsed_motion
+from apd_viewer.session.posing.typed_motion import names_of
+from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.studies.plans.design import designed
+from apd_viewer.studies.plans.plan_columns import SETTINGS
+from apd_viewer.ui.case_studies.quantities import TO
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.model.view import View
+    from apd_viewer.session.quantities.units import Unit
+    from apd_viewer.ui.case_studies.quantities import Span
+
+PLAN, SESSION = "plan.csv", "session.apd"
+Rows = tuple[list[str], list[list[str]]]
+
+
+class Design(NamedTuple):
+    """Choice of the cases within the ranges.
+
+    Attributes
+    ----------
+    spans : tuple of Span
+    method : str
+        One of ``DESIGNS``.
+    samples : int
+        Cases; of a grid, levels of a range.
+    steps : int
+        Of each case.
+    handle : int
+        That typed motions move.
+    """
+
+    spans: tuple[Span, ...]
+    method: str
+    samples: int
+    steps: int
+    handle: int
+
+    @property
+    def moves(self) -> bool:
+        """True if a motion is typed, instead of that of the session."""
+        return any(span.quantity.is_motion for span in self.spans)
+
+    def rows(self) -> Rows:
+        """Columns and rows of the plan; raises InputError if nothing varies."""
+        vary = [span.varied for span in self.spans if span.high is not None]
+        if not vary:
+            raise InputError(tr("Nothing varies; tick a quantity, and give both ends of its range."))
+        fixed = {s.quantity.name: s.low for s in self.spans if s.high is None and not s.quantity.is_motion}
+        given = {"session": SESSION, "steps": str(self.steps), **fixed}
+        if self.moves:
+            words = [
+                f"{s.quantity.name} {s.low}" for s in self.spans if s.high is None and s.quantity.is_motion
+            ]
+            whose = f"handle {self.handle + 1}: " if self.handle else ""
+            given |= {"motion": whose + "; ".join(words)} if whose or words else {}
+        return designed(given, vary, self.method, self.samples, 0)
+
+
+def write_study(folder: Path, rows: Rows, state: State, view: View, at_rest: bool) -> None:
+    """Write plan and session of a new study.
+
+    Parameters
+    ----------
+    folder : Path
+        Made where it is not there.
+    rows : tuple
+        Columns and rows of the plan.
+    state, view
+        What is open; its mesh goes along.
+    at_rest : bool
+        Whether the handles begin at their grips, for the motions of the plan.
+
+    Raises
+    ------
+    InputError
+        If they cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            tr("The folder {folder} cannot be made ({reason}); choose another location.").format(
+                folder=folder, reason=error.strerror or error
+            )
+        ) from error
+    if at_rest:
+        state = state.at(gripped_at_rest(state.document))
+    save_session(folder / SESSION, state, view, embed=True)
+    write_table(folder / PLAN, *rows)
+
+
+def document_of(state: State, unit: Unit, handle: int, said: Mapping[str, str]) -> Document:
+    """The document with its handles and settings at some values of quantities.
+
+    Parameters
+    ----------
+    state : State
+    unit : Unit
+    handle : int
+        That typed motions move.
+    said : mapping of str to str
+        Values by the names of quantities, as a plan has them.
+
+    Raises
+    ------
+    InputError
+        If there is no such value or no such motion.
+    """
+    settings = {name: SETTINGS[name].read(text) for name, text in said.items() if name in SETTINGS}
+    part = float(settings.pop(TO, 1.0))
+    document = replace(state.document, **settings)  # type: ignore[arg-type]
+    words = [f"{name} {text}" for name, text in said.items() if name not in SETTINGS]
+    if words:
+        document = gripped_at_rest(document)
+        typed = parsed_motion(f"handle {handle + 1}: " + "; ".join(words))
+        steps = motion_of(document, typed, names_of(state), unit)
+        return posed_along(document, motion_paths(document, steps))
+    paths = paths_of(document)
+    return posed_along(document_at(document, paths, part), paths, part)

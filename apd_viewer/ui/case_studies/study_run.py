@@ -1,0 +1,117 @@
+"""A study run by the command line in a process of its own."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import QObject, Signal
+
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.language import tr
+from apd_viewer.ui.case_studies.study_files import PLAN
+from apd_viewer.ui.studies.command_process import CommandProcess
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+RUN = "run.json"
+
+
+class StudyRun(QObject):
+    """Runs one study at a time; what it has finished stays in its folder.
+
+    Attributes
+    ----------
+    folder : Path or None
+        Of the study that runs.
+    stopping : bool
+        Whether it only finishes the running cases.
+    reported : Signal(object)
+        Its progress, a dict as in a line of ``--progress-lines``.
+    ended : Signal(str)
+        It runs no more; a sentence if it has not ended by itself.
+    """
+
+    reported = Signal(object)
+    ended = Signal(str)
+
+    def __init__(self, parent: QObject) -> None:
+        super().__init__(parent)
+        self.folder: Path | None = None
+        self.stopping = False
+        self._command = CommandProcess(self)
+        self._command.reported.connect(self.reported)
+        self._command.ended.connect(lambda _: self._end(""))
+        self._command.failed.connect(self._fail)
+
+    @property
+    def running(self) -> bool:
+        """True while a study runs."""
+        return self._command.running
+
+    def begin(self, folder: Path, options: Sequence[str] | None = None) -> None:
+        """Run the plan of a folder, or go on with it.
+
+        Parameters
+        ----------
+        folder : Path
+        options : sequence of str or None
+            Of the command, about where it runs; None for those of the last time.
+
+        Raises
+        ------
+        InputError
+            If the folder cannot be written.
+        """
+        if options is None:
+            options = _kept_options(folder)
+        else:
+            _keep_options(folder, options)
+        self.folder, self.stopping = folder, False
+        words = ["study", str(folder / PLAN), "-o", str(folder), *options, "--progress-lines"]
+        self._command.start(words)
+
+    def stop(self) -> None:
+        """Finish the running cases; at the second call end at once."""
+        if not self.running:
+            return
+        if self.stopping or not self._command.interrupt():
+            self.end_at_once()
+        self.stopping = True
+
+    def end_at_once(self) -> None:
+        """End it; what runs is computed again when it goes on."""
+        if self.running:
+            self._command.cancel()
+            self._end(_stopped())
+
+    def _fail(self, sentence: str) -> None:
+        self._end(_stopped() if self.stopping else sentence)
+
+    def _end(self, sentence: str) -> None:
+        self.folder, self.stopping = None, False
+        self.ended.emit(sentence)
+
+
+def _stopped() -> str:
+    return tr("Stopped; the finished cases are kept.")
+
+
+def _keep_options(folder: Path, options: Sequence[str]) -> None:
+    with replacing(folder / RUN) as scratch:
+        scratch.write_text(json.dumps({"options": list(options)}), encoding="utf-8")
+
+
+def _kept_options(folder: Path) -> list[str]:
+    try:
+        said: Any = json.loads((folder / RUN).read_text(encoding="utf-8"))
+        return [str(word) for word in said["options"]]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []  # begun elsewhere, or edited: it runs here
+
+
+def may_go_on(folder: Path) -> bool:
+    """True if the plan of a study lies in its folder."""
+    return (folder / PLAN).is_file()

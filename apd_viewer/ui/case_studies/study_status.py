@@ -1,0 +1,129 @@
+"""State of a study that is shown, in words and as a share."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from apd_viewer.language import tr, trn
+from apd_viewer.presentation.time_left import in_words
+from apd_viewer.studies.case_file import DONE, FAILED
+from apd_viewer.studies.pace import CaseCounts, Pace
+from apd_viewer.studies.results import WAITING, WRONG
+from apd_viewer.ui.case_studies.study_run import may_go_on
+
+if TYPE_CHECKING:
+    from apd_viewer.studies.results import ResultTable
+
+_SILENT = 120.0  # s without a new result, after which a study elsewhere is taken to have stopped
+
+
+class StudyStatus:
+    """Counts of a study, from its results or from the command that runs it.
+
+    Attributes
+    ----------
+    runs, stopping : bool
+        Whether this program runs it, and whether it only finishes the running cases.
+    """
+
+    def __init__(self) -> None:
+        self._folder: Path | None = None
+        self.runs = self.stopping = False
+        self._sentence = ""
+        self._forget()
+
+    def _forget(self) -> None:
+        self._counts: CaseCounts | None = None
+        self._wrong = 0
+        self._pace: Pace | None = None
+        self._grown = -_SILENT
+
+    def begin(self, folder: Path) -> None:
+        """Begin with another study."""
+        self._folder, self._sentence = folder, ""
+        self.runs = self.stopping = False
+        self._forget()
+
+    def run(self, runs: bool, stopping: bool, sentence: str) -> None:
+        """Note whether this program runs it, and what is to be said of its end."""
+        if runs and not self.runs:
+            self._forget()
+        self.runs, self.stopping, self._sentence = runs, stopping, sentence
+
+    def report(self, said: dict[str, Any]) -> None:
+        """Note the progress told by the command."""
+        self._counts = CaseCounts(
+            said["cases"],
+            said["finished"],
+            said["running"],
+            said["failed"],
+            said["rate"],
+            said["seconds_left"],
+        )
+
+    def count(self, table: ResultTable) -> None:
+        """Note the results so far, unless the command tells more."""
+        states = [row.status for row in table.rows if row.status in (DONE, FAILED, WAITING)]
+        self._wrong = sum(row.status == WRONG for row in table.rows)
+        done, failed = len(states) - states.count(WAITING), states.count(FAILED)
+        if self.runs:
+            return
+        before = self._counts
+        fewer = before is not None and (before.done > done or before.failed > failed)
+        if before is None or self._pace is None or before.cases != len(states) or fewer:
+            self._pace = Pace(len(states), done, failed)
+        else:
+            for k in range(done - before.done):
+                self._pace.finished(k < failed - before.failed)
+            if done > before.done:
+                self._grown = time.monotonic()
+        self._counts = self._pace.progress(0)
+
+    @property
+    def _grows(self) -> bool:
+        """True if results have come in lately from elsewhere."""
+        return time.monotonic() - self._grown < _SILENT
+
+    @property
+    def unfinished(self) -> bool:
+        """True if cases are missing."""
+        return self.runs or (self._counts is not None and self._counts.done < self._counts.cases)
+
+    @property
+    def share(self) -> float | None:
+        """Part of the cases that is finished; None while nobody knows."""
+        if self._counts is None:
+            return None if self.runs else 0.0
+        return self._counts.done / max(1, self._counts.cases)
+
+    @property
+    def may_go_on(self) -> bool:
+        """True if the rest could be computed here."""
+        counts, folder = self._counts, self._folder
+        if self.runs or folder is None or counts is None or self._grows:
+            return False
+        return counts.done < counts.cases and may_go_on(folder)
+
+    @property
+    def words(self) -> str:
+        """All of it in a few words."""
+        if self._counts is None:
+            waiting = tr("starting …") if self.runs else ""
+            return self._sentence or waiting or (tr("No study is open.") if self._folder is None else "")
+        now = self._counts
+        words = [tr("{done:,} of {cases:,} done").format(done=now.done, cases=now.cases)]
+        if now.failed:
+            words.append(tr("{failed:,} failed").format(failed=now.failed))
+        if self._wrong:
+            words.append(trn("{n:,} row wrong", "{n:,} rows wrong", self._wrong).format(n=self._wrong))
+        if self.runs and now.running:
+            words.append(tr("{running:,} running").format(running=now.running))
+        if now.done < now.cases and (self.runs or self._grows) and now.rate and now.seconds_left is not None:
+            words.append(tr("{rate:.3g} a minute").format(rate=60.0 * now.rate))
+            words.append(in_words(now.seconds_left))
+        if self.stopping:
+            words.append(tr("finishing the running cases"))
+        said = ", ".join(words)
+        return f"{said}. {self._sentence}" if self._sentence else said

@@ -1,0 +1,348 @@
+"""Studies in the window: designed, run, stopped, continued and looked at, with a real mouse and process."""
+
+import csv
+import sqlite3
+from contextlib import closing
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from driving import LEFT, Mouse, centre, idle, show
+from in_thread import InThread
+from meshes import box, ends
+from PySide6.QtCore import QPointF, QSettings, Qt
+from PySide6.QtWidgets import QMessageBox
+from study_driving import click
+
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.handle_paths import paths_of
+from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.processes import process_client, shape_checker
+from apd_viewer.studies.case_file import read_case
+from apd_viewer.studies.database import DATABASE
+from apd_viewer.studies.store import StudyStore
+from apd_viewer.ui.case_studies.study_files import PLAN
+from apd_viewer.ui.case_studies.study_run import StudyRun
+from apd_viewer.ui.filing import unsaved_question
+from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.workbench import Workbench
+
+CONTROL = Qt.KeyboardModifier.ControlModifier
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    """Where studies are put."""
+    return tmp_path_factory.mktemp("studies")
+
+
+@pytest.fixture(scope="module")
+def twisted(qapp, home):
+    """A window on a bar that is painted and twisted; its solver is a thread."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(process_client, "start_process", InThread)
+        patch.setattr(shape_checker, "_AT_FIRST", 1e6)
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+        settings = QSettings(str(home / "settings.ini"), QSettings.Format.IniFormat)
+        settings.setValue("folder", str(home))
+        window = Workbench(Shell(settings))
+        window.shell.show()
+        yield window
+        window.case_studies.run.end_at_once()
+        window.shell.close()
+        window.shell.deleteLater()
+
+
+@pytest.fixture
+def bar(qtbot, twisted):
+    """The same, on the twisted bar, whatever was opened since."""
+    window = twisted
+    show(qtbot, window.shell, window.canvas.viewport)
+    V, F = box(2, 2, 5)
+    window.session.files.open_mesh(Mesh(V, F))
+    idle(qtbot, window)
+    base, handle = ends(V)
+    window.session.gestures.begin()
+    window.session.painting.paint(base, 0)
+    window.session.painting.paint(handle, 2)
+    window.session.painting.end_stroke("Paint")
+    window.session.handles.move_by(TypedMotion.TWIST, "80deg", 0)
+    idle(qtbot, window)
+    yield window
+    if window.case_studies.dialog is not None:
+        window.case_studies.dialog.close()
+
+
+@pytest.fixture
+def dialog(qtbot, bar):
+    bar.actions_.pose.study.trigger()
+    dialog = bar.case_studies.dialog
+    qtbot.waitExposed(dialog)
+    dialog.activateWindow()
+    return dialog
+
+
+def finished(window, count):
+    panel = window.case_studies.panel
+    return (
+        not window.case_studies.run.running
+        and [row.status for row in panel.model.rows].count("done") == count
+    )
+
+
+def tick(check):
+    """Click on a box beside its words."""
+    at = QPointF(8.0, check.height() / 2.0)
+    mouse = Mouse(check)
+    mouse.press(at)
+    mouse.release(at)
+
+
+@pytest.fixture(scope="module")
+def studied(home):
+    """Folder of the study that the first of the tests of results has run."""
+    return home / "mesh-study"
+
+
+def test_an_end_is_looked_at_and_leaves_no_trace(qtbot, bar, dialog):
+    session = bar.session
+    before, undo = session.store.state, session.gestures.history.next_undo
+    row = dialog.varied.rows["to"]
+    assert row.on  # the motion as it stands is offered first
+    for field, angle in ((row.low, 8.0), (row.high, 80.0)):
+        Mouse(field).press(centre(field))
+        field.setFocus()
+        qtbot.waitUntil(field.hasFocus)
+        pose = session.store.state.document.handles[0].pose
+        turned = np.degrees(np.arccos((np.trace(pose[:3, :3]) - 1.0) / 2.0))
+        assert turned == pytest.approx(angle, abs=1e-6)
+        idle(qtbot, bar)
+    assert len(bar.preview.ghost.patches.shown)
+    dialog.start.setFocus()
+    qtbot.waitUntil(lambda: not row.high.hasFocus())
+    assert session.store.state is before
+    assert session.gestures.history.next_undo == undo
+    assert not len(bar.preview.ghost.patches.shown)
+
+
+def test_a_typed_motion_stands_in_place_of_the_current_one(dialog):
+    rows = dialog.varied.rows
+    tick(rows["twist"].check)
+    assert rows["twist"].on
+    assert not rows["to"].on
+    tick(rows["to"].check)
+    assert not rows["twist"].on
+    assert not rows["twist"].low.isEnabled()
+
+
+def test_a_grid_says_how_many_cases_it_makes(dialog):
+    tick(dialog.varied.rows["stiffness"].check)
+    dialog.design.setCurrentIndex(dialog.design.findData("grid"))
+    dialog.samples.setValue(4)
+    assert dialog.count.text() == "= 16 cases,"
+    dialog.varied.rows["stiffness"].high.clear()  # one value
+    assert dialog.count.text() == "= 4 cases,"
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "high", "words"),
+    [
+        ("to", "50", "20", "exchange its ends"),
+        ("stiffness", "0", "1", "above 0"),
+        ("twist", "much", "90deg", "Twist: "),
+        ("push", "10%", "1", "both ends"),
+    ],
+)
+def test_an_impossible_range_is_refused_in_a_sentence(dialog, home, name, low, high, words):
+    row = dialog.varied.rows[name]
+    row.check.setChecked(True)
+    row.low.setText(low)
+    row.high.setText(high)
+    click(dialog.start)
+    assert words in dialog.words.text()
+    assert dialog.isVisible()
+    assert not (home / "mesh-study").exists()
+
+
+def test_a_study_is_run_stopped_and_continued(qtbot, bar, dialog, studied):
+    dialog.design.setCurrentIndex(dialog.design.findData("grid"))
+    dialog.samples.setValue(8)
+    dialog.steps.setValue(2)
+    dialog.engine.processes.setValue(1)
+    click(dialog.start)
+    cases = bar.case_studies
+    panel = cases.panel
+    assert cases.dialog is None
+    assert bar.docks["study"].isVisible()
+    qtbot.waitUntil(lambda: "1 of 8 done" in panel.words.text(), timeout=60_000)
+    assert panel.bar.isVisible()
+    click(panel.stop)
+    assert panel.stop.text() == "Stop now"
+    qtbot.waitUntil(lambda: not cases.run.running, timeout=60_000)
+    assert "the finished cases are kept" in panel.words.text()
+    qtbot.waitUntil(panel.go_on.isVisible, timeout=10_000)
+    assert not panel.stop.isVisible()
+    before = {path: path.stat().st_mtime_ns for path in studied.rglob("*.case")}
+    assert 1 <= len(before) < 8
+    click(panel.go_on)
+    qtbot.waitUntil(lambda: finished(bar, 8), timeout=60_000)
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    assert "8 of 8 done" in panel.words.text()
+    assert not panel.bar.isVisible()
+    with (studied / PLAN).open(encoding="utf-8") as stream:
+        assert [line["to"] for line in csv.DictReader(stream)][::7] == ["10%", "100%"]
+
+
+@pytest.fixture
+def results(qtbot, bar, studied):
+    """The panel on the finished study."""
+    cases = bar.case_studies
+    cases.open(studied)
+    qtbot.waitUntil(lambda: finished(bar, 8), timeout=10_000)
+    qtbot.waitUntil(lambda: cases.panel.table.width() > 200)
+    return cases.panel
+
+
+def press(panel, row, modifiers=Qt.KeyboardModifier.NoModifier):
+    """Click on a row of the table."""
+    view = panel.table.viewport()
+    at = QPointF(panel.table.visualRect(panel.model.index(row, 0)).center())
+    mouse = Mouse(view)
+    mouse.move(at)
+    mouse.press(at, LEFT, modifiers)
+    mouse.release(at, LEFT, modifiers)
+
+
+def test_a_click_opens_the_shape_of_a_case_bit_for_bit(qtbot, bar, results, studied):
+    whole = bar.session.store.state.document
+    camera = bar.canvas.view.saved("").camera
+    press(results, 2)
+    idle(qtbot, bar)
+    qtbot.waitUntil(lambda: bar.session.store.state.document.mesh is not whole.mesh)
+    state, found = bar.session.store.state, results.model.rows[2]
+    np.testing.assert_array_equal(state.frame.U, read_case(studied, found.key, shape=True).U)
+    part = float(found.cells[results_column(studied, "to")].removesuffix("%")) / 100.0
+    np.testing.assert_allclose(state.document.handles[0].pose, paths_of(whole)[0].at(part), atol=1e-12)
+    assert not bar.session.saved_work.unsaved
+    assert bar.canvas.view.saved("").camera == camera
+
+
+def results_column(folder, name):
+    with (folder / PLAN).open(encoding="utf-8") as stream:
+        return next(csv.reader(stream)).index(name)
+
+
+def test_unsaved_work_is_asked_about_before_a_case_is_opened(qtbot, bar, results, monkeypatch):
+    asked = []
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: asked.append(1) or Answer.CANCEL)
+    before = bar.session.store.state
+    press(results, 1)
+    qtbot.wait(50)
+    assert asked == [1]
+    assert bar.session.store.state is before
+
+
+def test_a_dot_is_clicked_and_control_adds_curves(qtbot, bar, results):
+    results.table.clearSelection()
+    view = results.scatter.view
+    view.repaint()
+    places = view.places()
+    assert len(places) == 8
+    opened = bar.session.store.state.document.mesh
+    mouse = Mouse(view)
+    mouse.move(QPointF(*places[5]))
+    mouse.press(QPointF(*places[5]))
+    mouse.release(QPointF(*places[5]))
+    assert results.table.rows == [5]
+    idle(qtbot, bar)
+    qtbot.waitUntil(lambda: bar.session.store.state.document.mesh is not opened)
+    press(results, 7, CONTROL)
+    assert results.table.rows == [5, 7]
+    chart = results.curves.view.chart()
+    assert [len(curve.x) for curve in chart.curves] == [3, 3]
+    assert chart.curves[1].x[-1] == pytest.approx(100.0)
+    rings = dict(view.chart().dots.rings)
+    assert [rings[5], rings[7]] == [curve.color for curve in chart.curves]
+    results.table.choose([7])
+    assert results.curves.view.chart().curves[0].color == rings[7], "a case keeps its colour"
+
+
+def test_rows_are_sorted_by_a_click_and_stay_chosen(results):
+    results.table.choose([3])
+    head = results.table.horizontalHeader()
+    column = next(k for k, each in enumerate(results.model.columns) if each.name == "energy")
+    at = QPointF(head.sectionViewportPosition(column) + head.sectionSize(column) / 2, head.height() / 2)
+    results.table.horizontalScrollBar().setValue(0)
+    mouse = Mouse(head.viewport())
+    energies = results.model.columns[column].values
+    for way in (1, -1):
+        mouse.move(at)
+        mouse.press(at)
+        mouse.release(at)
+        assert (np.diff(way * energies[results.model.order]) >= 0).all()
+        assert results.table.rows == [3]
+    results.table.sortByColumn(0, Qt.SortOrder.AscendingOrder)
+
+
+def test_a_study_that_runs_elsewhere_is_followed_and_never_locked(qtbot, results, studied):
+    store = StudyStore(studied)  # raises where another holds it
+    try:
+        with closing(sqlite3.connect(studied / DATABASE, timeout=0.0)) as base:
+            row = base.execute("select * from cases limit 1").fetchone()
+            base.execute("delete from cases where key = ?", row[:1])
+            base.commit()
+            qtbot.waitUntil(lambda: "7 of 8 done" in results.words.text(), timeout=10_000)
+            failed = (*row[:2], "failed", "It diverged in step 2.", None, "{}")
+            base.execute(f"insert into cases values ({','.join('?' * len(row))})", failed)
+            base.commit()
+            qtbot.waitUntil(lambda: "1 failed" in results.words.text(), timeout=10_000)
+            [place] = [k for k, each in enumerate(results.model.rows) if each.status == "failed"]
+            assert results.model.columns[-1].texts[place] == "It diverged in step 2."
+            assert len(results.scatter.view.chart().dots.crosses) == 1
+            base.execute("insert or replace into cases values (?, ?, ?, ?, ?, ?)", row)
+            base.commit()
+    finally:
+        store.close()
+    qtbot.waitUntil(lambda: "failed" not in results.words.text(), timeout=10_000)
+
+
+def test_a_failed_case_says_why_in_place_of_a_shape(qtbot, bar, results):
+    rows = results.model.rows
+    bad = replace(rows[0], status="failed", sentence="It diverged in step 2.")
+    results.model.rows = (bad, *rows[1:])
+    before = bar.session.store.state
+    press(results, 0)
+    assert "It diverged in step 2." in bar.notice.text
+    assert bar.session.store.state is before
+    results.model.rows = rows
+
+
+def test_a_folder_without_a_study_is_refused(bar, tmp_path):
+    bar.case_studies.open(tmp_path)
+    assert "holds no study" in bar.notice.text
+
+
+def test_the_options_of_a_scheduler_reach_the_command(dialog, home, monkeypatch):
+    begun = []
+    dialog.begun.disconnect()
+    dialog.begun.connect(lambda _, options: begun.append(options))
+    dialog.engine.where.setCurrentIndex(1)
+    click(dialog.start)
+    assert "tcp://host:8786" in dialog.words.text()
+    dialog.engine.address.setText("tcp://lab:8786")
+    dialog.folder.setText(str(home / "cluster"))
+    click(dialog.start)
+    assert begun == [["--scheduler", "tcp://lab:8786"]]
+    assert (home / "cluster" / PLAN).exists()
+
+
+def test_the_window_asks_before_it_closes_over_a_running_study(bar, monkeypatch):
+    asked = []
+    monkeypatch.setattr(StudyRun, "running", True)
+    monkeypatch.setattr(
+        QMessageBox, "question", lambda *said: asked.append(said[2]) or QMessageBox.StandardButton.Cancel
+    )
+    bar.shell.close()
+    assert not bar.shell.is_closed
+    assert "Finished cases are kept" in asked[0]

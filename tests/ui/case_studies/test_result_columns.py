@@ -1,0 +1,88 @@
+"""Columns of results: numbers of plans, motions apart, readings in their units."""
+
+import numpy as np
+import pytest
+
+from apd_viewer.studies.results import ResultRow, ResultTable
+from apd_viewer.ui.case_studies.case_colors import CaseColors, axis_of, dot_colors
+from apd_viewer.ui.case_studies.result_columns import columns_of
+
+
+def table(columns, *rows):
+    """Results of such cells; each with readings."""
+    return ResultTable(
+        tuple(columns),
+        tuple(
+            ResultRow(k + 2, f"key{k}", tuple(cells), "done", "", readings)
+            for k, (cells, readings) in enumerate(rows)
+        ),
+    )
+
+
+def named(found):
+    return {column.title: column for column in found}
+
+
+def test_motions_of_a_plan_are_columns_of_their_amounts():
+    found = named(
+        columns_of(
+            table(
+                ["motion", "stiffness"],
+                (["twist 90deg; push 20%", "0.1"], {}),
+                (["push -5%", "1e-3"], {}),
+                (["", "0.01"], {}),
+            )
+        )
+    )
+    assert found["Twist"].values == pytest.approx([90.0, np.nan, np.nan], nan_ok=True)
+    assert found["Push"].values == pytest.approx([20.0, -5.0, np.nan], nan_ok=True)
+    assert found["Push"].texts == ("20 %", "−5 %", "")
+    assert found["Stiffness"].values == pytest.approx([0.1, 0.001, 0.01])
+
+
+def test_handles_are_told_apart_only_where_there_are_several():
+    motion = "handle 1: twist 9deg; handle 2: move 1 0 {}"
+    found = named(columns_of(table(["motion"], *[([motion.format(z)], {}) for z in "34"])))
+    assert "Move z (handle 2)" in found
+    assert found["Move z (handle 2)"].values == pytest.approx([3.0, 4.0])
+
+
+def test_what_is_the_same_in_all_rows_is_left_out():
+    rows = [(["a.apd", "9", area], {}) for area in ("98%", "99%")]
+    found = columns_of(table(["session", "steps", "area"], *rows))
+    assert [column.title for column in found] == ["Line", "Target area"]
+
+
+def test_a_target_and_a_reading_of_one_name_are_two_columns():
+    found = columns_of(
+        table(["volume"], (["60%"], {"volume": 300.0, "volume_error": -0.4}), (["70%"], {"volume": 350.0}))
+    )
+    names = [column.name for column in found]
+    assert len(set(names)) == len(names)
+    columns = named(found)
+    assert columns["Volume change"].values == pytest.approx([-40.0, np.nan], nan_ok=True)
+    assert columns["Volume change"].texts == ("−40.00 %", "")
+    assert columns["Volume"].texts == ("300.0", "350.0")
+    assert columns["Target volume"].asked
+
+
+def test_ranges_by_factors_have_a_logarithmic_axis():
+    rows = [([text], {}) for text in ("1e-4", "0.001", "0.1")]
+    column = named(columns_of(table(["stiffness"], *rows)))["Stiffness"]
+    axis, places = axis_of(column)
+    assert places == pytest.approx([-4.0, -3.0, -1.0])
+    assert (axis.low, axis.high) == (-4.0, -1.0)
+    even = [([f"twist {angle}deg"], {}) for angle in range(1, 1000, 90)]
+    assert axis_of(named(columns_of(table(["motion"], *even)))["Twist"])[0].low == 0.0
+    assert [place for place, _ in axis.ticks(9)] == [-4.0, -3.0, -2.0, -1.0]
+    colors = dot_colors(axis, np.append(places, np.nan))
+    assert len(set(colors)) == 4
+
+
+def test_colours_stay_with_their_cases():
+    colors = CaseColors()
+    first = dict(colors.of([4, 9]))
+    second = colors.of([9, 1])
+    assert second[9] == first[9]
+    assert second[1] != second[9]
+    assert len(set(colors.of(range(30)).values())) == len(colors.of(range(30))) == 8
