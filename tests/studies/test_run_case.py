@@ -127,3 +127,18 @@ def test_steps_that_do_not_settle_are_said(run):
     result = run(iterations="1", motion="twist 90deg")
     assert "of 3 shapes did not converge within 1 iterations" in result.sentence
     assert result.readings["unsettled_steps"] > 0
+
+
+def test_a_part_of_a_motion_is_a_smaller_motion(run, bar):
+    """Of typed motions, and of that of a session, whose handle then stands where the shape is."""
+    part, whole = run(motion="twist 40deg", to="50%"), run(motion="twist 20deg")
+    np.testing.assert_array_equal(part.U, whole.U)
+    assert part.key != whole.key
+    write_case(case_path(bar, part.key), packed(part))
+    write_case_session(bar, part.key, bar / "part.apd")
+    state, _ = open_session(bar / "part.apd")
+    turned = np.degrees(np.arccos((np.trace(state.document.handles[0].pose[:3, :3]) - 1.0) / 2.0))
+    assert turned == pytest.approx(20.0)
+    plan = {"mesh": "", "selection": "", "motion": "", "session": "part.apd", "steps": "2"}
+    half = run(**plan, to="50")
+    np.testing.assert_allclose(half.U, run(motion="twist 10deg").U, atol=1e-6)

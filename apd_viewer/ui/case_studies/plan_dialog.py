@@ -224,7 +224,7 @@ class PlanDialog(QDialog):
             )
             rows = design.rows()
             self._check(folder, design)
-            write_study(folder, rows, self._state, self._view, design.moves)
+            write_study(folder, rows, self._state, self._view)
         except InputError as error:
             self.words.setText(str(error))
             return

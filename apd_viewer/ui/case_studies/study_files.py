@@ -9,7 +9,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.session.model.handle_paths import document_at, paths_of
-from apd_viewer.session.posing.motion_path import gripped_at_rest, motion_paths, posed_along
+from apd_viewer.session.posing.motion_path import motion_paths, posed_along
 from apd_viewer.session.posing.motion_step import motion_of
 from apd_viewer.session.posing.motion_text import parsed_motion
 from apd_viewer.session.posing.typed_motion import names_of
@@ -75,7 +75,7 @@ class Design(NamedTuple):
         return designed(given, vary, self.method, self.samples, 0)
 
 
-def write_study(folder: Path, rows: Rows, state: State, view: View, at_rest: bool) -> None:
+def write_study(folder: Path, rows: Rows, state: State, view: View) -> None:
     """Write plan and session of a new study.
 
     Parameters
@@ -86,8 +86,6 @@ def write_study(folder: Path, rows: Rows, state: State, view: View, at_rest: boo
         Columns and rows of the plan.
     state, view
         What is open; its mesh goes along.
-    at_rest : bool
-        Whether the handles begin at their grips, for the motions of the plan.
 
     Raises
     ------
@@ -102,8 +100,6 @@ def write_study(folder: Path, rows: Rows, state: State, view: View, at_rest: boo
                 folder=folder, reason=error.strerror or error
             )
         ) from error
-    if at_rest:
-        state = state.at(gripped_at_rest(state.document))
     save_session(folder / SESSION, state, view, embed=True)
     write_table(folder / PLAN, *rows)
 
@@ -130,7 +126,6 @@ def document_of(state: State, unit: Unit, handle: int, said: Mapping[str, str]) 
     document = replace(state.document, **settings)  # type: ignore[arg-type]
     words = [f"{name} {text}" for name, text in said.items() if name not in SETTINGS]
     if words:
-        document = gripped_at_rest(document)
         typed = parsed_motion(f"handle {handle + 1}: " + "; ".join(words))
         steps = motion_of(document, typed, names_of(state), unit)
         return posed_along(document, motion_paths(document, steps))
