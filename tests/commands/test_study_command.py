@@ -8,22 +8,15 @@ import subprocess
 import sys
 import time
 
-import numpy as np
 import pytest
-import trimesh
-from meshes import box, ends
+from painted_meshes import write_bar
 
 from apd_viewer.__main__ import main
 
 
 @pytest.fixture
 def bar(tmp_path):
-    V, F = box(2, 2, 5)
-    trimesh.Trimesh(V, F, process=False).export(tmp_path / "bar.off")
-    labels = np.ones(len(V), dtype=int)
-    base, handle = ends(V)
-    labels[base], labels[handle] = 0, 2
-    np.savetxt(tmp_path / "bar.sel", labels, fmt="%d")
+    write_bar(tmp_path)
     return tmp_path
 
 
@@ -86,7 +79,7 @@ def test_what_cannot_be_run_is_said(bar, capsys):
     assert "unknown column “colour”" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal to interrupt a group of processes")
 def test_an_interrupt_finishes_what_runs_and_a_second_ends_at_once(bar):
     plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=30)
 

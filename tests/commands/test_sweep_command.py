@@ -9,7 +9,8 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 import trimesh
-from meshes import box, ends, tube
+from meshes import ends, tube
+from painted_meshes import write_bar
 from PIL import Image
 
 from apd_viewer.__main__ import main
@@ -28,12 +29,7 @@ BENT = turned_about([1, 1, 0], [1, 0, 0], 0.6)
 @pytest.fixture
 def bar(tmp_path):
     """The words for a bar: a mesh with its selection."""
-    V, F = box(2, 2, 5)
-    trimesh.Trimesh(V, F, process=False).export(tmp_path / "bar.off")
-    labels = np.ones(len(V), dtype=int)
-    base, handle = ends(V)
-    labels[base], labels[handle] = 0, 2
-    np.savetxt(tmp_path / "bar.sel", labels, fmt="%d")
+    write_bar(tmp_path)
     np.savetxt(tmp_path / "bent.def", BENT)
     return [tmp_path / "bar.off", "--selection", tmp_path / "bar.sel"]
 

@@ -2,10 +2,8 @@
 
 import csv
 
-import numpy as np
 import pytest
-import trimesh
-from meshes import box, ends
+from painted_meshes import write_bar
 
 from apd_viewer.studies.plans.plan import read_plan
 from apd_viewer.studies.plans.sources import Sources
@@ -14,12 +12,7 @@ from apd_viewer.studies.plans.sources import Sources
 @pytest.fixture
 def bar(tmp_path):
     """The folder of a bar, ``bar.off``, painted by ``bar.sel``."""
-    V, F = box(2, 2, 5)
-    trimesh.Trimesh(V, F, process=False).export(tmp_path / "bar.off")
-    labels = np.ones(len(V), dtype=int)
-    base, handle = ends(V)
-    labels[base], labels[handle] = 0, 2
-    np.savetxt(tmp_path / "bar.sel", labels, fmt="%d")
+    write_bar(tmp_path)
     return tmp_path
 
 

@@ -1,7 +1,10 @@
-"""A painted mesh."""
+"""Painted meshes."""
+
+from pathlib import Path
 
 import numpy as np
-from meshes import sphere
+import trimesh
+from meshes import box, ends, sphere
 
 from apd_viewer.files.selections.selection import Selection
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -17,3 +20,13 @@ def painted(handles=("Arm", "Left leg"), regions=("Label", "Größe 👩‍🚀"
     labels[:5], labels[7], labels[20:30], labels[[31, 33]] = BASE, BASE, HANDLE, HANDLE + 1
     member[3:9], member[40:] = 1, 2
     return Selection(labels, member, handles, regions, areas)
+
+
+def write_bar(folder: Path) -> None:
+    """Write a bar, ``bar.off``, with its ends painted by ``bar.sel``."""
+    V, F = box(2, 2, 5)
+    trimesh.Trimesh(V, F, process=False).export(folder / "bar.off")
+    labels = np.ones(len(V), dtype=int)
+    base, handle = ends(V)
+    labels[base], labels[handle] = 0, 2
+    np.savetxt(folder / "bar.sel", labels, fmt="%d")

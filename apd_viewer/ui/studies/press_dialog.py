@@ -56,6 +56,7 @@ class PressDialog(StudyDialog):
         run = RunBar(tr("Press"), f"{mesh.stem}-press", memory)
         title = tr("Press between plates – {name}").format(name=mesh.name)
         super().__init__(window, title, run, "press.png", tr("Curves of load and volume"))
+        run.asked.connect(self.begin)
         self._state, self._view, self._document, self._unit = state, view, document, unit
         self._points = mesh.V[np.unique(mesh.F)]
         self._extents = np.ptp(self._points, axis=0)

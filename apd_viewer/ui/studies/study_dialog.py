@@ -52,14 +52,9 @@ class StudyDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(title)
         self.run, self._named, self._caption = run, figure, caption
-        self.run.asked.connect(self.begin)
         self.run.busy.connect(self._show_busy)
         self.run.ended.connect(self._show)
         self.figure: FigureView | None = None
-
-    def begin(self) -> None:
-        """Start the run with the options chosen."""
-        raise NotImplementedError
 
     def lay_out(self, about: str, rows: Sequence[tuple[str, QLayout]]) -> None:
         """Arrange a sentence and the rows of options, each with its title."""

@@ -45,6 +45,7 @@ class SweepDialog(StudyDialog):
         run = RunBar(tr("Sweep"), f"{mesh.stem}-sweep", memory)
         title = tr("Sweep – {name}").format(name=mesh.name)
         super().__init__(window, title, run, "sweep.png", tr("Curves of area, volume and energy"))
+        run.asked.connect(self.begin)
         self._state, self._handle, self._view = state, handle, view
         about = tr(
             "Runs the motion in steps, each shape starting from the previous one, and plots area, "

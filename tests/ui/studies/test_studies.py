@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import shiboken6
 from driving import document, idle
-from meshes import box, ends
+from meshes import box
 from PySide6.QtCore import QPointF, QProcess, Qt
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import QFileDialog, QLabel
-from study_driving import click, finish
+from study_driving import click, finish, open_bar
 
 from apd_viewer.commands.sweep import sweep_parser
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -22,14 +22,7 @@ from apd_viewer.ui.widgets.figure_list import FigureView
 @pytest.fixture
 def bar(qtbot, window):
     """A window on a bar, painted."""
-    V, F = box(2, 2, 5)
-    window.session.files.open_mesh(Mesh(V, F))
-    idle(qtbot, window)
-    base, handle = ends(V)
-    window.session.gestures.begin()
-    window.session.painting.paint(base, 0)
-    window.session.painting.paint(handle, 2)
-    window.session.painting.end_stroke("Paint")
+    open_bar(qtbot, window)
     idle(qtbot, window)
     return window
 
