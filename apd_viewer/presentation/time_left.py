@@ -113,3 +113,13 @@ def in_words(seconds: float) -> str:
     if rounded < 120:
         return tr("about {n} s left").format(n=rounded)
     return tr("about {n} min left").format(n=round(rounded / 60))
+
+
+def duration(seconds: float) -> str:
+    """A time of any length, to about a hundredth."""
+    if seconds < 100.0:
+        return tr("{n:.0f} s").format(n=seconds)
+    minutes = round(seconds / 60.0)
+    if minutes < 100:
+        return tr("{n:.0f} min").format(n=minutes)
+    return tr("{hours:.0f} h {minutes:.0f} min").format(hours=minutes // 60, minutes=minutes % 60)

@@ -9,7 +9,8 @@ from __future__ import annotations
 import os
 import time
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from threading import Thread
 from typing import TYPE_CHECKING
 
 from apd_viewer.session.processes.child_boot import set_up
@@ -23,6 +24,19 @@ if TYPE_CHECKING:
 RECYCLE_AFTER = 300
 # Times its limit, and seconds: a case that native code holds so long is ended with its process.
 _FAR_TOO_LONG = 1.5, 30.0
+
+
+def _begin(owner: int) -> None:
+    """Set a process up, to end with its owner."""
+    set_up(owner)
+    Thread(target=_follow_owner, daemon=True).start()
+
+
+def _follow_owner() -> None:
+    owner = parent_process()
+    if owner is not None:
+        owner.join()
+        os._exit(0)
 
 
 class _Lane:
@@ -56,7 +70,7 @@ class _Lane:
     def _submitted(self, work: Work, task: Task) -> Future[CaseAnswer]:
         if self.executor is not None:
             return self.executor.submit(work, task)
-        self.executor = ProcessPoolExecutor(1, get_context("spawn"), set_up, (os.getpid(),))
+        self.executor = ProcessPoolExecutor(1, get_context("spawn"), _begin, (os.getpid(),))
         self.cases = 0
         with workers_born():  # the first case starts the process
             return self.executor.submit(work, task)
@@ -73,6 +87,12 @@ class _Lane:
         """Kill the process; its case is told of it."""
         for process in list((getattr(self.executor, "_processes", None) or {}).values()):
             process.kill()
+
+
+def cores() -> int:
+    """Number of cores that this program may use."""
+    allowed = getattr(os, "sched_getaffinity", None)
+    return len(allowed(0)) if allowed else os.cpu_count() or 1
 
 
 class LocalPool:

@@ -11,7 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
-from apd_viewer.studies.case_file import DONE, read_case
+from apd_viewer.studies.case_file import DONE, FAILED, read_case
 from apd_viewer.studies.database import reading
 from apd_viewer.studies.run_case import FINAL
 
@@ -26,6 +26,18 @@ PROMISED = ("area_error", "volume", "volume_capped", "energy", "crossings", "sec
 READINGS = (*PROMISED, *FINAL)
 HEAD = ("status", "sentence")
 TAIL = ("line", "key")
+
+
+def status_words(status: str) -> str:
+    """The state of a row in a word."""
+    words = {
+        DONE: tr("done"),
+        FAILED: tr("failed"),
+        WAITING: tr("waiting"),
+        WRONG: tr("wrong"),
+        DUPLICATE: tr("duplicate"),
+    }
+    return words[status]
 
 
 @dataclass(frozen=True)
@@ -78,16 +90,15 @@ def read_results(folder: Path) -> ResultTable:
             rows = base.execute(
                 "select line, plan.key, cells, mistake, same_as, status, sentence, readings"
                 " from plan left join cases on plan.key = cases.key order by position"
-            )
-            return ResultTable(
-                tuple(json.loads(found[0])) if found else (), tuple(_row(*row) for row in rows)
-            )
+            ).fetchall()
     except sqlite3.DatabaseError as error:
         raise InputError(
             tr("The results in {folder} cannot be read now ({reason}); try again.").format(
                 folder=folder, reason=error
             )
         ) from error
+    # Once the database is closed: as long as rows are read its writer has to wait.
+    return ResultTable(tuple(json.loads(found[0])) if found else (), tuple(_row(*row) for row in rows))
 
 
 def _row(

@@ -5,7 +5,6 @@ So a worker needs no environment of its own, whoever started it.
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -106,8 +105,3 @@ def _limit_blas() -> None:
     except ImportError:
         return
     threadpool_limits(1, user_api="blas")
-
-
-def process_id() -> int:
-    """Number of the worker's process."""
-    return os.getpid()

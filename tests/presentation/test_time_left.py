@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from apd_viewer.presentation.time_left import Forecast, in_words
+from apd_viewer.presentation.time_left import Forecast, duration, in_words
 
 
 def told(gaps, step=0.2):
@@ -88,3 +88,11 @@ def test_what_the_solver_expects_counts_until_the_gap_tells():
 )
 def test_times_are_round(seconds, words):
     assert in_words(seconds) == words
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [(99.4, "99 s"), (5400.0, "90 min"), (7190.0, "2 h 0 min"), (9e4, "25 h 0 min")],
+)
+def test_times_of_any_length_are_said(seconds, words):
+    assert duration(seconds) == words

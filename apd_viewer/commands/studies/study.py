@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 from contextlib import contextmanager
@@ -15,7 +14,7 @@ from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.studies.cluster import connected, local_cluster
-from apd_viewer.studies.local_pool import LocalPool
+from apd_viewer.studies.local_pool import LocalPool, cores
 from apd_viewer.studies.plans.plan_columns import CASE_COLUMNS, SETTINGS
 from apd_viewer.studies.study import Study
 
@@ -129,9 +128,7 @@ def _processes(options: argparse.Namespace) -> int:
     """Number of cases at a time; 1 for workers of others."""
     if options.scheduler or options.scheduler_file:
         return 1
-    allowed = getattr(os, "sched_getaffinity", None)
-    cores = len(allowed(0)) if allowed else os.cpu_count() or 1
-    return int(options.processes or options.workers or cores)
+    return int(options.processes or options.workers or cores())
 
 
 @contextmanager
@@ -140,8 +137,8 @@ def _interruptible(study: Study) -> Iterator[None]:
 
     def first(*_: Any) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        print(tr("\nfinishing the running cases; Ctrl+C again ends at once"), file=sys.stderr)
         study.stop()
+        print(tr("\nfinishing the running cases; Ctrl+C again ends at once"), file=sys.stderr)
 
     before = signal.signal(signal.SIGINT, first)
     try:

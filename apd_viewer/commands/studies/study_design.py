@@ -12,7 +12,7 @@ from apd_viewer.files.mesh_writing import check_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SUFFIX
-from apd_viewer.studies.plans.design import DESIGNS, LATIN, designed, varied
+from apd_viewer.studies.plans.design import DESIGNS, LATIN, Varied, designed, varied
 from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def _design(options: argparse.Namespace) -> None:
     given = _given(options)
     vary = [varied(text) for text in options.vary]
     if len(options.mesh) > 1:
-        vary.insert(0, varied(f"mesh={','.join(options.mesh)}"))
+        vary.insert(0, Varied("mesh", tuple(options.mesh)))
     columns, rows = designed(given, vary, options.method, options.samples, options.seed)
     folder = options.output.absolute().parent
     rows = [

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.studies.study_progress import duration
 from apd_viewer.language import tr
-from apd_viewer.studies.case_file import DONE, FAILED
+from apd_viewer.presentation.time_left import duration
+from apd_viewer.studies.case_file import FAILED
+from apd_viewer.studies.results import status_words
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -50,21 +51,10 @@ def planned(left: WorkLeft, processes: int) -> str:
 def summary(table: ResultTable, folder: Path) -> str:
     """Lines on the results."""
     count = Counter(row.status for row in table.rows)
-    words = ", ".join(f"{number:,} {_named(status)}" for status, number in count.items())
+    words = ", ".join(f"{number:,} {status_words(status)}" for status, number in count.items())
     lines = [tr("{folder}: {words}").format(folder=folder / "results.csv", words=words)]
     failed = [_on_line(row.line, row.sentence) for row in table.rows if row.status == FAILED]
     return "\n".join([*lines, *_first(failed)])
-
-
-def _named(status: str) -> str:
-    words = {
-        DONE: tr("done"),
-        FAILED: tr("failed"),
-        "waiting": tr("waiting"),
-        "wrong": tr("wrong"),
-        "duplicate": tr("duplicate"),
-    }
-    return words[status]
 
 
 def _on_line(line: int, sentence: str) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.language import tr
+from apd_viewer.presentation.time_left import duration
 
 if TYPE_CHECKING:
     from apd_viewer.studies.pace import CaseCounts
@@ -61,14 +62,3 @@ def said(now: CaseCounts) -> str:
         words.append(tr("{rate:.3g}/min").format(rate=60.0 * now.rate))
         words.append(tr("{time} left").format(time=duration(now.seconds_left)))
     return ", ".join(words)
-
-
-def duration(seconds: float) -> str:
-    """A time in words, to about a hundredth."""
-    if seconds < 100.0:
-        return tr("{n:.0f} s").format(n=seconds)
-    if seconds < 6000.0:
-        return tr("{n:.0f} min").format(n=seconds / 60.0)
-    return tr("{hours:.0f} h {minutes:.0f} min").format(
-        hours=seconds // 3600.0, minutes=seconds % 3600.0 / 60.0
-    )

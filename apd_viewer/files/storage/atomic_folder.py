@@ -78,3 +78,12 @@ def _clear_away(folder: Path) -> None:
         with contextlib.suppress(OSError):
             if time.time() - scratch.stat().st_mtime > _LONG_AGO:
                 shutil.rmtree(scratch, ignore_errors=True)
+
+
+def unused_folder(folder: Path, name: str) -> Path:
+    """A path of this name, with a number appended where it exists."""
+    number, path = 1, folder / name
+    while path.exists():
+        number += 1
+        path = folder / f"{name}-{number}"
+    return path

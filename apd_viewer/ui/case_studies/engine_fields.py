@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
-
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QHBoxLayout, QLabel
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.studies.local_pool import cores
 from apd_viewer.ui.studies.study_dialog import count_field, row_of
 from apd_viewer.ui.widgets.fields import Choice, Entry
 
@@ -31,7 +30,7 @@ class EngineFields(QObject):
         self.where = Choice(accessibleName=tr("Where the cases run"))
         self.where.addItem(tr("on this machine"), _HERE)
         self.where.addItem(tr("on a cluster (Dask)"), _SCHEDULER)
-        self.processes = count_field(tr("Cases at a time"), 1, _MOST, _cores())
+        self.processes = count_field(tr("Cases at a time"), 1, _MOST, min(_MOST, cores()))
         self._at_a_time = QLabel(tr("cases at a time"))
         self.address = Entry(
             toolTip=tr("Address of the scheduler, or the file that it has written (scheduler.json)"),
@@ -59,9 +58,3 @@ class EngineFields(QObject):
         if not address:
             raise InputError(tr("Enter the address of the scheduler, such as tcp://host:8786."))
         return ["--scheduler-file" if address.endswith(_FILE) else "--scheduler", address]
-
-
-def _cores() -> int:
-    """Number of cores that this program may use."""
-    allowed = getattr(os, "sched_getaffinity", None)
-    return min(_MOST, len(allowed(0)) if allowed else os.cpu_count() or 1)

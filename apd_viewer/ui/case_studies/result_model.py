@@ -11,7 +11,7 @@ from PySide6.QtGui import QBrush, QColor
 
 from apd_viewer.language import tr
 from apd_viewer.studies.case_file import DONE, FAILED
-from apd_viewer.studies.results import DUPLICATE, WAITING, WRONG
+from apd_viewer.studies.results import DUPLICATE, WAITING, WRONG, status_words
 from apd_viewer.ui.case_studies.result_columns import LINE, ResultColumn
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
@@ -26,18 +26,6 @@ _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 _ORDER = (DONE, FAILED, WRONG, DUPLICATE, WAITING)
 _STATUS, _SENTENCE = "status", "sentence"
 _Index = QModelIndex | QPersistentModelIndex
-
-
-def status_words(status: str) -> str:
-    """The state of a row in a word."""
-    words = {
-        DONE: tr("done"),
-        FAILED: tr("failed"),
-        WAITING: tr("waiting"),
-        WRONG: tr("wrong"),
-        DUPLICATE: tr("duplicate"),
-    }
-    return words[status]
 
 
 class ResultModel(QAbstractTableModel):

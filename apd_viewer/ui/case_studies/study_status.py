@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from apd_viewer.language import tr, trn
-from apd_viewer.presentation.time_left import in_words
+from apd_viewer.presentation.time_left import duration
 from apd_viewer.studies.case_file import DONE, FAILED
 from apd_viewer.studies.pace import CaseCounts, Pace
 from apd_viewer.studies.results import WAITING, WRONG
@@ -122,7 +122,7 @@ class StudyStatus:
             words.append(tr("{running:,} running").format(running=now.running))
         if now.done < now.cases and (self.runs or self._grows) and now.rate and now.seconds_left is not None:
             words.append(tr("{rate:.3g} a minute").format(rate=60.0 * now.rate))
-            words.append(in_words(now.seconds_left))
+            words.append(tr("{time} left").format(time=duration(now.seconds_left)))
         if self.stopping:
             words.append(tr("finishing the running cases"))
         said = ", ".join(words)

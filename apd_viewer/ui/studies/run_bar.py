@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from apd_viewer.files.storage.atomic_folder import filling
+from apd_viewer.files.storage.atomic_folder import filling, unused_folder
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.background_job import Job, JobOutcome
 from apd_viewer.ui.studies.command_process import CommandProcess
@@ -186,7 +186,7 @@ class RunBar(QWidget):
 
     def save_in(self, folder: Path) -> None:
         """Save the results as a new folder in ``folder``, in the background."""
-        results, target = self._results, _free(folder, self._name)
+        results, target = self._results, unused_folder(folder, self._name)
 
         def work() -> Path:
             with filling(target) as scratch:
@@ -205,12 +205,3 @@ class RunBar(QWidget):
     def _open(self) -> None:
         if self._saved is not None:
             QDesktopServices.openUrl(QUrl.fromLocalFile(str(self._saved)))
-
-
-def _free(folder: Path, name: str) -> Path:
-    """Return an unused folder name, with a number appended if needed."""
-    number, path = 1, folder / name
-    while path.exists():
-        number += 1
-        path = folder / f"{name}-{number}"
-    return path
