@@ -118,9 +118,10 @@ def case_sizes(folder: Path) -> dict[str, int]:
     """Size in bytes of each file of a finished case, by its key."""
     sizes = {}
     with os.scandir(folder / "cases") as groups:
-        for group in groups:
-            with os.scandir(group) as entries:
-                for entry in entries:
-                    if entry.name.endswith(SUFFIX) and not entry.name.startswith("."):
-                        sizes[entry.name.removesuffix(SUFFIX)] = entry.stat().st_size
+        folders = [group.path for group in groups if group.is_dir()]
+    for each in folders:
+        with os.scandir(each) as entries:
+            for entry in entries:
+                if entry.name.endswith(SUFFIX) and not entry.name.startswith("."):
+                    sizes[entry.name.removesuffix(SUFFIX)] = entry.stat().st_size
     return sizes

@@ -107,7 +107,7 @@ class Cluster:
         """End the workers started here with their cases."""
         for nanny in self._cluster.workers.values():
             nanny.auto_restart = False
-            os.kill(nanny.pid, signal.SIGKILL)
+            os.kill(nanny.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
 
 
 def local_cluster(workers: int, work: Work = work_on_case) -> Cluster:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sqlite3
 from contextlib import closing, suppress
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 DATABASE = "study.sqlite"
-_PATIENCE = 10.0  # s that a reader or the writer waits for the other
+_PATIENCE = 60.0  # s that a reader or the writer waits for the other
 _TABLES = """
 create table if not exists facts (name text primary key, value text not null);
 create table if not exists plan (
@@ -28,15 +29,23 @@ create table if not exists cases (
 
 
 def opened_database(folder: Path) -> sqlite3.Connection:
-    """The database for its one writer, a new one in place of a damaged one."""
+    """The database for its one writer; raises InputError.
+
+    A damaged one is put aside, and a new one takes its place.
+    """
     path, base = folder / DATABASE, None
     try:
         base = _connected(path)
         base.execute("select count(*), max(size) from cases").fetchone()
         return base
-    except sqlite3.DatabaseError:
+    except sqlite3.DatabaseError as error:
         if base is not None:
             base.close()
+        if isinstance(error, sqlite3.OperationalError) and not str(error).startswith("no such"):
+            # Locked, or the disk is full: nothing is wrong with it.
+            raise InputError(
+                tr("{path} cannot be opened now ({reason}); try again.").format(path=path, reason=error)
+            ) from error
         for each in (path, path.with_name(f"{path.name}-journal")):
             with suppress(OSError):
                 each.replace(each.with_name(f"{each.name}.damaged"))
@@ -65,4 +74,7 @@ def reading(folder: Path) -> closing[sqlite3.Connection]:
     path = folder / DATABASE
     if not path.is_file():
         raise InputError(tr("{folder} holds no study; choose the folder of one.").format(folder=folder))
-    return closing(sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=_PATIENCE))
+    # As a path alone: SQLite refuses the URI of a file on another computer.
+    place = quote(path.absolute().as_posix())
+    place = place if place.startswith("/") else f"/{place}"
+    return closing(sqlite3.connect(f"file://{place}?mode=ro", uri=True, timeout=_PATIENCE))

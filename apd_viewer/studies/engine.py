@@ -88,6 +88,8 @@ class Runner:
         self._waiting = deque(cases)
         self._suspects: deque[str] = deque()
         self._deaths: dict[str, int] = {}
+        # Cases whose worker does not see their files.
+        self._sent: set[str] = set()
         self._running: dict[Future[CaseAnswer], str] = {}
         self._ended: queue.SimpleQueue[Future[CaseAnswer]] = queue.SimpleQueue()
         self._stopping = False
@@ -118,8 +120,10 @@ class Runner:
         if self._suspects and not self._running and self._engine.room() > 0:
             self._start(self._suspects.popleft())
 
-    def _start(self, key: str, sent: Mapping[str, bytes] | None = None) -> None:
-        future = self._engine.start(Task(self._cases[key], self._limit, sent or {}))
+    def _start(self, key: str) -> None:
+        sources = self._cases[key].sources if key in self._sent else ()
+        sent = {source.digest: source.path.read_bytes() for source in sources}
+        future = self._engine.start(Task(self._cases[key], self._limit, sent))
         self._running[future] = key
         future.add_done_callback(self._ended.put)
 
@@ -146,8 +150,8 @@ class Runner:
             self._died(key)
         else:
             if answer.missing:
-                sources = self._cases[key].sources
-                self._start(key, {source.digest: source.path.read_bytes() for source in sources})
+                self._sent.add(key)
+                self._waiting.appendleft(key)
             else:
                 self._finished(answer.content)
 

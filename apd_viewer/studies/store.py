@@ -56,7 +56,11 @@ class StudyStore:
                     folder=folder, reason=error.strerror or error
                 )
             ) from error
-        self._base = opened_database(folder)
+        try:
+            self._base = opened_database(folder)
+        except BaseException:
+            self._lock.remove()
+            raise
         self._committed = time.monotonic()
 
     def _taken(self) -> Lock:
@@ -97,10 +101,8 @@ class StudyStore:
             if self._read_again(key):
                 done.add(key)
         self._forget(wanted & known.keys() - done)
-        if retry_failed:
-            failed = {key for (key,) in self._base.execute("select key from cases where status = 'failed'")}
-            self._forget(wanted & failed)
-            done -= failed
+        if retry_failed:  # they stay until there is another result
+            done -= {key for (key,) in self._base.execute("select key from cases where status = 'failed'")}
         self._base.commit()
         return done
 

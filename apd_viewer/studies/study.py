@@ -80,6 +80,7 @@ class Study:
             self._store.close()
             raise
         self._runner: Runner | None = None
+        self._stopping = False
         self._table, self._took = time.monotonic(), 0.0
 
     @property
@@ -90,9 +91,13 @@ class Study:
     def forecast(self) -> WorkLeft:
         """Work left, and its time."""
         table = read_results(self.folder)
-        failed = sum(row.status == FAILED for row in table.rows)
+        failed = self._failed(table)
         wrong = sum(row.case is None for row in self.plan.rows)
         return WorkLeft(len(self._cases), len(self._done), failed, wrong, self._seconds(table))
+
+    def _failed(self, table: ResultTable) -> int:
+        """Number of finished cases that failed."""
+        return sum(row.status == FAILED and row.key in self._done for row in table.rows)
 
     def _seconds(self, table: ResultTable) -> float | None:
         """Seconds of the rest, from those of a step on the same mesh, or on any."""
@@ -130,7 +135,7 @@ class Study:
         InputError
             If the engine is gone or the folder cannot be written; what is done is kept.
         """
-        failed = sum(row.status == FAILED for row in read_results(self.folder).rows)
+        failed = self._failed(read_results(self.folder))
         pace = Pace(len(self._cases), len(self._done), failed)
 
         def finished(content: bytes) -> None:
@@ -143,6 +148,8 @@ class Study:
             self._write_now_and_then()
 
         self._runner = Runner(self.left, engine, finished, limit, tick)
+        if self._stopping:
+            self._runner.stop()
         try:
             self._runner.run()
         except InputError:
@@ -158,6 +165,7 @@ class Study:
 
     def stop(self) -> None:
         """Start no more cases, and finish the running ones; safe in a signal handler."""
+        self._stopping = True
         if self._runner is not None:
             self._runner.stop()
 

@@ -2,6 +2,8 @@
 
 import csv
 import json
+import sqlite3
+from contextlib import closing
 
 import pytest
 from study_work import quick
@@ -92,16 +94,35 @@ def test_files_that_the_database_does_not_know_count(run, bar):
     assert (bar / "out" / "study.sqlite.damaged").exists()
 
 
-def test_failed_cases_are_kept_or_tried_again(run):
+def test_failed_cases_are_kept_or_tried_again(run, written, bar):
     def fails(task):
         return CaseAnswer(packed(failed(task.case, "No.")))
 
     _, table = run(*ROWS[:2], work=fails)
     assert [(row.status, row.sentence, row.readings) for row in table.rows] == [("failed", "No.", {})] * 2
     assert run(*ROWS[:2])[0] == []
+    Study(written(*ROWS[:2]), bar / "out", retry_failed=True).close()
+    assert read_results(bar / "out") == table  # as a look at what there is to do leaves them
     ran, table = run(*ROWS[:2], retry_failed=True)
     assert ran == ["10deg", "20deg"]
     assert [row.status for row in table.rows] == ["done"] * 2
+
+
+def test_a_database_in_use_is_not_taken_for_a_damaged_one(run, written, bar, monkeypatch):
+    _, table = run(*ROWS[:2])
+    monkeypatch.setattr("apd_viewer.studies.database._PATIENCE", 0.1)
+    with closing(sqlite3.connect(bar / "out" / "study.sqlite")) as other:
+        other.execute("begin exclusive")
+        with pytest.raises(InputError, match="cannot be opened now"):
+            Study(written(*ROWS[:2]), bar / "out")
+    assert not (bar / "out" / "study.sqlite.damaged").exists()
+    assert run(*ROWS[:2]) == ([], table)
+
+
+def test_a_stray_file_among_the_cases_is_passed_over(run, bar):
+    run(*ROWS[:1])
+    (bar / "out" / "cases" / ".DS_Store").write_bytes(b"")
+    assert run(*ROWS[:1])[0] == []
 
 
 def test_one_program_writes_and_others_read(written, bar):

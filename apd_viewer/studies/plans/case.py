@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -74,7 +74,7 @@ class StudyCase:
     steps: int
     settings: tuple[tuple[str, Setting], ...] = ()
 
-    @property
+    @cached_property
     def key(self) -> str:
         """Name of its result: a digest of all its inputs and of the program's version."""
         said = {
