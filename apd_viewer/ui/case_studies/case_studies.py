@@ -16,11 +16,11 @@ from apd_viewer.language import tr
 from apd_viewer.studies.case_file import DONE
 from apd_viewer.studies.case_session import case_session
 from apd_viewer.studies.database import DATABASE
+from apd_viewer.studies.results import status_words
 from apd_viewer.ui.case_studies.folder_watch import FolderWatch
 from apd_viewer.ui.case_studies.plan_dialog import PlanDialog
-from apd_viewer.ui.case_studies.result_model import status_words
 from apd_viewer.ui.case_studies.results_panel import ResultsPanel
-from apd_viewer.ui.case_studies.study_run import StudyRun
+from apd_viewer.ui.case_studies.study_run import StudyRun, kept_options
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
@@ -97,10 +97,7 @@ class CaseStudies(QObject):
         state, handle, view = found
         if state.document.problem:
             self._notice.fail(state.document.problem)
-        elif self.run.running:
-            self._notice.fail(tr("A study is running; wait for it or stop it, then begin another."))
-            self._dock.show()
-        else:
+        elif self._is_free():
             if self.dialog is None:
                 self.dialog = dialog = PlanDialog(
                     self._window, self._session, handle, view, self._memory, self._ghost
@@ -135,7 +132,16 @@ class CaseStudies(QObject):
     def _forget_dialog(self) -> None:
         self.dialog = None
 
+    def _is_free(self) -> bool:
+        """True if no study runs; otherwise say so."""
+        if self.run.running:
+            self._notice.fail(tr("A study is running; wait for it or stop it, then begin another."))
+            self._dock.show()
+        return not self.run.running
+
     def _begin(self, folder: Path, options: list[str] | None) -> None:
+        if not self._is_free():
+            return
         try:
             self.run.begin(folder, options)
         except InputError as error:
@@ -144,8 +150,24 @@ class CaseStudies(QObject):
         self.open(folder)
 
     def _go_on(self) -> None:
-        if self.panel.folder is not None and not self.run.running:
+        if self.panel.folder is not None and self._trusts(kept_options(self.panel.folder)):
             self._begin(self.panel.folder, None)
+
+    def _trusts(self, options: list[str]) -> bool:
+        """Ask before connecting to a scheduler that a folder names, perhaps anybody's."""
+        if not any(word.startswith("--scheduler") for word in options):
+            return True
+        buttons = QMessageBox.StandardButton
+        answer = QMessageBox.question(
+            self._window,
+            tr("Continue on a scheduler"),
+            tr("Connect to {address}? Answer Yes only if you trust it: it can run programs here.").format(
+                address=options[-1]
+            ),
+            buttons.Yes | buttons.Cancel,
+            buttons.Cancel,
+        )
+        return answer == buttons.Yes
 
     def _stop(self) -> None:
         self.run.stop()
@@ -158,10 +180,12 @@ class CaseStudies(QObject):
         if self.run.folder == self.panel.folder and isinstance(said, dict):
             self.panel.show_progress(said)
 
-    def _end(self, sentence: str) -> None:
-        self.panel.show_running(False, sentence=sentence)
-        if self.panel.folder is not None:
+    def _end(self, folder: object, sentence: str) -> None:
+        if self.panel.folder is not None and folder == self.panel.folder:
+            self.panel.show_running(False, sentence=sentence)
             self.watch.watch(self.panel.folder)
+        elif sentence:
+            self._notice.fail(sentence)
 
     # Cases
 

@@ -19,14 +19,14 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.atomic_folder import unused_folder
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS
-from apd_viewer.studies.database import DATABASE
 from apd_viewer.studies.plans.design import GRID, LATIN, MOST_SAMPLES, SOBOL
 from apd_viewer.ui.case_studies.end_preview import EndPreview
 from apd_viewer.ui.case_studies.engine_fields import EngineFields
-from apd_viewer.ui.case_studies.study_files import PLAN, Design, document_of, write_study
+from apd_viewer.ui.case_studies.study_files import Design, document_of, write_study
 from apd_viewer.ui.case_studies.varied_fields import HEADS, VariedFields
 from apd_viewer.ui.studies.study_dialog import count_field, row_of
 from apd_viewer.ui.widgets.fields import Choice, Entry
@@ -87,10 +87,16 @@ class PlanDialog(QDialog):
         self.varied.looked_at.connect(self._look)
         self.varied.left.connect(self._preview.hide)
         self.engine = EngineFields()
-        self._lay_out(_unused(memory.folder, f"{mesh.stem}-study"))
+        self._lay_out(unused_folder(memory.folder, f"{mesh.stem}-study"))
         self._count()
+        self._move_aside(window)
 
     # Laying out
+
+    def _move_aside(self, window: QWidget) -> None:
+        """Move to the right of the window, so that its view shows the ends of ranges."""
+        there = window.frameGeometry().intersected(window.screen().availableGeometry())
+        self.move(there.right() + 1 - self.width(), there.center().y() - self.height() // 2)
 
     def _lay_out(self, folder: Path) -> None:
         column = QVBoxLayout(self, spacing=12)
@@ -205,7 +211,7 @@ class PlanDialog(QDialog):
             self, tr("Choose a folder to save in"), str(Path(self.folder.text()).parent)
         )
         if folder:
-            self.folder.setText(str(_unused(Path(folder), Path(self.folder.text()).name)))
+            self.folder.setText(str(unused_folder(Path(folder), Path(self.folder.text()).name)))
 
     # Beginning
 
@@ -232,9 +238,9 @@ class PlanDialog(QDialog):
         self.accept()
 
     def _check(self, folder: Path, design: Design) -> None:
-        """Raise InputError for a folder in use, and where nothing would move."""
-        if not self.folder.text().strip() or any((folder / name).exists() for name in (PLAN, DATABASE)):
-            raise InputError(tr("This folder holds a study already; choose another one."))
+        """Raise InputError for a folder in use, or where nothing would move."""
+        if not self.folder.text().strip() or folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
+            raise InputError(tr("This folder is in use; enter a new one."))
         if not design.moves and not self._state.document.posed:
             raise InputError(tr("No handle moves; tick a motion as well, with one end or with both."))
 
@@ -242,12 +248,3 @@ class PlanDialog(QDialog):
         """Close the dialog, and show the mesh as it was."""
         self._preview.hide()
         super().done(result)
-
-
-def _unused(folder: Path, name: str) -> Path:
-    """A path of this name, with a number appended where it exists."""
-    number, path = 1, folder / name
-    while path.exists():
-        number += 1
-        path = folder / f"{name}-{number}"
-    return path

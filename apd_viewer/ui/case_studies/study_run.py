@@ -30,12 +30,12 @@ class StudyRun(QObject):
         Whether it only finishes the running cases.
     reported : Signal(object)
         Its progress, a dict as in a line of ``--progress-lines``.
-    ended : Signal(str)
-        It runs no more; a sentence if it has not ended by itself.
+    ended : Signal(object, str)
+        The folder of the study that runs no more; a sentence if it has not ended by itself.
     """
 
     reported = Signal(object)
-    ended = Signal(str)
+    ended = Signal(object, str)
 
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
@@ -66,7 +66,7 @@ class StudyRun(QObject):
             If the folder cannot be written.
         """
         if options is None:
-            options = _kept_options(folder)
+            options = kept_options(folder)
         else:
             _keep_options(folder, options)
         self.folder, self.stopping = folder, False
@@ -79,7 +79,8 @@ class StudyRun(QObject):
             return
         if self.stopping or not self._command.interrupt():
             self.end_at_once()
-        self.stopping = True
+        else:
+            self.stopping = True
 
     def end_at_once(self) -> None:
         """End it; what runs is computed again when it goes on."""
@@ -91,8 +92,8 @@ class StudyRun(QObject):
         self._end(_stopped() if self.stopping else sentence)
 
     def _end(self, sentence: str) -> None:
-        self.folder, self.stopping = None, False
-        self.ended.emit(sentence)
+        folder, self.folder, self.stopping = self.folder, None, False
+        self.ended.emit(folder, sentence)
 
 
 def _stopped() -> str:
@@ -104,7 +105,8 @@ def _keep_options(folder: Path, options: Sequence[str]) -> None:
         scratch.write_text(json.dumps({"options": list(options)}), encoding="utf-8")
 
 
-def _kept_options(folder: Path) -> list[str]:
+def kept_options(folder: Path) -> list[str]:
+    """Options of the command of the last time, as the folder has them."""
     try:
         said: Any = json.loads((folder / RUN).read_text(encoding="utf-8"))
         return [str(word) for word in said["options"]]

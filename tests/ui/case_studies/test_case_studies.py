@@ -20,7 +20,7 @@ from apd_viewer.studies.case_file import read_case
 from apd_viewer.studies.database import DATABASE
 from apd_viewer.studies.store import StudyStore
 from apd_viewer.ui.case_studies.study_files import PLAN
-from apd_viewer.ui.case_studies.study_run import StudyRun
+from apd_viewer.ui.case_studies.study_run import RUN, StudyRun
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import Answer
 from apd_viewer.ui.shell import Shell
@@ -157,6 +157,17 @@ def test_an_impossible_range_is_refused_in_a_sentence(dialog, home, name, low, h
     assert not (home / "mesh-study").exists()
 
 
+def test_a_folder_in_use_is_left_alone(dialog, home):
+    taken = home / "taken"
+    taken.mkdir()
+    (taken / "session.apd").write_bytes(b"of somebody")
+    dialog.folder.setText(str(taken))
+    click(dialog.start)
+    assert "in use" in dialog.words.text()
+    assert dialog.isVisible()
+    assert [path.read_bytes() for path in taken.iterdir()] == [b"of somebody"]
+
+
 def test_a_study_is_run_stopped_and_continued(qtbot, bar, dialog, studied):
     dialog.design.setCurrentIndex(dialog.design.findData("grid"))
     dialog.samples.setValue(CASES)
@@ -184,6 +195,22 @@ def test_a_study_is_run_stopped_and_continued(qtbot, bar, dialog, studied):
     assert not panel.bar.isVisible()
     with (studied / PLAN).open(encoding="utf-8") as stream:
         assert [line["to"] for line in csv.DictReader(stream)][:: CASES - 1] == ["10%", "100%"]
+
+
+def test_a_scheduler_named_by_a_folder_is_asked_about(bar, studied, monkeypatch):
+    """It could be anybody's, and runs what it likes here."""
+    cases, asked = bar.case_studies, []
+    options = (studied / RUN).read_text(encoding="utf-8")
+    (studied / RUN).write_text('{"options": ["--scheduler", "tcp://elsewhere:8786"]}', encoding="utf-8")
+    monkeypatch.setattr(
+        QMessageBox, "question", lambda *words: asked.append(words[2]) or QMessageBox.StandardButton.Cancel
+    )
+    cases.open(studied)
+    cases.panel.go_on_asked.emit()
+    (studied / RUN).write_text(options, encoding="utf-8")
+    assert not cases.run.running
+    assert len(asked) == 1
+    assert "tcp://elsewhere:8786" in asked[0]
 
 
 @pytest.fixture
