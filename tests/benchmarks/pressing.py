@@ -6,7 +6,8 @@
 
 Edges of 1.0 and 0.565 make bottles of 13,000 and 41,000 vertices. The tube is three radii long. With a yield
 radius the plates open again in the end. ``--check`` counts, by another library, the frames in which anything
-crosses. ``--slope`` comes to rest a little before each step as well, and prints the load over the slope of
+crosses. ``--slope`` goes back a little after each step and comes to rest there, too: from the step on, where
+a fold may have snapped on the way, back on the same branch. It prints the load over the slope of
 the energy between the two, and at how many edges the two triangles lie on each other. ``--fist`` closes four
 fingers and a thumb on the bottle instead of plates, with that load over the slope, too. Times are those of
 the processor, on one core.
@@ -60,7 +61,7 @@ def tube(around: int, length: float = 3.0) -> tuple[np.ndarray, np.ndarray]:
     return V, np.concatenate([first.reshape(-1, 3), second.reshape(-1, 3)])
 
 
-def steps_with_slopes(plates: PlatePress, count: int, most: int, look: Callable[[float], None]) -> None:
+def steps_with_slopes(plates: PlatePress, count: int, look: Callable[[float], None]) -> None:
     """Press in ``count`` steps, with a row for each."""
     pressing, F, began = plates.pressing, plates.pressing.rest.F, time.process_time()
     columns = (
@@ -77,14 +78,14 @@ def steps_with_slopes(plates: PlatePress, count: int, most: int, look: Callable[
     )
     print(f"| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
     for k in range(1, count + 1):
-        near, end = (come_to_rest(plates, (k - back) / count, most, look) for back in (_NEAR, 0.0))
+        end, near = (come_to_rest(plates, (k - back) / count, look) for back in (0.0, _NEAR))
         way = (end.share - near.share) * plates.way.length
         slope = (end.energy - near.energy) / way
         mean = 0.25 * (near.low - near.high + end.low - end.high)
         loads = f"{end.low:.4f} | {-end.high:.4f} | {slope:.4f} | {mean / slope:.4f} | {end.energy:.5g}"
         distance = (plates.way.first - end.share * plates.way.length) / plates.way.first
-        spent = f"{near.iterations} + {end.iterations} | {time.process_time() - began:.0f}"
-        rest = f"{near.rests} {end.rests}"
+        spent = f"{end.iterations} + {near.iterations} | {time.process_time() - began:.0f}"
+        rest = f"{end.rests} {near.rests}"
         print(f"| {distance:.3f} | {loads} | {flipped(pressing.U, F)} | {spent} | {rest} |", flush=True)
         assert abs(pressing.rest.measure(pressing.U).area / pressing.rest.area - 1.0) <= 1e-9
 
@@ -100,13 +101,10 @@ class Rest(NamedTuple):
     rests: bool
 
 
-def come_to_rest(plates: PlatePress, share: float, most: int, look: Callable[[float], None]) -> Rest:
-    """Readings at a share of the way, after ``most`` iterations at most."""
+def come_to_rest(plates: PlatePress, share: float, look: Callable[[float], None]) -> Rest:
+    """Readings at a share of the way."""
     pressing = plates.pressing
-    pressing.aim(share)
-    while not pressing.settled and pressing.iterations < most and not pressing.is_stopped:
-        pressing.iterate()
-        look(0.0)
+    plates.rest_at(share, look)
     low, high = pressing.loads @ plates.way.axis
     return Rest(pressing.share, -low, -high, pressing.energy, pressing.iterations, pressing.settled)
 
@@ -144,19 +142,19 @@ def fist(V: np.ndarray, F: np.ndarray, options: PressOptions, most: int) -> None
     print(f"{len(V):,} vertices\n\n| {columns} |\n{'|---' * 10}|")
     for k in range(1, _CLOSINGS + 1):
         ends = []
-        for share in ((k - _NEAR) / _CLOSINGS, k / _CLOSINGS):
+        for share in (k / _CLOSINGS, (k - _NEAR) / _CLOSINGS):
             pressing.aim(share)
             while not pressing.settled and pressing.iterations < most and not pressing.is_stopped:
                 pressing.iterate()
                 crossed[0] += 1
                 crossed[1] += check.crosses(pressing.U)
-            loads = pressing.loads
-            ends.append((pressing.share, pressing.energy, -float((loads * ways).sum())))
-        (before, energy, load), (now, end, last) = ends
+            load = -float((pressing.loads * ways).sum())
+            ends.append((pressing.share, pressing.energy, load, pressing.loads, pressing.settled))
+        (now, end, last, loads, rests), (before, energy, load, _, _) = ends
         slope, found = (end - energy) / (now - before), rest.measure(pressing.U)
         error = found.area / rest.area - 1.0
         said = ", ".join(f"{np.linalg.norm(load):.3f}" for load in loads)
-        spent = f"{pressing.iterations} | {time.process_time() - began:.0f} | {pressing.settled}"
+        spent = f"{pressing.iterations} | {time.process_time() - began:.0f} | {rests}"
         together = f"{pressing.imbalance:.0e} | {end:.5g} | {found.volume:.1f} | {error:.0e}"
         ratio = f"{0.5 * (load + last) / slope:.4f}"
         print(f"| {now * 0.2:.3f} | {said} | {ratio} | {together} | {spent} |", flush=True)
@@ -195,7 +193,7 @@ def main() -> None:
 
     if asked.slope:
         print(f"{len(V):,} vertices\n")
-        steps_with_slopes(plates, asked.steps, asked.iterations, look)
+        steps_with_slopes(plates, asked.steps, look)
         print(f"frames: {crossed[0]}, crossed: {crossed[1]}")
         return
     columns = "distance", "load below", "above", "energy", "volume", "iterations", "s", "settled"

@@ -101,7 +101,7 @@ class PlatePress:
             ends the work.
         """
         if self._relaxes:
-            self._rest_at(0.0, partial(_tick_at, tick, 0, self._count))
+            self.rest_at(0.0, partial(_tick_at, tick, 0, self._count))
             if not self.pressing.met:
                 raise InputError(
                     tr("The shape to begin from has another area or volume; deform it with the same targets.")
@@ -109,7 +109,7 @@ class PlatePress:
             self.pressing.surround(*self._plates_around(self.pressing.U))
         yield self._step(settled=True)
         for k in range(self._count):
-            self._rest_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))
+            self.rest_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))
             yield self._step(self.pressing.settled)
             if self.pressing.is_stopped:
                 return
@@ -126,11 +126,11 @@ class PlatePress:
         touching = _TOUCHES * np.abs(self.pressing.loads).max()
         while share > 0.0 and np.abs(self.pressing.loads).max() > touching:
             share = max(0.0, share - 1.0 / self._count)
-            self._rest_at(share, partial(_tick_at, tick, k, self._count))
+            self.rest_at(share, partial(_tick_at, tick, k, self._count))
             k += 1
             yield self._step(self.pressing.settled)
 
-    def _rest_at(self, share: float, tick: Callable[[float], object]) -> None:
+    def rest_at(self, share: float, tick: Callable[[float], object]) -> None:
         """Go to a share of the way, and come to rest there, as far as iterations suffice.
 
         Walls in the way of the plates may give way once they have come to rest.
