@@ -38,8 +38,10 @@ from apd_viewer.geometry.pressing.press import pressed
 from apd_viewer.geometry.pressing.press_options import PressOptions
 from apd_viewer.geometry.pressing.pressing import Pressing
 
-# Share of a step between the two shapes whose energies are compared.
+# Shares of a step between the two shapes whose energies are compared: the next one where a fold has snapped
+# between them, that is, where something has moved so many times as far as the plates.
 _NEAR = 0.02
+_NEARER, _SNAPPED = (_NEAR, 0.1 * _NEAR, 0.01 * _NEAR), 20.0
 # Radius of a finger in widths of the bottle, and steps of a fist.
 _FINGER, _CLOSINGS = 0.15, 10
 
@@ -78,7 +80,10 @@ def steps_with_slopes(plates: PlatePress, count: int, look: Callable[[float], No
     )
     print(f"| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
     for k in range(1, count + 1):
-        end, near = (come_to_rest(plates, (k - back) / count, look) for back in (0.0, _NEAR))
+        for nearer in _NEARER:
+            end, near = (come_to_rest(plates, (k - back) / count, look) for back in (0.0, nearer))
+            if np.abs(end.U - near.U).max() <= _SNAPPED * (end.share - near.share) * plates.way.length:
+                break
         way = (end.share - near.share) * plates.way.length
         slope = (end.energy - near.energy) / way
         mean = 0.25 * (near.low - near.high + end.low - end.high)
@@ -93,6 +98,7 @@ def steps_with_slopes(plates: PlatePress, count: int, look: Callable[[float], No
 class Rest(NamedTuple):
     """Readings of a shape between plates."""
 
+    U: np.ndarray
     share: float
     low: float
     high: float
@@ -106,7 +112,9 @@ def come_to_rest(plates: PlatePress, share: float, look: Callable[[float], None]
     pressing = plates.pressing
     plates.rest_at(share, look)
     low, high = pressing.loads @ plates.way.axis
-    return Rest(pressing.share, -low, -high, pressing.energy, pressing.iterations, pressing.settled)
+    return Rest(
+        pressing.U, pressing.share, -low, -high, pressing.energy, pressing.iterations, pressing.settled
+    )
 
 
 def flipped(U: np.ndarray, F: np.ndarray) -> int:

@@ -37,13 +37,14 @@ def to_the_end(solver, targets, most=6000):
 
 @pytest.mark.parametrize("options", [{}, {"area": 100.0}], ids=["free", "area"])
 def test_it_ends_sooner_and_as_low(options, monkeypatch):
-    energies, late = to_the_end(Deformation(V, F, FIXED, method="local", rest=REST, **options), turned(1.2))
+    """Where there is one minimum: turned farther, either may end in another fold."""
+    energies, late = to_the_end(Deformation(V, F, FIXED, method="local", rest=REST, **options), turned(0.6))
     switch = int(np.argmax(late))
     assert late[switch:].all()
     assert not late[:switch].any()
     assert (np.diff(energies[switch - 10 :]) <= 1e-14 * energies[-1]).all()
     monkeypatch.setattr(late_metric, "_MOST", 0)
-    by_k, never = to_the_end(Deformation(V, F, FIXED, method="local", rest=REST, **options), turned(1.2))
+    by_k, never = to_the_end(Deformation(V, F, FIXED, method="local", rest=REST, **options), turned(0.6))
     assert not never.any()
     assert len(energies) < len(by_k)
     assert energies[-1] <= by_k[-1] * (1 + 1e-4)
