@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QItemSelection, QItemSelectionModel, QModelIndex, Qt, Signal
-from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QAbstractItemView, QApplication, QFrame, QHeaderView, QTableView
+from PySide6.QtGui import QKeyEvent, QMouseEvent
+from PySide6.QtWidgets import QAbstractItemView, QFrame, QHeaderView, QTableView
 
 from apd_viewer.language import tr
 from apd_viewer.ui.plots.chart_drawing import tabular
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 _ROW = 24  # px
 _WIDEST, _NARROWEST = 360, 48
+# With these a click adds rows to the chosen ones.
+_MORE = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
 _SELECTION = QItemSelectionModel.SelectionFlag
 
 
@@ -40,7 +42,7 @@ class ResultsView(QTableView):
 
     def __init__(self, model: ResultModel) -> None:
         super().__init__(objectName="results", accessibleName=tr("Results of the study"))
-        self._results = model
+        self._results, self._chooses = model, False
         self.setModel(model)
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
@@ -69,14 +71,22 @@ class ResultsView(QTableView):
         for k in range(self._results.columnCount()):
             self.setColumnWidth(k, min(self.columnWidth(k) + 8, _WIDEST))
 
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Remember whether more rows are chosen."""
+        self._chooses = bool(event.modifiers() & _MORE)
+        super().mouseReleaseEvent(event)
+
     def _click(self, index: QModelIndex) -> None:
-        if QApplication.keyboardModifiers() == Qt.KeyboardModifier.NoModifier:
-            self.opened.emit(int(self._results.order[index.row()]))
+        if not self._chooses:
+            self._open(index)
+
+    def _open(self, index: QModelIndex) -> None:
+        self.opened.emit(int(self._results.order[index.row()]))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Open the current row on Enter."""
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and self.currentIndex().isValid():
-            self._click(self.currentIndex())
+            self._open(self.currentIndex())
         else:
             super().keyPressEvent(event)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from driving import LEFT, Mouse, centre, idle, show
+from driving import LEFT, NONE, Mouse, centre, idle, show
 from in_thread import InThread
 from PySide6.QtCore import QPointF, QSettings, Qt
 from PySide6.QtWidgets import QMessageBox
@@ -251,6 +251,17 @@ def test_a_click_opens_the_shape_of_a_case_bit_for_bit(qtbot, bar, results, stud
 def results_column(folder, name):
     with (folder / PLAN).open(encoding="utf-8") as stream:
         return next(csv.reader(stream)).index(name)
+
+
+def test_enter_of_either_kind_opens_the_current_case(qtbot, bar, results):
+    opened = []
+    results.table.opened.connect(opened.append)
+    results.table.setCurrentIndex(results.model.index(3, 0))
+    for key, kind in ((Qt.Key.Key_Return, NONE), (Qt.Key.Key_Enter, Qt.KeyboardModifier.KeypadModifier)):
+        qtbot.keyClick(results.table, key, kind)
+        idle(qtbot, bar)
+    results.table.opened.disconnect(opened.append)
+    assert opened == [3, 3]
 
 
 def test_unsaved_work_is_asked_about_before_a_case_is_opened(qtbot, bar, results, monkeypatch):
