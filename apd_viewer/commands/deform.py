@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from apd_viewer.commands.motion_options import add_motion_options, motion_from, painted, poses_along
 from apd_viewer.commands.result_output import progress_line, readings, summary, write_result
 from apd_viewer.commands.scalar_output import add_scalar_options, check_scalar_options, write_scalar_files
 from apd_viewer.commands.terminal.parser import Parser
@@ -67,6 +68,7 @@ def deform_parser() -> Parser:
         action="append",
         help=tr("4x4 matrix that moves the handle; repeat for each handle"),
     )
+    add_motion_options(parser)
     parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
     parser.add_argument("--method", choices=METHODS, default=DEFAULT_METHOD, help=tr("default: %(default)s"))
     parser.add_argument(
@@ -243,8 +245,11 @@ def _deform(options: argparse.Namespace) -> None:
     obstacles = read_obstacles(options.obstacles) if options.obstacles else ()
     selection = _selection(options, mesh)
     regions = [_region(words, len(mesh.V)) for words in options.region]
-    poses = [read_transform(path) for path in options.transform]
-    held = constraints(selection.labels, mesh.V, poses, obstacles=bool(obstacles))
+    ways = [
+        constraints(selection.labels, mesh.V, poses, obstacles=bool(obstacles))
+        for poses in _ways(options, mesh, selection)
+    ]
+    held = ways[-1]
     pushing = solids_of(obstacles, mesh.V)
     target = TargetShape(open_mesh(options.compare)) if options.compare else None
     convergence = Convergence(options.most_iterations, options.energy_tolerance, options.step_tolerance)
@@ -253,7 +258,7 @@ def _deform(options: argparse.Namespace) -> None:
         mesh.V,
         mesh.F,
         held.fixed,
-        held.targets,
+        held.targets if len(ways) == 1 else np.array([way.targets for way in ways]),
         options.method,
         options.iterations,
         options.tolerance,
@@ -285,12 +290,27 @@ def _deform(options: argparse.Namespace) -> None:
         print(no_pictures())
 
 
+def _ways(options: argparse.Namespace, mesh: Mesh, selection: Selection) -> list[list[np.ndarray]]:
+    """Poses (4, 4) of the handles at each way point."""
+    if not options.motion:
+        return [[read_transform(path) for path in options.transform]]
+    if options.transform:
+        raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
+    state = painted(mesh, selection)
+    ways = poses_along(state.document, motion_from(options, state))
+    if options.iterations is not None and len(ways) > 1:
+        raise InputError(tr("With --iterations handles turn by half a turn at most; enter less, or omit it."))
+    return ways
+
+
 def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
     """The painted parts; only where obstacles push they need not be given."""
     if options.selection:
         return read_selection_file(options.selection, mesh)
     if not options.obstacles:
-        raise InputError(tr("Give --selection and --transform, or --obstacles that push."))
+        raise InputError(
+            tr("Give --selection with --transform or a motion such as --twist, or --obstacles that push.")
+        )
     labels, member = np.full(len(mesh.V), FREE, dtype=np.uint8), np.zeros(len(mesh.V), dtype=np.uint8)
     return Selection(labels, member, (numbered(tr("Handle"), 1),))
 

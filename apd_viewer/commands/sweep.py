@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from apd_viewer.commands.motion_options import add_motion_options, motion_from, painted
 from apd_viewer.commands.sweep_output import (
     SWEPT_SHARE,
     mesh_path,
@@ -28,17 +29,16 @@ from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.methods import COMPARED, METHODS
 from apd_viewer.language import tr
-from apd_viewer.session.model.document_selection import with_selection
-from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import SUFFIX, Standpoint
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS
-from apd_viewer.session.studies.sweep_setup import sweep_of, twist_of
+from apd_viewer.session.studies.sweep_setup import sweep_of
 
 if TYPE_CHECKING:
     import argparse
 
     from apd_viewer.session.model.document import Document
+    from apd_viewer.session.posing.motion_step import MotionStep
     from apd_viewer.session.studies.sweep import Sweep, SweepStep
 
 
@@ -61,13 +61,7 @@ def sweep_parser() -> Parser:
         default=[],
         help="of a mesh: 4x4 matrix that moves the handle; once for each handle",
     )
-    parser.add_argument(
-        "--twist",
-        metavar="ANGLE",
-        action="append",
-        default=[],
-        help="instead: angle, such as 180deg, to turn each handle about the line from the base to it",
-    )
+    add_motion_options(parser)
     parser.add_argument("--steps", metavar="N", type=int, default=20, help="default: %(default)s")
     parser.add_argument(
         "--to", metavar="PART", type=float, default=1.0, help="of the motion, where to end; 1.5 goes past it"
@@ -99,10 +93,9 @@ def _sweep(options: argparse.Namespace) -> None:
         check_film(options.animation)
         if not _is_in_output(options):
             check_folder(options.animation)
-    document, camera = _opened(options)
-    twists = [twist_of(text) for text in options.twist]
+    document, camera, motion = _opened(options)
     methods = [word.strip() for word in options.methods.split(",") if word.strip()]
-    sweep = sweep_of(document, options.steps, options.to, methods, twists, options.iterations)
+    sweep = sweep_of(document, options.steps, options.to, methods, options.iterations, motion)
     progress = Progress(options.progress_lines)
     with ExitStack() as stack:
         folder = stack.enter_context(filling(options.output))
@@ -134,24 +127,28 @@ def _film_path(options: argparse.Namespace, folder: Path) -> Path:
     return folder / path.name if _is_in_output(options) else path
 
 
-def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
-    """State to sweep, and the saved view."""
+def _opened(
+    options: argparse.Namespace,
+) -> tuple[Document, Standpoint | None, tuple[MotionStep, ...]]:
+    """State to sweep, the saved view, and the motion if one is given."""
     path = Path(options.file)
     if path.suffix.lower() == SUFFIX:
         if options.selection or options.transform:
             raise InputError(tr("A session has its own paint and motion; omit --selection and --transform."))
         state, view = open_session(path)
-        return state.document, view.camera
-    if not options.selection or not (options.transform or options.twist):
+        return state.document, view.camera, motion_from(options, state, view.unit)
+    if not options.selection or not (options.transform or options.motion):
         raise InputError(
             tr(
-                "{name} is not a session; give a .apd file, or --selection with --transform or --twist."
+                "{name} is not a session; give a .apd file, or --selection with --transform or a motion "
+                "such as --twist."
             ).format(name=path.name)
         )
-    if options.transform and options.twist:
-        raise InputError(tr("Give either --transform or --twist, not both."))
+    if options.transform and options.motion:
+        raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
     mesh = open_mesh(path)
-    document = with_selection(opened(mesh).document, read_selection_file(options.selection, mesh))
+    state = painted(mesh, read_selection_file(options.selection, mesh))
+    document = state.document
     if options.transform and len(options.transform) != len(document.handles):
         raise InputError(
             tr("There are {handles} handles but {motions} motions; give one for each handle.").format(
@@ -160,7 +157,7 @@ def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
         )
     for k, transform in enumerate(options.transform):
         document = document.with_pose(k, read_transform(transform))
-    return document, None
+    return document, None, motion_from(options, state)
 
 
 def _run(sweep: Sweep, progress: Progress, folder: Path | None, kept: Path | None) -> list[SweepStep]:

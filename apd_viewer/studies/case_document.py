@@ -115,7 +115,7 @@ def sweep_of_case(case: StudyCase, document: Document, motion: tuple[MotionStep,
     """Sweep of a case; raises InputError if nothing moves."""
     iterations = dict(case.settings).get("iterations")
     most = None if iterations is None else int(iterations)
-    return sweep_of(document, case.steps, part_of_motion(case), (document.method,), (), most, motion)
+    return sweep_of(document, case.steps, part_of_motion(case), (document.method,), most, motion)
 
 
 def part_of_motion(case: StudyCase) -> float:

@@ -12,8 +12,9 @@ from apd_viewer.geometry.pose.transforms import turned_about
 from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import View
+from apd_viewer.session.posing.motion_step import MotionStep
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.studies.sweep_setup import sweep_of, twist_of
+from apd_viewer.session.studies.sweep_setup import sweep_of
 from apd_viewer.studies import run_case as module
 from apd_viewer.studies.case_document import OpenedMeshes
 from apd_viewer.studies.case_file import case_path, packed, write_case
@@ -41,7 +42,9 @@ def document(bar):
 
 def test_a_case_is_a_sweep_bit_for_bit(run, document):
     result = run(motion="twist 200deg", steps="3", iterations="40", method="exact")
-    steps = list(sweep_of(document, 3, 1.0, ["exact"], [twist_of("200deg")], 40).steps())
+    steps = list(
+        sweep_of(document, 3, 1.0, ["exact"], 40, [MotionStep(0, "twist", (np.radians(200),))]).steps()
+    )
     assert np.array_equal(result.U, steps[-1].frame.U)
     for name, values in {
         "area": [step.frame.area for step in steps],

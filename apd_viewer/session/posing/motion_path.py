@@ -80,11 +80,11 @@ def motion_paths(document: Document, steps: Sequence[MotionStep]) -> tuple[Handl
 
 def _path(document: Document, k: int, steps: tuple[MotionStep, ...]) -> HandlePath | MotionPath:
     if len(steps) == 1 and steps[0].word == "twist":
-        return twist_path(document, k, steps[0].amounts[0])
+        return _twist_path(document, k, steps[0].amounts[0])
     return MotionPath(document, k, steps)
 
 
-def twist_path(document: Document, k: int, amount: float) -> Turn:
+def _twist_path(document: Document, k: int, amount: float) -> Turn:
     """Turn of handle ``k`` about the line from the centre of the base to its own.
 
     Parameters

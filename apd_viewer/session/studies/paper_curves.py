@@ -10,6 +10,7 @@ import numpy as np
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import shifted
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.session.posing.motion_step import MotionStep
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 # Iteration counts from rest at which ARAP is measured.
 STOPS = (1, 2, 3, 5, 20)
 _WIDEST = 180.0  # degrees
+_TWIST = MotionStep(0, "twist", (np.radians(_WIDEST),))
 _PUSH, _PULL = 0.2, 0.4  # of the height
 _STEPS_OF_A_PULL = 4
 
@@ -64,7 +66,7 @@ def losses(document: Document, steps: int = 18, tick: Tick = lambda *_: None) ->
     held = document.constraints()
     mesh = document.mesh
     solver = Deformation(mesh.V, mesh.F, held.fixed, method="arap", handle=held.handles, plain=True)
-    sweep = sweep_of(document, steps, methods=["arap"], twists=[np.radians(_WIDEST)])
+    sweep = sweep_of(document, steps, methods=["arap"], motion=[_TWIST])
     for number, part in enumerate(sweep.parts):
         tick(0.1 * number / steps, "ARAP")
         solver.aim(sweep.document_at(part).constraints().targets, mesh.V)
@@ -81,7 +83,7 @@ def holds(document: Document, steps: int = 12, tick: Tick = lambda *_: None) -> 
     """Handle drift of the paper's method in twists up to 180 degrees, pulls, pushes."""
     found = []
     height = float(np.linalg.norm(_line(document)))
-    twist = sweep_of(document, steps, methods=["paper"], twists=[np.radians(_WIDEST)])
+    twist = sweep_of(document, steps, methods=["paper"], motion=[_TWIST])
     for step in twist.steps(lambda done, method: tick(0.6 * done, method)):
         found.append(Held("twist", step.degrees, step.frame.handle_drift / height))
     ways = [

@@ -11,11 +11,9 @@ from apd_viewer.geometry.solver.methods import COMPARED, method_named
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import paths_of
-from apd_viewer.session.posing.motion_path import motion_paths, twist_path
-from apd_viewer.session.quantities.expressions import angle
+from apd_viewer.session.posing.motion_path import motion_paths
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.pose.winding import HandlePath
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.posing.motion_step import MotionStep
 
@@ -29,7 +27,6 @@ def sweep_of(
     steps: int,
     to: float = 1.0,
     methods: Sequence[str] = COMPARED,
-    twists: Sequence[float] = (),
     iterations: int | None = None,
     motion: Sequence[MotionStep] = (),
 ) -> Sweep:
@@ -43,8 +40,6 @@ def sweep_of(
     to : float
         Part of the motion that is the last step.
     methods : sequence of str
-    twists : sequence of float
-        An angle for each handle, radians: it turns about the line from the centre of the base to its own.
     iterations : int
         At most so many for each step; without, as many as are usual, and more where there are obstacles.
     motion : sequence of MotionStep
@@ -76,31 +71,10 @@ def sweep_of(
         raise InputError(tr("Give at least one method, and each method only once."))
     if document.problem:
         raise InputError(document.problem)
-    paths: tuple[SweepPath, ...] = (
-        motion_paths(document, motion)
-        if motion
-        else _twisting(document, twists)
-        if twists
-        else paths_of(document)
-    )
+    paths: tuple[SweepPath, ...] = motion_paths(document, motion) if motion else paths_of(document)
     if not any(path.moves for path in paths) and not shifts_of(document).any():
         raise InputError(
             tr("No handle has moved, so there is no motion to sweep; move a handle or give a twist.")
         )
     parts = tuple(to * k / steps for k in range(steps + 1))
     return Sweep(document, paths, parts, tuple(methods), iterations)
-
-
-def twist_of(text: str) -> float:
-    """Angle of a twist in radians from a text; raises InputError with a sentence."""
-    return angle(text, {})
-
-
-def _twisting(document: Document, twists: Sequence[float]) -> tuple[HandlePath, ...]:
-    if len(twists) != len(document.handles):
-        raise InputError(
-            tr("There are {handles} handles but {twists} twists; give one for each handle.").format(
-                handles=len(document.handles), twists=len(twists)
-            )
-        )
-    return tuple(twist_path(document, k, amount) for k, amount in enumerate(twists))

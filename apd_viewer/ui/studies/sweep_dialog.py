@@ -11,9 +11,12 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.solver.methods import COMPARED, METHODS
 from apd_viewer.language import tr
+from apd_viewer.session.posing.motion_step import MotionStep, motion_of
+from apd_viewer.session.posing.motion_text import parsed_motion
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
-from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of, twist_of
+from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
 from apd_viewer.ui.widgets.fields import Check, Choice
@@ -113,14 +116,14 @@ class SweepDialog(StudyDialog):
         """Start the sweep with the options chosen."""
         document = self._state.document
         methods = [name for name, check in self.methods.items() if check.isChecked()]
-        twists, words = [], []
+        motion: tuple[MotionStep, ...] = ()
+        words: list[str] = []
         try:
             if self.motion.currentData() == _TWIST:
-                angle = twist_of(self.twist.text())
-                twists = [angle if k == self._handle else 0.0 for k in range(len(document.handles))]
-                # A negative angle would look like an option.
-                words = [f"--twist={angle}rad" if angle else "--twist=0" for angle in twists]
-            sweep_of(document, round(self.steps.value()), self.to.value() / 100.0, methods, twists)
+                typed = parsed_motion(f"handle {self._handle + 1}: twist {self.twist.text()}")
+                motion = motion_of(document, typed, {}, Unit.NONE)
+                words = ["--handle", str(self._handle + 1), f"--twist={self.twist.text()}"]
+            sweep_of(document, round(self.steps.value()), self.to.value() / 100.0, methods, motion=motion)
         except InputError as error:
             self.run.fail(str(error))
             return

@@ -9,11 +9,11 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.posing.motion_path import motion_paths, posed_along
-from apd_viewer.session.posing.motion_step import check_amounts, motion_of
+from apd_viewer.session.posing.motion_step import MotionStep, check_amounts, motion_of
 from apd_viewer.session.posing.motion_text import parsed_motion
 from apd_viewer.session.posing.typed_motion import names_of, poses_along
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.studies.sweep_setup import sweep_of, twist_of
+from apd_viewer.session.studies.sweep_setup import sweep_of
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,9 @@ def test_a_twist_is_that_of_the_window_and_of_the_sweep(degrees, state):
     *_, pose = poses_along(document, 0, TypedMotion.TWIST, np.radians(degrees))
     path = paths(state, f"twist {degrees}")[0]
     np.testing.assert_allclose(path.at(1.0), pose, atol=1e-12)
-    swept = sweep_of(document, 3, methods=["arap"], twists=[twist_of(f"{degrees}"), 0.0]).paths[0]
+    swept = sweep_of(
+        document, 3, methods=["arap"], motion=[MotionStep(0, "twist", (np.radians(degrees),))]
+    ).paths[0]
     assert all(np.array_equal(path.at(part), swept.at(part)) for part in (0.3, 1.0))
     posed = posed_along(document, paths(state, f"twist {degrees}"))
     assert np.degrees(posed.handles[0].rotation) == pytest.approx([0, 0, degrees], abs=1e-6)

@@ -10,7 +10,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.session.model.state import opened
-from apd_viewer.session.studies.sweep_setup import sweep_of, twist_of
+from apd_viewer.session.posing.motion_step import MotionStep
+from apd_viewer.session.studies.sweep_setup import sweep_of
 
 BENT = turned_about([1, 1, 0], [1, 0, 0], 0.8)
 
@@ -74,7 +75,7 @@ def test_a_step_ends_where_it_would_end_from_rest(bar):
 
 
 def test_a_twist_goes_past_half_a_turn(bar):
-    sweep = sweep_of(bar, 4, 1.5, ["arap"], [twist_of("180deg")])
+    sweep = sweep_of(bar, 4, 1.5, ["arap"], motion=[MotionStep(0, "twist", (np.pi,))])
     swept = list(sweep.steps())
     assert sweep.abscissa == "degrees"
     assert [step.degrees for step in swept] == pytest.approx([0, 67.5, 135, 202.5, 270])
@@ -133,9 +134,7 @@ WRONG = {
         lambda bar: sweep_of(bar.with_pose(0, turned_about([1, 1, 0], [0, 0, 1], np.pi)), 3),
         "twist of 180deg",
     ),
-    "two twists": (lambda bar: sweep_of(bar, 3, twists=[1.0, 1.0]), "1 handles? but 2 twists"),
     "no iterations": (lambda bar: sweep_of(bar, 3, iterations=0), "at least one iteration"),
-    "a length for a twist": (lambda _: twist_of("3mm"), "is not allowed here"),
 }
 
 

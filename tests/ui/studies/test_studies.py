@@ -84,7 +84,7 @@ def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, m
     assert options.meshes
     assert options.output == tmp_path / "out"
     assert options.animation == tmp_path / "out" / "sweep.gif"
-    assert options.twist == []
+    assert options.motion == []
     state, view = open_session(options.file)
     np.testing.assert_array_equal(state.document.handles[0].pose, document(bar).handles[0].pose)
     assert view.camera == bar.canvas.view.saved("").camera

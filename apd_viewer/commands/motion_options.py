@@ -1,0 +1,91 @@
+"""Command-line options that move handles by words."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from apd_viewer.language import tr
+from apd_viewer.session.model.document_selection import with_selection
+from apd_viewer.session.model.handle_paths import on_the_way
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.posing.motion_path import motion_paths, posed_along
+from apd_viewer.session.posing.motion_step import MotionStep, motion_of
+from apd_viewer.session.posing.motion_text import parsed_motion
+from apd_viewer.session.posing.typed_motion import names_of
+from apd_viewer.session.quantities.units import Unit
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+
+    from apd_viewer.files.selections.selection import Selection
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
+
+_WORDS = {
+    "twist": ("ANGLE", tr("about the line from the centre of the base to the handle's own, such as 180deg")),
+    "bend": ("ANGLE", tr("about an axis through the centre of the base; “20deg about x” names the axis")),
+    "turn": ("WORDS", tr("about an axis through its own centre, such as “30deg about x”")),
+    "push": ("AMOUNT", tr("towards the base: a length, or 30%% of the distance of the centres")),
+    "move": ("X,Y,Z", tr("along the axes, such as “0 2cm 0”")),
+    "scale": ("FACTOR", tr("about its own centre")),
+}
+
+
+def add_motion_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of a motion; their order is that of its steps."""
+    group = parser.add_argument_group(
+        tr("motion of the handles"),
+        tr("All amounts grow together; a step follows the one before it. Negative amounts need “=”."),
+    )
+
+    def add(option: str, words: str, metavar: str, what: str) -> None:
+        how = {"dest": "motion", "action": "append", "default": [], "type": words.format}
+        group.add_argument(option, metavar=metavar, help=what, **how)  # type: ignore[arg-type]
+
+    for word, (metavar, what) in _WORDS.items():
+        add(f"--{word}", f"{word} {{}}", metavar, what)
+    add("--handle", "handle {}:", "N", tr("that the next ones move; at first the first one"))
+    add("--motion", "{}", "WORDS", tr("all in words, as in a plan: “twist 120deg; push 30%%”"))
+    units = [unit.value for unit in Unit if unit.value]
+    group.add_argument("--unit", choices=units, default="", help=tr("of the mesh, for lengths such as 2cm"))
+
+
+def painted(mesh: Mesh, selection: Selection) -> State:
+    """State of a mesh at rest with its paint."""
+    state = opened(mesh)
+    return state.at(with_selection(state.document, selection))
+
+
+def motion_from(options: argparse.Namespace, state: State, unit: str = "") -> tuple[MotionStep, ...]:
+    """Motion of the options on a mesh; none without any.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+    state : State
+        With its paint.
+    unit : str
+        Of the mesh, where no option says it.
+
+    Raises
+    ------
+    InputError
+        If the motion is none, or does not fit the mesh.
+    """
+    if not options.motion:
+        return ()
+    steps = parsed_motion("; ".join(options.motion))
+    return motion_of(state.document, steps, names_of(state), Unit(options.unit or unit))
+
+
+def poses_along(document: Document, motion: Sequence[MotionStep]) -> list[list[np.ndarray]]:
+    """Poses (4, 4) of all handles at the way points of a motion.
+
+    The last is its end. There are others only where something turns by more than half a turn.
+    """
+    ended = posed_along(document, motion_paths(document, motion))
+    return [[handle.pose for handle in each.handles] for each in (*on_the_way(ended), ended)]

@@ -1,0 +1,85 @@
+"""Motions of the command deform in words: their ways, their handles, and what is no motion."""
+
+import numpy as np
+import pytest
+import trimesh
+from meshes import box, ends, rotation
+
+from apd_viewer.__main__ import main
+
+
+@pytest.fixture
+def bar(tmp_path):
+    """Arguments for a bar along z from 0 to 6, its base below, one handle on top and one in the middle."""
+    V, F = box(2, 2, 6)
+    trimesh.Trimesh(V, F, process=False).export(tmp_path / "bar.off")
+    labels = np.ones(len(V), dtype=int)
+    base, handle = ends(V)
+    labels[base], labels[handle] = 0, 2
+    np.savetxt(tmp_path / "bar.sel", labels, fmt="%d")
+    labels[V[:, 2] == 3] = 3
+    np.savetxt(tmp_path / "two.sel", labels, fmt="%d")
+    return tmp_path / "bar.off", "--selection", tmp_path / "bar.sel"
+
+
+@pytest.fixture
+def deformed(bar, capsys, tmp_path):
+    """Run the command; its status, what it said of errors, and the vertices written."""
+
+    def run(*words, selection="bar.sel"):
+        out = tmp_path / "out.off"
+        given = "deform", bar[0], "--selection", tmp_path / selection, *words, "-o", out
+        status = main([str(word) for word in given])
+        err = capsys.readouterr().err
+        return status, err, trimesh.load(out, process=False).vertices if status == 0 else None
+
+    return run
+
+
+def test_a_twist_is_that_of_the_matrix(deformed, tmp_path):
+    pose = np.eye(4)
+    pose[:3, :3] = rotation([0, 0, 1], np.radians(60))
+    pose[:3, 3] = (c := np.array([1.0, 1.0, 0.0])) - pose[:3, :3] @ c
+    np.savetxt(tmp_path / "twist.def", pose)
+    (_, _, one), (_, _, other) = deformed("--twist", "60deg"), deformed("--transform", tmp_path / "twist.def")
+    np.testing.assert_allclose(one, other, atol=1e-6)
+
+
+def test_a_twist_goes_past_half_a_turn(deformed, bar):
+    V = trimesh.load(bar[0], process=False).vertices
+    top, middle = V[:, 2] == 6, V[:, 2] == 3
+    (_, _, back), (_, _, on) = deformed("--twist=-160deg"), deformed("--twist", "200deg")
+    np.testing.assert_allclose(back[top], on[top], atol=1e-6)
+    apart = np.linalg.norm(on[middle] - back[middle], axis=1)
+    assert apart.max() > 1.0, "half a turn lies between them in the middle"
+
+
+def test_words_and_options_are_the_same_motion(deformed):
+    shapes = [
+        deformed(*words, selection="two.sel")[2]
+        for words in (
+            ["--twist", "30deg", "--push", "10%", "--handle", 2, "--unit", "cm", "--move", "0 5mm 0"],
+            ["--motion", "twist 30deg; push 10%; handle 2: move 0 5mm 0", "--unit", "cm"],
+        )
+    ]
+    assert np.array_equal(*shapes)
+    assert np.ptp(shapes[0][:, 2]) < 6.0
+
+
+WRONG = {
+    "both": (["--twist", "9", "--transform", "gone.def"], "Give either --transform or a motion"),
+    "more than half a turn at once": (["--twist", "400deg", "--iterations", "5"], "half a turn at most"),
+    "a length for an angle": (["--twist", "9mm"], "unit of length"),
+    "a length without the mesh's unit": (["--push", "9mm"], "unit"),
+    "a handle that is not there": (["--handle", "3", "--twist", "9"], "There is no handle 3"),
+    "an axis that is missing": (["--turn", "9"], "needs an axis"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_no_motion_is_said_in_a_sentence(case, deformed):
+    words, said = WRONG[case]
+    status, err, _ = deformed(*words)
+    assert status != 0
+    assert said in err
+    assert "Traceback" not in err
