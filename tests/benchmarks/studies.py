@@ -2,12 +2,14 @@
 
     python tests/benchmarks/studies.py simulated [--cases 10000] [--pool local|tcp] [--seconds 0.02]
     python tests/benchmarks/studies.py bottles [--cases 400] [--pool local|tcp] [--workers 1 2]
-    python tests/benchmarks/studies.py kills [--kills 30]
+    python tests/benchmarks/studies.py kills [--kills 30] [--pool local|tcp]
+    python tests/benchmarks/studies.py bits
 
 ``simulated`` replaces the solver by a sleep and a result of the size of the sample bottle's; ``bottles`` runs
 the sample bottle of 13,000 vertices; ``kills`` ends workers, scheduler and client at random and compares what
-the resumed study found, bit for bit, with an undisturbed one. "tcp" starts a scheduler and workers of Dask by
-their own commands, without any setting.
+the resumed study found, bit for bit, with an undisturbed one. ``bits`` compares two cases by the local pool,
+by one and by eight workers, and the files of deform and sweep with 1, 2 and 4 threads. "tcp" starts a
+scheduler and workers of Dask by their own commands, without any setting.
 """
 
 from __future__ import annotations
@@ -76,27 +78,32 @@ def design(folder, cases, *more, mesh="bottle"):
     return plan
 
 
+QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": RESOURCES.parent}
+
+
+def begun(workers, port=PORT):
+    """A scheduler and workers, each a process, as somebody starts them by hand."""
+    worker = [*DASK, "worker", f"tcp://127.0.0.1:{port}", "--nthreads", "1", "--no-dashboard"]
+    words = ["scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"]
+    return [subprocess.Popen(each, **QUIET) for each in ([*DASK, *words], *[worker] * workers)]
+
+
+def stop(started):
+    """End them, the scheduler last."""
+    for process in started[::-1]:
+        process.terminate()
+    for process in started:
+        process.wait()
+
+
 @contextmanager
 def dask(workers, port=PORT):
-    """A scheduler and workers as somebody starts them by hand; yields their processes."""
-    address = f"tcp://127.0.0.1:{port}"
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": RESOURCES.parent}
-    started = [
-        subprocess.Popen(
-            [*DASK, "scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"], **quiet
-        )
-    ]
+    """A scheduler and workers while they are needed; yields the address and their processes."""
+    started = begun(workers, port)
     try:
-        for _ in range(workers):
-            started.append(
-                subprocess.Popen([*DASK, "worker", address, "--nthreads", "1", "--no-dashboard"], **quiet)
-            )
-        yield address, started
+        yield f"tcp://127.0.0.1:{port}", started
     finally:
-        for process in started[::-1]:
-            process.terminate()
-        for process in started:
-            process.wait()
+        stop(started)
 
 
 @contextmanager
@@ -231,14 +238,19 @@ class Killed:
                 return killed, redone
 
     def _kill(self, client, started):
-        """Kill the client or a worker, or what serves the client."""
+        """Kill the client, a worker or the scheduler; another scheduler takes its place."""
         workers = (
             children_of(client.pid)
             if self.pool == "local"
             else [pid for each in started[1:] for pid in children_of(each.pid)]
         )
-        targets = [client.pid, *workers[-2:]]
-        os.kill(self.chance.choice(targets), signal.SIGKILL)
+        targets = [client.pid, *workers[-2:], *(each.pid for each in started[:1])]
+        target = self.chance.choice(targets)
+        os.kill(target, signal.SIGKILL)
+        if started and target == started[0].pid:
+            # Its workers end with it.
+            stop(started)
+            started[:] = begun(len(started) - 1)
 
     def _files(self):
         return {path.name: path.stat().st_mtime_ns for path in self.out.glob("cases/*/*.case")}
@@ -285,16 +297,53 @@ def kills(options):
             )
 
 
+def bits(_):
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        plan = design(folder, 2, "--set", "steps=2", "--set", "iterations=60")
+        runs = {"by the local pool": ["--processes", "2"]}
+        for workers in (1, 8):
+            runs[f"by {workers} workers"] = ["--workers", str(workers)]
+        for name, words in runs.items():
+            command = [
+                sys.executable,
+                "-m",
+                "apd_viewer",
+                "study",
+                str(plan),
+                "-o",
+                str(folder / name),
+                *words,
+            ]
+            subprocess.run(command, check=True, **QUIET)
+            same = alike(folder / next(iter(runs)), folder / name)
+            print(f"{name}: {'equal' if same else 'DIFFERENT'}", flush=True)
+        for command, out in (
+            (["deform", "--report", folder / "report.json", "-o"], folder / "bottle.obj"),
+            (["sweep", "--steps", "2", "--methods", "exact", "--meshes", "-o"], folder / "sweep"),
+        ):
+            words = [RESOURCES / "bottle.obj", "--selection", RESOURCES / "bottle.sel", "--twist", "120deg"]
+            found = []
+            for threads in (1, 2, 4):
+                given = [sys.executable, "-m", "apd_viewer", command[0], *words, *command[1:], out]
+                environment = {**os.environ, "NUMBA_NUM_THREADS": str(threads)}
+                subprocess.run(list(map(str, given)), check=True, env=environment, **QUIET)
+                files = [out] if out.is_file() else sorted(out.rglob("*.obj")) + [out / "sweep.csv"]
+                found.append([path.read_bytes() for path in files])
+            same = found[0] == found[1] == found[2]
+            print(f"{command[0]} with 1, 2 and 4 threads: {'equal' if same else 'DIFFERENT'}", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("what", choices=("simulated", "bottles", "kills"))
+    parser.add_argument("what", choices=("simulated", "bottles", "kills", "bits"))
     parser.add_argument("--cases", type=int, default=400)
     parser.add_argument("--pool", choices=("local", "tcp"), default="local")
     parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--seconds", type=float, default=0.02)
     parser.add_argument("--kills", type=int, default=30)
     options = parser.parse_args()
-    {"simulated": simulated, "bottles": bottles, "kills": kills}[options.what](options)
+    {"simulated": simulated, "bottles": bottles, "kills": kills, "bits": bits}[options.what](options)
 
 
 if __name__ == "__main__":
