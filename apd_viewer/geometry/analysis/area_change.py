@@ -99,8 +99,8 @@ def _sort_in(
     """
     share = (len(F) + len(parts) - 1) // len(parts)
     for p in prange(len(parts)):
-        own = slice(p * share, (p + 1) * share)
-        found[p] = _sort_part(U, F[own], rest[own], least, parts[p])
+        first, end = p * share, (p + 1) * share
+        found[p, 0], found[p, 1] = _sort_part(U, F[first:end], rest[first:end], least, parts[p])
 
 
 # In three passes over a block of triangles, the second mere arithmetic: three times as fast as

@@ -121,13 +121,22 @@ def _invert(A: np.ndarray) -> None:
         width = last - first
         pivot, inverse = A[first:last, first:last].copy(), np.empty((width, width))
         condense(pivot, inverse)
-        for i in range(width):
-            inverse[i, :i] = inverse[:i, i]
         column = A[:, first:last].copy()
-        column[first:last] = 0.0
+        for i in range(width):
+            for j in range(width):
+                column[first + i, j] = 0.0
+                inverse[max(i, j), min(i, j)] = inverse[min(i, j), max(i, j)]
         row = np.dot(column, inverse)
-        A -= np.dot(row, column.T)
-        A[:, first:last] = row
-        A[first:last, :] = row.T
-        A[first:last, first:last] = -inverse
-    A *= -1.0
+        taken = np.dot(row, column.T)
+        for i in range(k):
+            for j in range(k):
+                A[i, j] -= taken[i, j]
+        for i in range(k):
+            for j in range(width):
+                A[i, first + j] = A[first + j, i] = row[i, j]
+        for i in range(width):
+            for j in range(width):
+                A[first + i, first + j] = -inverse[i, j]
+    for i in range(k):
+        for j in range(k):
+            A[i, j] = -A[i, j]

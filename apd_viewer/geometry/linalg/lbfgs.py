@@ -64,7 +64,7 @@ class QuasiNewtonMemory:
             self._order.pop(0)
         self._order.append(slot)
         order = np.array(self._order)
-        with_change, with_step = lbfgs_kernels.products(self._steps, self._changes, order, slot)
+        with_change, with_step = np.split(lbfgs_kernels.products(self._steps, self._changes, order, slot), 2)
         self._products[order, slot], self._products[slot, order] = with_change, with_step
 
     def direction(

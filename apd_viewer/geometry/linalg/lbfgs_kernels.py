@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from apd_viewer.geometry.linalg.threads import parallel, total
+from apd_viewer.geometry.linalg.threads import parallel, total, totals
 
 # Numbers per task of a core: those of one array stay in its cache while another is passed over.
 _PORTION = 6144
@@ -45,14 +45,14 @@ def subtract(A: np.ndarray, B: np.ndarray, step: np.ndarray, out: np.ndarray) ->
             b += np.float64(s[i]) * s[i]
             c += difference * difference
         sums[portion, 0], sums[portion, 1], sums[portion, 2] = a, b, c
-    return sums.sum(axis=0)
+    return totals(sums)
 
 
 @parallel(fastmath=_SUMS)
 def products(steps: np.ndarray, changes: np.ndarray, order: np.ndarray, slot: int) -> np.ndarray:
-    """Products (2, k) of steps with a slot's change, and of changes with its step."""
+    """Products (2 k,) of steps with a slot's change, then of changes with its step."""
     count = (steps.shape[1] + _PORTION - 1) // _PORTION
-    sums = np.zeros((count, 2, len(order)))
+    sums = np.zeros((count, 2 * len(order)))
     for portion in prange(count):
         first, end = portion * _PORTION, (portion + 1) * _PORTION
         step, change = steps[slot, first:end], changes[slot, first:end]
@@ -61,8 +61,8 @@ def products(steps: np.ndarray, changes: np.ndarray, order: np.ndarray, slot: in
             for i in range(len(step)):
                 a += np.float64(s[i]) * change[i]
                 b += np.float64(y[i]) * step[i]
-            sums[portion, 0, k], sums[portion, 1, k] = a, b
-    return sums.sum(axis=0)
+            sums[portion, k], sums[portion, len(order) + k] = a, b
+    return totals(sums)
 
 
 @parallel(fastmath=_SUMS)
@@ -78,7 +78,7 @@ def dots(A: np.ndarray, order: np.ndarray, X: np.ndarray) -> np.ndarray:
             for i in range(len(x)):
                 along += a[i] * x[i]
             sums[portion, k] = along
-    return sums.sum(axis=0)
+    return totals(sums)
 
 
 @parallel(fastmath={"contract"})

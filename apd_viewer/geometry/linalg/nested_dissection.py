@@ -71,7 +71,8 @@ def _dissected(
                     fewest, (lower, upper) = separator, halves
                     _arrange(graph, part, side, label, cut, halves, arranged)
         if lower > 0:
-            part[:] = arranged[: b - a]
+            for k in range(b - a):
+                part[k] = arranged[k]
         if lower + upper < b - a:
             first[groups], parent[groups] = a + lower + upper, above
             above = groups

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import prange
 
-from apd_viewer.geometry.linalg.threads import parallel
+from apd_viewer.geometry.linalg.threads import parallel, totals
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -71,30 +71,30 @@ def dots_at(A: np.ndarray, rows: np.ndarray, X: np.ndarray) -> np.ndarray:
     sums = np.zeros((count, len(A)))
     for portion in prange(count):
         for k in range(len(A)):
-            total = 0.0
+            along = 0.0
             for e in range(portion * _PORTION, min(len(X), (portion + 1) * _PORTION)):
                 i = rows[e]
-                total += A[k, i, 0] * X[e, 0] + A[k, i, 1] * X[e, 1] + A[k, i, 2] * X[e, 2]
-            sums[portion, k] = total
-    return sums.sum(axis=0)
+                along += A[k, i, 0] * X[e, 0] + A[k, i, 1] * X[e, 1] + A[k, i, 2] * X[e, 2]
+            sums[portion, k] = along
+    return totals(sums)
 
 
 @parallel()
 def products(A: np.ndarray, start: np.ndarray, which: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """Inner products (k, l) of ``A`` (k, n, 3) with ``B`` (l, n, 3).
+    """Inner products (k l,), row by row, of ``A`` (k, n, 3) with ``B`` (l, n, 3).
 
     Row i of ``A`` is zero but for those of its arrays numbered ``which[start[i]:start[i + 1]]``.
     """
     count = (len(start) - 2 + _PORTION) // _PORTION
-    sums = np.zeros((count, len(A), len(B)))
+    sums = np.zeros((count, len(A) * len(B)))
     for portion in prange(count):
         for i in range(portion * _PORTION, min(len(start) - 1, (portion + 1) * _PORTION)):
             for e in range(start[i], start[i + 1]):
                 k = which[e]
                 x, y, z = A[k, i, 0], A[k, i, 1], A[k, i, 2]
                 for m in range(len(B)):
-                    sums[portion, k, m] += B[m, i, 0] * x + B[m, i, 1] * y + B[m, i, 2] * z
-    return sums.sum(axis=0)
+                    sums[portion, k * len(B) + m] += B[m, i, 0] * x + B[m, i, 1] * y + B[m, i, 2] * z
+    return totals(sums)
 
 
 @parallel()

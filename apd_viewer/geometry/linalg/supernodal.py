@@ -94,11 +94,26 @@ def _eliminate(
         if not condense(front, inverse):
             return False
         out = panels[panel[s] : panel[s + 1]].reshape(k, (panel[s + 1] - panel[s]) // k)
-        out[:, :b], out[:, b : b + k], out[:, b + k :] = -front[:k, k:], inverse, 0.0
         where[s] = top
-        stack[top : top + b * b].reshape(b, b)[:] = front[k:, k:]
+        _write_panel(out, front, inverse)
+        for i in range(b):
+            for j in range(b):
+                stack[top + i * b + j] = front[k + i, k + j]
         top += b * b
     return True
+
+
+@njit(cache=True, nogil=True)
+def _write_panel(out: np.ndarray, front: np.ndarray, inverse: np.ndarray) -> None:
+    """Write ``[W | S]``, its rows filled up with zeros."""
+    k, b = len(inverse), len(front) - len(inverse)
+    for i in range(k):
+        for j in range(b):
+            out[i, j] = -front[i, k + j]
+        for j in range(k):
+            out[i, b + j] = inverse[i, j]
+        for j in range(b + k, out.shape[1]):
+            out[i, j] = 0.0
 
 
 @njit(cache=True, nogil=True)

@@ -49,11 +49,15 @@ def solve(
     for core in prange(cores):
         for e in range(share[core], share[core + 1]):
             t = turn[e]
-            sums[t] = 0.0
+            for i in range(sums.shape[1]):
+                for d in range(3):
+                    sums[t, i, d] = 0.0
             _forward(task[t], task[t + 1], tree, panels, x, sums[t], columns[core])
     top = len(x) - sums.shape[1]
     for t in range(len(task) - 1):
-        x[top:] += sums[t]
+        for i in range(sums.shape[1]):
+            for d in range(3):
+                x[top + i, d] += sums[t, i, d]
     groups = np.uintp(len(tree[0]) - 1)
     _forward(task[-1], groups, tree, panels, x, x[len(x) :], columns[0])
     _backward(task[-1], groups, tree, panels, x, columns[0])

@@ -6,6 +6,9 @@ So every kernel is compiled by :func:`parallel`, which lets one caller in at a t
 Numba splits a sum over ``prange``, and an array's own ``sum()``, by the number of threads, and rounding with
 them. So kernels sum portions of a fixed length, and then the portions by :func:`total`: the bits are the same
 on any number of cores.
+
+A sum along an axis, and an array assigned to a part of another one, take a second to compile in each kernel:
+numba compiles them, and the message of their errors, with it. Loops do not.
 """
 
 from __future__ import annotations
@@ -60,6 +63,16 @@ def total(parts: np.ndarray) -> float:
     found = 0.0
     for k in range(len(parts)):
         found += parts[k]
+    return found
+
+
+@numba.njit(cache=True, nogil=True)
+def totals(parts: np.ndarray) -> np.ndarray:
+    """Sums (m,) of the portions' ``parts`` (k, m), as :func:`total`."""
+    found = np.zeros(parts.shape[1])
+    for k in range(len(parts)):
+        for e in range(parts.shape[1]):
+            found[e] += parts[k, e]
     return found
 
 

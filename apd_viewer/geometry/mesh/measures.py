@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-from apd_viewer.geometry.linalg.threads import parallel, total
+from apd_viewer.geometry.linalg.threads import parallel, total, totals
 
 # Triangle areas at rest below this part of the mean are rounding: their change is none.
 SLIVER = 1e-9
@@ -212,7 +212,7 @@ def _weighted_areas(
             for e in range(first[t], first[t + 1]):
                 sums[portion, which[e]] += weight[e] * (0.5 * double)
         doubles[portion] = whole
-    values = sums.sum(axis=0)
+    values = totals(sums)
     if all_areas >= 0:
         values[all_areas] = 0.5 * total(doubles)
     return values
@@ -290,7 +290,7 @@ def _weighted_areas_and_gradients(
                 s = supported[e]
                 g[s, i, 0], g[s, i, 1], g[s, i, 2] = part[s, 0], part[s, 1], part[s, 2]
                 part[s, 0] = part[s, 1] = part[s, 2] = 0.0
-    values = sums.sum(axis=0)
+    values = totals(sums)
     if all_areas >= 0:
         values[all_areas] = 0.5 * total(doubles)
     return values
