@@ -56,18 +56,57 @@ def _strain_and_rest(X: np.ndarray, D: np.ndarray, edges: bool) -> tuple[float, 
     ``A``. Only what it leaves of the displacements ``D`` (4, 3) brings the two parts of the pair together as
     if they moved freely: little where neighbours on the surface turn or stretch as one.
     """
-    x, d = X - X.sum(axis=0) / 4.0, D - D.sum(axis=0) / 4.0
-    across = np.ascontiguousarray(x.T)
-    moments = across @ x
+    x, d = _centred(X), _centred(D)
+    moments, affine = np.zeros((3, 3)), np.zeros((3, 3))
+    for k in range(4):
+        for a in range(3):
+            for b in range(3):
+                moments[a, b] += x[k, a] * x[k, b]
+                affine[a, b] += x[k, a] * d[k, b]
     # The points may lie in a plane.
-    moments += _THIN * np.trace(moments) * np.eye(3)
-    affine = np.linalg.solve(moments, across @ d)
-    left = d - x @ affine
-    strain = 0.5 * np.sqrt(((affine + affine.T) ** 2).sum())
-    r = np.sqrt((left**2).sum(axis=1))
+    ridge = _THIN * (moments[0, 0] + moments[1, 1] + moments[2, 2])
+    for a in range(3):
+        moments[a, a] += ridge
+    _solve_three(moments, affine)
+    squares, r = 0.0, np.zeros(4)
+    for a in range(3):
+        for b in range(3):
+            squares += (affine[a, b] + affine[b, a]) ** 2
+    for k in range(4):
+        for b in range(3):
+            left = d[k, b] - x[k, 0] * affine[0, b] - x[k, 1] * affine[1, b] - x[k, 2] * affine[2, b]
+            r[k] += left * left
+    strain, r = 0.5 * np.sqrt(squares), np.sqrt(r)
     if edges:
         return strain, max(r[0], r[1]) + max(r[2], r[3])
     return strain, r[0] + max(r[1], r[2], r[3])
+
+
+@njit(cache=True, nogil=True)
+def _centred(X: np.ndarray) -> np.ndarray:
+    """Four points about their centre."""
+    out = np.empty((4, 3))
+    for c in range(3):
+        centre = 0.25 * (X[0, c] + X[1, c] + X[2, c] + X[3, c])
+        for k in range(4):
+            out[k, c] = X[k, c] - centre
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _solve_three(A: np.ndarray, B: np.ndarray) -> None:
+    """Solve ``A X = B`` for three unknowns and a positive definite ``A``, in place of ``B``."""
+    for k in range(3):
+        for i in range(k + 1, 3):
+            factor = A[i, k] / A[k, k]
+            for j in range(3):
+                A[i, j] -= factor * A[k, j]
+                B[i, j] -= factor * B[k, j]
+    for k in range(2, -1, -1):
+        for j in range(3):
+            for i in range(k + 1, 3):
+                B[k, j] -= A[k, i] * B[i, j]
+            B[k, j] /= A[k, k]
 
 
 @njit(cache=True, nogil=True)
@@ -162,4 +201,4 @@ def examine(
             low_after[p] = gap(W, pairs[p], edges[p])[0] - radius
             if low_after[p] < reach[p]:
                 energies[portion] += gap_energy(low_after[p], reach[p])
-    return total(energies), blocked.sum()
+    return total(energies), total(blocked)

@@ -84,11 +84,14 @@ class PairSearch:
         of what the gaps of all others exceed theirs by.
         """
         patches, vertices = self._patches, np.arange(len(U))[:, None]
+        most = 1 + max(
+            int(np.diff(each.start).max()) for each in (patches.vertices, patches.edges, patches.faces)
+        )
         while True:
             *found, bound, count = _near(
                 self._V, U, between, self._reach, self._touches, beyond, *patches.reached,
                 *patches.vertices, vertices, *patches.edges, self._E, *patches.faces, self._F,
-                self._together, self._capacity, _TASKS,
+                self._together, most, self._capacity, _TASKS,
             )  # fmt: skip
             if count.max(initial=0) <= self._capacity:
                 break
@@ -149,7 +152,7 @@ def _near(
     V: np.ndarray, U: np.ndarray, between: np.ndarray, reach: float, touches: float, beyond: np.ndarray,
     rstart: np.ndarray, ritem: np.ndarray, vstart: np.ndarray, vitem: np.ndarray, S: np.ndarray,
     estart: np.ndarray, eitem: np.ndarray, E: np.ndarray, fstart: np.ndarray, fitem: np.ndarray,
-    F: np.ndarray, together: np.ndarray, capacity: int, tasks: int,
+    F: np.ndarray, together: np.ndarray, most: int, capacity: int, tasks: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
     """Pairs of every task, as many as there is room for, bounds, and their count."""
     pairs = np.empty((tasks, capacity, 4), np.int32)
@@ -159,7 +162,6 @@ def _near(
     range_ = np.empty((tasks, capacity))
     bound = np.empty(len(between))
     count = np.zeros(tasks, np.int64)
-    most = 1 + max(np.diff(vstart).max(), np.diff(estart).max(), np.diff(fstart).max())
     for task in prange(tasks):
         n = 0
         box = np.empty((2, 1, 6))

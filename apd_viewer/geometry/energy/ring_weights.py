@@ -38,15 +38,25 @@ def ring_weights(
 
 
 @njit(cache=True, nogil=True)
-def _tangents(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unit vectors perpendicular to a normal and to each other."""
-    size = np.sqrt((normal**2).sum())
-    n = normal / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
-    axis = np.zeros(3)
-    axis[np.argmin(np.abs(n))] = 1.0
-    x = np.cross(n, axis)
-    x /= np.sqrt((x**2).sum())
-    return x, np.cross(n, x)
+def _tangents(normal: np.ndarray) -> np.ndarray:
+    """Unit vectors (2, 3) perpendicular to a normal and to each other."""
+    x, y, z = normal
+    size = np.sqrt(x * x + y * y + z * z)
+    x, y, z = (x / size, y / size, z / size) if size > 0.0 else (0.0, 0.0, 1.0)
+    # Across the axis with which it makes the largest angle.
+    a, b, c = abs(x), abs(y), abs(z)
+    if a <= b and a <= c:
+        u, v, w = 0.0, z, -y
+    elif b <= c:
+        u, v, w = -z, 0.0, x
+    else:
+        u, v, w = y, -x, 0.0
+    size = np.sqrt(u * u + v * v + w * w)
+    u, v, w = u / size, v / size, w / size
+    out = np.empty((2, 3))
+    out[0, 0], out[0, 1], out[0, 2] = u, v, w
+    out[1, 0], out[1, 1], out[1, 2] = y * w - z * v, z * u - x * w, x * v - y * u
+    return out
 
 
 @parallel()
@@ -66,30 +76,58 @@ def _weights(
         normal, m, counts = np.zeros(3), 0.0, 0.0
         for e in range(start[i], start[i + 1]):
             t = corner[e] // 3
-            normal += areas[t] * normals[t]
+            for a in range(3):
+                normal[a] += areas[t] * normals[t, a]
             m += areas[t] / 3.0
             counts += part[t] * areas[t]
         if counts == 0.0:
             continue
-        x, y = _tangents(normal)
-        mean, square = np.zeros((3, 3)), 0.0
-        for e in range(start[i], start[i + 1]):
-            t = corner[e] // 3
-            # Of the three functions that are orthonormal in H.
-            slopes = np.zeros((3, 3))
-            for c in range(3):
-                d = V[F[t, c]] - V[i]
-                u, v = (x * d).sum(), (y * d).sum()
-                slopes[0] += 0.5 * u * u * hats[t, c]
-                slopes[1] += 0.5 * v * v * hats[t, c]
-                slopes[2] += np.sqrt(0.5) * u * v * hats[t, c]
-            share = part[t] * areas[t] / counts
-            mean += share * slopes
-            square += share * (slopes**2).sum()
-        variance = square - (mean**2).sum()
+        variance, square = _variance(
+            V, F, i, corner[start[i] : start[i + 1]], areas, part, _tangents(normal), hats
+        )
         if variance > _ALIKE * square:
             scale = 3.0 * area * m / (variance * counts)
             for e in range(start[i], start[i + 1]):
                 t = corner[e] // 3
                 out[t, corner[e] % 3] = scale * part[t] * areas[t]
     return out
+
+
+@njit(cache=True, nogil=True)
+def _variance(
+    V: np.ndarray,
+    F: np.ndarray,
+    i: int,
+    corner: np.ndarray,
+    areas: np.ndarray,
+    part: np.ndarray,
+    tangents: np.ndarray,
+    hats: np.ndarray,
+) -> tuple[float, float]:
+    """Variance and mean square, over a ring, of the gradients of three functions orthonormal in H."""
+    counts, mean, square = 0.0, np.zeros((3, 3)), 0.0
+    for e in range(len(corner)):
+        counts += part[corner[e] // 3] * areas[corner[e] // 3]
+    for e in range(len(corner)):
+        t = corner[e] // 3
+        share = part[t] * areas[t] / counts
+        slopes = np.zeros((3, 3))
+        for c in range(3):
+            u = v = 0.0
+            for a in range(3):
+                d = V[F[t, c], a] - V[i, a]
+                u += tangents[0, a] * d
+                v += tangents[1, a] * d
+            for a in range(3):
+                slopes[0, a] += 0.5 * u * u * hats[t, c, a]
+                slopes[1, a] += 0.5 * v * v * hats[t, c, a]
+                slopes[2, a] += np.sqrt(0.5) * u * v * hats[t, c, a]
+        for k in range(3):
+            for a in range(3):
+                mean[k, a] += share * slopes[k, a]
+                square += share * slopes[k, a] * slopes[k, a]
+    variance = square
+    for k in range(3):
+        for a in range(3):
+            variance -= mean[k, a] * mean[k, a]
+    return variance, square

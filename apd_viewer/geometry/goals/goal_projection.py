@@ -123,7 +123,7 @@ class Projection:
 
     def _slopes(self) -> np.ndarray:
         """Slope of each goal (rows) along each direction (columns)."""
-        return parallel_ops.products(self.g, *self._support, self._y).reshape(len(self.g), -1)
+        return parallel_ops.products(self.g, *self._support, self._y).reshape(len(self.g), len(self._y))
 
     def lagrangian(self, G: np.ndarray, multipliers: np.ndarray, g: np.ndarray) -> np.ndarray:
         """Slope ``G - sum_k mult_k g_k`` (f, 3), by ``G`` (f, 3) and ``g`` (g, n, 3)."""

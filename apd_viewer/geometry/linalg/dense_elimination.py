@@ -20,7 +20,10 @@ def condense(front: np.ndarray, inverse: np.ndarray) -> bool:
     False if A is not positive definite.
     """
     k, w = len(inverse), len(front)
-    factor, inverse[:] = np.empty((4, k)), 0.0
+    factor = np.empty((4, k))
+    for i in range(k):
+        for j in range(k):
+            inverse[i, j] = 0.0
     for i in range(k):
         for p in range(i):
             factor[0, p] = front[p, i] / front[p, p]
@@ -38,12 +41,15 @@ def condense(front: np.ndarray, inverse: np.ndarray) -> bool:
         elif (i - k) % 4 == 3:
             _subtract_four(front[i - 3 : i + 1, i - 3 :], factor, front[:k, i - 3 :])
     for i in range(k - 1, -1, -1):
-        factor[0, : k - 1 - i] = front[i, i + 1 : k]
         known = factor[0, : k - 1 - i]
+        for j in range(k - 1 - i):
+            known[j] = front[i, i + 1 + j]
         _subtract(front[i, k:], known, front[i + 1 : k, k:])
         _subtract(inverse[i], known, inverse[i + 1 :])
-        front[i, k:] /= front[i, i]
-        inverse[i] /= front[i, i]
+        for j in range(k, w):
+            front[i, j] /= front[i, i]
+        for j in range(k):
+            inverse[i, j] /= front[i, i]
     return True
 
 
@@ -93,8 +99,8 @@ def condense_by_blocks(front: np.ndarray, inverse: np.ndarray) -> None:
     """The same by products of matrices."""
     k, b = len(inverse), len(front) - len(inverse)
     for i in range(k):
-        inverse[i, i:] = front[i, i:k]
-        inverse[i:, i] = front[i, i:k]
+        for j in range(i, k):
+            inverse[i, j] = inverse[j, i] = front[i, j]
     _invert(inverse)
     blocks = (b + _BLOCK - 1) // _BLOCK
     B, products = np.empty(k * b), np.empty(max(k, _BLOCK) * _BLOCK)
@@ -102,14 +108,21 @@ def condense_by_blocks(front: np.ndarray, inverse: np.ndarray) -> None:
         first, last = c * _BLOCK, min(b, (c + 1) * _BLOCK)
         width = last - first
         column = B[k * first : k * last].reshape(k, width)
-        column[:] = front[:k, k + first : k + last]
+        for i in range(k):
+            for j in range(width):
+                column[i, j] = front[i, k + first + j]
         W = products[: k * width].reshape(k, width)
         np.dot(inverse, column, W)
-        front[:k, k + first : k + last] = W
+        for i in range(k):
+            for j in range(width):
+                front[i, k + first + j] = W[i, j]
         for a in range(c + 1):
             above, below = a * _BLOCK, min(b, (a + 1) * _BLOCK)
             row = B[k * above : k * below].reshape(k, below - above)
-            front[k + above : k + below, k + first : k + last] -= np.dot(row.T, W)
+            taken = np.dot(row.T, W)
+            for i in range(below - above):
+                for j in range(width):
+                    front[k + above + i, k + first + j] -= taken[i, j]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})

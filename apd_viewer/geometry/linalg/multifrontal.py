@@ -47,7 +47,9 @@ def eliminate(
             for e in range(start[order[i]], start[order[i] + 1]):
                 j = place[column[e]]
                 if j >= i:
-                    front[at[i] : at[i] + 3, at[j] : at[j] + 3] = blocks[e]
+                    for a in range(3):
+                        for d in range(3):
+                            front[at[i] + a, at[j] + d] = blocks[e, a, d]
         c = child[s]
         while c >= 0:
             width = 3 * (begin[c + 1] - begin[c])
@@ -61,10 +63,23 @@ def eliminate(
         else:
             condense_by_blocks(front, inverse)
         out = panels[panel[s] : panel[s + 1]].reshape(k, k + b)
-        out[:, :k], out[:, k:] = inverse, -front[:k, k:]
         where[s] = top
-        stack[top : top + b * b].reshape(b, b)[:] = front[k:, k:]
+        _write_panel(out, front, inverse)
+        for i in range(b):
+            for j in range(b):
+                stack[top + i * b + j] = front[k + i, k + j]
         top += b * b
+
+
+@njit(cache=True, nogil=True)
+def _write_panel(out: np.ndarray, front: np.ndarray, inverse: np.ndarray) -> None:
+    """Write ``[S | W]``."""
+    k = len(inverse)
+    for i in range(k):
+        for j in range(k):
+            out[i, j] = inverse[i, j]
+        for j in range(k, len(front)):
+            out[i, j] = -front[i, j]
 
 
 @njit(cache=True, nogil=True)
@@ -95,7 +110,8 @@ def solve(
     for s in range(len(first) - 1):
         k, b = 3 * (first[s + 1] - first[s]), 3 * (begin[s + 1] - begin[s])
         P, own, sums = panels[panel[s] : panel[s + 1]].reshape(k, k + b), x[3 * first[s] :], t[:b]
-        sums[:] = 0
+        for j in range(b):
+            sums[j] = 0
         for i in range(0, k, 3):
             u, v, w = own[i], own[i + 1], own[i + 2]
             r0, r1, r2 = P[i, k:], P[i + 1, k:], P[i + 2, k:]
@@ -107,7 +123,8 @@ def solve(
     for s in range(len(first) - 2, -1, -1):
         k, b = 3 * (first[s + 1] - first[s]), 3 * (begin[s + 1] - begin[s])
         P, own, given = panels[panel[s] : panel[s + 1]].reshape(k, k + b), x[3 * first[s] :], t[: k + b]
-        given[:k] = own[:k]
+        for j in range(k):
+            given[j] = own[j]
         for e in range(begin[s], begin[s + 1]):
             for a in range(3):
                 given[k + 3 * (e - begin[s]) + a] = x[3 * later[e] + a]
