@@ -1,0 +1,190 @@
+"""FE decks for CalculiX and Abaqus: shells with their held nodes displaced."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_writing import check_folder
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.language import tr
+
+SUFFIX = ".inp"
+_ABAQUS = "Abaqus does not know OUTPUT=2D, by which CalculiX keeps the numbers of the nodes; remove it there."
+_A_LINE = 16  # most numbers in a line of a set
+_LONGEST = 100  # characters of a name in a comment
+_STATIC = "0.1, 1., 1e-5"  # first increment, length of a step, least increment
+_MOST_INCREMENTS = 1000
+
+
+class DeckWall(NamedTuple):
+    """Wall of the shells, in the units of the deck.
+
+    Attributes
+    ----------
+    thickness : float
+        Mesh units.
+    young : float
+        Young's modulus, newtons per square mesh unit.
+    poisson : float
+    density : float or None
+        Newtons times s² per mesh unit to the fourth.
+    notes : tuple of str
+        Comments: the units, and the values that nobody gave.
+    """
+
+    thickness: float
+    young: float
+    poisson: float
+    density: float | None
+    notes: tuple[str, ...] = ()
+
+
+class NodeSet(NamedTuple):
+    """Base or a handle: its set in the deck, its own name, and its vertices (k,)."""
+
+    name: str
+    title: str
+    vertices: np.ndarray
+
+
+class DeckRegion(NamedTuple):
+    """A region: its name, and its triangles (k,)."""
+
+    title: str
+    triangles: np.ndarray
+
+
+class Deck(NamedTuple):
+    """Shells, their wall and the ways of their held nodes.
+
+    Attributes
+    ----------
+    source : str
+        Name of the mesh.
+    V : (n, 3) float array
+        Rest positions, mesh units.
+    F : (m, 3) int array
+        Triangles without seams.
+    used : (k,) int array
+        Those of ``F`` that become elements.
+    held : sequence of NodeSet
+    regions : sequence of DeckRegion
+    steps : sequence of (n, 3) float arrays
+        Positions of the held vertices at the end of each step; others are not read.
+    wall : DeckWall
+    notes : tuple of str
+        Comments on the surface.
+    """
+
+    source: str
+    V: np.ndarray
+    F: np.ndarray
+    used: np.ndarray
+    held: Sequence[NodeSet]
+    regions: Sequence[DeckRegion]
+    steps: Sequence[np.ndarray]
+    wall: DeckWall
+    notes: tuple[str, ...] = ()
+
+
+def check_deck(path: str | Path) -> Path:
+    """Return ``path`` if its name allows writing a deck, else raise InputError."""
+    path = Path(path)
+    if path.suffix.lower() != SUFFIX:
+        raise InputError(tr("{name} is not an FE deck; use the ending .inp.").format(name=path.name))
+    check_folder(path)
+    return path
+
+
+def write_deck(path: str | Path, deck: Deck) -> None:
+    """Write a deck, whole or not at all; raises InputError if it cannot be written."""
+    with replacing(check_deck(path)) as scratch:
+        scratch.write_text("\n".join([*_lines(deck), ""]), encoding="ascii", newline="\n")
+
+
+def _lines(deck: Deck) -> Iterator[str]:
+    """The lines of the deck, nodes and elements numbered as in the mesh, from 1."""
+    yield "*HEADING"
+    yield _plain(f"{deck.source}, written by apd-viewer")
+    yield from (f"** {note}" for note in (*deck.wall.notes, *deck.notes, _ABAQUS))
+    yield from _mesh_lines(deck)
+    yield from _set_lines(deck)
+    yield from _wall_lines(deck.wall)
+    for positions in deck.steps:
+        yield from _step_lines(deck, positions)
+
+
+def _mesh_lines(deck: Deck) -> Iterator[str]:
+    """Nodes of the elements at rest, and the elements."""
+    nodes = np.unique(deck.F[deck.used])
+    yield "*NODE, NSET=ALL"
+    for node, point in zip((nodes + 1).tolist(), deck.V[nodes].tolist(), strict=True):
+        yield f"{node}, " + ", ".join(map(_number, point))
+    yield "*ELEMENT, TYPE=S3, ELSET=SURFACE"
+    for element, corners in zip(deck.used.tolist(), (deck.F[deck.used] + 1).tolist(), strict=True):
+        yield f"{element + 1}, " + ", ".join(map(str, corners))
+
+
+def _set_lines(deck: Deck) -> Iterator[str]:
+    for part in deck.held:
+        yield f"** {part.name}: {_plain(part.title)}"
+        yield f"*NSET, NSET={part.name}"
+        yield from _rows(part.vertices)
+    for number, region in enumerate(deck.regions, start=1):
+        if len(region.triangles):
+            yield f"** REGION_{number}: {_plain(region.title)}"
+            yield f"*ELSET, ELSET=REGION_{number}"
+            yield from _rows(region.triangles)
+
+
+def _wall_lines(wall: DeckWall) -> Iterator[str]:
+    yield "*MATERIAL, NAME=WALL"
+    yield "*ELASTIC"
+    yield f"{_number(wall.young)}, {_number(wall.poisson)}"
+    if wall.density is not None:
+        yield "*DENSITY"
+        yield _number(wall.density)
+    yield "*SHELL SECTION, ELSET=SURFACE, MATERIAL=WALL"
+    yield _number(wall.thickness)
+
+
+def _step_lines(deck: Deck, positions: np.ndarray) -> Iterator[str]:
+    """One step to the positions (n, 3) of the held nodes."""
+    yield f"*STEP, NLGEOM, INC={_MOST_INCREMENTS}"
+    yield from ("*STATIC", _STATIC, "*BOUNDARY")
+    for part in deck.held:
+        shift = positions[part.vertices] - deck.V[part.vertices]
+        if not shift.any():
+            yield f"{part.name}, 1, 3"
+            continue
+        for node, along in zip((part.vertices + 1).tolist(), shift.tolist(), strict=True):
+            yield from (f"{node}, {axis}, {axis}, {_number(x)}" for axis, x in enumerate(along, start=1))
+    yield from (
+        f"*NODE FILE, OUTPUT=2D, FREQUENCY={_MOST_INCREMENTS}",
+        "U",
+        f"*EL FILE, FREQUENCY={_MOST_INCREMENTS}",
+        "S",
+        "*END STEP",
+    )
+
+
+def _rows(ids: np.ndarray) -> Iterator[str]:
+    """Numbers from 1, so many in a line as a set may have."""
+    words = list(map(str, (ids + 1).tolist()))
+    return (", ".join(words[k : k + _A_LINE]) for k in range(0, len(words), _A_LINE))
+
+
+def _number(value: float) -> str:
+    """A number in at most 20 characters: more are not read."""
+    said = f"{value + 0.0:.12g}"
+    return said if "." in said or "e" in said else said + "."
+
+
+def _plain(name: str) -> str:
+    """A name of the user in one line of ASCII."""
+    return " ".join(name.split())[:_LONGEST].encode("ascii", "replace").decode()

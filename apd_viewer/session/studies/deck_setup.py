@@ -1,0 +1,112 @@
+"""FE deck of a document: its elements, its sets and the ways of its handles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.fe_deck import Deck, DeckRegion, DeckWall, NodeSet
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.language import tr
+from apd_viewer.session.model import memo
+from apd_viewer.session.model.handle_paths import document_at, paths_of
+from apd_viewer.session.posing.motion_path import motion_paths, posed_along
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.posing.motion_step import MotionStep
+
+MOST_STEPS = 1000
+# Radians: the chord of so much of a turn stays within 3.4 % of the radius of its arc.
+_TURN = math.radians(30.0)
+_ROUNDED = 1e-9
+# Of the square of the longest edge: a triangle with less area has no Jacobian to compute with.
+_NO_AREA = 1e-10
+
+
+def deck_of(
+    document: Document, wall: DeckWall, steps: int | None = None, motion: Sequence[MotionStep] = ()
+) -> Deck:
+    """Deck that moves the held vertices from rest to their targets.
+
+    Parameters
+    ----------
+    document : Document
+    wall : DeckWall
+    steps : int or None
+        Into which the way of the handles is divided, each straight for every node; without, one for each 30°.
+    motion : sequence of MotionStep
+        Instead of the poses of the document.
+
+    Raises
+    ------
+    InputError
+        If base or handle are missing, or nothing is left to compute.
+    """
+    if steps is not None and not 1 <= steps <= MOST_STEPS:
+        raise InputError(tr("A deck has 1 to {most} steps; enter another number.").format(most=MOST_STEPS))
+    ways = [_positions(each) for each in _stages(document, steps, motion)]
+    mesh = document.mesh
+    used, notes = _elements(document)
+    held = _held(document, np.unique(mesh.joined_F[used]))
+    return Deck(mesh.name, mesh.V, mesh.joined_F, used, held, _regions(document, used), ways, wall, notes)
+
+
+def _stages(document: Document, steps: int | None, motion: Sequence[MotionStep]) -> list[Document]:
+    """The document at the end of each step."""
+    paths = motion_paths(document, motion) if motion else paths_of(document)
+    if steps is None:
+        steps = max(1, math.ceil(max(abs(path.angle) for path in paths) / _TURN - _ROUNDED))
+    ended = posed_along(document, paths) if motion else document
+    return [*(document_at(document, paths, k / steps) for k in range(1, steps)), ended]
+
+
+def _positions(document: Document) -> np.ndarray:
+    """Rest positions, (n, 3), with the held vertices on their targets."""
+    held, X = document.constraints(), document.mesh.V.copy()
+    X[held.fixed] = held.targets
+    return X
+
+
+def _elements(document: Document) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Triangles that can be computed with, and comments on the others."""
+    F, V = document.mesh.joined_F, document.mesh.V
+    sides = V[np.roll(F, -1, axis=1)] - V[F]
+    longest = (sides**2).sum(axis=2).max(axis=1)
+    flat = ~(memo.triangle_areas(V, F) > _NO_AREA * longest)
+    is_held = document.labels != FREE
+    part = memo.parts(F)
+    loose = ~np.isin(part, part[is_held[F].any(axis=1) & ~flat])
+    notes = []
+    if flat.any():
+        notes.append(f"Left out: {np.count_nonzero(flat)} triangles without area.")
+    if (loose & ~flat).any():
+        count = np.count_nonzero(loose & ~flat)
+        notes.append(f"Left out: {count} triangles of connected parts without base or handle.")
+    used = np.flatnonzero(~flat & ~loose)
+    if not len(used):
+        raise InputError(tr("No triangle with an area hangs on base or handle; paint the part to compute."))
+    return used, tuple(notes)
+
+
+def _held(document: Document, nodes: np.ndarray) -> list[NodeSet]:
+    """Base and handles with their nodes; those without any are left out."""
+    names = [("BASE", tr("Base"), BASE)]
+    for k, handle in enumerate(document.handles):
+        names.append(("HANDLE" if k == 0 else f"HANDLE_{k + 1}", handle.name, HANDLE + k))
+    found = [NodeSet(name, title, nodes[document.labels[nodes] == code]) for name, title, code in names]
+    return [part for part in found if len(part.vertices)]
+
+
+def _regions(document: Document, used: np.ndarray) -> list[DeckRegion]:
+    """Regions with those of their triangles that are elements."""
+    inside = document.member[document.mesh.joined_F[used]]
+    whole = (inside == inside[:, :1]).all(axis=1)
+    return [
+        DeckRegion(region.name, used[whole & (inside[:, 0] == number)])
+        for number, region in enumerate(document.regions, start=1)
+    ]
