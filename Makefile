@@ -10,6 +10,8 @@ packages = libglib2.0-0 libgl1 libegl1 libxkbcommon0 libdbus-1-3 libfontconfig1 
            libxcb-cursor0 libxkbcommon-x11-0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 \
            libwayland-cursor0 libwayland-egl1
 quick test: packages += xvfb xauth
+# Computes the FE decks of the tests: 6 MB to download with its libraries; tests that need it are skipped without.
+test: packages += calculix-ccx
 
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)

@@ -15,11 +15,12 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
-_COMMANDS = "deform", "info", "paper", "press", "replay", "study", "sweep", "volumes"
+_COMMANDS = "deck", "deform", "info", "paper", "press", "replay", "study", "sweep", "volumes"
 _USAGE = tr(
     """\
 apd-viewer [FILE]                    open the window on FILE or on the sample bottle
 apd-viewer deform MESH ... -o OUT    deform a mesh without a window
+apd-viewer deck SESSION -o OUT.inp   shells with boundary conditions for CalculiX or Abaqus
 apd-viewer info MESH                 check a mesh file and describe its contents
 apd-viewer press MESH ... -o OUT     press a mesh between two plates
 apd-viewer replay SESSION -o OUT     re-run a saved session without a window

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from apd_viewer.commands.deck import deck_parser
 from apd_viewer.commands.deform import deform_parser
 from apd_viewer.commands.info import info_parser
 from apd_viewer.commands.paper import paper_parser
@@ -16,6 +17,7 @@ from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.volumes import volumes_parser
 
 PARSERS: dict[str, Callable[[], Parser]] = {
+    "deck": deck_parser,
     "deform": deform_parser,
     "info": info_parser,
     "paper": paper_parser,

@@ -9,18 +9,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from apd_viewer.files.fe_deck import write_deck
 from apd_viewer.files.mesh_writing import check_target, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
 from apd_viewer.files.scalar_files import Rows, write_scalars
 from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file, write_selection
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_selection import selection_of, with_selection
 from apd_viewer.session.model.state import State, opened
 from apd_viewer.session.model.status_text import (
+    about_deck,
     about_export,
     about_findings,
     about_loaded_selection,
@@ -29,8 +31,11 @@ from apd_viewer.session.model.status_text import (
     about_session,
 )
 from apd_viewer.session.model.view import SUFFIX, View
+from apd_viewer.session.quantities.deck_wall import WallWords, deck_wall
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.saved_work import SavedDocument
 from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.studies.deck_setup import deck_of
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
@@ -148,6 +153,18 @@ class Files:
 
         title = tr("Writing {name}").format(name=path.name)
         self._jobs.run(title, write, self._listener.told, can_be_cancelled=False)
+
+    def export_deck(self, path: str | Path, view: View) -> None:
+        """Write an FE deck that moves the rest shape to the poses, in the background."""
+        path, document = Path(path), self._store.required().document
+
+        def write() -> str:
+            size, unit = diagonal(document.mesh.V), Unit(view.unit)
+            deck = deck_of(document, deck_wall(WallWords(view.wall), unit, size))
+            write_deck(path, deck)
+            return about_deck(path.name, deck)
+
+        self._write(tr("Writing {name}").format(name=path.name), write)
 
     def save(
         self,

@@ -12,6 +12,7 @@ from apd_viewer.language import tr, trn
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
+    from apd_viewer.files.fe_deck import Deck
     from apd_viewer.files.selections.selection import Selection
     from apd_viewer.geometry.analysis.findings import Finding
     from apd_viewer.geometry.analysis.target_shape import TargetShape
@@ -36,6 +37,17 @@ def about_export(name: str, area: float, at_rest: float, unit: Unit) -> str:
     return tr("Exported {name}: area {area}, {percent:.3f} % of the rest area.").format(
         name=name, area=unit.area(f"{area:.6g}"), percent=100.0 * area / at_rest
     )
+
+
+def about_deck(name: str, deck: Deck) -> str:
+    """Sentence about an FE deck: its size, and how much of it is held."""
+    said = trn(
+        "{name}: {shells:,} shells, {held:,} held nodes, {n} step.",
+        "{name}: {shells:,} shells, {held:,} held nodes, {n} steps.",
+        len(deck.steps),
+    )
+    held = sum(len(part.vertices) for part in deck.held)
+    return said.format(name=name, shells=len(deck.used), held=held, n=len(deck.steps))
 
 
 def about_baking(area: float, before: float, unit: Unit) -> str:

@@ -31,7 +31,7 @@ class FileActions:
 
     Attributes
     ----------
-    open, open_study, target, clear_target, save, save_as, export, scalars : QAction
+    open, open_study, target, clear_target, save, save_as, export, scalars, deck : QAction
     report, picture, copy_picture, copy_python, quit : QAction
     samples : list of QAction
     recent : QMenu
@@ -69,6 +69,14 @@ class FileActions:
             tr("Export area change, strain, displacement and labels as CSV or PLY"),
             None,
             filing.ask_for_scalars,
+        )
+        self.deck = make(
+            "export_deck",
+            tr("Export &FE deck…"),
+            "export",
+            tr("Export shells and boundary conditions for CalculiX or Abaqus"),
+            None,
+            filing.ask_for_deck,
         )
         self.save = make(
             "save",
@@ -154,7 +162,7 @@ class FileActions:
         menu.addSeparator()
         menu.addActions([self.target, self.clear_target])
         menu.addSeparator()
-        menu.addActions([self.save, self.save_as, self.export, self.scalars])
+        menu.addActions([self.save, self.save_as, self.export, self.scalars, self.deck])
         menu.addSeparator()
         menu.addActions([self.report, self.picture, self.copy_picture, self.copy_python])
         menu.addSeparator()
@@ -178,4 +186,4 @@ class FileActions:
     def of_a_mesh(self) -> list[QAction]:
         """Actions available only for an open mesh."""
         made = self.report, self.picture, self.copy_picture, self.copy_python
-        return [self.target, self.save, self.save_as, self.export, self.scalars, *made]
+        return [self.target, self.save, self.save_as, self.export, self.scalars, self.deck, *made]

@@ -89,6 +89,14 @@ class Filing:
         if found is not None:
             self._session.files.export_scalars(*found)
 
+    def ask_for_deck(self) -> None:
+        """Choose a target for the FE deck."""
+        if (state := self._session.store.state) is None:
+            return
+        path = file_dialogs.ask_where_to_put_deck(self._window, self._memory.folder, state.document.mesh)
+        if path is not None:
+            self._session.files.export_deck(path, self._view())
+
     def save(self, then: Callable[[], object] = lambda: None) -> None:
         """Save the session to its file; ask for one if there is none.
 

@@ -141,6 +141,11 @@ def ask_where_to_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | Non
     return ask_where(parent, tr("Save report"), folder / f"{mesh.stem}-report.html")
 
 
+def ask_where_to_put_deck(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+    """Choose a target for an FE deck."""
+    return ask_where(parent, tr("Export FE deck"), folder / f"{mesh.stem}.inp")
+
+
 def ask_where_to_put_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Choose a target for a picture."""
     return ask_where(parent, tr("Save picture"), folder / f"{mesh.stem}.png")

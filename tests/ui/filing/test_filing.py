@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from decks import ReadDeck
 from driving import idle, show
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QFileDialog
@@ -156,3 +157,15 @@ def test_scalars_are_exported_as_the_table_chosen(rows, first, qtbot, bottle, tm
     idle(qtbot, bottle)
     assert target.read_text().startswith(first)
     assert bottle.notice.text == "Exported scalars to s.csv."
+
+
+def test_an_fe_deck_of_the_pose_is_exported(qtbot, bottle, tmp_path, monkeypatch):
+    target = tmp_path / "bottle.inp"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), ""))
+    document = bottle.session.store.state.document
+    bottle.actions_.file.deck.trigger()
+    idle(qtbot, bottle)
+    deck = ReadDeck(target.read_text(encoding="ascii"))
+    assert len(deck.nodes) == len(document.mesh.V)
+    assert set(deck.ends()) == set((np.flatnonzero(document.labels != 1) + 1).tolist())
+    assert bottle.notice.text.startswith("bottle.inp: ")

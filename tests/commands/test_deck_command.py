@@ -1,0 +1,129 @@
+"""The command deck: of meshes and sessions, and computed by CalculiX."""
+
+import numpy as np
+import pytest
+import trimesh
+from decks import ReadDeck, computed, needs_ccx
+from meshes import box, ends, rotation, tube
+
+from apd_viewer.__main__ import main
+from apd_viewer.commands.motion_options import painted
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.samples import resource
+from apd_viewer.files.selections.selection_files import read_selection_file
+from apd_viewer.session.model.view import View
+from apd_viewer.session.quantities.wall_mass import Wall
+from apd_viewer.session.storage.session_file import open_session, save_session
+
+_SIX_DIGITS = 1e-5  # of the largest number in a result of CalculiX
+
+
+@pytest.fixture
+def deck(tmp_path, capsys):
+    """Run the command; its status, what it said, and the path of the deck."""
+
+    def run(*words):
+        out = tmp_path / "out.inp"
+        status = main([str(word) for word in ("deck", *words, "-o", out)])
+        said = capsys.readouterr()
+        return status, said.out + said.err, out
+
+    return run
+
+
+def bar(folder, V, F):
+    trimesh.Trimesh(V, F, process=False).export(folder / "bar.off")
+    labels = np.ones(len(V), dtype=int)
+    base, top = ends(V)
+    labels[base], labels[top] = 0, 2
+    np.savetxt(folder / "bar.sel", labels, fmt="%d")
+    return folder / "bar.off", "--selection", folder / "bar.sel"
+
+
+def where_ours_are(path):
+    """The held nodes of a computed deck against those in its text."""
+    _, moved = computed(path)
+    ends = ReadDeck(path.read_text()).ends()
+    assert ends
+    there, here = np.array([moved[node] for node in ends]), np.array(list(ends.values()))
+    assert np.abs(there - here).max() <= _SIX_DIGITS * np.abs(here).max()
+    return moved, ends
+
+
+@needs_ccx
+def test_calculix_computes_a_tube_twisted_in_two_steps(deck, tmp_path):
+    V, F = tube(24, 26)
+    mesh = bar(tmp_path, V, F)
+    status, said, out = deck(*mesh, "--twist", "40deg", "--unit", "mm", "--thickness", "0.1")
+    assert status == 0, said
+    assert len(ReadDeck(out.read_text()).steps) == 2
+    moved, ends = where_ours_are(out)
+    assert set(moved) == {k + 1 for k in range(len(V))}
+    free = [node for node in moved if node not in ends]
+    assert np.abs([moved[node] - V[node - 1] for node in free]).max() > 0.5, "the free ones follow"
+
+
+@needs_ccx
+def test_calculix_computes_the_bottle(deck):
+    words = (
+        "--selection",
+        resource("bottle.sel"),
+        "--twist",
+        "1deg",
+        "--unit",
+        "cm",
+        "--material",
+        "pet-bottle",
+    )
+    status, said, out = deck(resource("bottle.obj"), "--selection", resource("bottle.sel"), *words)
+    assert status == 0, said
+    moved, _ = where_ours_are(out)
+    assert np.isfinite(np.array(list(moved.values()))).all()
+
+
+def test_a_session_is_written_with_its_wall_and_its_pose(deck, tmp_path):
+    V, F = box(2, 2, 6)
+    mesh = bar(tmp_path, V, F)
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation((0, 0, 1), 0.3)
+    np.savetxt(tmp_path / "turn.def", matrix)
+    assert deck(*mesh, "--transform", tmp_path / "turn.def", "--thickness", "0.3")[0] == 0
+    of_mesh = ReadDeck((tmp_path / "out.inp").read_text())
+    read = open_mesh(mesh[0])
+    state = painted(read, read_selection_file(mesh[2], read))
+    state = state.at(state.document.with_pose(0, matrix))
+    session = tmp_path / "bar.apd"
+    save_session(session, state, View(unit="mm", wall=Wall("0.3", "1.2")))
+    status, said, out = deck(session)
+    assert status == 0, said
+    assert "out.inp" in said
+    found = ReadDeck(out.read_text())
+    assert found.nodes == of_mesh.nodes
+    assert found.steps == of_mesh.steps
+    assert found.values["SHELL SECTION"] == [0.3]
+    assert found.values["DENSITY"] == pytest.approx([1.2e-9])
+    assert open_session(session)[0].document.posed
+    assert deck(session, "--twist", "9deg", "--thickness", "0.4")[0] == 0
+    assert ReadDeck(out.read_text()).values["SHELL SECTION"] == [0.4]
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ((), "is not a session"),
+        (("--selection", "bar.sel"), "is not a session"),
+        (("--selection", "bar.sel", "--twist", "9deg", "--young", "2GPa"), "add --unit mm"),
+        (("--selection", "bar.sel", "--twist", "9deg", "--steps", "0"), "1 to 1000 steps"),
+        (("--selection", "bar.sel", "--twist", "9deg", "--transform", "a.def"), "Give either --transform"),
+        (("--selection", "bar.sel", "--twist", "9deg", "--thickness=-1"), "thickness greater than 0"),
+        (("--selection", "bar.sel", "--twist", "9deg", "--material", "gold"), "no material"),
+    ],
+)
+def test_what_makes_no_deck_is_said_in_one_line(words, says, deck, tmp_path, monkeypatch):
+    mesh = bar(tmp_path, *box(2, 2, 6))
+    monkeypatch.chdir(tmp_path)
+    status, said, out = deck(mesh[0], *words)
+    assert status == 2
+    assert says in said
+    assert said.count("\n") == 1
+    assert not out.exists()
