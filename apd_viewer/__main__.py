@@ -79,7 +79,7 @@ def _view_parser() -> Parser:
         "file",
         nargs="?",
         metavar="FILE",
-        help=tr("mesh (OBJ, PLY, STL, OFF, GLB, glTF, 3MF) or session (.apd) to open"),
+        help=tr("mesh (OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU, VTK) or session (.apd) to open"),
     )
     version = f"apd-viewer {apd_viewer.__version__}"
     parser.add_argument("--version", action="version", version=version, help=tr("show the version and exit"))

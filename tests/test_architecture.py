@@ -54,6 +54,7 @@ ROOMS = [
     "session/quantities",
     "files",
     "files/selections",
+    "files/vtk",
     "files/formats",
     "files/storage",
     "geometry",

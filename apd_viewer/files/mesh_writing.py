@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import FORMATS, LARGEST, WRITTEN, largest, parsed
+from apd_viewer.files.meshes import FORMATS, LARGEST, VTK, WRITTEN, largest, parsed
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.files.storage.reading import in_one_line
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -62,7 +62,7 @@ class Written(NamedTuple):
 def suffix_for(mesh: Mesh) -> str:
     """Suffix of files for shapes of ``mesh``: its own, or that of OBJ."""
     own = mesh.origin.suffix if mesh.origin else ""
-    return own if own in WRITTEN else ".obj"
+    return own if own in (*WRITTEN, *VTK) else ".obj"
 
 
 def dropped(mesh: Mesh, path: str | Path) -> tuple[str, ...]:

@@ -16,15 +16,20 @@ from apd_viewer.files.formats.parsed import Parsed
 from apd_viewer.files.formats.ply import read_ply
 from apd_viewer.files.formats.stl import read_stl
 from apd_viewer.files.storage.reading import in_one_line
+from apd_viewer.files.vtk.legacy import read_vtk
+from apd_viewer.files.vtk.xml_surface import read_vtp, read_vtu
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-# Formats for writing any mesh; .gltf only for a mesh read from one.
+# Formats for writing any mesh; .gltf and those of VTK only for a mesh read from one.
 WRITTEN = (".obj", ".ply", ".stl", ".off", ".glb")
-FORMATS = (*WRITTEN, ".gltf", ".3mf")
-_NAMES = tr("OBJ, PLY, STL, OFF, GLB, glTF or 3MF")
+VTK = (".vtp", ".vtu", ".vtk")
+FORMATS = (*WRITTEN, ".gltf", ".3mf", *VTK)
+_OF_OTHER_FILES = (".pvd", ".pvtp", ".pvtu", ".pvtk", ".vtm", ".vtmb")
+_NAMES = tr("OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU or VTK")
 LARGEST = 1e38  # coordinate: larger ones exceed single precision, and their areas overflow
 _READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off, ".3mf": read_3mf}
+_READERS |= {".vtp": read_vtp, ".vtu": read_vtu, ".vtk": read_vtk}
 
 
 def open_mesh(path: str | Path) -> Mesh:
@@ -33,7 +38,7 @@ def open_mesh(path: str | Path) -> Mesh:
     Parameters
     ----------
     path : path
-        OBJ, PLY, STL, OFF, GLB, glTF or 3MF. Polygons are split into triangles.
+        OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU or legacy VTK. Polygons are split into triangles.
 
     Raises
     ------
@@ -96,6 +101,12 @@ def check_readable(path: Path, also: tuple[str, ...] = ()) -> None:
         raise InputError(tr("There is no file {path}; check the name.").format(path=path))
     if not path.is_file():
         raise InputError(tr("{path} is not a file; choose a mesh file.").format(path=path))
+    if path.suffix.lower() in _OF_OTHER_FILES:
+        raise InputError(
+            tr(
+                "{name} refers to other files; open one of them, or save the surface as one .vtp file."
+            ).format(name=path.name)
+        )
     if path.suffix.lower() not in (*FORMATS, *also):
         raise InputError(
             tr("{name} is not a supported file type; use {kinds}.").format(name=path.name, kinds=_NAMES)

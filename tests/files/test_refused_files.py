@@ -59,7 +59,7 @@ REFUSED = {
     "really an off.stl": (OFF, "No faces|not a valid STL file"),
     "really a stl.off": (STL_BINARY, "not a valid OFF file"),
     "really an obj.glb": (OBJ, "not a valid GLB file"),
-    "other.xyz": (OFF, r"not a supported file type; use OBJ, PLY, STL, OFF, GLB, glTF or 3MF"),
+    "other.xyz": (OFF, r"not a supported file type; use OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU or VTK"),
     "no suffix": (OBJ, "not a supported file type"),
     "points.obj": (OBJ.split("f ")[0], "No faces"),
     "lines.obj": (OBJ.split("f ")[0] + "l 1 2\n", "No faces"),

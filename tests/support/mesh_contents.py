@@ -3,6 +3,7 @@
 import base64
 import json
 import struct
+import zlib
 
 import numpy as np
 from meshes import box, rotation
@@ -245,6 +246,79 @@ def gltf_of(content):
     return json.dumps(document, indent=2).encode()
 
 
+def vtp(V, polygons, form="ascii", compressed=False):
+    """PolyData with data at points and faces, in text, in base64, or appended as bytes."""
+    appended, arrays = bytearray(), []
+
+    def array(name, values, components=1):
+        kind = {"f4": "Float32", "f8": "Float64", "i8": "Int64"}[values.dtype.str[1:]]
+        data = values.tobytes()
+        if compressed:
+            block = zlib.compress(data)
+            head, data = struct.pack("<4I", 1, 32768, len(data), len(block)), block
+        else:
+            head = struct.pack("<I", len(data))
+        place = f'offset="{len(appended)}"' if form == "appended" else ""
+        about = f'Name="{name}" NumberOfComponents="{components}" format="{form}"'
+        head_tag = f'<DataArray type="{kind}" {about} {place}>'
+        if form == "appended":
+            appended.extend(head + data)
+            return f"{head_tag}</DataArray>"
+        if form == "ascii":
+            return f"{head_tag}\n{' '.join(map(str, values.ravel().tolist()))}\n</DataArray>"
+        coded = [base64.b64encode(part).decode() for part in ([head, data] if compressed else [head + data])]
+        return f"{head_tag}\n  {''.join(coded)}\n</DataArray>"
+
+    real = np.float32 if form == "appended" else np.float64
+    arrays = {
+        "PointData": array("heat", np.arange(len(V)) / 7.0),
+        "CellData": array("layer", np.arange(len(polygons))),
+        "Points": array("Points", V.astype(real), 3),
+        "Polys": array("connectivity", np.concatenate([*polygons]).astype(np.int64))
+        + array("offsets", np.cumsum([len(p) for p in polygons])),
+    }
+    body = "\n".join(f"<{name}>{text}</{name}>" for name, text in arrays.items())
+    head = (
+        '<?xml version="1.0"?>\n<!-- by hand: 1 < 2 -->\n<VTKFile type="PolyData" byte_order="LittleEndian"'
+    )
+    head += ' compressor="vtkZLibDataCompressor"' * compressed
+    text = f'{head}>\n<PolyData><Piece NumberOfPoints="{len(V)}" NumberOfPolys="{len(polygons)}">\n{body}\n'
+    text = f"{text}</Piece></PolyData>\n".encode()
+    if form == "appended":
+        text += b'<AppendedData encoding="raw">\n_' + bytes(appended) + b"\n</AppendedData>"
+    return text + b"\n</VTKFile>\n"
+
+
+def vtu(V, polygons):
+    """UnstructuredGrid of the same, in base64."""
+    text = (
+        vtp(V, polygons, "binary").decode().replace("PolyData", "UnstructuredGrid").replace("Polys", "Cells")
+    )
+    kinds = struct.pack("<I", len(polygons)) + bytes({3: 5, 4: 9}.get(len(p), 7) for p in polygons)
+    types = '<DataArray type="UInt8" Name="types" format="binary">'
+    types += base64.b64encode(kinds).decode() + "</DataArray>"
+    return text.replace("</Cells>", types + "</Cells>").encode()
+
+
+def legacy_vtk(V, polygons, binary=False):
+    """Legacy PolyData with a field before, and data behind."""
+
+    def array(values, kind):
+        values = np.asarray(values)
+        if binary:
+            return values.astype(kind).tobytes() + b"\n"
+        return " ".join(map(str, values.ravel().tolist())).encode() + b"\n"
+
+    counted = np.concatenate([[len(p), *p] for p in polygons])
+    out = [b"# vtk DataFile Version 3.0\na test\n", b"BINARY\n" if binary else b"ASCII\n"]
+    out += [b"DATASET POLYDATA\nFIELD FieldData 1\nTIME 1 1 double\n", array([0.5], ">f8")]
+    out += [b"POINTS %d double\n" % len(V), array(V, ">f8")]
+    out += [b"POLYGONS %d %d\n" % (len(polygons), len(counted)), array(counted, ">i4")]
+    out += [b"POINT_DATA %d\nSCALARS heat float 1\nLOOKUP_TABLE default\n" % len(V)]
+    out += [array(np.arange(len(V)) / 8.0, ">f4")]
+    return b"".join(out)
+
+
 FILES = {
     "two materials.obj": TWO_MATERIALS,
     "plain.obj": obj(*BOX).encode(),
@@ -265,6 +339,13 @@ FILES = {
     "parts.glb": glb([BOX, (BOX[0] * 0.5, BOX[1])], [[0, 0, 0], [9, 0, 0]]),
     "textured.glb": textured_glb(),
     "textured.gltf": gltf_of(textured_glb()),
+    "text.vtp": vtp(CUBE, QUADS),
+    "coded.vtp": vtp(CUBE, [*QUADS[:5], QUADS[5][:3], [7, 5, 1]], "binary", compressed=True),
+    "appended.vtp": vtp(CUBE, QUADS, "appended"),
+    "packed.vtp": vtp(*BOX, "appended", compressed=True),
+    "coded.vtu": vtu(CUBE, QUADS),
+    "text.vtk": legacy_vtk(CUBE, QUADS),
+    "binary.vtk": legacy_vtk(CUBE, QUADS, binary=True),
 }
 
 

@@ -14,7 +14,7 @@ from pseudo import LANGUAGE, MARKED, ROOT, write_catalogue
 EXCEPTIONS = {
     r"<[^<>]+>": "a tag",
     r"⟦[^⟦⟧]*…$": "a sentence for which there was no room",
-    r"[\w/*. -]*\.(obj|xyz|apd|json|sel|npz|ply|dmat|stl|off|glb|gltf|3mf)\b": "a file, or its ending",
+    r"[\w/*. -]*\.(obj|xyz|apd|json|sel|npz|ply|dmat|stl|off|glb|gltf|3mf|vt[pku]|inp)\b": "a file or ending",
     r"\b\w+\.(html|png)\b|\*\.(html|png)": "what others are given to look at",
     r"^(OBJ|PLY|STL|OFF|GLB|JSON|NPZ|SEL|DMAT|HTML|PNG) $|\bOBJ\b": "the name of a format",
     r"\b(mm|60deg|asin|pi)\b|“x”": "what is typed into a field for numbers",

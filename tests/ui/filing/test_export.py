@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from mesh_contents import CUBE, QUADS, vtp
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from apd_viewer.files.meshes import open_mesh
@@ -77,3 +78,23 @@ def test_no_file_is_replaced_that_the_dialog_did_not_ask_about(qtbot, tmp_path, 
     chosen = ask_where(parent, tmp_path, "bar-plots", ".csv")
     assert chosen == (tmp_path / "plots.csv" if answer == QMessageBox.StandardButton.Yes else None)
     assert asked == ["plots.csv already exists. Replace it?"]
+
+
+@pytest.mark.parametrize(("chosen", "loses"), [("VTP (*.vtp)", False), ("OBJ (*.obj)", True)])
+def test_a_surface_of_vtk_is_proposed_as_such_and_loses_its_data_elsewhere(
+    chosen, loses, qtbot, tmp_path, monkeypatch
+):
+    (tmp_path / "part.vtp").write_bytes(vtp(CUBE, QUADS))
+    mesh, parent, asked = open_mesh(tmp_path / "part.vtp"), QWidget(), []
+    qtbot.addWidget(parent)
+
+    def dialog(_parent, _title, proposed, filters, first):
+        assert proposed.endswith("part-deformed.vtp")
+        assert filters.startswith(first)
+        assert first == "VTP (*.vtp)"
+        return str(tmp_path / "out"), chosen
+
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", dialog)
+    monkeypatch.setattr(QMessageBox, "question", lambda *words: asked.append(words[2]) or YES)
+    assert ask_for_target(parent, tmp_path, mesh) == tmp_path / f"out.{'obj' if loses else 'vtp'}"
+    assert ["point data (heat) and cell data (layer)" in said for said in asked] == [True] * loses

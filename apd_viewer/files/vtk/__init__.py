@@ -1,0 +1,1 @@
+"""Surfaces in files of VTK: XML and legacy."""

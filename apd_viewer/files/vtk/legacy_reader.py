@@ -1,0 +1,122 @@
+"""Words and arrays of a legacy VTK file, one after another."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.files.formats.text import numbers, shown
+from apd_viewer.language import tr
+
+_WORD = re.compile(rb"\s*(\S+)")
+_SPACE = re.compile(rb"[^\S\n]*\n?")
+_METADATA_END = re.compile(rb"\n[^\S\n]*\n|\Z")
+# Numbers of a binary file are big-endian; ids were written as int before there were types for them.
+_TYPES = {
+    "char": "i1", "signed_char": "i1", "unsigned_char": "u1", "short": "i2", "unsigned_short": "u2",
+    "int": "i4", "unsigned_int": "u4", "long": "i8", "unsigned_long": "u8", "float": "f4", "double": "f8",
+    "vtkidtype": "i4", "vtktypeint64": "i8", "vtktypeuint64": "u8", "vtktypeint32": "i4",
+    "vtktypeuint32": "u4",
+}  # fmt: skip
+
+
+class Numbers(NamedTuple):
+    """Values (k,) of an array, its place in the file, and the places of its words.
+
+    Attributes
+    ----------
+    values : array
+        Of a text in double precision.
+    start, end : int
+    words : list of (int, int)
+        Of a text.
+    """
+
+    values: np.ndarray
+    start: int
+    end: int
+    words: list[tuple[int, int]]
+
+
+class LegacyReader:
+    """Cursor in a legacy file; raises ValueError where it is damaged.
+
+    Parameters
+    ----------
+    content : bytes
+    start : int
+        Where to begin.
+    binary : bool
+    """
+
+    def __init__(self, content: bytes, start: int, binary: bool) -> None:
+        self.content = content
+        self.place = start
+        self._binary = binary
+
+    def peek(self) -> str:
+        """The next word in capitals; empty at the end."""
+        found = _WORD.match(self.content, self.place)
+        return "" if found is None else found[1][:40].decode("ascii", "replace").upper()
+
+    def word(self) -> bytes:
+        """The next word."""
+        found = _WORD.match(self.content, self.place)
+        if found is None:
+            raise ValueError(tr("it ends early"))
+        self.place = found.end()
+        return found[1]
+
+    def count(self) -> int:
+        """The next word, a whole number from 0."""
+        word = self.word()
+        if not re.fullmatch(rb"\d{1,18}", word):
+            raise ValueError(tr("{text} is not a whole number").format(text=shown(word)))
+        return int(word)
+
+    def array(self, count: int, kind: bytes) -> Numbers:
+        """The next numbers of a type."""
+        name = _TYPES.get(kind.decode("ascii", "replace").lower())
+        if name is None:
+            raise ValueError(tr("{text} is not a type of numbers").format(text=shown(kind)))
+        return self._bytes(count, np.dtype(">" + name)) if self._binary else self._text(count, name)
+
+    def _bytes(self, count: int, dtype: np.dtype) -> Numbers:
+        space = _SPACE.match(self.content, self.place)
+        assert space is not None  # it matches nothing, too
+        start = space.end()
+        end = start + count * dtype.itemsize
+        if end > len(self.content):
+            raise ValueError(tr("it ends early"))
+        self.place = end
+        return Numbers(np.frombuffer(self.content, dtype, count, start), start, end, [])
+
+    def _text(self, count: int, name: str) -> Numbers:
+        if 2 * count > len(self.content) - self.place + 1:
+            raise ValueError(tr("it ends early"))
+        start, words = self.place, []
+        for _ in range(count):
+            found = _WORD.match(self.content, self.place)
+            if found is None:
+                raise ValueError(tr("it ends early"))
+            words.append(found.span(1))
+            self.place = found.end()
+        values = numbers([self.content[slice(*span)] for span in words])
+        if name[0] != "f":
+            if not (np.abs(values) < 2.0**53).all() or (values != np.floor(values)).any():
+                raise ValueError(tr("one of its arrays has no whole numbers"))
+            values = values.astype(np.int64)
+        return Numbers(values, start, self.place, words)
+
+    def skip_metadata(self) -> tuple[int, int]:
+        """Pass over what is said of an array; where that is."""
+        if self.peek() != "METADATA":
+            return self.place, self.place
+        start = self.place
+        self.word()
+        found = _METADATA_END.search(self.content, self.place)
+        assert found is not None  # the end of the file matches
+        self.place = found.end()
+        return start, self.place

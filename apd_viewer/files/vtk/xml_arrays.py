@@ -1,0 +1,243 @@
+"""Arrays of a VTK XML file: text, base64 and appended bytes, also compressed."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import lzma
+import re
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.files.formats.text import Edits, numbers
+from apd_viewer.files.storage.archive import most_unpacked
+from apd_viewer.files.vtk import lz4_block
+from apd_viewer.files.vtk.xml_elements import XmlElement, elements_of
+from apd_viewer.language import tr
+
+_TYPES = {
+    f"{name}{8 * size}": f"{kind}{size}"
+    for name, kind in (("Int", "i"), ("UInt", "u"))
+    for size in (1, 2, 4, 8)
+}
+_TYPES |= {"Float32": "f4", "Float64": "f8"}
+_WORD = re.compile(rb"\S+")
+_ENDS = tr("one of its arrays ends early")
+
+
+class _Codec(NamedTuple):
+    """Packing and unpacking of a block of at most so many bytes."""
+
+    pack: Callable[[bytes], bytes]
+    unpack: Callable[[bytes, int], bytes]
+
+
+_CODECS = {
+    "vtkLZ4DataCompressor": _Codec(lz4_block.packed, lz4_block.unpacked),
+    "vtkZLibDataCompressor": _Codec(
+        zlib.compress, lambda data, most: zlib.decompressobj().decompress(data, most)
+    ),
+    "vtkLZMADataCompressor": _Codec(
+        lzma.compress, lambda data, most: lzma.LZMADecompressor().decompress(data, most)
+    ),
+}
+
+
+@dataclass(frozen=True)
+class _Coded:
+    """Bytes at a place of the file, written as they are or in base64."""
+
+    content: bytes
+    in_base64: bool
+
+    def taken(self, start: int, size: int) -> tuple[bytes, int]:
+        """So many bytes from a place, and the place behind them."""
+        length = -(-size // 3) * 4 if self.in_base64 else size
+        found = self.content[start : start + length]
+        if len(found) < length:
+            raise ValueError(_ENDS)
+        if not self.in_base64:
+            return found, start + length
+        try:
+            return base64.b64decode(found, validate=True)[:size], start + length
+        except binascii.Error:
+            raise ValueError(tr("one of its arrays is not valid base64")) from None
+
+    def said(self, data: bytes) -> bytes:
+        """Bytes as they are written."""
+        return base64.b64encode(data) if self.in_base64 else data
+
+
+class Stored(NamedTuple):
+    """Values (k,) of an array, in the type of the file, and their place there.
+
+    Attributes
+    ----------
+    values : array
+        Of a text in double precision, as it says more digits than its type has.
+    start, end : int
+        Of all that is written anew if a value changes.
+    header : dtype or None
+        Of the sizes before the values; None for a text.
+    apart : bool
+        Whether these are written in base64 of their own.
+    block : int
+        Bytes that are packed together; 0 if they are not.
+    """
+
+    values: np.ndarray
+    start: int
+    end: int
+    header: np.dtype | None = None
+    apart: bool = False
+    block: int = 0
+
+
+class XmlArrays:
+    """Arrays of a file.
+
+    Parameters
+    ----------
+    content : bytes
+
+    Raises
+    ------
+    ValueError
+        If it is no XML of VTK.
+    """
+
+    def __init__(self, content: bytes) -> None:
+        self.content = content
+        self.root, self.appended = elements_of(content)
+        if self.root.name != "VTKFile":
+            raise ValueError(tr("it is not a VTK file"))
+        said = self.root.attributes
+        self._order = ">" if said.get("byte_order") == "BigEndian" else "<"
+        self._header = np.dtype(self._order + ("u8" if said.get("header_type") == "UInt64" else "u4"))
+        self._compressor = said.get("compressor", "")
+        data = self.root.first("AppendedData")
+        self._is_raw = data is not None and data.attributes.get("encoding") == "raw"
+        # A file may name one array a thousand times; what it makes is bounded all together.
+        self._most = most_unpacked(len(content))
+        self._left = 2 * len(content)
+
+    def read(self, element: XmlElement) -> Stored:
+        """Values of a DataArray; raises ValueError if it is damaged."""
+        stored = self._stored(element)
+        self._left -= stored.end - stored.start
+        if self._left < 0:
+            raise ValueError(tr("two of its arrays are at one place"))
+        return stored
+
+    def _stored(self, element: XmlElement) -> Stored:
+        kind = _TYPES.get(element.attributes.get("type", ""))
+        if kind is None:
+            raise ValueError(tr("one of its arrays is of an unknown type"))
+        form = element.attributes.get("format", "ascii")
+        start, end = element.text_span(self.content)
+        if form == "ascii":
+            return Stored(_values(self.content[start:end], kind), start, end)
+        if form == "appended":
+            if self.appended is None:
+                raise ValueError(tr("its appended data is missing"))
+            return self._unpacked(self.appended + element.count("offset"), kind, not self._is_raw)
+        text = self.content[start:end]
+        if not text.strip():
+            return Stored(np.empty(0, dtype=kind), start, start)
+        return self._unpacked(start + len(text) - len(text.lstrip()), kind, True)
+
+    def _unpacked(self, start: int, kind: str, in_base64: bool) -> Stored:
+        coded = _Coded(self.content, in_base64)
+        head, behind = coded.taken(start, self._header.itemsize)
+        if self._compressor:
+            data, end, block = self._blocks(coded, start, self._number(head))
+            return Stored(self._typed(data, kind), start, end, self._header, True, block)
+        size = self._number(head)
+        apart = in_base64 and self._header.itemsize % 3 != 0 and self.content[behind - 1 : behind] == b"="
+        if apart:
+            data, end = coded.taken(behind, size)
+        else:
+            data, end = coded.taken(start, len(head) + size)
+            data = data[len(head) :]
+        return Stored(self._typed(data, kind), start, end, self._header, apart)
+
+    def _blocks(self, coded: _Coded, start: int, count: int) -> tuple[bytes, int, int]:
+        """Unpacked bytes, the place behind them, and the bytes of a block."""
+        codec = _CODECS.get(self._compressor)
+        if codec is None:
+            raise ValueError(tr("its compression is not supported; save it with ZLib or without compression"))
+        head, at = coded.taken(start, (3 + count) * self._header.itemsize)
+        _, block, last, *packed = np.frombuffer(head, self._header).tolist()
+        size = (count - 1) * block + (last or block) if count else 0
+        if size > self._most:
+            raise ValueError(tr("its arrays would have {size:,} bytes and more").format(size=size))
+        self._most -= size
+        data, end = coded.taken(at, sum(packed))
+        pieces, place = [], 0
+        for k, size in enumerate(packed):
+            most = last if last and k == count - 1 else block
+            pieces.append(_unpack(codec, data[place : place + size], most))
+            place += size
+        return b"".join(pieces), end, block
+
+    def _number(self, head: bytes) -> int:
+        return int(np.frombuffer(head, self._header)[0])
+
+    def _typed(self, data: bytes, kind: str) -> np.ndarray:
+        dtype = np.dtype(self._order + kind)
+        if len(data) % dtype.itemsize:
+            raise ValueError(_ENDS)
+        return np.frombuffer(data, dtype)
+
+    def rewritten(self, element: XmlElement, stored: Stored, values: np.ndarray) -> bytes:
+        """Content between ``stored.start`` and ``stored.end`` with other values (k,)."""
+        if stored.header is None:
+            text = self.content[stored.start : stored.end]
+            edits = Edits(text)
+            edits.numbers([word.span() for word in _WORD.finditer(text)], stored.values, values)
+            return edits.done()
+        new = replaced(stored.values, values)
+        coded = _Coded(b"", element.attributes.get("format") != "appended" or not self._is_raw)
+        return self._packed(coded, stored, new.tobytes())
+
+    def _packed(self, coded: _Coded, stored: Stored, data: bytes) -> bytes:
+        if not stored.block:
+            head = np.array([len(data)], self._header).tobytes()
+            return coded.said(head) + coded.said(data) if stored.apart else coded.said(head + data)
+        codec, size = _CODECS[self._compressor], stored.block
+        blocks = [codec.pack(data[k : k + size]) for k in range(0, len(data), size)]
+        head = np.array([len(blocks), size, len(data) % size, *map(len, blocks)], self._header).tobytes()
+        return coded.said(head) + coded.said(b"".join(blocks))
+
+
+def replaced(old: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Array in the type of ``old`` (k,) with other ``values`` where they differ."""
+    changed, new = values != old, old.copy()
+    with np.errstate(all="ignore"):  # what does not fit is noticed as the file is read again
+        new[changed] = values[changed]
+    return new
+
+
+def _values(text: bytes, kind: str) -> np.ndarray:
+    """Numbers of a text: whole ones as such, others in double precision."""
+    found = numbers(text.split())
+    if kind[0] == "f":
+        return found
+    if not (np.abs(found) < 2.0**53).all() or (found != np.floor(found)).any():
+        raise ValueError(tr("one of its arrays has no whole numbers"))
+    return found.astype(np.int64)
+
+
+def _unpack(codec: _Codec, data: bytes, most: int) -> bytes:
+    """A block of exactly ``most`` bytes."""
+    try:
+        found = codec.unpack(data, most) if most else b""
+    except (zlib.error, lzma.LZMAError, EOFError):
+        raise ValueError(tr("one of its compressed arrays is damaged")) from None
+    if len(found) != most:
+        raise ValueError(_ENDS)
+    return found

@@ -1,0 +1,142 @@
+"""Elements of a VTK XML file with their places, so that parts can be replaced."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from apd_viewer.language import tr
+
+_TAG = re.compile(rb"""<(?:[^<>"']|"[^"]*"|'[^']*')*>""")
+_APPENDED = re.compile(rb"<AppendedData\b[^<>]{0,200}>\s{0,200}_")  # bounded: it is searched for
+_MOST_DEEP = 100  # elements inside each other; VTK writes 7
+
+
+@dataclass
+class XmlElement:
+    """An element, and its places in the file.
+
+    Attributes
+    ----------
+    name : str
+    attributes : dict of str
+    begin : int
+        Of its first tag.
+    inside : int
+        End of its first tag.
+    end : int
+        Of its content.
+    children : list of XmlElement
+    """
+
+    name: str
+    attributes: dict[str, str]
+    begin: int
+    inside: int
+    end: int = 0
+    children: list[XmlElement] = field(default_factory=list)
+
+    def each(self, *names: str) -> list[XmlElement]:
+        """Children with one of the names."""
+        return [child for child in self.children if child.name in names]
+
+    def first(self, name: str) -> XmlElement | None:
+        """First child of a name."""
+        return next((child for child in self.children if child.name == name), None)
+
+    def walk(self) -> Iterator[XmlElement]:
+        """The element, and all below it."""
+        yield self
+        for child in self.children:
+            yield from child.walk()
+
+    def text_span(self, content: bytes) -> tuple[int, int]:
+        """Start and end of its text, before, between or behind its children."""
+        ends = [child.begin for child in self.children]
+        starts = [self.inside, *(content.find(b">", child.end) + 1 for child in self.children)]
+        for start, end in zip(starts, [*ends, self.end], strict=True):
+            if content[start:end].strip():
+                return start, end
+        return self.inside, self.inside
+
+    def count(self, name: str) -> int:
+        """Whole number of an attribute, 0 if there is none."""
+        try:
+            return max(0, int(self.attributes.get(name, "0")))
+        except ValueError:
+            said = f"“{self.attributes[name][:40]}”"
+            raise ValueError(tr("{text} is not a whole number").format(text=said)) from None
+
+    def attribute_span(self, content: bytes, name: str) -> tuple[int, int] | None:
+        """Start and end of the value of an attribute in its tag."""
+        found = re.search(
+            rb"\s%s\s*=\s*(?:\"([^\"]*)\"|'([^']*)')" % name.encode(), content[self.begin : self.inside]
+        )
+        if found is None:
+            return None
+        start, end = found.span(1 if found[1] is not None else 2)
+        return self.begin + start, self.begin + end
+
+
+def elements_of(content: bytes) -> tuple[XmlElement, int | None]:
+    """Outermost element of an XML file, and the start of its appended data.
+
+    Raises
+    ------
+    ValueError
+        If it is no XML, or declares entities.
+    """
+    appended = _APPENDED.search(content)
+    text = content if appended is None else content[: appended.end() - 1]
+    reader = _Reader(text)
+    reader.read(appended is None)
+    if reader.outermost is None:
+        raise ValueError(tr("it is not XML"))
+    return reader.outermost, None if appended is None else appended.end()
+
+
+class _Reader:
+    """Builds elements from the events of the parser."""
+
+    def __init__(self, content: bytes) -> None:
+        self._content = content
+        self._open: list[XmlElement] = []
+        self.outermost: XmlElement | None = None
+        self._parser = expat.ParserCreate()
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.StartDoctypeDeclHandler = self._refuse
+
+    def read(self, whole: bool) -> None:
+        """Read the content; only what is before appended data need not be whole."""
+        try:
+            self._parser.Parse(self._content, whole)
+        except expat.ExpatError as error:
+            raise ValueError(
+                tr("line {line:,} of its XML is damaged").format(line=max(error.lineno, 1))
+            ) from None
+        except UnicodeError:
+            raise ValueError(tr("the encoding of its XML is not supported")) from None
+        for element in self._open:
+            element.end = len(self._content)
+
+    def _start(self, name: str, attributes: dict[str, str]) -> None:
+        begin = self._parser.CurrentByteIndex
+        tag = _TAG.match(self._content, begin)
+        if tag is None or len(self._open) > _MOST_DEEP:
+            raise ValueError(tr("its XML cannot be understood"))
+        element = XmlElement(name, attributes, begin, tag.end())
+        if self._open:
+            self._open[-1].children.append(element)
+        elif self.outermost is None:
+            self.outermost = element
+        self._open.append(element)
+
+    def _end(self, _: str) -> None:
+        element = self._open.pop()
+        element.end = max(element.inside, self._parser.CurrentByteIndex)
+
+    def _refuse(self, *_: object) -> None:
+        raise ValueError(tr("it declares a document type, which VTK files do not have"))

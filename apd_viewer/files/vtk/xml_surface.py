@@ -1,0 +1,194 @@
+"""VTK XML files of surfaces, ``.vtp`` and ``.vtu``: read, and rewritten in place."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.formats.parsed import Parsed
+from apd_viewer.files.formats.polygons import Polygons
+from apd_viewer.files.vtk.cells import POLYGON, STRIP, cells_of, faces_of, joined, positions
+from apd_viewer.files.vtk.splices import Splice, spliced
+from apd_viewer.files.vtk.xml_arrays import Stored, XmlArrays
+from apd_viewer.files.vtk.xml_elements import XmlElement
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.language import tr
+
+_KINDS = {".vtp": "PolyData", ".vtu": "UnstructuredGrid"}
+_DATA = {"PointData": tr("point data"), "CellData": tr("cell data"), "FieldData": tr("field data")}
+_ARRAYS = "DataArray", "Array"
+_LONGEST = 40  # characters of the names of arrays that are listed
+
+
+class _Points(NamedTuple):
+    """Points of a piece: their element and values, and the first of them in the mesh."""
+
+    element: XmlElement
+    stored: Stored
+    first: int
+
+
+@dataclass(frozen=True)
+class VtkXmlFile:
+    """Content of a VTK XML file, and the places of its points."""
+
+    arrays: XmlArrays
+    points: tuple[_Points, ...]
+    suffix: str
+
+    @property
+    def extras(self) -> tuple[str, ...]:
+        """Contents besides positions and triangles, in words."""
+        found: dict[str, list[str]] = {}
+        for element in self.arrays.root.walk():
+            for array in element.each(*_ARRAYS) if element.name in _DATA else ():
+                names = found.setdefault(element.name, [])
+                names += [name for name in [array.attributes.get("Name", "")] if name not in names]
+        return tuple(f"{_DATA[kind]} ({', '.join(names)[:_LONGEST]})" for kind, names in found.items())
+
+    @property
+    def colors(self) -> None:
+        """None: its data are values, and not colours."""
+
+    def normals(self, _: Mesh) -> None:
+        """None: the data of points stay as they are."""
+
+    def texture(self, _: Mesh) -> None:
+        """None: the format has no textures."""
+
+    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+        """File content with positions ``U`` (n, 3); all data as they were."""
+        return spliced(self.arrays.content, self._splices(mesh.V, U))
+
+    def _splices(self, V: np.ndarray, U: np.ndarray) -> Iterator[Splice]:
+        for element, stored, first in self.points:
+            there = slice(first, first + len(stored.values) // 3)
+            if np.array_equal(V[there], U[there]):
+                continue
+            new = self.arrays.rewritten(element, stored, U[there].ravel())
+            yield Splice(stored.start, stored.end, new)
+            yield from _ranges(self.arrays.content, element, U[there])
+            if element.attributes.get("format") == "appended":
+                yield from self._shifted(element.count("offset"), len(new) - (stored.end - stored.start))
+
+    def _shifted(self, offset: int, by: int) -> Iterator[Splice]:
+        """Offsets of the arrays behind one that has grown."""
+        for element in self.arrays.root.walk() if by else ():
+            if element.attributes.get("format") == "appended" and element.count("offset") > offset:
+                span = element.attribute_span(self.arrays.content, "offset")
+                if span is not None:
+                    yield Splice(*span, by)
+
+
+def read_vtp(content: bytes) -> Parsed:
+    """Positions (n, 3) and triangles (m, 3) of a PolyData file; raises ValueError."""
+    return _read(content, ".vtp")
+
+
+def read_vtu(content: bytes) -> Parsed:
+    """Positions (n, 3) and triangles (m, 3) of a flat UnstructuredGrid file.
+
+    Raises ValueError where it cannot be understood, InputError on volume cells.
+    """
+    return _read(content, ".vtu")
+
+
+def _read(content: bytes, suffix: str) -> Parsed:
+    arrays = XmlArrays(content)
+    kind = arrays.root.attributes.get("type", "")
+    if kind != _KINDS[suffix]:
+        raise InputError(_about_kind(kind))
+    grid = arrays.root.first(kind)
+    pieces = grid.each("Piece") if grid is not None else []
+    points, faces, count = [], [], 0
+    for piece in pieces:
+        element, stored = _points_of(arrays, piece)
+        if element is None:
+            continue
+        n = len(stored.values) // 3
+        polygons = _cells(arrays, piece, n) if suffix == ".vtu" else _polys(arrays, piece, n)
+        points.append(_Points(element, stored, count))
+        faces.append(Polygons(polygons.corner + count, polygons.start))
+        count += n
+    V = [positions(each.stored.values) for each in points]
+    X = np.vstack([np.empty((0, 3)), *V])
+    return Parsed(X, joined(faces).triangles(X), VtkXmlFile(arrays, tuple(points), suffix))
+
+
+def _about_kind(kind: str) -> str:
+    """Sentence about a file of another kind than its name says."""
+    suffix = next((suffix for suffix, own in _KINDS.items() if own == kind), None)
+    if suffix is not None:
+        return tr("The file holds a surface of another kind; give its name the ending {ending}.").format(
+            ending=suffix
+        )
+    return tr("The file holds no surface of its own; save the surface as one .vtp file.")
+
+
+def _points_of(arrays: XmlArrays, piece: XmlElement) -> tuple[XmlElement | None, Stored]:
+    """XmlElement and values of the points; None where a piece has none."""
+    n, points = piece.count("NumberOfPoints"), piece.first("Points")
+    found = points.each("DataArray") if points is not None else []
+    if not found or not n:
+        return None, Stored(np.empty(0), 0, 0)
+    if len(found) > 1:
+        raise ValueError(tr("it holds several time steps; save one of them"))
+    stored = arrays.read(found[0])
+    if len(stored.values) != 3 * n:
+        raise ValueError(tr("the number of its points differs from what it declares"))
+    return found[0], stored
+
+
+def _array(arrays: XmlArrays, group: XmlElement, name: str) -> np.ndarray:
+    for element in group.each("DataArray"):
+        if element.attributes.get("Name") == name:
+            return arrays.read(element).values
+    raise ValueError(tr("its cells have no {name}").format(name=name))
+
+
+def _group(arrays: XmlArrays, group: XmlElement, points: int) -> Polygons:
+    offsets = _array(arrays, group, "offsets")
+    start = np.concatenate([np.zeros(1, dtype=offsets.dtype), offsets])
+    return cells_of(_array(arrays, group, "connectivity"), start, points)
+
+
+def _polys(arrays: XmlArrays, piece: XmlElement, points: int) -> Polygons:
+    """Polygons, then the triangles of strips."""
+    found = []
+    for name, kind in (("Polys", POLYGON), ("Strips", STRIP)):
+        group = piece.first(name)
+        if group is not None and piece.count(f"NumberOf{name}"):
+            cells = _group(arrays, group, points)
+            found.append(faces_of(cells, np.full(len(cells.start) - 1, kind)))
+    return joined(found)
+
+
+def _cells(arrays: XmlArrays, piece: XmlElement, points: int) -> Polygons:
+    group = piece.first("Cells")
+    if group is None or not piece.count("NumberOfCells"):
+        return joined([])
+    types = _array(arrays, group, "types")
+    return faces_of(_group(arrays, group, points), types)
+
+
+def _ranges(content: bytes, element: XmlElement, U: np.ndarray) -> Iterator[Splice]:
+    """Least and largest distance from the origin, where the file has them."""
+    size = np.linalg.norm(U, axis=1)
+    ends = [b"%r" % float(size.min()), b"%r" % float(size.max())]
+    for name, said in zip(("RangeMin", "RangeMax"), ends, strict=True):
+        span = element.attribute_span(content, name)
+        if span is not None and content[slice(*span)].strip():
+            yield Splice(*span, said)
+    for key in element.each("InformationKey"):
+        if not key.attributes.get("name", "").startswith("L2_NORM_"):
+            continue
+        for value in key.each("Value"):
+            found = re.search(rb"\S+", content[value.inside : value.end])
+            if found is not None and value.attributes.get("index") in ("0", "1"):
+                start, end = (value.inside + place for place in found.span())
+                yield Splice(start, end, ends[int(value.attributes["index"])])
