@@ -21,6 +21,7 @@ MOST_CHOSEN = len(_CHOSEN)
 # range, a logarithmic axis parts them.
 _MANY, _CROWDED = 50.0, 0.25
 _NOTHING = "#b8bcc4"
+_SHADES = 100  # of dots: more cannot be told apart
 
 
 class CaseColors:
@@ -58,12 +59,11 @@ def dot_colors(axis: Axis, places: np.ndarray) -> tuple[str, ...]:
     """Colour of each of the places (n,) on an axis, grey where there is none."""
     share = np.clip((places - axis.low) / (axis.high - axis.low), 0.0, 1.0)
     knots = np.array(SEQUENTIAL.knots, dtype=float)
-    at = np.linspace(0.0, 1.0, len(knots))
-    rgb = np.rint(np.column_stack([np.interp(np.nan_to_num(share), at, channel) for channel in knots.T]))
-    return tuple(
-        _hex(color) if known else _NOTHING
-        for color, known in zip(rgb.astype(int).tolist(), np.isfinite(share).tolist(), strict=True)
-    )
+    at, wanted = np.linspace(0.0, 1.0, len(knots)), np.linspace(0.0, 1.0, _SHADES)
+    rgb = np.rint(np.column_stack([np.interp(wanted, at, channel) for channel in knots.T])).astype(int)
+    shades = [*map(_hex, rgb.tolist()), _NOTHING]
+    chosen = np.where(np.isfinite(share), np.rint((_SHADES - 1) * np.nan_to_num(share)), _SHADES)
+    return tuple(shades[k] for k in chosen.astype(int).tolist())
 
 
 def plain_colors(count: int) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from apd_viewer.errors import InputError
 from apd_viewer.studies.database import DATABASE
 from apd_viewer.studies.results import read_results
-from apd_viewer.ui.case_studies.result_columns import ResultColumn, columns_of
+from apd_viewer.ui.case_studies.result_columns import ResultColumn, shown_columns
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def _results(folder: Path) -> tuple[Path, ReadResults | str, float]:
     started = time.monotonic()
     try:
         table = read_results(folder)
-        found: ReadResults | str = ReadResults(table, columns_of(table))
+        found: ReadResults | str = ReadResults(table, shown_columns(table))
     except InputError as error:
         found = str(error)
     return folder, found, time.monotonic() - started

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from heapq import nlargest
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,14 +15,17 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import grouped, short, significant
 from apd_viewer.session.posing.motion_text import parsed_motion
-from apd_viewer.studies.results import READINGS
+from apd_viewer.studies.case_file import DONE, FAILED
+from apd_viewer.studies.results import DUPLICATE, READINGS, WAITING, WRONG, status_words
 
 if TYPE_CHECKING:
     from apd_viewer.studies.results import ResultTable
 
-LINE, MOTION = "line", "motion"
+LINE, MOTION, STATUS, SENTENCE = "line", "motion", "status", "sentence"
+_ORDER = (DONE, FAILED, WRONG, DUPLICATE, WAITING)
 _AMOUNT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z%°]*)\s*")
 _MOST_KINDS = 12  # of motions: more columns would hide the rest
+_LONGEST = 20  # texts that are measured: letters differ in their width
 # Handle, word, axis, and which of the amounts.
 _Amount = tuple[int, str, str, int]
 _DEGREES = {"deg": "°"}
@@ -43,6 +48,27 @@ class ReadingWords(NamedTuple):
     whole: bool = False
 
 
+# Titles of a plan's columns; notes have their own.
+_ASKED = {
+    "mesh": tr("Mesh"),
+    "session": tr("Session"),
+    "selection": tr("Selection"),
+    "unit": tr("Unit"),
+    "to": tr("Share of the motion"),
+    "steps": tr("Steps"),
+    "method": tr("Method"),
+    "iterations": tr("Most iterations"),
+    "stiffness": tr("Stiffness"),
+    "area_stiffness": tr("Area stiffness"),
+    "shear_stiffness": tr("Shear stiffness"),
+    "area": tr("Target area"),
+    "volume": tr("Target volume"),
+    "tolerance": tr("Tolerance"),
+    "hold_area": tr("Total area kept"),
+    "calm": tr("Calm parts kept"),
+    "contact": tr("Contact"),
+    "thickness": tr("Thickness"),
+}
 READING_WORDS = {
     "area_error": ReadingWords(tr("Area change"), tr("Of the total area, from rest"), percent=True),
     "volume_error": ReadingWords(tr("Volume change"), tr("Of the enclosed volume, from rest"), percent=True),
@@ -85,6 +111,8 @@ class ResultColumn:
         Behind a number on an axis.
     asked : bool
         Whether it comes from the plan.
+    ranks : (n,) float array or None
+        By which its texts are sorted, if not by the alphabet.
     """
 
     name: str
@@ -94,16 +122,43 @@ class ResultColumn:
     texts: tuple[str, ...]
     suffix: str = ""
     asked: bool = False
+    ranks: np.ndarray | None = None
 
-    @property
+    @cached_property
     def numeric(self) -> bool:
         """True if it has any number."""
         return bool(np.isfinite(self.values).any())
+
+    @cached_property
+    def keys(self) -> np.ndarray:
+        """Numbers (n,) to sort by; NaN where there is none."""
+        if self.numeric:
+            return self.values
+        if self.ranks is not None:
+            return self.ranks
+        places = {text: float(k) for k, text in enumerate(sorted(set(self.texts)))}
+        return np.array([places[text] for text in self.texts])
+
+    @cached_property
+    def longest(self) -> list[str]:
+        """Its texts with most letters, of which one is the widest."""
+        return nlargest(_LONGEST, set(self.texts), key=len)
 
     @property
     def varies(self) -> bool:
         """True if not all are alike."""
         return len(set(self.texts)) > 1
+
+
+def shown_columns(table: ResultTable) -> list[ResultColumn]:
+    """Columns of the table in the window, ready to be sorted and laid out."""
+    line, *found = columns_of(table)
+    asked = [column for column in found if column.asked]
+    readings = [column for column in found if not column.asked]
+    shown = [line, *asked, _statuses(table), *readings, _sentences(table)]
+    for column in shown:
+        _ = column.keys, column.longest
+    return shown
 
 
 def columns_of(table: ResultTable) -> list[ResultColumn]:
@@ -132,8 +187,7 @@ def _plain(name: str, title: str, tip: str, values: Sequence[float]) -> ResultCo
 
 def _asked(name: str, cells: Sequence[str]) -> ResultColumn:
     """Column of a plan; numbers with one unit, or texts."""
-    titles = {"area": tr("Target area"), "volume": tr("Target volume"), "to": tr("Share of the motion")}
-    title = titles.get(name, name.lstrip("#").replace("_", " ").strip().capitalize())
+    title = _ASKED.get(name, name.lstrip("#").replace("_", " ").strip().capitalize())
     tip = tr("Column “{name}” of the plan").format(name=name)
     return _amounts(f"plan {name}", title, tip, cells)
 
@@ -215,3 +269,19 @@ def _writer(words: ReadingWords) -> Callable[[float], str]:
     if words.whole:
         return lambda value: grouped(value, 0)
     return lambda value: significant(value, 4)
+
+
+def _statuses(table: ResultTable) -> ResultColumn:
+    ranks = np.array([_ORDER.index(row.status) for row in table.rows], dtype=float)
+    texts = tuple(status_words(row.status) for row in table.rows)
+    return ResultColumn(STATUS, tr("State"), tr("Of the case"), _no_numbers(texts), texts, ranks=ranks)
+
+
+def _sentences(table: ResultTable) -> ResultColumn:
+    texts = tuple(row.sentence for row in table.rows)
+    tip = tr("Why it failed, or what to know of it")
+    return ResultColumn(SENTENCE, tr("Remark"), tip, _no_numbers(texts), texts)
+
+
+def _no_numbers(texts: Sequence[str]) -> np.ndarray:
+    return np.full(len(texts), np.nan)

@@ -6,13 +6,12 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt
+from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QBrush, QColor
 
-from apd_viewer.language import tr
-from apd_viewer.studies.case_file import DONE, FAILED
-from apd_viewer.studies.results import DUPLICATE, WAITING, WRONG, status_words
-from apd_viewer.ui.case_studies.result_columns import LINE, ResultColumn
+from apd_viewer.studies.case_file import FAILED
+from apd_viewer.studies.results import DUPLICATE, WAITING, WRONG
+from apd_viewer.ui.case_studies.result_columns import LINE, SENTENCE, STATUS, ResultColumn
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
@@ -23,8 +22,6 @@ if TYPE_CHECKING:
 _ROLES = Qt.ItemDataRole
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
-_ORDER = (DONE, FAILED, WRONG, DUPLICATE, WAITING)
-_STATUS, _SENTENCE = "status", "sentence"
 _Index = QModelIndex | QPersistentModelIndex
 
 
@@ -38,7 +35,12 @@ class ResultModel(QAbstractTableModel):
         In the order of the plan.
     order : (n,) int array
         Place in ``rows`` of each row of the table.
+    rows_moving, rows_moved : Signal()
+        Before and after the rows get other places.
     """
+
+    rows_moving = Signal()
+    rows_moved = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -48,18 +50,8 @@ class ResultModel(QAbstractTableModel):
         self.theme: Theme = LIGHT
         self._sorted_by = LINE, Qt.SortOrder.AscendingOrder
 
-    def show_results(self, table: ResultTable, found: list[ResultColumn]) -> None:
-        """Show other results; order, selection and widths stay where the columns do.
-
-        Parameters
-        ----------
-        table : ResultTable
-        found : list of ResultColumn
-            Its columns.
-        """
-        asked = [column for column in found[1:] if column.asked]
-        rest = [column for column in found[1:] if not column.asked]
-        columns = [found[0], *asked, _statuses(table), *rest, _sentences(table)]
+    def show_results(self, table: ResultTable, columns: list[ResultColumn]) -> None:
+        """Show other results; order, selection and widths stay where the columns do."""
         alike = len(table.rows) == len(self.rows) and [c.name for c in columns] == [
             c.name for c in self.columns
         ]
@@ -74,7 +66,8 @@ class ResultModel(QAbstractTableModel):
 
     @contextmanager
     def _moving_rows(self) -> Iterator[None]:
-        """Arrange the rows anew, and have selections go along."""
+        """Arrange the rows anew, and have the current one go along."""
+        self.rows_moving.emit()
         self.layoutAboutToBeChanged.emit()
         before, held = self.order, self.persistentIndexList()
         yield
@@ -83,11 +76,12 @@ class ResultModel(QAbstractTableModel):
         moved = [self.index(int(place[before[each.row()]]), each.column()) for each in held]
         self.changePersistentIndexList(held, moved)
         self.layoutChanged.emit()
+        self.rows_moved.emit()
 
     @property
     def numeric(self) -> list[ResultColumn]:
         """Columns with numbers, but for the line."""
-        return [column for column in self.columns[1:] if column.numeric and column.name != _STATUS]
+        return [column for column in self.columns[1:] if column.numeric]
 
     def _arrange(self) -> None:
         name, way = self._sorted_by
@@ -95,12 +89,7 @@ class ResultModel(QAbstractTableModel):
         self.order = np.arange(len(self.rows))
         if column is None:
             return
-        if column.numeric:
-            keys = column.values if way is Qt.SortOrder.AscendingOrder else -column.values
-        else:
-            places = {text: k for k, text in enumerate(sorted(set(column.texts)))}
-            keys = np.array([places[text] for text in column.texts], dtype=float)
-            keys = keys if way is Qt.SortOrder.AscendingOrder else -keys
+        keys = column.keys if way is Qt.SortOrder.AscendingOrder else -column.keys
         self.order = np.argsort(keys, kind="stable")  # what has no number comes last
 
     # Qt's
@@ -119,7 +108,7 @@ class ResultModel(QAbstractTableModel):
         if role == _ROLES.DisplayRole:
             return column.texts[k]
         if role == _ROLES.TextAlignmentRole:
-            return _RIGHT if column.numeric and column.name != _STATUS else _LEFT
+            return _RIGHT if column.numeric else _LEFT
         if role == _ROLES.ToolTipRole:
             return self.rows[k].sentence or None
         if role == _ROLES.ForegroundRole:
@@ -127,7 +116,7 @@ class ResultModel(QAbstractTableModel):
         return None
 
     def _ink(self, status: str, column: str) -> QBrush | None:
-        if status in (FAILED, WRONG) and column in (_STATUS, _SENTENCE):
+        if status in (FAILED, WRONG) and column in (STATUS, SENTENCE):
             return QBrush(QColor(self.theme.warm))
         return QBrush(QColor(self.theme.quiet)) if status in (WAITING, DUPLICATE) else None
 
@@ -137,7 +126,7 @@ class ResultModel(QAbstractTableModel):
             return None
         column = self.columns[section]
         if role == _ROLES.TextAlignmentRole:
-            return _RIGHT if column.numeric and column.name != _STATUS else _LEFT
+            return _RIGHT if column.numeric else _LEFT
         return {_ROLES.DisplayRole: self._titled(column), _ROLES.ToolTipRole: column.tip}.get(_ROLES(role))
 
     def _titled(self, column: ResultColumn) -> str:
@@ -153,16 +142,3 @@ class ResultModel(QAbstractTableModel):
         with self._moving_rows():
             self._sorted_by = self.columns[column].name, order
         self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(self.columns) - 1)
-
-
-def _statuses(table: ResultTable) -> ResultColumn:
-    order = np.array([_ORDER.index(row.status) for row in table.rows], dtype=float)
-    return ResultColumn(
-        _STATUS, tr("State"), tr("Of the case"), order, tuple(status_words(row.status) for row in table.rows)
-    )
-
-
-def _sentences(table: ResultTable) -> ResultColumn:
-    nothing = np.full(len(table.rows), np.nan)
-    texts = tuple(row.sentence for row in table.rows)
-    return ResultColumn(_SENTENCE, tr("Remark"), tr("Why it failed, or what to know of it"), nothing, texts)

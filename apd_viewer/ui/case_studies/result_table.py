@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QItemSelection, QItemSelectionModel, QModelIndex, Qt, Signal
+import numpy as np
+from PySide6.QtCore import (
+    QItemSelection,
+    QItemSelectionModel,
+    QItemSelectionRange,
+    QModelIndex,
+    QSignalBlocker,
+    Qt,
+    Signal,
+)
 from PySide6.QtGui import QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QAbstractItemView, QFrame, QHeaderView, QTableView
 
@@ -17,6 +26,7 @@ if TYPE_CHECKING:
 
 _ROW = 24  # px
 _WIDEST, _NARROWEST = 360, 48
+_PAD = 18  # px, left and right of a text
 # With these a click adds rows to the chosen ones.
 _MORE = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
 _SELECTION = QItemSelectionModel.SelectionFlag
@@ -43,6 +53,7 @@ class ResultsView(QTableView):
     def __init__(self, model: ResultModel) -> None:
         super().__init__(objectName="results", accessibleName=tr("Results of the study"))
         self._results, self._chooses = model, False
+        self._held: list[int] = []
         self.setModel(model)
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
@@ -57,19 +68,35 @@ class ResultsView(QTableView):
         across, down = self.horizontalHeader(), self.verticalHeader()
         across.setSortIndicator(0, Qt.SortOrder.AscendingOrder)
         across.setHighlightSections(False)
+        # One of its own, always empty: to draw itself it would ask for each chosen row.
+        across.setSelectionModel(QItemSelectionModel(model, self))
         across.setMinimumSectionSize(_NARROWEST)
         across.setSectionsMovable(True)
         down.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
         down.setDefaultSectionSize(_ROW)
         down.hide()
         model.modelReset.connect(self._fit)
+        model.rows_moving.connect(self._hold)
+        model.rows_moved.connect(self._hold_no_more)
         self.clicked.connect(self._click)
 
     def _fit(self) -> None:
-        """Give each column the width of its contents."""
-        self.resizeColumnsToContents()
-        for k in range(self._results.columnCount()):
-            self.setColumnWidth(k, min(self.columnWidth(k) + 8, _WIDEST))
+        """Give each column the width of its title and its texts."""
+        metrics, head = self.fontMetrics(), self.horizontalHeader()
+        for k, column in enumerate(self._results.columns):
+            widest = max(map(metrics.horizontalAdvance, column.longest), default=0) + _PAD
+            self.setColumnWidth(k, min(max(widest, head.sectionSizeHint(k)) + 8, _WIDEST))
+
+    def _hold(self) -> None:
+        """Remember the chosen rows: Qt would take seconds to move 5,000 of them."""
+        self._held = self.rows
+        with QSignalBlocker(self.selectionModel()):
+            self.selectionModel().clearSelection()
+
+    def _hold_no_more(self) -> None:
+        """Choose the same rows at their other places."""
+        with QSignalBlocker(self.selectionModel()):
+            self._select(self._held, _SELECTION.Select)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Remember whether more rows are chosen."""
@@ -98,19 +125,34 @@ class ResultsView(QTableView):
     @property
     def rows(self) -> list[int]:
         """Chosen rows of the plan, from 0, in the order of the table."""
-        found = self.selectionModel().selectedRows() if self.selectionModel() else []
-        return [int(self._results.order[index.row()]) for index in found]
+        # By ranges: an index for each of 10,000 rows takes half a second.
+        selection, order = self.selectionModel().selection(), self._results.order
+        parts = map(selection.at, range(selection.count()))
+        places = sorted({(part.top(), part.bottom() + 1) for part in parts})
+        return [int(k) for first, end in places for k in order[first:end]]
 
     def choose(self, rows: Sequence[int]) -> None:
         """Choose rows of the plan; show the last."""
-        places = {int(k): place for place, k in enumerate(self._results.order)}
-        last = self._results.columnCount() - 1
-        selection = QItemSelection()
+        self._select(rows, _SELECTION.ClearAndSelect)
+        self._show(rows[-1:])
+
+    def toggle(self, row: int) -> None:
+        """Choose a row of the plan besides the others, or no longer."""
+        self._select([row], _SELECTION.Toggle)
+        self._show([row])
+
+    def _show(self, rows: Sequence[int]) -> None:
+        """Scroll to a row of the plan, and make it the current one."""
         for row in rows:
-            first = self._results.index(places[row], 0)
-            selection.select(first, self._results.index(places[row], last))
-        self.selectionModel().select(selection, _SELECTION.ClearAndSelect)
-        if rows:
-            shown = self._results.index(places[rows[-1]], 0)
+            shown = self._results.index(int(np.flatnonzero(self._results.order == row)[0]), 0)
             self.selectionModel().setCurrentIndex(shown, _SELECTION.NoUpdate)
             self.scrollTo(shown)
+
+    def _select(self, rows: Sequence[int], how: QItemSelectionModel.SelectionFlag) -> None:
+        """Select rows of the plan; those below each other as one range."""
+        index, last = self._results.index, self._results.columnCount() - 1
+        places = np.sort(np.argsort(self._results.order)[list(rows)])
+        selection = QItemSelection()
+        for part in np.split(places, np.flatnonzero(np.diff(places) > 1) + 1) if len(places) else []:
+            selection.append(QItemSelectionRange(index(int(part[0]), 0), index(int(part[-1]), last)))
+        self.selectionModel().select(selection, how)

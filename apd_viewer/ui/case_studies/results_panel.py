@@ -156,14 +156,11 @@ class ResultsPanel(QWidget):
 
     def _pick(self, row: int, more: bool) -> None:
         """Choose the row of a dot, or add it; open it alone."""
-        rows = self.table.rows
-        if not more:
+        if more:
+            self.table.toggle(row)
+        else:
             self.table.choose([row])
             self.case_asked.emit(row)
-        elif row in rows:
-            self.table.choose([each for each in rows if each != row])
-        else:
-            self.table.choose([*rows, row])
 
     def _show_folder(self) -> None:
         if self.folder is not None:

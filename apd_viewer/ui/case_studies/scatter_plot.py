@@ -2,87 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPoint, QPointF, QSize, Qt, Signal
-from PySide6.QtGui import QHelpEvent, QMouseEvent
-from PySide6.QtWidgets import QGridLayout, QLabel, QToolTip, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.studies.case_file import FAILED
 from apd_viewer.ui.case_studies.case_colors import axis_of, dot_colors, plain_colors, ramp_colors
 from apd_viewer.ui.case_studies.column_choice import ColumnChoice
 from apd_viewer.ui.plots.chart import Chart, Dots, Ramp
-from apd_viewer.ui.plots.plots import ChartView, ChartWords
+from apd_viewer.ui.plots.scatter_view import ScatterView
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from apd_viewer.ui.case_studies.result_columns import ResultColumn
     from apd_viewer.ui.case_studies.result_model import ResultModel
-
-_NEAR = 10.0  # px
-_LOWEST = QSize(200, 120)
-
-
-class ScatterView(ChartView):
-    """Chart with dots to be clicked.
-
-    Parameters
-    ----------
-    chart : callable
-    about : callable
-        Words on a dot, by its number.
-
-    Attributes
-    ----------
-    picked : Signal(int, bool)
-        The number of a dot, and whether it is added to what is chosen.
-    """
-
-    picked = Signal(int, bool)
-
-    def __init__(self, chart: Callable[[], Chart], about: Callable[[int], str]) -> None:
-        super().__init__(ChartWords(tr("Scatter plot"), ""), chart)
-        self._about = about
-        self.setMouseTracking(True)
-        self.setMinimumSize(_LOWEST)
-
-    def places(self) -> np.ndarray:
-        """Dots in pixels, (n, 2); NaN where there is none."""
-        dots = self.chart().dots
-        if self.field is None or dots is None:
-            return np.empty((0, 2))
-        return self.field.places(dots.x, dots.y)
-
-    def dot_at(self, at: QPoint | QPointF) -> int | None:
-        """Number of the nearest dot around a point; None if none is near."""
-        places = self.places()
-        away = np.hypot(*(places - [at.x(), at.y()]).T)
-        if not np.isfinite(away).any():
-            return None
-        nearest = int(np.nanargmin(away))
-        return nearest if away[nearest] < _NEAR else None
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Pick the dot under the cursor."""
-        dot = self.dot_at(event.position())
-        if dot is not None and event.button() is Qt.MouseButton.LeftButton:
-            more = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
-            self.picked.emit(dot, bool(event.modifiers() & more))
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Show by the cursor what a click would do."""
-        near = self.dot_at(event.position()) is not None
-        self.setCursor(Qt.CursorShape.PointingHandCursor if near else Qt.CursorShape.ArrowCursor)
-
-    def event(self, event: QEvent) -> bool:
-        """Tell what is under the cursor."""
-        if isinstance(event, QHelpEvent) and event.type() is QEvent.Type.ToolTip:
-            dot = self.dot_at(event.pos())
-            QToolTip.showText(event.globalPos(), "" if dot is None else self._about(dot), self)
-            return True
-        return super().event(event)
 
 
 class ScatterPlot(QWidget):
@@ -101,7 +37,6 @@ class ScatterPlot(QWidget):
     def __init__(self, model: ResultModel) -> None:
         super().__init__()
         self._model = model
-        self._rings: Mapping[int, str] = {}
         self._drawn: Chart | None = None
         self.upright = ColumnChoice(tr("Upright axis"))
         self.across = ColumnChoice(tr("Axis across"))
@@ -121,7 +56,7 @@ class ScatterPlot(QWidget):
             label.setBuddy(choice)
             head.addWidget(label, 0, 2 * k)
             head.addWidget(choice, 0, 2 * k + 1)
-            head.setColumnStretch(2 * k + 1, 1)
+        head.setColumnStretch(head.columnCount(), 1)
         column = QVBoxLayout(self, spacing=0)
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(head)
@@ -140,8 +75,8 @@ class ScatterPlot(QWidget):
 
     def mark(self, rings: Mapping[int, str]) -> None:
         """Mark rows of the plan by rings of these colours."""
-        self._rings = rings
-        self.redraw()
+        self.view.rings = rings
+        self.view.update()
 
     def redraw(self) -> None:
         """Draw anew."""
@@ -171,7 +106,6 @@ class ScatterPlot(QWidget):
             np.where(failed, np.nan, at_y),
             colors,
             crosses[np.isfinite(crosses).all(axis=1)],
-            tuple(self._rings.items()),
         )
         return Chart("", x=across, y=upright, dots=dots, ramp=ramp)
 

@@ -43,15 +43,12 @@ class Dots:
         #rrggbb.
     crosses : (m, 2) float array
         Places of crosses, for what has no result.
-    rings : tuple of (int, str)
-        Points that are marked, each by a ring of a colour.
     """
 
     x: np.ndarray
     y: np.ndarray
     colors: tuple[str, ...]
     crosses: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
-    rings: tuple[tuple[int, str], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -5,19 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF
-from PySide6.QtGui import QColor, QFontMetricsF, QLinearGradient, QPainter, QPen
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QFontMetricsF, QLinearGradient, QPainter, QPen, QPixmap
 
 from apd_viewer.ui.widgets.theme import LIGHT
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from apd_viewer.ui.plots.chart import Dots, Ramp
     from apd_viewer.ui.widgets.theme import Theme
 
+    # Points (n, 2) on the axes in pixels, of their numbers across and upwards.
+    Places = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
 # Pixels.
 DOT = 4.0
+_HALF = 5.0  # side of the stamp of a dot
 _RING = 7.0
 _CROSS = 3.5
 _BAR, _GAP, _TICK_ROOM = 10.0, 6.0, 26.0
@@ -29,30 +33,57 @@ def ink_of(theme: Theme, color: str) -> QColor:
     return QColor(color if color.startswith("#") else getattr(theme, color))
 
 
-def draw_dots(
-    painter: QPainter, dots: Dots, places: Callable[[np.ndarray, np.ndarray], np.ndarray], theme: Theme
-) -> None:
-    """Draw dots, crosses and rings; ``places`` tells points on the axes in pixels."""
+def draw_dots(painter: QPainter, dots: Dots, places: Places, theme: Theme) -> None:
+    """Draw dots and crosses.
+
+    A dot is a stamp at whole pixels: 10,000 take 6 ms, and as ellipses 44.
+    """
     painter.save()
     painter.setPen(QPen(QColor(theme.warm), 1.5))
     for x, y in places(*dots.crosses.T).tolist():
         for way in (_CROSS, -_CROSS):
             painter.drawLine(QPointF(x - _CROSS, y - way), QPointF(x + _CROSS, y + way))
-    at = places(dots.x, dots.y)
-    seen = np.isfinite(at).all(axis=1)
-    painter.setPen(QPen(_rim(theme), 1.0))
-    for k in np.flatnonzero(seen).tolist():
-        painter.setBrush(QColor(dots.colors[k]))
-        painter.drawEllipse(QPointF(*at[k].tolist()), DOT, DOT)
-    for k, color in dots.rings:
-        if seen[k]:
-            painter.setBrush(QColor(dots.colors[k]))
-            painter.setPen(QPen(_rim(theme), 1.0))
-            painter.drawEllipse(QPointF(*at[k].tolist()), DOT, DOT)
-            painter.setBrush(QColor(0, 0, 0, 0))
-            painter.setPen(QPen(ink_of(theme, color), 2.5))
-            painter.drawEllipse(QPointF(*at[k].tolist()), _RING, _RING)
+    scale = painter.device().devicePixelRatioF()
+    stamps = {color: _stamp(color, scale, theme) for color in set(dots.colors)}
+    at = _at_pixels(places(dots.x, dots.y), scale)
+    for k in np.flatnonzero(np.isfinite(at).all(axis=1)).tolist():
+        x, y = at[k].tolist()
+        painter.drawPixmap(QPointF(x - _HALF, y - _HALF), stamps[dots.colors[k]])
     painter.restore()
+
+
+def draw_rings(painter: QPainter, dots: Dots, rings: Mapping[int, str], places: Places, theme: Theme) -> None:
+    """Draw rings of these colours around dots, and these above the others."""
+    painter.save()
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    scale = painter.device().devicePixelRatioF()
+    marked = list(rings)
+    at = _at_pixels(places(dots.x[marked], dots.y[marked]), scale)
+    for k, (x, y) in zip(marked, at.tolist(), strict=True):
+        if np.isfinite([x, y]).all():
+            painter.drawPixmap(QPointF(x - _HALF, y - _HALF), _stamp(dots.colors[k], scale, theme))
+            painter.setPen(QPen(ink_of(theme, rings[k]), 2.5))
+            painter.drawEllipse(QPointF(x, y), _RING, _RING)
+    painter.restore()
+
+
+def _at_pixels(at: np.ndarray, scale: float) -> np.ndarray:
+    """Points (n, 2) moved to whole pixels of a screen of this scale."""
+    return np.asarray(np.rint(scale * at) / scale)
+
+
+def _stamp(color: str, scale: float, theme: Theme) -> QPixmap:
+    """Picture of a dot for a screen of this scale."""
+    stamp = QPixmap(QSize(round(2 * _HALF * scale), round(2 * _HALF * scale)))
+    stamp.setDevicePixelRatio(scale)
+    stamp.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(stamp)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(QPen(_rim(theme), 1.0))
+    painter.setBrush(QColor(color))
+    painter.drawEllipse(QPointF(_HALF, _HALF), DOT, DOT)
+    painter.end()
+    return stamp
 
 
 def _rim(theme: Theme) -> QColor:

@@ -294,7 +294,7 @@ def test_a_dot_is_clicked_and_control_adds_curves(qtbot, bar, results):
     chart = results.curves.view.chart()
     assert [len(curve.x) for curve in chart.curves] == [3, 3]
     assert chart.curves[1].x[-1] == pytest.approx(100.0)
-    rings = dict(view.chart().dots.rings)
+    rings = dict(view.rings)
     assert [rings[5], rings[last]] == [curve.color for curve in chart.curves]
     results.table.choose([last])
     assert results.curves.view.chart().curves[0].color == rings[last], "a case keeps its colour"

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from apd_viewer.studies.plans.plan_columns import COLUMNS
 from apd_viewer.studies.results import ResultRow, ResultTable
 from apd_viewer.ui.case_studies.case_colors import CaseColors, axis_of, dot_colors
-from apd_viewer.ui.case_studies.result_columns import columns_of
+from apd_viewer.ui.case_studies.result_columns import _ASKED, MOTION, columns_of, shown_columns
 
 
 def table(columns, *rows):
@@ -86,3 +87,23 @@ def test_colours_stay_with_their_cases():
     assert second[9] == first[9]
     assert second[1] != second[9]
     assert len(set(colors.of(range(30)).values())) == len(colors.of(range(30))) == 8
+
+
+def test_states_are_sorted_by_what_they_mean_and_texts_by_the_alphabet():
+    states = ("waiting", "failed", "done", "duplicate", "wrong")
+    rows = tuple(
+        ResultRow(k + 2, f"key{k}", (f"#{9 - k}",), status, f"sentence {k % 2}", {"energy": 1.0})
+        for k, status in enumerate(states)
+    )
+    found = {column.name: column for column in shown_columns(ResultTable(("#note",), rows))}
+    assert not found["status"].numeric
+    order = [states[k] for k in np.argsort(found["status"].keys)]
+    assert order == ["done", "failed", "wrong", "duplicate", "waiting"]
+    assert np.argsort(found["plan #note"].keys).tolist() == [4, 3, 2, 1, 0]
+    assert found["line"].keys.tolist() == [2.0, 3.0, 4.0, 5.0, 6.0]
+    assert list(found)[:3] == ["line", "plan #note", "status"]
+    assert list(found)[-1] == "sentence"
+
+
+def test_each_column_of_a_plan_has_a_title_that_can_be_translated():
+    assert set(_ASKED) | {MOTION} == set(COLUMNS)

@@ -1,0 +1,104 @@
+"""View of a scatter plot: dots to be clicked, some of them marked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QHelpEvent, QMouseEvent, QPainter, QPaintEvent, QPixmap
+from PySide6.QtWidgets import QToolTip
+
+from apd_viewer.language import tr
+from apd_viewer.ui.plots.chart import Chart
+from apd_viewer.ui.plots.chart_drawing import draw_chart
+from apd_viewer.ui.plots.dots_drawing import draw_rings
+from apd_viewer.ui.plots.plots import ChartView, ChartWords
+
+_NEAR = 10.0  # px
+_LOWEST = QSize(200, 120)
+
+
+class ScatterView(ChartView):
+    """Chart with dots to be clicked.
+
+    Parameters
+    ----------
+    chart : callable
+    about : callable
+        Words on a dot, by its number.
+
+    Attributes
+    ----------
+    rings : mapping of int to str
+        Marked dots, each by a ring of a colour.
+    picked : Signal(int, bool)
+        The number of a dot, and whether it is added to what is chosen.
+    """
+
+    picked = Signal(int, bool)
+
+    def __init__(self, chart: Callable[[], Chart], about: Callable[[int], str]) -> None:
+        super().__init__(ChartWords(tr("Scatter plot"), ""), chart)
+        self._about = about
+        self.rings: Mapping[int, str] = {}
+        self._drawn: tuple[tuple[object, ...], QPixmap] | None = None
+        self.setMouseTracking(True)
+        self.setMinimumSize(_LOWEST)
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw the rings above a picture of all the rest, which is kept."""
+        chart, scale = self.chart(), self.devicePixelRatioF()
+        made_of = chart, self.theme, self.size(), scale, self.font()
+        if self._drawn is None or self._drawn[0] != made_of:
+            self._drawn = made_of, self._picture(chart, scale)
+        painter = QPainter(self)
+        painter.drawPixmap(0, 0, self._drawn[1])
+        if chart.dots is not None and self.field is not None:
+            draw_rings(painter, chart.dots, self.rings, self.field.places, self.theme)
+        painter.end()
+
+    def _picture(self, chart: Chart, scale: float) -> QPixmap:
+        picture = QPixmap(self.size() * scale)
+        picture.setDevicePixelRatio(scale)
+        picture.fill(QColor(self.theme.panel))
+        painter = QPainter(picture)
+        self.field = draw_chart(painter, QRectF(self.rect()), chart, self.theme, self.font())
+        painter.end()
+        return picture
+
+    def places(self) -> np.ndarray:
+        """Dots in pixels, (n, 2); NaN where there is none."""
+        dots = self.chart().dots
+        if self.field is None or dots is None:
+            return np.empty((0, 2))
+        return self.field.places(dots.x, dots.y)
+
+    def dot_at(self, at: QPoint | QPointF) -> int | None:
+        """Number of the nearest dot around a point; None if none is near."""
+        places = self.places()
+        away = np.hypot(*(places - [at.x(), at.y()]).T)
+        if not np.isfinite(away).any():
+            return None
+        nearest = int(np.nanargmin(away))
+        return nearest if away[nearest] < _NEAR else None
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Pick the dot under the cursor."""
+        dot = self.dot_at(event.position())
+        if dot is not None and event.button() is Qt.MouseButton.LeftButton:
+            more = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
+            self.picked.emit(dot, bool(event.modifiers() & more))
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Show by the cursor what a click would do."""
+        near = self.dot_at(event.position()) is not None
+        self.setCursor(Qt.CursorShape.PointingHandCursor if near else Qt.CursorShape.ArrowCursor)
+
+    def event(self, event: QEvent) -> bool:
+        """Tell what is under the cursor."""
+        if isinstance(event, QHelpEvent) and event.type() is QEvent.Type.ToolTip:
+            dot = self.dot_at(event.pos())
+            QToolTip.showText(event.globalPos(), "" if dot is None else self._about(dot), self)
+            return True
+        return super().event(event)
