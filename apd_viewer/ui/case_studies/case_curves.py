@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QSize
-from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
@@ -16,7 +16,6 @@ from apd_viewer.presentation.axis import linear, rounded
 from apd_viewer.studies.case_file import DONE, read_case
 from apd_viewer.ui.case_studies.column_choice import ColumnChoice
 from apd_viewer.ui.case_studies.result_columns import ResultColumn, words_of
-from apd_viewer.ui.panel.statusbar import Hint
 from apd_viewer.ui.plots.chart import Chart, Curve
 from apd_viewer.ui.plots.plots import ChartView, ChartWords
 
@@ -69,10 +68,9 @@ class CaseCurves(QWidget):
         self.view.setMinimumSize(_LOWEST)
         head = QHBoxLayout(spacing=6)
         head.setContentsMargins(8, 4, 8, 0)
-        head.addWidget(self.reading, 2)
-        along = Hint(tr("by motion"), objectName="quiet")
-        along.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        head.addWidget(along, 1)
+        head.addWidget(self.reading)
+        head.addWidget(QLabel(tr("by motion"), objectName="quiet"))
+        head.addStretch(1)
         column = QVBoxLayout(self, spacing=0)
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(head)

@@ -13,7 +13,7 @@ from apd_viewer.ui.widgets.fields import Choice
 if TYPE_CHECKING:
     from apd_viewer.ui.case_studies.result_columns import ResultColumn
 
-_NARROWEST = 72  # px
+_NARROWEST, _AROUND = 72, 44  # px, of a choice and around its title
 
 
 class ColumnChoice(Choice):
@@ -47,6 +47,7 @@ class ColumnChoice(Choice):
     def _tell(self) -> None:
         """Tell the whole title where there is no room for it."""
         self.setToolTip(f"{self.accessibleName()}: {self.currentText()}")
+        self.updateGeometry()
 
     @property
     def name(self) -> str:
@@ -71,6 +72,11 @@ class ColumnChoice(Choice):
         widest = self.view().sizeHintForColumn(0) if self.count() else 0
         self.view().setMinimumWidth(widest + 24)
         self._tell()
+
+    def sizeHint(self) -> QSize:
+        """Room for the chosen title, and not for the longest."""
+        text = self.fontMetrics().horizontalAdvance(self.currentText())
+        return QSize(max(_NARROWEST, text + _AROUND), super().sizeHint().height())
 
     def minimumSizeHint(self) -> QSize:
         """A few letters: the list shows the whole."""

@@ -9,11 +9,9 @@ from PySide6.QtCore import QSize, Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices, QResizeEvent
 from PySide6.QtWidgets import (
     QHBoxLayout,
-    QLabel,
     QProgressBar,
     QPushButton,
     QSizePolicy,
-    QSplitter,
     QVBoxLayout,
     QWidget,
 )
@@ -26,14 +24,16 @@ from apd_viewer.ui.case_studies.result_table import ResultsView
 from apd_viewer.ui.case_studies.scatter_plot import ScatterPlot
 from apd_viewer.ui.case_studies.study_status import StudyStatus
 from apd_viewer.ui.panel.statusbar import Hint
+from apd_viewer.ui.widgets.side_by_side import ShownPart, SideBySide
 
 if TYPE_CHECKING:
     from apd_viewer.ui.case_studies.folder_watch import ReadResults
     from apd_viewer.ui.widgets.theme import Theme
 
 _SCALE = 1000
-_SIZE, _SMALLEST = QSize(960, 320), QSize(320, 160)
-_TABLE, _PLOT, _CURVES = 46, 30, 24  # shares of the width
+_SMALLEST, _NARROWEST = QSize(320, 160), 72  # px, of it and of the name of a study
+# Of the window, at first: the mesh is more important.
+_WIDTH, _SHARE, _LOWEST, _HIGHEST = 960, 0.3, 210, 420
 
 
 class ResultsPanel(QWidget):
@@ -67,6 +67,13 @@ class ResultsPanel(QWidget):
         self.table = ResultsView(self.model)
         self.scatter = ScatterPlot(self.model)
         self.curves = CaseCurves(self.model)
+        self.parts = SideBySide(
+            (
+                ShownPart(tr("Table"), self.table, 40),
+                ShownPart(tr("Plot"), self.scatter, 36),
+                ShownPart(tr("Curves"), self.curves, 24),
+            )
+        )
         self.table.chosen.connect(self._choose)
         self.table.opened.connect(self.case_asked)
         self.scatter.view.picked.connect(self._pick)
@@ -75,7 +82,7 @@ class ResultsPanel(QWidget):
 
     def _lay_out(self) -> None:
         self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
-        self.name = QLabel(objectName="heading")
+        self.name = Hint(objectName="heading", margin=8, minimumWidth=_NARROWEST)
         self.words = Hint(objectName="quiet")
         self.words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.go_on = QPushButton(tr("Continue"), toolTip=tr("Compute the cases that are missing"))
@@ -87,20 +94,17 @@ class ResultsPanel(QWidget):
         self.open.clicked.connect(self.open_asked)
         self.show_folder.clicked.connect(self._show_folder)
         head = QHBoxLayout(spacing=8)
-        head.setContentsMargins(12, 4, 8, 4)
+        head.setContentsMargins(4, 4, 8, 4)
         head.addWidget(self.name)
+        head.addWidget(self.parts.tabs)
         head.addWidget(self.words, 1)
         for button in (self.go_on, self.stop, self.show_folder, self.open):
             head.addWidget(button)
-        self.splitter = QSplitter(childrenCollapsible=False, handleWidth=5)
-        for part, share in ((self.table, _TABLE), (self.scatter, _PLOT), (self.curves, _CURVES)):
-            self.splitter.addWidget(part)
-            self.splitter.setStretchFactor(self.splitter.count() - 1, share)
         column = QVBoxLayout(self, spacing=0)
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(head)
         column.addWidget(self.bar)
-        column.addWidget(self.splitter, 1)
+        column.addWidget(self.parts, 1)
 
     # What is shown
 
@@ -146,6 +150,7 @@ class ResultsPanel(QWidget):
             else tr("Finish the running cases, and start no more; Continue goes on")
         )
         self.show_folder.setVisible(self.folder is not None)
+        self.open.setVisible(self.folder is None)
 
     # Choosing cases
 
@@ -178,7 +183,7 @@ class ResultsPanel(QWidget):
 
     def sizeHint(self) -> QSize:
         """Height for a readable table below a larger canvas."""
-        return _SIZE
+        return QSize(_WIDTH, round(min(_HIGHEST, max(_LOWEST, _SHARE * self.window().height()))))
 
     def minimumSizeHint(self) -> QSize:
         """As narrow as a column beside the canvas."""
@@ -187,7 +192,4 @@ class ResultsPanel(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Arrange the parts by the aspect of the dock."""
         super().resizeEvent(event)
-        wide = self.width() > self.height()
-        way = Qt.Orientation.Horizontal if wide else Qt.Orientation.Vertical
-        if self.splitter.orientation() != way:
-            self.splitter.setOrientation(way)
+        self.parts.arrange(self.size())

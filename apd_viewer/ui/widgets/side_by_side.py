@@ -1,0 +1,76 @@
+"""Parts beside each other, or behind tabs in a narrow room."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import NamedTuple
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtWidgets import QHBoxLayout, QSplitter, QToolButton, QWidget
+
+_WIDE = 1000  # px, for all parts in a row
+
+
+class ShownPart(NamedTuple):
+    """A part: its title on a tab, its widget, its share of the width."""
+
+    title: str
+    widget: QWidget
+    share: int
+
+
+class SideBySide(QSplitter):
+    """Parts in a row, in a column, or one at a time.
+
+    Parameters
+    ----------
+    parts : sequence of ShownPart
+
+    Attributes
+    ----------
+    tabs : QWidget
+        A row of buttons, for its owner to place; hidden where all parts are shown.
+    buttons : list of QToolButton
+    """
+
+    def __init__(self, parts: Sequence[ShownPart]) -> None:
+        super().__init__(childrenCollapsible=False, handleWidth=5)
+        self._parts, self._chosen, self._one = parts, 0, False
+        self.tabs = QWidget(visible=False)
+        row = QHBoxLayout(self.tabs, spacing=2)
+        row.setContentsMargins(0, 0, 0, 0)
+        self.buttons = [QToolButton(text=part.title, checkable=True, objectName="choice") for part in parts]
+        for k, (part, button) in enumerate(zip(parts, self.buttons, strict=True)):
+            self.addWidget(part.widget)
+            self.setStretchFactor(k, part.share)
+            button.setAutoExclusive(True)
+            button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+            button.clicked.connect(partial(self.choose, k))
+            row.addWidget(button)
+        self.buttons[0].setChecked(True)
+        self._share()
+
+    def _share(self) -> None:
+        self.setSizes([_WIDE * part.share for part in self._parts])
+
+    def choose(self, number: int) -> None:
+        """Show a part, where only one is shown."""
+        self._chosen = number
+        self._follow()
+
+    def arrange(self, room: QSize) -> None:
+        """Arrange the parts for a room of this size."""
+        tall = room.height() > room.width()
+        way = Qt.Orientation.Vertical if tall else Qt.Orientation.Horizontal
+        one = not tall and room.width() < _WIDE
+        if way != self.orientation() or one != self._one:
+            self._one = one
+            self.setOrientation(way)
+            self._follow()
+            self._share()
+
+    def _follow(self) -> None:
+        self.tabs.setVisible(self._one)
+        for k, part in enumerate(self._parts):
+            part.widget.setVisible(not self._one or k == self._chosen)
