@@ -109,7 +109,7 @@ def read_case(folder: Path, key: str, shape: bool = False) -> CaseResult:
     try:
         return unpacked(path.read_bytes(), shape)
     except OSError as error:
-        raise InputError(tr("This case is not done yet; wait until it is.")) from error
+        raise InputError(tr("This case is not done yet, or its study was moved; open it again.")) from error
     except ValueError as error:
         raise InputError(tr("{name} is damaged; run the study again.").format(name=path.name)) from error
 

@@ -1,14 +1,12 @@
 """A real scheduler of Dask and two workers over TCP: the same bits, deaths, files that travel."""
 
-import os
-import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import study_work
+from dask_cluster import dask_cluster
 
 from apd_viewer.errors import InputError
 from apd_viewer.studies.case_document import OpenedMeshes
@@ -19,8 +17,6 @@ from apd_viewer.studies.study import Study
 from apd_viewer.studies.worker import work
 
 pytest.importorskip("distributed")
-ROOT = Path(__file__).parents[2]
-SUPPORT = ROOT / "tests" / "support"
 # A file descriptor that Dask closes late is no fault of ours.
 pytestmark = [
     pytest.mark.filterwarnings("ignore::ResourceWarning:distributed"),
@@ -31,27 +27,8 @@ pytestmark = [
 @pytest.fixture(scope="module")
 def scheduler(tmp_path_factory):
     """The file of a scheduler that was started by hand, with two workers, without any setting."""
-    folder = tmp_path_factory.mktemp("dask")
-    file = folder / "scheduler.json"
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join(map(str, (ROOT, SUPPORT))),
-        "DEADLY_ONCE": str(folder / "once"),
-    }
-    quiet = {"env": environment, "cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    dask = [sys.executable, "-m", "dask"]
-    words = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", file]
-    started = [subprocess.Popen([*dask, "scheduler", *map(str, words)], **quiet)]
-    worker = [*dask, "worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-dashboard"]
-    started += [subprocess.Popen(worker, **quiet) for _ in range(2)]
-    end = time.monotonic() + 60.0
-    while not file.exists() and time.monotonic() < end:
-        time.sleep(0.1)
-    yield file
-    for process in started[::-1]:
-        process.terminate()
-    for process in started:
-        process.wait()
+    with dask_cluster(tmp_path_factory.mktemp("dask"), 2) as file:
+        yield file
 
 
 @pytest.fixture

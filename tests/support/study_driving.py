@@ -1,7 +1,8 @@
 """Driving a dialog that runs a command."""
 
-from driving import Mouse, centre, idle
+from driving import LEFT, Mouse, centre, idle
 from meshes import box, ends
+from PySide6.QtCore import QPointF, Qt
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 
@@ -30,3 +31,31 @@ def open_bar(qtbot, window):
     window.session.painting.paint(base, 0)
     window.session.painting.paint(handle, 2)
     window.session.painting.end_stroke("Paint")
+
+
+def finished(window, count):
+    """Whether the study runs no more, and so many of its cases are done."""
+    panel = window.case_studies.panel
+    return (
+        not window.case_studies.run.running
+        and [row.status for row in panel.model.rows].count("done") == count
+    )
+
+
+def tick(check):
+    """Click on a box beside its words."""
+    at = QPointF(8.0, check.height() / 2.0)
+    mouse = Mouse(check)
+    mouse.press(at)
+    mouse.release(at)
+
+
+def press_row(panel, row, modifiers=Qt.KeyboardModifier.NoModifier):
+    """Click on a row of the table."""
+    view = panel.table.viewport()
+    panel.table.scrollTo(panel.model.index(row, 0))
+    at = QPointF(panel.table.visualRect(panel.model.index(row, 0)).center())
+    mouse = Mouse(view)
+    mouse.move(at)
+    mouse.press(at, LEFT, modifiers)
+    mouse.release(at, LEFT, modifiers)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +21,7 @@ from apd_viewer.studies.results import status_words
 from apd_viewer.ui.case_studies.folder_watch import FolderWatch
 from apd_viewer.ui.case_studies.plan_dialog import PlanDialog
 from apd_viewer.ui.case_studies.results_panel import ResultsPanel
-from apd_viewer.ui.case_studies.study_run import StudyRun, kept_options
+from apd_viewer.ui.case_studies.study_run import StudyRun, kept_options, scheduler_in
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
@@ -84,6 +85,7 @@ class CaseStudies(QObject):
         self.run.ended.connect(self._end)
         self.panel.case_asked.connect(self._open_case)
         self.panel.go_on_asked.connect(self._go_on)
+        self.panel.retry_asked.connect(partial(self._go_on, retry_failed=True))
         self.panel.stop_asked.connect(self._stop)
         self.panel.open_asked.connect(self.ask)
 
@@ -139,30 +141,31 @@ class CaseStudies(QObject):
             self._dock.show()
         return not self.run.running
 
-    def _begin(self, folder: Path, options: list[str] | None) -> None:
+    def _begin(self, folder: Path, options: list[str] | None, retry_failed: bool = False) -> None:
         if not self._is_free():
             return
         try:
-            self.run.begin(folder, options)
+            self.run.begin(folder, options, retry_failed)
         except InputError as error:
             self._notice.fail(str(error))
             return
         self.open(folder)
 
-    def _go_on(self) -> None:
+    def _go_on(self, retry_failed: bool = False) -> None:
         if self.panel.folder is not None and self._trusts(kept_options(self.panel.folder)):
-            self._begin(self.panel.folder, None)
+            self._begin(self.panel.folder, None, retry_failed)
 
     def _trusts(self, options: list[str]) -> bool:
         """Ask before connecting to a scheduler that a folder names, perhaps anybody's."""
-        if not any(word.startswith("--scheduler") for word in options):
+        address = scheduler_in(options)
+        if not address:
             return True
         buttons = QMessageBox.StandardButton
         answer = QMessageBox.question(
             self._window,
             tr("Continue on a scheduler"),
             tr("Connect to {address}? Answer Yes only if you trust it: it can run programs here.").format(
-                address=options[-1]
+                address=address
             ),
             buttons.Yes | buttons.Cancel,
             buttons.Cancel,

@@ -1,19 +1,20 @@
-"""Fields for where the cases of a study run."""
+"""Fields for where the cases of a study run, and how long one may take."""
 
 from __future__ import annotations
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.quantities.expressions import number
 from apd_viewer.studies.local_pool import cores
+from apd_viewer.ui.case_studies.scheduler_check import FILE, SchedulerCheck
 from apd_viewer.ui.studies.study_dialog import count_field, row_of
 from apd_viewer.ui.widgets.fields import Choice, Entry
 
 _HERE, _SCHEDULER = "here", "scheduler"
 _MOST = 1000
-_FILE = ".json"
 
 
 class EngineFields(QObject):
@@ -21,9 +22,14 @@ class EngineFields(QObject):
 
     Attributes
     ----------
-    layout_ : QHBoxLayout
-        The row of the fields.
+    layout_, limit_layout : QHBoxLayout
+        The rows of the fields.
+    check : SchedulerCheck
+    reached : Signal()
+        There is somebody to run the cases.
     """
+
+    reached = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -43,6 +49,15 @@ class EngineFields(QObject):
             self.where, self.processes, self._at_a_time, self.address, spacing=8
         )
         self.address.hide()
+        self.limit_layout = self._make_limit()
+        self.check = SchedulerCheck()
+        self.check.answered.connect(self.reached)
+
+    def _make_limit(self) -> QHBoxLayout:
+        tip = tr("A case that takes longer has failed, and the others go on")
+        self.limit = Entry(placeholderText=tr("no limit"), toolTip=tip, maximumWidth=104)
+        self.limit.setAccessibleName(tr("Seconds that a case may take"))
+        return row_of(self.limit, QLabel(tr("seconds a case")), spacing=8)
 
     def _show_fields(self) -> None:
         here = self.where.currentData() == _HERE
@@ -51,10 +66,32 @@ class EngineFields(QObject):
         self.address.setVisible(not here)
 
     def options(self) -> list[str]:
-        """Options of the command; raises InputError without an address."""
+        """Options of the command; raises InputError for no address or an odd limit."""
         if self.where.currentData() == _HERE:
-            return ["--processes", str(round(self.processes.value()))]
+            return ["--processes", str(round(self.processes.value())), *self._limit()]
         address = self.address.text().strip()
         if not address:
             raise InputError(tr("Enter the address of the scheduler, such as tcp://host:8786."))
-        return ["--scheduler-file" if address.endswith(_FILE) else "--scheduler", address]
+        return ["--scheduler-file" if address.endswith(FILE) else "--scheduler", address, *self._limit()]
+
+    def _limit(self) -> list[str]:
+        text = self.limit.text().strip()
+        if not text:
+            return []
+        seconds = number(text, {})
+        if not seconds > 0.0:
+            raise InputError(tr("The limit of a case must be greater than 0 seconds."))
+        return ["--limit", f"{seconds:.6g}"]
+
+    def reach(self) -> None:
+        """Announce that the cases can be run, at once or as soon as the scheduler answers.
+
+        Raises
+        ------
+        InputError
+            If its address is none.
+        """
+        if self.where.currentData() == _HERE:
+            self.reached.emit()
+        else:
+            self.check.begin(self.address.text().strip())

@@ -26,7 +26,8 @@ from apd_viewer.session.studies.sweep_setup import MOST_STEPS
 from apd_viewer.studies.plans.design import GRID, LATIN, MOST_SAMPLES, SOBOL
 from apd_viewer.ui.case_studies.end_preview import EndPreview
 from apd_viewer.ui.case_studies.engine_fields import EngineFields
-from apd_viewer.ui.case_studies.study_files import Design, document_of, write_study
+from apd_viewer.ui.case_studies.method_fields import MethodFields
+from apd_viewer.ui.case_studies.study_files import Design, Rows, document_of, write_study
 from apd_viewer.ui.case_studies.varied_fields import HEADS, VariedFields
 from apd_viewer.ui.studies.study_dialog import count_field, row_of
 from apd_viewer.ui.widgets.fields import Choice, Entry
@@ -86,7 +87,11 @@ class PlanDialog(QDialog):
         self.varied.changed.connect(self._count)
         self.varied.looked_at.connect(self._look)
         self.varied.left.connect(self._preview.hide)
+        self.methods = MethodFields(self._state.document)
+        self.methods.changed.connect(self._count)
         self.engine = EngineFields()
+        self.engine.reached.connect(self._begin)
+        self.engine.check.failed.connect(self._say_unreached)
         self._lay_out(unused_folder(memory.folder, f"{mesh.stem}-study"))
         self._count()
         self._move_aside(window)
@@ -124,8 +129,10 @@ class PlanDialog(QDialog):
 
     def _make_rows(self, folder: Path) -> QGridLayout:
         rows: tuple[tuple[str, QLayout], ...] = (
+            (tr("Methods"), self.methods.layout_),
             (tr("Cases"), self._make_design()),
             (tr("Run"), self.engine.layout_),
+            (tr("Limit"), self.engine.limit_layout),
             (tr("Folder"), self._make_folder(folder)),
         )
         grid = QGridLayout(horizontalSpacing=16, verticalSpacing=8)
@@ -188,8 +195,8 @@ class PlanDialog(QDialog):
         """Say how many cases there will be."""
         grid = self.design.currentData() == GRID
         self._of_samples.setText(tr("values of each,") if grid else tr("cases,"))
-        varying = sum(row.on and bool(row.high.text().strip()) for row in self.varied.rows.values())
-        total = math.pow(self.samples.value(), varying) if grid else 0.0
+        varying = sum(row.on and row.has_two_ends for row in self.varied.rows.values())
+        total = self.methods.count * math.pow(self.samples.value(), varying) if grid else 0.0
         self.count.setText(tr("= {n:,.0f} cases,").format(n=total) if grid else "")
         self.count.setVisible(grid)
         self.words.setText("")
@@ -216,20 +223,43 @@ class PlanDialog(QDialog):
     # Beginning
 
     def begin(self) -> None:
-        """Write plan and session, and announce them."""
+        """Begin the study as soon as there is somebody to run it."""
         self._preview.hide()
-        folder = Path(self.folder.text().strip()).expanduser()
         try:
-            options = self.engine.options()
-            design = Design(
-                self.varied.spans(),
-                self.design.currentData(),
-                round(self.samples.value()),
-                round(self.steps.value()),
-                self._handle,
-            )
-            rows = design.rows()
-            self._check(folder, design)
+            self._designed()
+            self.words.setText("")
+            self.engine.reach()
+        except InputError as error:
+            self.words.setText(str(error))
+        if self.engine.check.waits:
+            self.start.setEnabled(False)
+            self.words.setText(tr("Connecting to the scheduler …"))
+
+    def _say_unreached(self, sentence: str) -> None:
+        self.start.setEnabled(True)
+        self.words.setText(sentence)
+
+    def _designed(self) -> tuple[Path, Rows, list[str]]:
+        """Folder, rows of the plan and options of the command; raises InputError."""
+        folder = Path(self.folder.text().strip()).expanduser()
+        options = self.engine.options()
+        design = Design(
+            self.varied.spans(),
+            self.methods.chosen(),
+            self.design.currentData(),
+            round(self.samples.value()),
+            round(self.steps.value()),
+            self._handle,
+        )
+        rows = design.rows(self._state.document.method)
+        self._check(folder, design)
+        return folder, rows, options
+
+    def _begin(self) -> None:
+        """Write plan and session, and announce them."""
+        self.start.setEnabled(True)
+        try:
+            folder, rows, options = self._designed()
             write_study(folder, rows, self._state, self._view)
         except InputError as error:
             self.words.setText(str(error))
@@ -238,8 +268,10 @@ class PlanDialog(QDialog):
         self.accept()
 
     def _check(self, folder: Path, design: Design) -> None:
-        """Raise InputError for a folder in use, or where nothing would move."""
-        if not self.folder.text().strip() or folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
+        """Raise InputError without a folder, for one in use, or where nothing would move."""
+        if not self.folder.text().strip():
+            raise InputError(tr("Enter a new folder for the plan and the results."))
+        if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
             raise InputError(tr("This folder is in use; enter a new one."))
         if not design.moves and not self._state.document.posed:
             raise InputError(tr("No handle moves; tick a motion as well, with one end or with both."))
@@ -247,4 +279,5 @@ class PlanDialog(QDialog):
     def done(self, result: int) -> None:
         """Close the dialog, and show the mesh as it was."""
         self._preview.hide()
+        self.engine.check.stop()
         super().done(result)

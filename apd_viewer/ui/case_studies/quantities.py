@@ -11,6 +11,7 @@ from apd_viewer.presentation.number_format import short
 from apd_viewer.session.posing.typed_motion import names_of
 from apd_viewer.session.quantities.expressions import angle, length, number
 from apd_viewer.studies.plans.design import Varied, varied
+from apd_viewer.studies.plans.plan_columns import SETTINGS
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
@@ -148,6 +149,10 @@ def span_of(quantity: VariedQuantity, low: str, high: str, state: State, unit: U
         last = _end(quantity, high, state, unit) if high.strip() else None
         if last is not None and first.endswith(PERCENT) != last.endswith(PERCENT):
             raise InputError(tr("Give both ends in percent, or both as lengths."))
+        if not quantity.is_motion:  # what a plan would refuse in each of its rows
+            for end in filter(None, (first, last)):
+                SETTINGS[quantity.name].read(end)
+        last = None if last == first else last
         span = Span(quantity, first, last)
         if last is not None:
             _ = span.varied

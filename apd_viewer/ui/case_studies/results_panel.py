@@ -43,7 +43,7 @@ class ResultsPanel(QWidget):
     ----------
     case_asked : Signal(int)
         A row of the plan whose shape is to be opened.
-    go_on_asked, stop_asked, open_asked : Signal()
+    go_on_asked, retry_asked, stop_asked, open_asked : Signal()
     model : ResultModel
     table : ResultsView
     scatter : ScatterPlot
@@ -53,6 +53,7 @@ class ResultsPanel(QWidget):
 
     case_asked = Signal(int)
     go_on_asked = Signal()
+    retry_asked = Signal()
     stop_asked = Signal()
     open_asked = Signal()
 
@@ -86,10 +87,12 @@ class ResultsPanel(QWidget):
         self.words = Hint(objectName="quiet")
         self.words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.go_on = QPushButton(tr("Continue"), toolTip=tr("Compute the cases that are missing"))
+        self.retry = QPushButton(tr("Run failed again"), toolTip=tr("Run failed cases once more"))
         self.stop = QPushButton(tr("Stop"))
         self.show_folder = QPushButton(tr("Show folder"), toolTip=tr("Plan, tables and cases as files"))
         self.open = QPushButton(tr("Open study…"))
         self.go_on.clicked.connect(self.go_on_asked)
+        self.retry.clicked.connect(self.retry_asked)
         self.stop.clicked.connect(self.stop_asked)
         self.open.clicked.connect(self.open_asked)
         self.show_folder.clicked.connect(self._show_folder)
@@ -98,7 +101,7 @@ class ResultsPanel(QWidget):
         head.addWidget(self.name)
         head.addWidget(self.parts.tabs)
         head.addWidget(self.words, 1)
-        for button in (self.go_on, self.stop, self.show_folder, self.open):
+        for button in (self.go_on, self.retry, self.stop, self.show_folder, self.open):
             head.addWidget(button)
         column = QVBoxLayout(self, spacing=0)
         column.setContentsMargins(0, 0, 0, 0)
@@ -142,6 +145,7 @@ class ResultsPanel(QWidget):
         self.bar.setValue(round(_SCALE * (status.share or 0.0)))
         self.bar.setVisible(status.unfinished)
         self.go_on.setVisible(status.may_go_on)
+        self.retry.setVisible(status.may_retry)
         self.stop.setVisible(status.runs)
         self.stop.setText(tr("Stop now") if status.stopping else tr("Stop"))
         self.stop.setToolTip(

@@ -14,7 +14,7 @@ from apd_viewer.session.posing.motion_step import motion_of
 from apd_viewer.session.posing.motion_text import parsed_motion
 from apd_viewer.session.posing.typed_motion import names_of
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.studies.plans.design import designed
+from apd_viewer.studies.plans.design import Varied, designed
 from apd_viewer.studies.plans.plan_columns import SETTINGS
 from apd_viewer.ui.case_studies.quantities import TO
 
@@ -38,6 +38,8 @@ class Design(NamedTuple):
     Attributes
     ----------
     spans : tuple of Span
+    methods : tuple of str
+        Of deformation; at least one.
     method : str
         One of ``DESIGNS``.
     samples : int
@@ -49,6 +51,7 @@ class Design(NamedTuple):
     """
 
     spans: tuple[Span, ...]
+    methods: tuple[str, ...]
     method: str
     samples: int
     steps: int
@@ -59,12 +62,31 @@ class Design(NamedTuple):
         """True if a motion is typed, instead of that of the session."""
         return any(span.quantity.is_motion for span in self.spans)
 
-    def rows(self) -> Rows:
-        """Columns and rows of the plan; raises InputError if nothing varies."""
+    def rows(self, usual: str) -> Rows:
+        """Columns and rows of the plan, each row once.
+
+        Parameters
+        ----------
+        usual : str
+            Method of the session, for which no column is needed.
+
+        Raises
+        ------
+        InputError
+            If nothing varies.
+        """
         vary = [span.varied for span in self.spans if span.high is not None]
+        vary += [Varied("method", self.methods)] if len(self.methods) > 1 else []
         if not vary:
-            raise InputError(tr("Nothing varies; tick a quantity, and give both ends of its range."))
+            raise InputError(tr("Nothing varies; give both ends of a range, or tick several methods."))
+        columns, rows = designed(self._given(usual), vary, self.method, self.samples, 0)
+        # With choices alone there are fewer different cases than samples.
+        return columns, [list(row) for row in dict.fromkeys(map(tuple, rows))]
+
+    def _given(self, usual: str) -> dict[str, str]:
+        """Cells common to all rows, by column."""
         fixed = {s.quantity.name: s.low for s in self.spans if s.high is None and not s.quantity.is_motion}
+        fixed |= {"method": self.methods[0]} if len(self.methods) == 1 and self.methods[0] != usual else {}
         given = {"session": SESSION, "steps": str(self.steps), **fixed}
         if self.moves:
             words = [
@@ -72,7 +94,7 @@ class Design(NamedTuple):
             ]
             whose = f"handle {self.handle + 1}: " if self.handle else ""
             given |= {"motion": whose + "; ".join(words)} if whose or words else {}
-        return designed(given, vary, self.method, self.samples, 0)
+        return given
 
 
 def write_study(folder: Path, rows: Rows, state: State, view: View) -> None:

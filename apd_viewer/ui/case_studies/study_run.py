@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 RUN = "run.json"
+_SCHEDULERS = "--scheduler", "--scheduler-file"
+# Each with a value. A folder may come from anybody: nothing else reaches the command.
+_KEPT = (*_SCHEDULERS, "--processes", "--workers", "--limit")
 
 
 class StudyRun(QObject):
@@ -51,7 +54,7 @@ class StudyRun(QObject):
         """True while a study runs."""
         return self._command.running
 
-    def begin(self, folder: Path, options: Sequence[str] | None = None) -> None:
+    def begin(self, folder: Path, options: Sequence[str] | None = None, retry_failed: bool = False) -> None:
         """Run the plan of a folder, or go on with it.
 
         Parameters
@@ -59,6 +62,8 @@ class StudyRun(QObject):
         folder : Path
         options : sequence of str or None
             Of the command, about where it runs; None for those of the last time.
+        retry_failed : bool
+            Whether failed cases are run again.
 
         Raises
         ------
@@ -71,6 +76,7 @@ class StudyRun(QObject):
             _keep_options(folder, options)
         self.folder, self.stopping = folder, False
         words = ["study", str(folder / PLAN), "-o", str(folder), *options, "--progress-lines"]
+        words += ["--retry-failed"] if retry_failed else []
         self._command.start(words)
 
     def stop(self) -> None:
@@ -109,9 +115,16 @@ def kept_options(folder: Path) -> list[str]:
     """Options of the command of the last time, as the folder has them."""
     try:
         said: Any = json.loads((folder / RUN).read_text(encoding="utf-8"))
-        return [str(word) for word in said["options"]]
+        words = [str(word) for word in said["options"]]
     except (OSError, ValueError, KeyError, TypeError):
         return []  # begun elsewhere, or edited: it runs here
+    return words if set(words[::2]) <= set(_KEPT) and len(words) % 2 == 0 else []
+
+
+def scheduler_in(options: Sequence[str]) -> str:
+    """Address or file of a scheduler among the options; empty without one."""
+    values = dict(zip(options[::2], options[1::2], strict=True))
+    return next((values[name] for name in _SCHEDULERS if name in values), "")
 
 
 def may_go_on(folder: Path) -> bool:

@@ -71,8 +71,9 @@ class StudyStatus:
         if self.runs:
             return
         before = self._counts
-        fewer = before is not None and (before.done > done or before.failed > failed)
-        if before is None or self._pace is None or before.cases != len(states) or fewer:
+        # Cases may have been run again, or another plan.
+        grown = before is not None and 0 <= failed - before.failed <= done - before.done
+        if before is None or self._pace is None or before.cases != len(states) or not grown:
             self._pace = Pace(len(states), done, failed)
         else:
             for k in range(done - before.done):
@@ -99,12 +100,21 @@ class StudyStatus:
         return self._counts.done / max(1, self._counts.cases)
 
     @property
+    def _may_run(self) -> bool:
+        """True if it could be run here, and nobody seems to run it."""
+        folder = self._folder
+        return folder is not None and not self.runs and not self._grows and may_go_on(folder)
+
+    @property
     def may_go_on(self) -> bool:
         """True if the rest could be computed here."""
-        counts, folder = self._counts, self._folder
-        if self.runs or folder is None or counts is None or self._grows:
-            return False
-        return counts.done < counts.cases and may_go_on(folder)
+        counts = self._counts
+        return counts is not None and counts.done < counts.cases and self._may_run
+
+    @property
+    def may_retry(self) -> bool:
+        """True if failed cases could be run here again."""
+        return self._counts is not None and self._counts.failed > 0 and self._may_run
 
     @property
     def words(self) -> str:

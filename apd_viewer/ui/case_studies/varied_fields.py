@@ -37,6 +37,11 @@ class VariedRow:
         """True if it is ticked."""
         return self.check.isChecked()
 
+    @property
+    def has_two_ends(self) -> bool:
+        """True if its ends differ; with one of them it has a single value."""
+        return self.high.text().strip() not in ("", self.low.text().strip())
+
     def tick(self, on: bool) -> None:
         """Let its ends be typed, or not."""
         for field in (self.low, self.high):

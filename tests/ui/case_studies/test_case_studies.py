@@ -7,15 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from driving import LEFT, NONE, Mouse, centre, idle, show
-from in_thread import InThread
-from PySide6.QtCore import QPointF, QSettings, Qt
+from driving import NONE, Mouse, centre, idle
+from PySide6.QtCore import QPointF, Qt
 from PySide6.QtWidgets import QMessageBox
-from study_driving import click, open_bar
+from study_driving import click, finished, press_row, tick
 
 from apd_viewer.session.model.handle_paths import paths_of
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.processes import process_client, shape_checker
 from apd_viewer.studies.case_file import read_case
 from apd_viewer.studies.database import DATABASE
 from apd_viewer.studies.store import StudyStore
@@ -23,72 +20,9 @@ from apd_viewer.ui.case_studies.study_files import PLAN
 from apd_viewer.ui.case_studies.study_run import RUN, StudyRun
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import Answer
-from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.workbench import Workbench
 
 CASES = 24  # quick ones, but more than are done before a click
 CONTROL = Qt.KeyboardModifier.ControlModifier
-
-
-@pytest.fixture(scope="module")
-def home(tmp_path_factory):
-    """Where studies are put."""
-    return tmp_path_factory.mktemp("studies")
-
-
-@pytest.fixture(scope="module")
-def twisted(qapp, home):
-    """A window on a bar that is painted and twisted; its solver is a thread."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(process_client, "start_process", InThread)
-        patch.setattr(shape_checker, "_AT_FIRST", 1e6)
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
-        settings = QSettings(str(home / "settings.ini"), QSettings.Format.IniFormat)
-        settings.setValue("folder", str(home))
-        window = Workbench(Shell(settings))
-        window.shell.show()
-        yield window
-        window.case_studies.run.end_at_once()
-        window.shell.close()
-        window.shell.deleteLater()
-
-
-@pytest.fixture
-def bar(qtbot, twisted):
-    """The same, on the twisted bar, whatever was opened since."""
-    window = twisted
-    show(qtbot, window.shell, window.canvas.viewport)
-    open_bar(qtbot, window)
-    window.session.handles.move_by(TypedMotion.TWIST, "80deg", 0)
-    idle(qtbot, window)
-    yield window
-    if window.case_studies.dialog is not None:
-        window.case_studies.dialog.close()
-
-
-@pytest.fixture
-def dialog(qtbot, bar):
-    bar.actions_.pose.study.trigger()
-    dialog = bar.case_studies.dialog
-    qtbot.waitExposed(dialog)
-    dialog.activateWindow()
-    return dialog
-
-
-def finished(window, count):
-    panel = window.case_studies.panel
-    return (
-        not window.case_studies.run.running
-        and [row.status for row in panel.model.rows].count("done") == count
-    )
-
-
-def tick(check):
-    """Click on a box beside its words."""
-    at = QPointF(8.0, check.height() / 2.0)
-    mouse = Mouse(check)
-    mouse.press(at)
-    mouse.release(at)
 
 
 @pytest.fixture(scope="module")
@@ -133,14 +67,19 @@ def test_a_grid_says_how_many_cases_it_makes(dialog):
     dialog.design.setCurrentIndex(dialog.design.findData("grid"))
     dialog.samples.setValue(4)
     assert dialog.count.text() == "= 16 cases,"
-    dialog.varied.rows["stiffness"].high.clear()  # one value
-    assert dialog.count.text() == "= 4 cases,"
+    stiffness = dialog.varied.rows["stiffness"]
+    for end in ("", stiffness.low.text()):  # one value
+        stiffness.high.setText(end)
+        assert dialog.count.text() == "= 4 cases,"
 
 
 @pytest.mark.parametrize(
     ("name", "low", "high", "words"),
     [
         ("to", "50", "20", "exchange its ends"),
+        ("to", "-5%", "100%", "out of range"),
+        ("to", "10%", "1e9%", "out of range"),
+        ("area", "95%", "1e6%", "out of range"),
         ("stiffness", "0", "1", "above 0"),
         ("twist", "much", "90deg", "Twist: "),
         ("push", "10%", "1", "both ends"),
@@ -223,21 +162,10 @@ def results(qtbot, bar, studied):
     return cases.panel
 
 
-def press(panel, row, modifiers=Qt.KeyboardModifier.NoModifier):
-    """Click on a row of the table."""
-    view = panel.table.viewport()
-    panel.table.scrollTo(panel.model.index(row, 0))
-    at = QPointF(panel.table.visualRect(panel.model.index(row, 0)).center())
-    mouse = Mouse(view)
-    mouse.move(at)
-    mouse.press(at, LEFT, modifiers)
-    mouse.release(at, LEFT, modifiers)
-
-
 def test_a_click_opens_the_shape_of_a_case_bit_for_bit(qtbot, bar, results, studied):
     whole = bar.session.store.state.document
     camera = bar.canvas.view.saved("").camera
-    press(results, 2)
+    press_row(results, 2)
     idle(qtbot, bar)
     qtbot.waitUntil(lambda: bar.session.store.state.document.mesh is not whole.mesh)
     state, found = bar.session.store.state, results.model.rows[2]
@@ -268,7 +196,7 @@ def test_unsaved_work_is_asked_about_before_a_case_is_opened(qtbot, bar, results
     asked = []
     monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: asked.append(1) or Answer.CANCEL)
     before = bar.session.store.state
-    press(results, 1)
+    press_row(results, 1)
     qtbot.wait(50)
     assert asked == [1]
     assert bar.session.store.state is before
@@ -289,7 +217,7 @@ def test_a_dot_is_clicked_and_control_adds_curves(qtbot, bar, results):
     idle(qtbot, bar)
     qtbot.waitUntil(lambda: bar.session.store.state.document.mesh is not opened)
     last = CASES - 1
-    press(results, last, CONTROL)
+    press_row(results, last, CONTROL)
     assert results.table.rows == [5, last]
     chart = results.curves.view.chart()
     assert [len(curve.x) for curve in chart.curves] == [3, 3]
@@ -344,7 +272,7 @@ def test_a_failed_case_says_why_in_place_of_a_shape(qtbot, bar, results):
     bad = replace(rows[0], status="failed", sentence="It diverged in step 2.")
     results.model.rows = (bad, *rows[1:])
     before = bar.session.store.state
-    press(results, 0)
+    press_row(results, 0)
     assert "It diverged in step 2." in bar.notice.text
     assert bar.session.store.state is before
     results.model.rows = rows
@@ -355,18 +283,27 @@ def test_a_folder_without_a_study_is_refused(bar, tmp_path):
     assert "holds no study" in bar.notice.text
 
 
-def test_the_options_of_a_scheduler_reach_the_command(dialog, home, monkeypatch):
-    begun = []
-    dialog.begun.disconnect()
-    dialog.begun.connect(lambda _, options: begun.append(options))
-    dialog.engine.where.setCurrentIndex(1)
-    click(dialog.start)
-    assert "tcp://host:8786" in dialog.words.text()
-    dialog.engine.address.setText("tcp://lab:8786")
-    dialog.folder.setText(str(home / "cluster"))
-    click(dialog.start)
-    assert begun == [["--scheduler", "tcp://lab:8786"]]
-    assert (home / "cluster" / PLAN).exists()
+def test_a_click_runs_failed_cases_again_and_no_others(qtbot, bar, results, studied):
+    before = {path: path.stat().st_mtime_ns for path in studied.rglob("*.case")}
+    assert not results.retry.isVisible()
+    with closing(sqlite3.connect(studied / DATABASE)) as base:
+        base.execute("update cases set status = 'failed', sentence = 'It diverged.' where rowid = 3")
+        base.commit()
+        [key] = base.execute("select key from cases where rowid = 3").fetchone()
+    bar.case_studies.open(studied)  # or it would seem to be run elsewhere just now
+    qtbot.waitUntil(results.retry.isVisible, timeout=10_000)
+    assert not results.go_on.isVisible()
+    click(results.retry)
+    qtbot.waitUntil(lambda: "failed" not in results.words.text(), timeout=60_000)
+    qtbot.waitUntil(lambda: [row.status for row in results.model.rows] == ["done"] * CASES, timeout=60_000)
+    changed = [path.stem for path, when in before.items() if path.stat().st_mtime_ns != when]
+    assert changed == [key]
+    assert not results.retry.isVisible()
+
+
+def test_the_panel_leaves_most_of_the_window_to_the_mesh(bar, results):
+    assert bar.shell.height() > 600
+    assert results.height() < 0.34 * bar.shell.height()
 
 
 def test_the_window_asks_before_it_closes_over_a_running_study(bar, monkeypatch):

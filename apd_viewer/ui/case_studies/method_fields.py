@@ -1,0 +1,61 @@
+"""Fields for the methods of a study."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QHBoxLayout
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.language import tr
+from apd_viewer.ui.studies.study_dialog import row_of
+from apd_viewer.ui.widgets.fields import Check
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+
+
+class MethodFields(QObject):
+    """A box for each method; that of the document is ticked.
+
+    Parameters
+    ----------
+    document : Document
+
+    Attributes
+    ----------
+    changed : Signal()
+    checks : dict of str to Check
+        By the names of methods.
+    layout_ : QHBoxLayout
+        The row of the boxes.
+    """
+
+    changed = Signal()
+
+    def __init__(self, document: Document) -> None:
+        super().__init__()
+        self.checks = {name: Check(method.short_title) for name, method in METHODS.items()}
+        for name, check in self.checks.items():
+            method = METHODS[name]
+            slow = tr("Takes several times as long as the others")
+            check.setToolTip(f"{method.about}\n{slow}" if method.slow else method.about)
+            # Obstacles push by contact only.
+            check.setEnabled(method.may_touch or not document.has_obstacles)
+            check.setChecked(name == document.method)
+            check.toggled.connect(self.changed)
+        self.layout_: QHBoxLayout = row_of(*self.checks.values())
+
+    @property
+    def count(self) -> int:
+        """Number of ticked methods."""
+        return sum(check.isChecked() for check in self.checks.values())
+
+    def chosen(self) -> tuple[str, ...]:
+        """Names of the ticked methods; raises InputError if there is none."""
+        found = tuple(name for name, check in self.checks.items() if check.isChecked())
+        if not found:
+            raise InputError(tr("No method is ticked; tick one, or several to compare them."))
+        return found

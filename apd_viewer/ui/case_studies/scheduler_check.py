@@ -1,0 +1,118 @@
+"""Look for somebody at the address of a scheduler, before a study is begun by it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtNetwork import QAbstractSocket, QNetworkProxy, QTcpSocket
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+
+FILE = ".json"
+_PATIENCE = 5000  # ms
+_BY_TCP = ("tcp", "tls", "ws", "wss")
+
+
+class SchedulerCheck(QObject):
+    """Connects to an address, without waiting, and hangs up.
+
+    Attributes
+    ----------
+    answered : Signal()
+    failed : Signal(str)
+        A sentence.
+    """
+
+    answered = Signal()
+    failed = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._address = ""
+        self._socket = QTcpSocket(self)
+        # As Dask does: a proxy of the system is for the web.
+        self._socket.setProxy(QNetworkProxy(QNetworkProxy.ProxyType.NoProxy))
+        self._socket.connected.connect(self._answer)
+        self._socket.errorOccurred.connect(lambda _: self._fail(self._socket.errorString()))
+        self._timer = QTimer(self, singleShot=True, interval=_PATIENCE)
+        self._timer.timeout.connect(lambda: self._fail(tr("no answer within 5 seconds")))
+
+    @property
+    def waits(self) -> bool:
+        """True while nobody has answered yet."""
+        return self._timer.isActive()
+
+    def begin(self, address: str) -> None:
+        """Connect to an address, or to that in a file; raises InputError if it is none."""
+        host, port = place_of(address)
+        self.stop()
+        self._address = address
+        self._timer.start()
+        self._socket.connectToHost(host, port)
+
+    def stop(self) -> None:
+        """Hang up, and say nothing."""
+        self._timer.stop()
+        if self._socket.state() is not QAbstractSocket.SocketState.UnconnectedState:
+            self._socket.abort()
+
+    def _answer(self) -> None:
+        self.stop()
+        self.answered.emit()
+
+    def _fail(self, reason: str) -> None:
+        if not self.waits:
+            return
+        self.stop()
+        self.failed.emit(
+            tr("Nobody answers at {address} ({reason}); start the scheduler, or check the address.").format(
+                address=self._address, reason=reason
+            )
+        )
+
+
+def place_of(address: str) -> tuple[str, int]:
+    """Host and port of an address such as tcp://host:8786, or of that in a file.
+
+    Raises
+    ------
+    InputError
+        If it is no address, or there is no such file.
+    """
+    try:
+        said = _in_file(Path(address)) if address.endswith(FILE) else address
+        parts = urlsplit(said if "://" in said else f"tcp://{said}")
+        if parts.scheme not in _BY_TCP or not parts.hostname or not parts.port:
+            raise ValueError
+        return parts.hostname, parts.port
+    except InputError:
+        raise
+    except ValueError:
+        raise InputError(
+            tr("“{address}” is no address of a scheduler; enter one such as tcp://host:8786.").format(
+                address=address
+            )
+        ) from None
+
+
+def _in_file(path: Path) -> str:
+    """Address in the file of a scheduler.
+
+    Raises
+    ------
+    InputError
+        If there is no such file.
+    ValueError
+        If there is no address in it.
+    """
+    try:
+        said = json.loads(path.expanduser().read_text(encoding="utf-8"))
+        return str(said["address"])
+    except OSError as error:
+        raise InputError(tr("There is no file {path}; check the name.").format(path=path)) from error
+    except (KeyError, TypeError) as error:
+        raise ValueError from error
