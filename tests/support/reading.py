@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from finished_study import write_study
 from PySide6.QtCore import QEvent, QSettings, Qt
 from PySide6.QtGui import QKeyEvent, QPainter
 from PySide6.QtWidgets import (
@@ -249,6 +250,71 @@ def comparing(driver):
     driver.wait()
 
 
+def many_cases(driver):
+    window, cases = driver.window, driver.window.case_studies
+    cases.design()
+    dialog = cases.dialog
+    dialog.folder.setText(str(driver.folder / "there.obj"))
+    driver.scene("a study")
+    for row in dialog.varied.rows.values():
+        row.check.setChecked(True)
+        driver.scene("a study of another quantity")
+    dialog.design.setCurrentIndex(dialog.design.findData("grid"))
+    driver.scene("a study by a grid")
+    dialog.varied.rows["twist"].high.setText("?")
+    dialog.begin()
+    driver.scene("an end that is none", dialog.words)
+    dialog.varied.rows["twist"].high.setText("90deg")
+    for text in ("0", "?"):
+        dialog.engine.limit.setText(text)
+        dialog.begin()
+        driver.scene("a limit that is none", dialog.words)
+    dialog.engine.limit.setText("")
+    dialog.engine.where.setCurrentIndex(1)
+    for text in ("", "there.obj", "there.json", "127.0.0.1:9"):
+        dialog.engine.address.setText(text)
+        dialog.begin()
+        driver.scene("the address of a scheduler", dialog.words)
+    driver.wait(lambda: not dialog.engine.check.waits)
+    dialog.engine.check.failed.emit("")
+    driver.scene("a study by a scheduler")
+    dialog.close()
+    results(driver, cases)
+    window.docks["study"].hide()
+    driver.wait()
+
+
+def results(driver, cases):
+    window, panel = driver.window, cases.panel
+    window.docks["study"].show()
+    driver.scene("no results")
+    write_study(driver.folder / "many.obj", 60, failed=0.1)
+    (driver.folder / "many.obj" / "plan.csv").write_text("")
+    cases.open(driver.folder / "many.obj")
+    driver.wait(lambda: panel.model.rows)
+    for column in range(panel.model.columnCount()):
+        for role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
+            head = panel.model.headerData(column, Qt.Orientation.Horizontal, role)
+            # Without the name that the column has in a plan.
+            driver.reader.note((head or "").replace("“⟧stiffness⟦”", ""), "a column")
+    for column in panel.model.columns:
+        driver.reader.note(column.texts[0] if column.name == "status" else "", "a state")
+    panel.table.choose([1, 2])
+    for button in panel.parts.buttons:
+        button.click()
+        driver.scene("results behind a tab")
+    said = {"cases": 60, "finished": 20, "running": 2, "failed": 1, "rate": 1.0, "seconds_left": 40.0}
+    for stopping in (False, True):
+        panel.show_running(True, stopping)
+        panel.show_progress(said)
+        driver.scene("a study that runs")
+    panel.show_running(False, sentence="")
+    size = driver.shell.size()
+    driver.shell.resize(1280, 800)
+    driver.scene("results side by side")
+    driver.shell.resize(size)
+
+
 def parts(driver):
     window, session = driver.window, driver.window.session
     window.docks["history"].show()
@@ -406,7 +472,7 @@ def handouts(driver):
 def main():
     folder = Path(sys.argv[1])
     driver = Driver(folder, map(int, os.environ.get("SIZE", "1280x720").split("x")))
-    for act in (start, settings, comparing, parts, mistakes, help_, files):
+    for act in (start, settings, comparing, many_cases, parts, mistakes, help_, files):
         act(driver)
     keys = {
         key.toString(form)
