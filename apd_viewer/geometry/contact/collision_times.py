@@ -95,7 +95,7 @@ def _centred(X: np.ndarray) -> np.ndarray:
 
 @njit(cache=True, nogil=True)
 def _solve_three(A: np.ndarray, B: np.ndarray) -> None:
-    """Solve ``A X = B`` for three unknowns and a positive definite ``A``, in place of ``B``."""
+    """Solve ``A X = B`` for three unknowns, in place; ``A`` is positive definite."""
     for k in range(3):
         for i in range(k + 1, 3):
             factor = A[i, k] / A[k, k]

@@ -104,7 +104,10 @@ def _variance(
     tangents: np.ndarray,
     hats: np.ndarray,
 ) -> tuple[float, float]:
-    """Variance and mean square, over a ring, of the gradients of three functions orthonormal in H."""
+    """Variance and mean square of the gradients of three functions over a ring.
+
+    The functions are orthonormal in H.
+    """
     counts, mean, square = 0.0, np.zeros((3, 3)), 0.0
     for e in range(len(corner)):
         counts += part[corner[e] // 3] * areas[corner[e] // 3]
