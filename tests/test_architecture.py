@@ -112,7 +112,7 @@ DRAWS = {
 }
 CONFINED = {
     "cholespy": {"geometry/linalg/linear_solver.py"},
-    "PIL": {"figures/films.py", "files/formats/texture_images.py"},
+    "PIL": {"figures/films.py", "files/formats/texture_images.py", "files/picture_files.py"},
     "imageio_ffmpeg": {"figures/films.py"},
     "fast_simplification": {"geometry/mesh/decimation.py"},
     "ipctk": {"geometry/analysis/self_intersections.py"},

@@ -1,0 +1,34 @@
+"""Small pictures as PNG: the same pixels again, and nothing else is read."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from apd_viewer.files.picture_files import png, read_png
+
+
+@pytest.fixture
+def pixels():
+    return np.random.default_rng(0).integers(0, 256, (30, 60, 4), dtype=np.uint8)
+
+
+def test_the_same_pixels_come_back_and_give_the_same_bytes(pixels):
+    content = png(pixels)
+    assert content == png(pixels.copy())
+    np.testing.assert_array_equal(read_png(content, 60), pixels)
+
+
+def test_a_picture_is_made_smaller_but_not_larger(pixels):
+    assert read_png(png(pixels), 20).shape == (10, 20, 4)
+    assert read_png(png(pixels), 200).shape == (30, 60, 4)
+
+
+def test_what_is_no_small_picture_is_refused(pixels):
+    content, other = png(pixels), io.BytesIO()
+    Image.fromarray(pixels[..., :3]).save(other, "GIF")
+    large = png(np.zeros((1, 1025, 4), dtype=np.uint8))
+    for bad in (b"", b"nonsense", content[:200], other.getvalue(), large):
+        with pytest.raises(ValueError, match="its picture is damaged"):
+            read_png(bad, 64)
