@@ -172,15 +172,16 @@ class Files:
         view: View,
         embed: bool = False,
         then: Callable[[], object] = lambda: None,
+        picture: bytes = b"",
     ) -> None:
         """Save a session, in the background, without the gesture under way.
 
-        ``then()`` follows if all went well.
+        ``then()`` follows if all went well. ``picture`` is a PNG file of it, if there is one.
         """
         path, state = Path(path), self._gestures.before or self._store.required()
 
         def write() -> str:
-            return about_session(path.name, save_session(path, state, view, embed))
+            return about_session(path.name, save_session(path, state, view, embed, picture=picture))
 
         def saved() -> None:
             self._saved_work.note(SavedDocument(state.document, path, embed))

@@ -13,6 +13,7 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
+from apd_viewer.session.storage.session_picture import PICTURE_SIDE
 from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.edit_commands import Editing
@@ -38,6 +39,7 @@ from apd_viewer.ui.posing.motion_preview import MotionPreview
 from apd_viewer.ui.posing.pose_controller import PoseController
 from apd_viewer.ui.posing.symmetry_controller import SymmetryController
 from apd_viewer.ui.preferences.unit_button import Units
+from apd_viewer.ui.scene.scene_picture import small_picture
 from apd_viewer.ui.session_signals import SessionSignals
 from apd_viewer.ui.settings_page.preference_effects import (
     connect_language,
@@ -109,7 +111,8 @@ class Workbench(QObject):
         self.measure = MeasureController(canvas, self.panel.measure, session, self.tools.take, notice.tell)
         self.plots = Plots(memory, notice, session)
         self.docks["plots"].setWidget(self.plots)
-        self.filing = Filing(shell, memory, session, self._view, recovery)
+        picture = partial(small_picture, canvas.viewport, PICTURE_SIDE)
+        self.filing = Filing(shell, memory, session, self._view, picture, recovery)
         self.editing = Editing(canvas, self.panel, session, self.parts, self.tools.take)
         self.obstacles = ObstacleController(
             canvas,

@@ -9,6 +9,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -64,15 +65,21 @@ class Archive:
 
     Parameters
     ----------
-    content : bytes
+    content : bytes or binary file
+        Of a file that stays open only what is asked for is read.
     """
 
-    def __init__(self, content: bytes) -> None:
-        self._most = most_unpacked(len(content))
+    def __init__(self, content: bytes | BinaryIO) -> None:
+        stream = io.BytesIO(content) if isinstance(content, bytes) else content
+        self._most = most_unpacked(stream.seek(0, io.SEEK_END))
         try:
-            self._zip = zipfile.ZipFile(io.BytesIO(content))
+            self._zip = zipfile.ZipFile(stream)
         except BROKEN:
             raise ValueError(tr("its archive is damaged")) from None
+
+    def has(self, name: str) -> bool:
+        """True if there is a member of this name."""
+        return name in self._zip.NameToInfo
 
     def content(self, name: str) -> bytes:
         """The content of a member."""

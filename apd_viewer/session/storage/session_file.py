@@ -36,6 +36,7 @@ from apd_viewer.session.storage.session_json import (
     view_said,
 )
 from apd_viewer.session.storage.session_meshes import mesh_said, target_said, with_target
+from apd_viewer.session.storage.session_picture import PICTURE
 
 FORMAT, VERSION = "apd-session", 1
 _TEXT = "session.json"
@@ -45,7 +46,12 @@ _FARTHEST = 1e8
 
 
 def save_session(
-    path: str | Path, state: State, view: View, embed: bool = False, at_once: bool = False
+    path: str | Path,
+    state: State,
+    view: View,
+    embed: bool = False,
+    at_once: bool = False,
+    picture: bytes = b"",
 ) -> bool:
     """Write a session to a file, whole or not at all.
 
@@ -61,6 +67,8 @@ def save_session(
     at_once : bool
         Whether it is wanted in a moment, and may be larger; see
         :func:`apd_viewer.files.storage.archive.write_archive`.
+    picture : bytes
+        A PNG file that shows the session in a file manager; empty for none.
 
     Returns
     -------
@@ -99,7 +107,8 @@ def save_session(
     }
     text = json.dumps(said, indent=1, allow_nan=False).encode()
     members = {f"{name}.npy": npy(array) for name, array in arrays.items()}
-    write_archive(path, {_TEXT: text, **members, **copy, **copy_of_target}, at_once)
+    members |= {**copy, **copy_of_target, **({PICTURE: picture} if picture else {})}
+    write_archive(path, {_TEXT: text, **members}, at_once)
     return bool(copy)
 
 

@@ -33,6 +33,8 @@ class Filing:
     session : Session
     view : callable
         Returns the camera, overlay and unit to be saved with the mesh.
+    picture : callable
+        Returns a small picture of the view as a PNG file, empty if there is none.
     recovery : Path or None
         Folder for autosaves; None keeps nothing.
     """
@@ -43,12 +45,13 @@ class Filing:
         memory: Preferences,
         session: Session,
         view: Callable[[], View],
+        picture: Callable[[], bytes],
         recovery: Path | None = None,
     ) -> None:
         self._window = window
         self._memory = memory
         self._session = session
-        self._view = view
+        self._view, self._picture = view, picture
         self._recovery = recovery
         if recovery is not None:
             session.autosave.keep_in(recovery, view)
@@ -106,7 +109,7 @@ class Filing:
         if last is None or last.path is None:
             self.save_as(then)
         else:
-            self._session.files.save(last.path, self._view(), last.embeds, then)
+            self._session.files.save(last.path, self._view(), last.embeds, then, self._picture())
 
     def save_as(self, then: Callable[[], object] = lambda: None) -> None:
         """Choose a target for the session, with or without the mesh."""
@@ -117,7 +120,7 @@ class Filing:
         if found is not None:
             path, embeds = found
             self._memory.remember(path)
-            self._session.files.save(path, self._view(), embeds, then)
+            self._session.files.save(path, self._view(), embeds, then, self._picture())
 
     def opened(self, state: State) -> None:
         """Add the files of another mesh to the recent ones."""

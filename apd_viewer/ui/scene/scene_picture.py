@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QSize, Qt
+import numpy as np
+from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QPoint, QRect, QSize, Qt
 from PySide6.QtGui import QImage
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
@@ -68,6 +69,44 @@ def scene_picture(
         smooth = Qt.TransformationMode.SmoothTransformation
         image = image.scaled(size, Qt.AspectRatioMode.IgnoreAspectRatio, smooth)
     return image
+
+
+def small_picture(viewport: Viewport, side: int) -> bytes:
+    """PNG file of the shapes in a viewport, its longer side ``side`` pixels at most.
+
+    Empty where nothing can be drawn.
+    """
+    keep, smooth = Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation
+    try:
+        size = viewport.size().scaled(2 * side, 2 * side, keep).expandedTo(QSize(1, 1))
+        image = _cropped(scene_picture(viewport, size, transparent=True))
+        if max(image.width(), image.height()) > side:
+            image = image.scaled(side, side, keep, smooth)
+        return png_of(image)
+    except InputError:
+        return b""
+
+
+def _cropped(image: QImage) -> QImage:
+    """The picture without the empty rows and columns around it; an empty one as it is."""
+    alpha = image.convertToFormat(QImage.Format.Format_Alpha8)
+    lines = np.frombuffer(alpha.constBits(), dtype=np.uint8).reshape(alpha.height(), -1)
+    covered = lines[:, : alpha.width()] > 0
+    rows, columns = np.flatnonzero(covered.any(axis=1)), np.flatnonzero(covered.any(axis=0))
+    if not len(rows):
+        return image
+    corners = QPoint(int(columns[0]), int(rows[0])), QPoint(int(columns[-1]), int(rows[-1]))
+    return image.copy(QRect(*corners))
+
+
+def png_of(image: QImage) -> bytes:
+    """A picture as the content of a PNG file."""
+    content = QByteArray()
+    buffer = QBuffer(content)
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    if not image.save(buffer, "PNG"):
+        raise InputError(tr("The picture could not be encoded; choose a smaller one."))
+    return bytes(content.data())
 
 
 def check_size(viewport: Viewport, size: QSize) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QRectF, QSize, Qt
+from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QFont, QFontMetricsF, QGuiApplication, QImage, QPainter
 from PySide6.QtWidgets import QWidget
 
@@ -35,6 +35,7 @@ from apd_viewer.ui.filing.plot_export import svg_of
 from apd_viewer.ui.plots import reading_charts
 from apd_viewer.ui.plots.chart_drawing import draw_chart
 from apd_viewer.ui.scene.offscreen_scene import Studio
+from apd_viewer.ui.scene.scene_picture import png_of
 from apd_viewer.ui.sharing.diagnostics import diagnostics
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import Pictures, Wish
@@ -255,13 +256,3 @@ def _encoded(images: list[QImage], legend: str) -> html_page.PictureRow:
         html_page.PagePicture(png_of(image), caption) for image, caption in zip(images, captions, strict=True)
     ]
     return html_page.PictureRow(tuple(pictures), legend)
-
-
-def png_of(image: QImage) -> bytes:
-    """A picture as the content of a PNG file."""
-    content = QByteArray()
-    buffer = QBuffer(content)
-    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    if not image.save(buffer, "PNG"):
-        raise InputError(tr("The picture could not be encoded; choose a smaller one."))
-    return bytes(content.data())

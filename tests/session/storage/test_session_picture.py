@@ -1,0 +1,60 @@
+"""The small picture in a session: in it and taken out again, and no matter to who opens it."""
+
+import zipfile
+
+import numpy as np
+import pytest
+from driven_session import VIEW, check_equal
+from meshes import box
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.picture_files import png
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.storage.session_picture import picture_in
+
+PICTURE = png(np.full((4, 8, 4), 99, dtype=np.uint8))
+
+
+@pytest.fixture
+def state():
+    return opened(Mesh(*box(1, 1, 2)))
+
+
+def test_the_picture_is_taken_out_as_it_was_put_in(state, tmp_path):
+    path = tmp_path / "a.apd"
+    save_session(path, state, VIEW, picture=PICTURE)
+    assert picture_in(path) == PICTURE
+    found, view = open_session(path)
+    check_equal(found, state)
+    assert view == VIEW
+
+
+def test_the_same_session_and_picture_give_the_same_file(state, tmp_path):
+    for name in ("a.apd", "b.apd"):
+        save_session(tmp_path / name, state, VIEW, picture=PICTURE)
+    assert (tmp_path / "a.apd").read_bytes() == (tmp_path / "b.apd").read_bytes()
+
+
+def test_without_a_picture_the_rest_is_the_same(state, tmp_path):
+    save_session(tmp_path / "a.apd", state, VIEW, picture=PICTURE)
+    save_session(tmp_path / "b.apd", state, VIEW)
+    assert picture_in(tmp_path / "b.apd") is None
+    with zipfile.ZipFile(tmp_path / "a.apd") as first, zipfile.ZipFile(tmp_path / "b.apd") as second:
+        rest = {name: first.read(name) for name in first.namelist() if name != "picture.png"}
+        assert rest == {name: second.read(name) for name in second.namelist()}
+
+
+def test_sessions_are_told_by_their_first_bytes(state, tmp_path):
+    """As the file type says, for systems that look into files."""
+    save_session(tmp_path / "a.apd", state, VIEW, picture=PICTURE)
+    assert (tmp_path / "a.apd").read_bytes().startswith(b"PK\x03\x04")
+    assert (tmp_path / "a.apd").read_bytes()[30:42] == b"session.json"
+
+
+def test_what_is_no_session_is_refused(tmp_path):
+    (tmp_path / "a.apd").write_text("nonsense")
+    for name in ("a.apd", "gone.apd"):
+        with pytest.raises(InputError, match=f"^{name} is not a valid session"):
+            picture_in(tmp_path / name)
