@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
-_COMMANDS = "deck", "deform", "info", "paper", "press", "replay", "study", "sweep", "volumes"
+_OF_DESKTOP = "desktop", "thumbnail"
+_COMMANDS = "deck", "deform", "info", "paper", "press", "replay", "study", "sweep", "volumes", *_OF_DESKTOP
 _USAGE = tr(
     """\
 apd-viewer [FILE]                    open the window on FILE or on the sample bottle
@@ -28,6 +29,8 @@ apd-viewer study PLAN.csv -o DIR     run many cases, by many processes; "study d
 apd-viewer sweep SESSION -o DIR      area, volume and energy along the motion of the handle
 apd-viewer volumes MESH              volumes by name, beside published figures of crushed bottles
 apd-viewer paper [-o DIR]            reproduce the paper's tables on the sample bottle and duck
+apd-viewer desktop --install         let files be opened with it on Linux; --remove takes that back
+apd-viewer thumbnail FILE OUT.png    draw a small picture of a session or a mesh
 """
 )
 
@@ -88,6 +91,11 @@ def _view_parser() -> Parser:
 
 
 def _command_parser(command: str) -> Parser:
+    if command in _OF_DESKTOP:
+        # Here, and alone: a file manager waits for a thumbnail, and not for what deforms.
+        from apd_viewer.commands.desktop.parsers import PARSERS as OF_DESKTOP
+
+        return OF_DESKTOP[command]()
     # Here, because a window is on the screen before all that has been imported.
     from apd_viewer.commands.parsers import PARSERS
 

@@ -16,6 +16,7 @@ PACKAGE = "apd_viewer"
 ROOMS = [
     "top",
     "commands",
+    "commands/desktop",
     "commands/studies",
     "commands/terminal",
     "figures",

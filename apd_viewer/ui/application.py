@@ -85,6 +85,7 @@ def make_application(argv: list[str]) -> QApplication:
     application.setApplicationName("apd-viewer")
     application.setApplicationDisplayName("APD Viewer")
     application.setOrganizationName("apd-viewer")
+    application.setDesktopFileName("apd-viewer")  # by which Wayland finds the icon
     _translate(application)
     GuiThreadGC(application)
     sys.setswitchinterval(SWITCH_INTERVAL)

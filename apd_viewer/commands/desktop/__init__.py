@@ -1,0 +1,1 @@
+"""Commands for desktops: their menu, file types and thumbnails."""

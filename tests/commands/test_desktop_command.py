@@ -1,0 +1,207 @@
+"""The desktop: files are known by their types, opened by the program and drawn small."""
+
+import configparser
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import meshes
+import pytest
+from PIL import Image
+
+from apd_viewer.__main__ import main
+from apd_viewer.commands.desktop import desktop, desktop_files
+from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
+from apd_viewer.files.meshes import FORMATS
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.view import SUFFIX, View
+from apd_viewer.session.storage.session_file import save_session
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="desktops of freedesktop.org")
+
+NAMESPACE = "{http://www.freedesktop.org/standards/shared-mime-info}"
+MENU, TYPES = "applications/apd-viewer.desktop", "mime/packages/apd-viewer.xml"
+THUMBNAILS, ICON = "thumbnailers/apd-viewer.thumbnailer", "icons/hicolor/scalable/apps/apd-viewer.svg"
+
+
+def needs(program, package):
+    return pytest.mark.skipif(shutil.which(program) is None, reason=f"needs {package}")
+
+
+def files(folder):
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*")}
+
+
+def read(path, section):
+    """Keys of a section, their escapes undone."""
+    parser = configparser.RawConfigParser(delimiters="=")
+    parser.optionxform = str
+    parser.read(path, encoding="utf-8")
+    return {key: value.replace("\\\\", "\\") for key, value in parser[section].items()}
+
+
+def asked(*words):
+    """What a program says, as on the desktop of GNOME; others do not weigh the types of a name."""
+    environment = {**os.environ, "XDG_CURRENT_DESKTOP": "GNOME", "DISPLAY": ":0"}
+    return subprocess.run(words, env=environment, capture_output=True, text=True, check=True).stdout.strip()
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """The user's folder of data; xdg-mime looks in none with a blank in its name."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    return tmp_path / "data"
+
+
+@pytest.fixture
+def installed(folder, capsys):
+    assert main(["desktop", "--install"]) == 0
+    assert f"to {folder}." in capsys.readouterr().out
+    return folder
+
+
+@pytest.fixture
+def examples(tmp_path):
+    """A file of each kind that can be written, by suffix."""
+    mesh, found = Mesh(*meshes.box(1, 1, 2)), {}
+    for suffix in WRITTEN:
+        found[suffix] = tmp_path / f"a bar{suffix}"
+        save_mesh(mesh, mesh.V, found[suffix])
+    found[SUFFIX] = tmp_path / f"a bar{SUFFIX}"
+    save_session(found[SUFFIX], opened(mesh), View())
+    return found
+
+
+def test_all_files_are_written_and_all_are_removed(installed, capsys):
+    assert {MENU, TYPES, THUMBNAILS, ICON} <= files(installed)
+    assert main(["desktop", "--install"]) == 0  # once more, over the old ones
+    assert main(["desktop", "--remove"]) == 0
+    assert f"from {installed}." in capsys.readouterr().out
+    assert files(installed) == set()
+    assert main(["desktop", "--remove"]) == 0
+    assert "There was nothing to remove" in capsys.readouterr().out
+
+
+def test_what_others_have_installed_stays(folder):
+    others = {
+        "applications/other.desktop": "[Desktop Entry]\nType=Application\nName=Other\nExec=other\n",
+        "mime/packages/other.xml": '<mime-info xmlns="http://www.freedesktop.org/standards/shared-mime-info">'
+        '<mime-type type="text/x-other"><glob pattern="*.other"/></mime-type></mime-info>',
+        "icons/hicolor/scalable/apps/other.svg": "<svg/>",
+    }
+    for name, content in others.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(content)
+    for option in ("--install", "--remove"):
+        assert main(["desktop", option]) == 0
+    assert {name: (folder / name).read_text() for name in others} == others
+    assert not [name for name in files(folder) if "apd" in name]
+    if shutil.which("update-mime-database"):
+        assert "*.other" in (folder / "mime/globs2").read_text()
+        assert "*.apd" not in (folder / "mime/globs2").read_text()
+
+
+def test_missing_programs_are_named(folder, capsys, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    assert main(["desktop", "--install"]) == 0
+    assert "install update-mime-database and update-desktop-database" in capsys.readouterr().out
+    assert main(["desktop", "--remove"]) == 0
+    assert files(folder) == set()
+
+
+def test_a_folder_that_cannot_be_written_is_said(folder, capsys):
+    folder.write_text("a file")
+    assert main(["desktop", "--install"]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("system", "said"), [("win32", "Open with"), ("darwin", "Terminal")])
+def test_other_systems_are_told_their_own_way(system, said, monkeypatch):
+    monkeypatch.setattr(sys, "platform", system)
+    with pytest.raises(InputError, match=said):
+        desktop._check_system()
+
+
+def test_a_relative_folder_of_data_does_not_count(monkeypatch):
+    for value in ("", "data"):
+        monkeypatch.setenv("XDG_DATA_HOME", value)
+        assert desktop_files.data_folder() == Path.home() / ".local" / "share"
+
+
+def test_the_command_is_the_script_that_was_started(tmp_path, monkeypatch):
+    script = tmp_path / "apd-viewer"
+    script.touch()
+    monkeypatch.setattr(sys, "argv", [str(script)])
+    assert desktop.own_command() == [str(script)]
+    monkeypatch.setattr(sys, "argv", ["elsewhere"])
+    monkeypatch.setattr(desktop.sysconfig, "get_path", lambda _: str(tmp_path))
+    assert desktop.own_command() == [str(script)]
+    script.unlink()
+    assert desktop.own_command() == [sys.executable, "-m", "apd_viewer"]
+
+
+def test_all_formats_have_a_type_and_all_types_are_opened(installed):
+    types = ElementTree.parse(installed / TYPES).getroot().findall(f"{NAMESPACE}mime-type")
+    patterns = {glob.get("pattern") for each in types for glob in each.findall(f"{NAMESPACE}glob")}
+    assert patterns == {f"*{suffix}" for suffix in (*FORMATS, SUFFIX)}
+    named = {each.get("type") for each in types}
+    for path, section in ((MENU, "Desktop Entry"), (THUMBNAILS, "Thumbnailer Entry")):
+        assert set(read(installed / path, section)["MimeType"].strip(";").split(";")) == named
+
+
+@needs("desktop-file-validate", "desktop-file-utils")
+def test_the_menu_entry_is_valid(installed):
+    assert asked("desktop-file-validate", str(installed / MENU)) == ""
+
+
+@needs("update-mime-database", "shared-mime-info")
+@needs("update-desktop-database", "desktop-file-utils")
+@needs("xdg-mime", "xdg-utils")
+@needs("gio", "libglib2.0-bin")
+def test_files_are_known_and_opened_by_the_program(installed, examples):
+    found = {suffix: asked("xdg-mime", "query", "filetype", str(path)) for suffix, path in examples.items()}
+    assert found == {
+        ".obj": "model/obj",
+        ".ply": "application/vnd.ply",
+        ".stl": "model/stl",
+        ".off": "application/vnd.off",
+        ".glb": "model/gltf-binary",
+        ".apd": "application/x-apd-viewer-session",
+    }
+    nameless = examples[SUFFIX].with_suffix("")
+    shutil.copy(examples[SUFFIX], nameless)
+    assert asked("xdg-mime", "query", "filetype", str(nameless)) == found[".apd"]
+    for kind in found.values():
+        assert asked("xdg-mime", "query", "default", kind) == "apd-viewer.desktop"
+
+
+@pytest.mark.parametrize("suffix", [SUFFIX, ".stl"])
+def test_the_registered_command_makes_a_thumbnail(suffix, installed, examples, tmp_path):
+    entry = read(installed / THUMBNAILS, "Thumbnailer Entry")
+    assert Path(entry["TryExec"]).is_absolute()
+    given = {"%i": str(examples[suffix]), "%o": str(tmp_path / "thumbnail"), "%s": "96"}
+    command = [given.get(word, word) for word in shlex.split(entry["Exec"])]
+    subprocess.run(command, check=True, capture_output=True, timeout=60)
+    with Image.open(tmp_path / "thumbnail") as image:
+        assert (image.format, max(image.size)) == ("PNG", 96)
+
+
+@pytest.mark.parametrize("name", ["plain", "a b", 'q"uo`te$', "back\\slash", "100%", "é'"])
+def test_any_folder_of_the_program_can_be_said(name, tmp_path):
+    """A word is read back as the specification says: escapes undone, then quotes, then percent signs."""
+    program = str(tmp_path / name / "apd-viewer")
+    desktop_files.install(tmp_path / "data", [program, "-m", "x"])
+    for path, section in ((MENU, "Desktop Entry"), (THUMBNAILS, "Thumbnailer Entry")):
+        keys = read(tmp_path / "data" / path, section)
+        assert keys["TryExec"] == program
+        command = ["sh", "-c", f"printf '%s\\n' {keys['Exec']}"]
+        first, *rest = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+        assert first.replace("%%", "%") == program
+        assert rest[:2] == ["-m", "x"]
