@@ -15,8 +15,9 @@ from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pressing.press import Pressed, press
 from apd_viewer.geometry.pressing.press_step import PressStep
 from apd_viewer.geometry.solver.convergence import Convergence
-from apd_viewer.geometry.solver.deform import Result, deform
+from apd_viewer.geometry.solver.deform import Result
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.presentation.notebooks.shown_deform import deform
 
 __all__ = [
     "Convergence",

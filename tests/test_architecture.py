@@ -41,6 +41,7 @@ ROOMS = [
     "ui/appearance",
     "ui/preferences",
     "ui/widgets",
+    "presentation/notebooks",
     "presentation",
     "studies",
     "studies/plans",

@@ -1,12 +1,17 @@
-"""The pages for readers: links lead somewhere, commands parse, snippets run, menus and rooms exist."""
+"""The pages for readers: links lead somewhere, commands parse, code runs, menus and rooms exist."""
 
+import contextlib
+import io
+import json
 import re
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pseudo import messages
 
+import apd_viewer
 import apd_viewer.__main__ as command_line
 
 ROOT = Path(__file__).parents[1]
@@ -79,6 +84,32 @@ def test_the_quick_tests_exist():
 def test_python_snippets_run(page, code, compiled, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     exec(compile(code.replace('"resources/', f'"{ROOT.as_posix()}/resources/'), page, "exec"), {})
+
+
+def test_the_notebook_runs(compiled, tmp_path, monkeypatch):
+    """Cell after cell; the value of a name in a last line is shown, as a notebook does."""
+    notebook = json.loads((ROOT / "docs" / "notebook.ipynb").read_text(encoding="utf-8"))
+    assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
+    cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    assert [cell["outputs"] for cell in cells] == [[]] * 5  # they would grow old
+    monkeypatch.chdir(tmp_path)
+    names, printed, shown = {}, io.StringIO(), []
+    for cell in cells:
+        code = "".join(cell["source"]).replace('"../resources/', f'"{ROOT.as_posix()}/resources/')
+        body, _, last = code.rpartition("\n")
+        is_name = re.fullmatch(r"\w+(\[\"\w+\"\])?", last) is not None
+        with contextlib.redirect_stdout(printed):
+            exec(body if is_name else code, names)
+        if is_name:
+            shown.append(eval(last, names)._repr_html_())
+    assert [text.count("<img") for text in shown] == [1, 1]
+    assert "total area 100.000000 %" in printed.getvalue()
+    table = [line.split() for line in printed.getvalue().splitlines()[-4:]]
+    changes = {method: float(change) for method, _, _, change, *_ in table}
+    assert set(changes) == {"arap", "paper", "exact", "local"}
+    assert min(changes, key=changes.get) == "local"
+    written = apd_viewer.open_mesh("twisted.obj")
+    np.testing.assert_allclose(written.V, names["results"]["local"].U, rtol=0, atol=1e-9)
 
 
 def test_the_readme_names_the_system_packages_of_the_makefile():

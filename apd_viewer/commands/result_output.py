@@ -16,6 +16,7 @@ from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.geometry.solver.deform import Result
 from apd_viewer.language import tr
+from apd_viewer.presentation.notebooks.progress_line import frame_line
 from apd_viewer.session.model.status_text import about_caps, of_crossings
 
 if TYPE_CHECKING:
@@ -52,14 +53,8 @@ def progress_line(
         last = frame.iteration == (iterations or most) or (frame.settled and not iterations)
         if frame.iteration % 20 and not last:
             return
-        area = 100 * frame.area_error
-        said = tr("iteration {done:,}   area {area:+.3f} %").format(done=frame.iteration, area=area)
-        if iterations:
-            said = tr("iteration {done:,} of {all:,}   area {area:+.3f} %").format(
-                done=frame.iteration, all=iterations, area=area
-            )
         print(
-            f"\r{said}   ",
+            f"\r{frame_line(frame, iterations)}   ",
             end="\n" if last else "",
             file=sys.stderr,
             flush=True,

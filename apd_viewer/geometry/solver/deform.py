@@ -115,7 +115,7 @@ def deform(
     obstacles: Sequence[Obstacle] = (),
     shifts: np.ndarray | None = None,
     convergence: Convergence = DEFAULT_CONVERGENCE,
-    progress: Callable[[Frame], None] | None = None,
+    progress: Callable[[Frame], None] | bool | None = None,
 ) -> Result:
     """Deform a mesh until the ``fixed`` vertices are at their ``targets``.
 
@@ -133,8 +133,9 @@ def deform(
         ``share_reached`` of a path counts all ways between two points alike.
     iterations : int, optional
         Do exactly so many plain iterations from the rest pose. Without it: until converged.
-    progress : callable, optional
-        Called with every Frame.
+    progress : callable or bool, optional
+        Called with every Frame. True shows a line of progress, in scripts and notebooks that call it as
+        ``apd_viewer.deform``; by itself this function is quiet.
 
     Returns
     -------
@@ -147,7 +148,7 @@ def deform(
     """
     if iterations is not None and (not isinstance(iterations, Integral) or iterations < 1):
         raise InputError(tr("The number of iterations must be a whole number of at least 1."))
-    started = time.perf_counter()
+    started, told = time.perf_counter(), progress if callable(progress) else None
     solver = Deformation(
         V,
         F,
@@ -172,12 +173,12 @@ def deform(
     targets = numbers(targets, tr("Targets"))
     if targets.ndim != 3 or not len(targets):
         solver.aim(targets, shifts=shifts)
-        return iterated(solver, started, iterations, progress)
+        return iterated(solver, started, iterations, told)
     if iterations is not None:
         raise InputError(tr("Plain iterations know of no path; give the last targets alone."))
-    legs, leg = len(targets), _walk(solver, targets, shifts, progress)
+    legs, leg = len(targets), _walk(solver, targets, shifts, told)
     return iterated(
-        solver, started, progress=progress, last=lambda: whole_way(solver.frame(), leg, legs, solver.contact)
+        solver, started, progress=told, last=lambda: whole_way(solver.frame(), leg, legs, solver.contact)
     )
 
 

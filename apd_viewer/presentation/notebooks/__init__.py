@@ -1,0 +1,1 @@
+"""Deformations in scripts and notebooks: progress, pictures and readings."""
