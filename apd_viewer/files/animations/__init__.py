@@ -1,0 +1,1 @@
+"""Animations of a mesh: point caches, morph targets, ParaView series."""

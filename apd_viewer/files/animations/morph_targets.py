@@ -1,0 +1,181 @@
+"""GLB with a morph target for each shape, played by an animation of their weights.
+
+The first shape is the mesh itself, and the targets are the differences of the others from it. Where one
+weight goes from 1 to 0 and the next from 0 to 1 the shape goes straight from one to the other. See the
+specification of glTF 2.0, 3.7.2.2 (morph targets) and 3.11 (animations).
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.animations.shading_normals import shading_normals
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from apd_viewer.files.animations.shapes import Animation
+
+_FLOAT, _UINT = 5126, 5125  # component types of four bytes each
+_VERTICES, _INDICES = 34962, 34963  # targets of buffer views
+_WIDTH = {"SCALAR": 1, "VEC3": 3}
+_LONGEST = 2**32 - 1  # bytes; the format counts no farther
+_SECONDS, _FASTEST = 3.0, 24.0  # for all shapes, and at most so many a second
+_LOOK = {
+    "pbrMetallicRoughness": {
+        "baseColorFactor": [0.8, 0.8, 0.8, 1.0],
+        "metallicFactor": 0.0,
+        "roughnessFactor": 0.6,
+    },
+    "doubleSided": True,
+}
+
+
+class _Bounds(NamedTuple):
+    """Least and largest coordinates, each (3,)."""
+
+    low: np.ndarray
+    high: np.ndarray
+
+    @classmethod
+    def of(cls, X: np.ndarray) -> _Bounds:
+        return cls(X.min(axis=0), X.max(axis=0))
+
+
+class _Layout:
+    """Buffer views and accessors of one buffer, one behind the other."""
+
+    def __init__(self) -> None:
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+        self.length = 0
+
+    def add(
+        self,
+        kind: str,
+        count: int,
+        use: int | None = None,
+        bounds: _Bounds | None = None,
+        component: int = _FLOAT,
+    ) -> int:
+        """Append room for an array; return the number of its accessor."""
+        size = 4 * _WIDTH[kind] * count
+        view: dict[str, Any] = {"buffer": 0, "byteOffset": self.length, "byteLength": size}
+        if use is not None:
+            view["target"] = use
+        told: dict[str, Any] = {"componentType": component, "count": count, "type": kind}
+        if bounds is not None:
+            told |= {"min": bounds.low.astype(float).tolist(), "max": bounds.high.astype(float).tolist()}
+        self.accessors.append({"bufferView": len(self.views), **told})
+        self.views.append(view)
+        self.length += size
+        return len(self.accessors) - 1
+
+
+def write_morph_targets(animation: Animation, path: Path) -> None:
+    """Write the shapes as GLB: one of about three seconds, in single precision.
+
+    Raises
+    ------
+    InputError
+        If the file would be longer than the format allows, or cannot be written.
+    """
+    document, length = _document(animation)
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    whole = 12 + 8 + len(text) + 8 + length
+    if whole > _LONGEST:
+        raise InputError(
+            tr("{name} would be longer than 4 GiB; use fewer steps, or .pc2 or .pvd.").format(name=path.name)
+        )
+    with replacing(path) as scratch, scratch.open("wb") as stream:
+        stream.write(struct.pack("<4sIII4s", b"glTF", 2, whole, len(text), b"JSON") + text)
+        stream.write(struct.pack("<I4s", length, b"BIN\0"))
+        _write_arrays(animation, stream)
+
+
+def _document(animation: Animation) -> tuple[dict[str, Any], int]:
+    """The JSON of the file, and the bytes of its arrays in the order of writing."""
+    mesh, count, layout = animation.mesh, len(animation), _Layout()
+    n, targets = len(mesh.V), []
+    indices = layout.add("SCALAR", mesh.F.size, _INDICES, component=_UINT)
+    bounds = _bounds(animation)
+    base = _points(layout, n, bounds[0])
+    targets = [_points(layout, n, each) for each in bounds[1:]]
+    end = _times(count)[-1:]
+    times = layout.add("SCALAR", count, bounds=_Bounds(np.zeros(1), end))
+    weights = layout.add("SCALAR", count * (count - 1))
+    surface = {"attributes": base, "indices": indices, "material": 0, "mode": 4, "targets": targets}
+    names = {"targetNames": [f"{time:g}" for time in animation.times[1:]]}
+    channel = {"sampler": 0, "target": {"node": 0, "path": "weights"}}
+    sampler = {"input": times, "output": weights, "interpolation": "LINEAR"}
+    document = {
+        "asset": {"version": "2.0", "generator": "APD Viewer"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": mesh.stem}],
+        "meshes": [
+            {"name": mesh.stem, "primitives": [surface], "weights": [0] * (count - 1), "extras": names}
+        ],
+        "materials": [_LOOK],
+        "animations": [{"name": mesh.stem, "channels": [channel], "samplers": [sampler]}],
+        "buffers": [{"byteLength": layout.length}],
+        "bufferViews": layout.views,
+        "accessors": layout.accessors,
+    }
+    return document, layout.length
+
+
+def _points(layout: _Layout, n: int, bounds: _Bounds) -> dict[str, int]:
+    return {
+        "POSITION": layout.add("VEC3", n, _VERTICES, bounds),
+        "NORMAL": layout.add("VEC3", n, _VERTICES),
+    }
+
+
+def _bounds(animation: Animation) -> list[_Bounds]:
+    """Bounds of the first shape, and of the differences of the others from it."""
+    found: list[_Bounds] = []
+    start: np.ndarray | None = None
+    for U in animation:
+        moved = _single(U) if start is None else _difference(U, start)
+        start = moved if start is None else start
+        found.append(_Bounds.of(moved))
+    return found
+
+
+def _write_arrays(animation: Animation, stream: BinaryIO) -> None:
+    mesh, count = animation.mesh, len(animation)
+    stream.write(mesh.F.astype("<u4").tobytes())
+    start: tuple[np.ndarray, np.ndarray] | None = None
+    for U in animation:
+        N = shading_normals(mesh, U)
+        if start is None:
+            start = both = _single(U), _single(N)
+        else:
+            both = _difference(U, start[0]), _difference(N, start[1])
+        for array in both:
+            stream.write(array.tobytes())
+    stream.write(_times(count).tobytes())
+    # At the first shape no target counts, at each other its own.
+    stream.write(np.eye(count, count - 1, -1, dtype="<f4").tobytes())
+
+
+def _single(X: np.ndarray) -> np.ndarray:
+    return X.astype("<f4")
+
+
+def _difference(X: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Difference from what stands in the file, so that rounding is not added up."""
+    return _single(X - start.astype(np.float64))
+
+
+def _times(count: int) -> np.ndarray:
+    """Seconds of the shapes, (count,)."""
+    return (np.arange(count) * max(_SECONDS / max(count - 1, 1), 1.0 / _FASTEST)).astype("<f4")

@@ -1,0 +1,80 @@
+"""ParaView series, opened again by VTK with all their arrays."""
+
+import numpy as np
+import pytest
+import pyvista as pv
+from animated import animated
+from meshes import sphere
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.animations.animation_files import check_animation, write_animation
+from apd_viewer.geometry.analysis.scalars import scalars_of
+from apd_viewer.geometry.mesh.mesh import Mesh
+
+V, F = sphere(1)
+MESH = Mesh(V, F)
+LABELS = np.where(V[:, 2] > 0.5, 2, 1).astype(np.uint8)
+LABELS[V[:, 2] < -0.5] = 0
+MEMBER = (V[:, 0] > 0).astype(np.uint8)
+
+
+@pytest.fixture
+def written(tmp_path):
+    animation, shapes = animated(MESH, tmp_path / "shapes", 12, LABELS, MEMBER)
+    write_animation(animation, tmp_path / "a & b.pvd")
+    return tmp_path / "a & b.pvd", animation, shapes
+
+
+def test_vtk_reads_every_shape_with_all_its_arrays(written):
+    path, animation, shapes = written
+    reader = pv.get_reader(path)
+    assert reader.time_values == pytest.approx(animation.times, abs=0)
+    for k, U in enumerate(shapes):
+        reader.set_active_time_point(k)
+        grid = reader.read()[0]
+        scalars = scalars_of(MESH, U, LABELS, MEMBER)
+        assert np.array_equal(grid.points, U)
+        assert np.array_equal(grid.cells.reshape(-1, 4)[:, 1:], F)
+        assert set(grid.point_data) == set(scalars.vertices)
+        assert set(grid.cell_data) == set(scalars.triangles)
+        assert np.array_equal(grid.point_data["displacement"], U - V)
+        for name in set(scalars.vertices) - {"displacement"}:
+            np.testing.assert_array_equal(grid.point_data[name], scalars.vertices[name])
+        for name, values in scalars.triangles.items():
+            np.testing.assert_array_equal(grid.cell_data[name], values)
+
+
+def test_area_change_and_strain_are_those_of_a_stretch(tmp_path):
+    """Stretched to twice its height and half its width, a plane keeps its area."""
+    flat = Mesh(V * [1.0, 1.0, 0.0], F[[0]])
+    animation, _ = animated(flat, tmp_path / "shapes", 2)
+    np.save(animation.files[1], flat.V * [2.0, 0.5, 1.0])
+    write_animation(animation, tmp_path / "a.pvd")
+    reader = pv.get_reader(tmp_path / "a.pvd")
+    reader.set_active_time_point(1)
+    cells = reader.read()[0].cell_data
+    assert cells["area_change"] == pytest.approx([0.0], abs=1e-12)
+    assert cells["largest_stretch"] == pytest.approx([2.0])
+    assert cells["smallest_stretch"] == pytest.approx([0.5])
+
+
+def test_names_sort_in_the_order_of_time(written):
+    path, _, shapes = written
+    names = sorted(each.name for each in path.with_suffix("").iterdir())
+    assert names == [f"a & b-{k:02d}.vtu" for k in range(len(shapes))]
+
+
+def test_a_file_in_place_of_the_folder_is_refused(tmp_path):
+    (tmp_path / "a").write_text("mine")
+    with pytest.raises(InputError, match=r"a\.pvd needs a folder a beside it, which is a file"):
+        check_animation(tmp_path / "a.pvd")
+    check_animation(tmp_path / "b.pvd")
+
+
+def test_what_cannot_be_written_leaves_nothing(tmp_path):
+    animation, _ = animated(MESH, tmp_path / "shapes")
+    animation.files[2].unlink()
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(InputError, match="cannot be written"):
+        write_animation(animation, tmp_path / "a.pvd")
+    assert sorted(tmp_path.iterdir()) == before
