@@ -11,17 +11,20 @@ from typing import TYPE_CHECKING
 from apd_viewer.commands.motion_options import add_motion_options, motion_from, painted
 from apd_viewer.commands.sweep_output import (
     SWEPT_SHARE,
+    animation_of,
     mesh_path,
     row_of,
     shape_path,
     summary,
-    write_sweep_film,
+    write_sweep_films,
 )
+from apd_viewer.commands.terminal.animation_options import AnimationTargets, add_animation_option
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import keep_shape, no_pictures
-from apd_viewer.files.mesh_writing import check_folder, save_mesh
+from apd_viewer.files.animations.animation_files import write_animation
+from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
@@ -77,30 +80,22 @@ def sweep_parser() -> Parser:
     )
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="folder to write to")
     parser.add_argument("--meshes", action="store_true", help="write the mesh of every step, too")
-    parser.add_argument(
-        "--animation", metavar="A.gif", type=Path, help="GIF, or MP4 where there is an encoder"
-    )
+    add_animation_option(parser)
     parser.add_argument("--progress-lines", action="store_true", help="say how far it is as lines of JSON")
     parser.set_defaults(run=_sweep)
     return parser
 
 
 def _sweep(options: argparse.Namespace) -> None:
-    # Here: Pillow is slow to import, and a film alone needs it.
-    from apd_viewer.figures.films import check_film
-
-    if options.animation:
-        check_film(options.animation)
-        if not _is_in_output(options):
-            check_folder(options.animation)
-    document, camera, motion = _opened(options)
     methods = [word.strip() for word in options.methods.split(",") if word.strip()]
+    document, camera, motion = _opened(options)
     sweep = sweep_of(document, options.steps, options.to, methods, options.iterations, motion)
+    animations = AnimationTargets(options, sweep.methods)
     progress = Progress(options.progress_lines)
     with ExitStack() as stack:
         folder = stack.enter_context(filling(options.output))
         kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="apd-viewer-")))
-        steps = _run(sweep, progress, folder if options.meshes else None, kept if options.animation else None)
+        steps = _run(sweep, progress, folder if options.meshes else None, kept if animations else None)
         lines = [row_of(step, sweep) for step in steps]
         write_table(folder / "sweep.csv", list(lines[0]), [list(line.values()) for line in lines])
 
@@ -108,23 +103,18 @@ def _sweep(options: argparse.Namespace) -> None:
         from apd_viewer.figures.sweeps import draw_sweep
 
         draw_sweep(steps, sweep.abscissa, folder, obstacles=[each.name for each in sweep.obstacles])
-        filmed = not options.animation or write_sweep_film(
-            sweep, steps, kept, camera, _film_path(options, folder), progress
-        )
+        for method in sweep.methods:
+            for path in animations.files(method):
+                progress.show(SWEPT_SHARE, tr("writing {name}").format(name=path.name))
+                write_animation(
+                    animation_of(sweep, steps, method, kept), animations.begun(path, folder, stack)
+                )
+        films = [animations.begun(path, folder, stack) for path in animations.films()]
+        filmed = not films or write_sweep_films(sweep, steps, kept, camera, films, progress)
         progress.end()
     print(summary(steps, sweep, options.output))
     if not filmed:
         print(no_pictures())
-
-
-def _is_in_output(options: argparse.Namespace) -> bool:
-    """True if the film belongs in the output folder, possibly not created yet."""
-    return bool(options.animation.resolve().parent == options.output.resolve())
-
-
-def _film_path(options: argparse.Namespace, folder: Path) -> Path:
-    path: Path = options.animation
-    return folder / path.name if _is_in_output(options) else path
 
 
 def _opened(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.commands.terminal.plain_numbers import signed
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.shapes import Picture, draw_shapes
+from apd_viewer.files.animations.shapes import Animation
 from apd_viewer.files.mesh_writing import suffix_for
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
@@ -60,15 +61,23 @@ def row_of(step: SweepStep, sweep: Sweep) -> dict[str, Cell]:
     }
 
 
-def write_sweep_film(
+def animation_of(sweep: Sweep, steps: Sequence[SweepStep], method: str, kept: Path) -> Animation:
+    """Shapes of a method on the way, as they were kept on disk."""
+    document, own = sweep.document, [step for step in steps if step.method == method]
+    files = [shape_path(kept, step) for step in own]
+    parts = [step.part for step in own]
+    return Animation(document.mesh, document.labels, document.member, files, parts, document.target)
+
+
+def write_sweep_films(
     sweep: Sweep,
     steps: Sequence[SweepStep],
     kept: Path,
     camera: Standpoint | None,
-    path: Path,
+    paths: Sequence[Path],
     progress: Progress,
 ) -> bool:
-    """Draw the shapes of all methods side by side as a film; False without OpenGL."""
+    """Draw the shapes of all methods side by side as films; False without OpenGL."""
     # Here: Pillow is slow to import, and a film alone needs it.
     from apd_viewer.figures.films import write_film
 
@@ -86,7 +95,8 @@ def write_sweep_film(
     looks = {} if camera is None else _looks(camera)
     if not draw_shapes(sweep.document.mesh, pictures, size, drawn=drawn, legend=False, **looks):
         return False
-    write_film([picture.path for picture in pictures], path)
+    for path in paths:
+        write_film([picture.path for picture in pictures], path)
     return True
 
 

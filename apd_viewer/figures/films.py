@@ -22,12 +22,16 @@ _REST = 0.7  # s, at either end
 _COLORS = 128
 
 
-def check_film(path: Path) -> None:
-    """Raise InputError unless a film can be written to ``path``."""
+def check_film(path: Path, others: Sequence[str] = ()) -> None:
+    """Raise InputError unless a film can be written to ``path``.
+
+    ``others`` are endings to be named beside those of films.
+    """
+    kinds = *KINDS, *others
     if path.suffix.lower() not in KINDS:
         raise InputError(
-            tr("{name} does not have the ending of an animation; use {kinds}.").format(
-                name=path.name, kinds=tr(" or ").join(KINDS)
+            tr("{name} does not have the ending of an animation; use {kinds} or {last}.").format(
+                name=path.name, kinds=", ".join(kinds[:-1]), last=kinds[-1]
             )
         )
     if path.suffix.lower() == ".mp4":

@@ -8,6 +8,7 @@ import sys
 import imageio_ffmpeg
 import numpy as np
 import pytest
+import pyvista
 import trimesh
 from meshes import ends, tube
 from painted_meshes import write_bar
@@ -107,6 +108,46 @@ def test_a_figure_and_a_film_are_drawn(bar, sweep, tmp_path):
         assert (colors == color).all(axis=1).sum() > 100
 
 
+def pc2(path):
+    """Shapes (s, k, 3) of a point cache."""
+    points, _, _, count = np.frombuffer(path.read_bytes()[16:32], "<i4")
+    return np.frombuffer(path.read_bytes(), "<f4", offset=32).reshape(count, points, 3)
+
+
+def test_animations_are_the_meshes_of_the_steps(session, sweep, tmp_path):
+    """Of one method under the name given, in the output folder and beside it."""
+    out, names = tmp_path / "out", ("a.pc2", "a.mdd", "a.glb", "a.pvd")
+    words = [word for name in names for word in ("--animation", out / name)]
+    words += ["--animation", tmp_path / "b.pc2", "--animation", tmp_path / "b.pvd"]
+    status, _, err, folder = sweep(session, "--steps", 3, "--methods", "exact", "--meshes", *words)
+    assert (status, err) == (0, "")
+    meshes = [open_mesh(path).V for path in sorted((folder / "meshes").iterdir())]
+    assert np.array_equal(pc2(folder / "a.pc2"), np.array(meshes, dtype=np.float32))
+    assert (folder / "a.pc2").read_bytes() == (tmp_path / "b.pc2").read_bytes()
+    assert len((folder / "a.mdd").read_bytes()) == 8 + 4 * 4 + 12 * np.array(meshes)[..., 0].size
+    np.testing.assert_allclose(open_mesh(folder / "a.glb").V, meshes[0], atol=1e-6)
+    for series in (folder / "a.pvd", tmp_path / "b.pvd"):
+        reader = pyvista.get_reader(series)
+        assert reader.time_values == pytest.approx([0, 1 / 3, 2 / 3, 1])
+        reader.set_active_time_point(3)
+        grid = reader.read()[0]
+        np.testing.assert_allclose(grid.points, meshes[3], atol=1e-12)
+        assert grid.point_data["apd_label"].tolist() == np.loadtxt(tmp_path / "bar.sel").tolist()
+    assert {path.name for path in tmp_path.iterdir()} == {
+        *("bar.off", "bar.sel", "bent.def", "bar.apd", "out", "b.pc2", "b.pvd", "b"),
+    }
+
+
+def test_each_method_has_an_animation_of_its_own(session, sweep, tmp_path):
+    words = "--steps", 2, "--methods", "arap,exact", "--meshes", "--animation", tmp_path / "a.pc2"
+    status, _, err, folder = sweep(session, *words)
+    assert (status, err) == (0, "")
+    for method in ("arap", "exact"):
+        meshes = [open_mesh(path).V for path in sorted((folder / "meshes").glob(f"{method}-*"))]
+        assert np.array_equal(pc2(tmp_path / f"a-{method}.pc2"), np.array(meshes, dtype=np.float32))
+    assert not (tmp_path / "a.pc2").exists()
+
+
 def test_the_same_sweep_writes_the_same_files(session, sweep, tmp_path):
     for name in ("a", "b"):
         assert sweep(session, "--steps", 2, "--methods", "exact", folder=tmp_path / name)[0] == 0
@@ -154,7 +195,31 @@ WRONG = {
     "both": (lambda bar: [*bar, "--twist", "9", "--transform", bar[0].parent / "bent.def"], "not both"),
     "a film of another kind": (
         lambda bar: [*bar, "--twist", "9", "--animation", "a.webm"],
-        "use .gif or",
+        "use .gif, .mp4, .pc2, .mdd, .glb or .pvd",
+    ),
+    "an animation in no folder": (
+        lambda bar: [*bar, "--twist", "9", "--animation", bar[0].parent / "gone" / "a.pc2"],
+        "There is no folder",
+    ),
+    "an animation twice": (
+        lambda bar: [*bar, "--twist", "9", *["--animation", bar[0].parent / "a.pc2"] * 2],
+        "a name of its own",
+    ),
+    "an animation by a method that is none": (
+        lambda bar: [*bar, "--twist", "9", "--methods", "arap,x/y", "--animation", "a.pc2"],
+        "Unknown method 'x/y'",
+    ),
+    "a series beside a file of its name": (
+        lambda bar: [
+            *bar,
+            "--methods",
+            "arap",
+            "--twist",
+            "9",
+            "--animation",
+            bar[0].with_suffix(".sel.pvd"),
+        ],
+        "which is a file",
     ),
     "an angle that is none": (lambda bar: [*bar, "--twist", "9mm"], "unit of length"),
     "a method that is none": (

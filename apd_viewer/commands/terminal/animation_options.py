@@ -1,0 +1,113 @@
+"""The option for animations, and the check of what it names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.animations.animation_files import ANIMATED, check_animation
+from apd_viewer.files.mesh_writing import check_folder
+from apd_viewer.files.storage.atomic_folder import filling
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Sequence
+    from contextlib import ExitStack
+
+    from apd_viewer.commands.terminal.parser import Parser
+
+
+def add_animation_option(parser: Parser, films: bool = True) -> None:
+    """Add the option, which can be given several times."""
+    drawn = tr(
+        "write the shapes as a film (.gif, or .mp4 with an encoder), for Blender (.pc2, .mdd), with morph "
+        "targets (.glb) or for ParaView (.pvd); may be given several times"
+    )
+    written = tr(
+        "write the shapes for Blender (.pc2, .mdd), with morph targets (.glb) or for ParaView (.pvd); may be "
+        "given several times"
+    )
+    parser.add_argument(
+        "--animation",
+        metavar="A.gif" if films else "A.glb",
+        type=Path,
+        action="append",
+        default=[],
+        help=drawn if films else written,
+    )
+
+
+def is_film(path: Path) -> bool:
+    """True for the ending of a film, which is drawn."""
+    return path.suffix.lower() not in ANIMATED
+
+
+class AnimationTargets:
+    """Files of the animations asked for.
+
+    Parameters
+    ----------
+    options : Namespace
+        With ``animation`` and ``output``.
+    versions : sequence of str
+        Names of the versions of the motion: with several of them each has a file of its own, but for films,
+        which show all of them.
+
+    Raises
+    ------
+    InputError
+        If one cannot be written.
+    """
+
+    def __init__(self, options: argparse.Namespace, versions: Sequence[str]) -> None:
+        self._asked: list[Path] = options.animation
+        self._folder: Path = options.output.resolve()
+        self._versions = versions
+        self._check()
+
+    def _check(self) -> None:
+        # Here: Pillow is slow to import, and films alone need it.
+        from apd_viewer.figures.films import check_film
+
+        for path in filter(is_film, self._asked):
+            check_film(path, ANIMATED)
+        named = [*self.films(), *(path for version in self._versions for path in self.files(version))]
+        if len({path.resolve() for path in named}) < len(named):
+            raise InputError(tr("Give each animation a name of its own."))
+        for path in named:
+            if not self._is_in_output(path):
+                (check_folder if is_film(path) else check_animation)(path)
+
+    def __bool__(self) -> bool:
+        return bool(self._asked)
+
+    def films(self) -> list[Path]:
+        """Films, each of all versions."""
+        return [path for path in self._asked if is_film(path)]
+
+    def files(self, version: str) -> list[Path]:
+        """Other animations of a version."""
+        paths = [path for path in self._asked if not is_film(path)]
+        return [path.with_stem(f"{path.stem}-{version}") if self._several else path for path in paths]
+
+    @property
+    def _several(self) -> bool:
+        return len(self._versions) > 1
+
+    def _is_in_output(self, path: Path) -> bool:
+        """True in the output folder, possibly not created yet."""
+        return path.resolve().parent == self._folder
+
+    def begun(self, path: Path, scratch: Path, beside: ExitStack) -> Path:
+        """Scratch path of a file until all is written.
+
+        In ``scratch`` if it belongs in the output folder, or else where it moves from when ``beside`` closes.
+        """
+        return scratch / path.name if self._is_in_output(path) else begun_beside(path, beside)
+
+
+def begun_beside(path: Path, beside: ExitStack) -> Path:
+    """Scratch path of an animation, moved to ``path`` when ``beside`` closes."""
+    return beside.enter_context(filling(path.parent)) / path.name
