@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import tempfile
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +11,15 @@ from typing import TYPE_CHECKING
 from apd_viewer.commands.measurement_output import measurements_report
 from apd_viewer.commands.result_output import progress_line, summary, write_result
 from apd_viewer.commands.scalar_output import add_scalar_options, check_scalar_options, write_scalar_files
+from apd_viewer.commands.terminal.animation_options import (
+    add_animation_option,
+    begun_beside,
+    is_film,
+)
 from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.errors import InputError
+from apd_viewer.files.animations.animation_files import ANIMATED, check_animation, write_animation
+from apd_viewer.files.animations.shapes import Animation, ShapeRecorder
 from apd_viewer.files.mesh_writing import check_target
 from apd_viewer.language import tr
 from apd_viewer.session.model.status_text import about_missing_target
@@ -18,6 +27,12 @@ from apd_viewer.session.studies.replay import replay
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Sequence
+
+    from apd_viewer.session.model.document import Document
+
+# Shapes of an animation: ten seconds of them.
+_MOST = 240
 
 
 def replay_parser() -> Parser:
@@ -32,6 +47,7 @@ def replay_parser() -> Parser:
         action="store_true",
         help=tr("start from the rest shape; default: a saved shape that has converged is kept"),
     )
+    add_animation_option(parser, films=False)
     parser.set_defaults(run=_replay)
     return parser
 
@@ -39,14 +55,49 @@ def replay_parser() -> Parser:
 def _replay(options: argparse.Namespace) -> None:
     output = check_target(options.output)
     check_scalar_options(options)
+    _check_animations(options.animation)
     progress = progress_line(None) if sys.stderr.isatty() else None
-    document, result = replay(options.session, options.from_rest, progress)
-    mesh = document.mesh
     with ExitStack() as beside:
+        shapes = ShapeRecorder(_scratch(beside), _MOST) if options.animation else None
+        document, result = replay(
+            options.session, options.from_rest, progress, None if shapes is None else shapes.add
+        )
+        mesh = document.mesh
         painted = document.labels, document.member
         write_scalar_files(beside, options, mesh, result.U, *painted, document.target)
         more = measurements_report(document, result.U) if options.report else {}
+        if shapes is not None:
+            _write_animations(options.animation, document, shapes, beside)
         written = write_result(beside, mesh, result, options.report, output, document.target, more)
     print(summary(mesh, result, output, written))
     if missing := about_missing_target(document):
         print(missing)
+
+
+def _scratch(beside: ExitStack) -> Path:
+    return Path(beside.enter_context(tempfile.TemporaryDirectory(prefix="apd-viewer-")))
+
+
+def _check_animations(paths: Sequence[Path]) -> None:
+    for path in paths:
+        if is_film(path):
+            raise InputError(
+                tr("{name} cannot show a replay; use {kinds}, or apd-viewer sweep.").format(
+                    name=path.name, kinds=", ".join(ANIMATED)
+                )
+            )
+        check_animation(path)
+
+
+def _write_animations(
+    paths: Sequence[Path], document: Document, shapes: ShapeRecorder, beside: ExitStack
+) -> None:
+    """Write the shapes that the replay has gone through, by their iterations."""
+    if not shapes.files:
+        raise InputError(
+            tr("The saved shape has converged, so there is nothing to animate; add --from-rest.")
+        )
+    painted = document.labels, document.member
+    animation = Animation(document.mesh, *painted, shapes.files, shapes.numbers, document.target)
+    for path in paths:
+        write_animation(animation, begun_beside(path, beside))

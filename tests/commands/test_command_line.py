@@ -833,7 +833,7 @@ def test_the_report_on_an_open_mesh_has_the_volume_with_the_mouth_capped(tmp_pat
             + ["--report", "--picture", "0 base, 1 free, 2 handle", "0.1 %"],
         ),
         (["info", "--help"], ["MESH", "--json"]),
-        (["replay", "--help"], ["SESSION", "--output", "--report", "--from-rest"]),
+        (["replay", "--help"], ["SESSION", "--output", "--report", "--from-rest", "--animation"]),
         (
             ["sweep", "--help"],
             ["SESSION", "--steps", "--to", "--methods", "--twist", "--meshes", "--animation"],

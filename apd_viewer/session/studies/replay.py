@@ -26,7 +26,10 @@ _IN_PLACE = 1e-9
 
 
 def replay(
-    path: str | Path, from_rest: bool = False, progress: Callable[[Frame], None] | None = None
+    path: str | Path,
+    from_rest: bool = False,
+    progress: Callable[[Frame], None] | None = None,
+    passed: Callable[[np.ndarray], None] | None = None,
 ) -> tuple[Document, Result]:
     """Bring the shape of a saved session to rest.
 
@@ -39,6 +42,9 @@ def replay(
         Begin with the rest shape, and go to where the handles are.
     progress : callable, optional
         Called with every Frame.
+    passed : callable, optional
+        Called with the shape (n, 3) that is gone on from, and with that of every frame; not called where the
+        shape has settled.
 
     Raises
     ------
@@ -56,11 +62,29 @@ def replay(
         frame = replace(state.frame, iteration=0, handle_drift=_drift(held, state.frame.U))
         return document, result_of(solver, frame, time.perf_counter() - started, 0.0)
     walk = Walk(solver, document, None if from_rest else state.frame.U, begin=_come(state))
+    if passed:
+        passed(document.grip if from_rest else state.frame.U)
+    told = _both(progress, passed)
     while not walk.arrived:
         walk.iterate()
+        if told:
+            told(walk.frame())
+    return document, iterated(solver, started, progress=told, last=walk.frame)
+
+
+def _both(
+    progress: Callable[[Frame], None] | None, passed: Callable[[np.ndarray], None] | None
+) -> Callable[[Frame], None] | None:
+    """A call for both, with a frame and with its shape."""
+    if passed is None:
+        return progress
+
+    def told(frame: Frame) -> None:
+        passed(frame.U)
         if progress:
-            progress(walk.frame())
-    return document, iterated(solver, started, progress=progress, last=walk.frame)
+            progress(frame)
+
+    return told
 
 
 def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:

@@ -1,0 +1,112 @@
+"""The shapes that a replay goes through, written as animations."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import pyvista
+from painted_meshes import write_bar
+
+from apd_viewer.__main__ import main
+from apd_viewer.commands import replay as replay_command
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.pose.transforms import turned_about
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.session.studies.replay import replay
+
+BENT = turned_about([1, 1, 0], [1, 0, 0], 0.6)
+
+
+@pytest.fixture
+def session(tmp_path):
+    """A session with its handle moved, and its shape still at rest."""
+    write_bar(tmp_path)
+    state = opened(open_mesh(tmp_path / "bar.off"), np.loadtxt(tmp_path / "bar.sel", dtype=np.uint8))
+    path = tmp_path / "bar.apd"
+    save_session(path, state.at(state.document.with_pose(0, BENT)).unsettled(), View())
+    return path
+
+
+@pytest.fixture
+def run(session, tmp_path, capsys):
+    """Replay with these words; return the status and the error."""
+
+    def words(*words):
+        status = main(["replay", str(session), "-o", str(tmp_path / "out.off"), *map(str, words)])
+        return status, capsys.readouterr().err
+
+    return words
+
+
+def pc2(path):
+    """Shapes (s, k, 3) of a point cache."""
+    points, _, _, count = np.frombuffer(path.read_bytes()[16:32], "<i4")
+    return np.frombuffer(path.read_bytes(), "<f4", offset=32).reshape(count, points, 3)
+
+
+def test_it_begins_with_the_shape_saved_and_has_each_iteration(session, run, tmp_path):
+    passed = []
+    replay(session, passed=lambda U: passed.append(U.astype(np.float32)))
+    words = [word for name in ("a.pc2", "a.pvd") for word in ("--animation", tmp_path / name)]
+    assert run(*words) == (0, "")
+    shapes, mesh = pc2(tmp_path / "a.pc2"), open_mesh(tmp_path / "bar.off")
+    assert len(passed) > 3
+    assert np.array_equal(shapes, passed)
+    assert np.array_equal(shapes[0], mesh.V.astype(np.float32))
+    assert np.array_equal(shapes[-1], open_mesh(tmp_path / "out.off").V.astype(np.float32))
+    assert pyvista.get_reader(tmp_path / "a.pvd").time_values == list(range(len(shapes)))
+
+
+def test_of_many_iterations_it_has_some(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(replay_command, "_MOST", 4)
+    assert run("--animation", tmp_path / "a.pc2") == (0, "")
+    shapes = pc2(tmp_path / "a.pc2")
+    assert 2 <= len(shapes) <= 4
+    assert np.array_equal(shapes[-1], open_mesh(tmp_path / "out.off").V.astype(np.float32))
+
+
+def settled(session):
+    """Save the session again, with its shape converged."""
+    document, result = replay(session)
+    state = opened(document.mesh)
+    frame = replace(state.frame, U=result.U, settled=True, converged=True)
+    save_session(session, replace(state, document=document, frame=frame), View())
+
+
+def test_what_has_settled_passes_nothing_but_from_rest(session, run, tmp_path):
+    settled(session)
+    before = sorted(tmp_path.iterdir())
+    status, err = run("--animation", tmp_path / "a.pc2")
+    assert status == 2
+    assert re.fullmatch(r"error: The saved shape has converged, .+ add --from-rest\.\n", err)
+    assert sorted(tmp_path.iterdir()) == before
+    assert run("--animation", tmp_path / "a.pc2", "--from-rest") == (0, "")
+    V = open_mesh(tmp_path / "bar.off").V
+    assert np.array_equal(pc2(tmp_path / "a.pc2")[0], V.astype(np.float32))
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("a.gif", "a.gif cannot show a replay; use .pc2, .mdd, .glb, .pvd, or apd-viewer sweep"),
+        ("a.abc", "cannot show a replay"),
+        ("gone/a.pc2", "There is no folder"),
+    ],
+)
+def test_what_is_wrong_is_said_and_nothing_is_written(name, words, run, tmp_path):
+    before = sorted(tmp_path.iterdir())
+    status, err = run("--animation", tmp_path / name)
+    assert status == 2
+    assert words in err
+    assert err.count("\n") == 1
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_nothing_is_written_where_the_mesh_cannot_be(run, tmp_path):
+    before = sorted(tmp_path.iterdir())
+    status, _ = run("--animation", tmp_path / "a.pc2", "--report", tmp_path / "gone" / "r.json")
+    assert status == 2
+    assert sorted(tmp_path.iterdir()) == before
