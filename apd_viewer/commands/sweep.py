@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -105,16 +106,18 @@ def _sweep(options: argparse.Namespace) -> None:
         draw_sweep(steps, sweep.abscissa, folder, obstacles=[each.name for each in sweep.obstacles])
         for method in sweep.methods:
             for path in animations.files(method):
-                progress.show(SWEPT_SHARE, tr("writing {name}").format(name=path.name))
-                write_animation(
-                    animation_of(sweep, steps, method, kept), animations.begun(path, folder, stack)
-                )
+                animation = animation_of(sweep, steps, method, kept, partial(_tell_shape, progress, path))
+                write_animation(animation, animations.begun(path, folder, stack))
         films = [animations.begun(path, folder, stack) for path in animations.films()]
         filmed = not films or write_sweep_films(sweep, steps, kept, camera, films, progress)
         progress.end()
     print(summary(steps, sweep, options.output))
     if not filmed:
         print(no_pictures())
+
+
+def _tell_shape(progress: Progress, path: Path, number: int) -> None:
+    progress.show(SWEPT_SHARE, tr("{name}: shape {number}").format(name=path.name, number=number + 1))
 
 
 def _opened(

@@ -15,7 +15,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.view import Standpoint
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from apd_viewer.files.tables import Cell
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -61,12 +61,19 @@ def row_of(step: SweepStep, sweep: Sweep) -> dict[str, Cell]:
     }
 
 
-def animation_of(sweep: Sweep, steps: Sequence[SweepStep], method: str, kept: Path) -> Animation:
+def animation_of(
+    sweep: Sweep,
+    steps: Sequence[SweepStep],
+    method: str,
+    kept: Path,
+    reading: Callable[[int], object],
+) -> Animation:
     """Shapes of a method on the way, as they were kept on disk."""
     document, own = sweep.document, [step for step in steps if step.method == method]
     files = [shape_path(kept, step) for step in own]
     parts = [step.part for step in own]
-    return Animation(document.mesh, document.labels, document.member, files, parts, document.target)
+    painted = document.labels, document.member
+    return Animation(document.mesh, *painted, files, parts, document.target, reading)
 
 
 def write_sweep_films(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -32,6 +32,8 @@ class Animation:
         Of each shape, ascending: the part of a motion, or iterations.
     target : TargetShape or None
         Another mesh to compare with.
+    reading : callable
+        Called before each shape is read, with its number.
     """
 
     mesh: Mesh
@@ -40,12 +42,15 @@ class Animation:
     files: Sequence[Path]
     times: Sequence[float]
     target: TargetShape | None = None
+    reading: Callable[[int], object] = lambda _: None
 
     def __len__(self) -> int:
         return len(self.files)
 
     def __iter__(self) -> Iterator[np.ndarray]:
-        return (np.load(path) for path in self.files)
+        for number, path in enumerate(self.files):
+            self.reading(number)
+            yield np.load(path)
 
     @cached_property
     def imported(self) -> np.ndarray:
