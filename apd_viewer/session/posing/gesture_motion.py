@@ -1,0 +1,74 @@
+"""The motion of one gesture as a document of its own."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.session.model.document_parts import painted_alike
+from apd_viewer.session.model.named_parts import IDENTITY
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.named_parts import Handle
+    from apd_viewer.session.model.state import State
+
+
+def gesture_motion(before: State, document: Document) -> Document | None:
+    """The document with the motion of a gesture alone; None if there is none.
+
+    Its base and handles are gripped at the shape before the gesture.
+
+    Parameters
+    ----------
+    before : State
+        At the beginning of the gesture.
+    document : Document
+        After it.
+
+    Returns
+    -------
+    Document or None
+        None if the gesture moved no handle, or did something else as well: painted, or opened another mesh.
+        None too where obstacles have been moved, as these go along their whole way.
+    """
+    start = before.document
+    same = document.mesh is start.mesh and document.grip is start.grip and painted_alike(start, document)
+    if not same or len(document.handles) != len(start.handles):
+        return None
+    if any(each.shift.any() for each in document.obstacles):
+        return None
+    pairs = list(zip(start.handles, document.handles, strict=True))
+    if not any(_moved(*pair) for pair in pairs):
+        return None
+    motion = document.regripped(before.frame.U)
+    for k, pair in enumerate(pairs):
+        motion = motion.with_handle(k, _rest_of_way(*pair))
+    return motion
+
+
+def _moved(before: Handle, after: Handle) -> bool:
+    return not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints)
+
+
+def _rest_of_way(before: Handle, after: Handle) -> Handle:
+    """Handle gripped where it was before, with its way from there to where it is.
+
+    Back to where both ways part, and on from there: what is gone back along is taken off again.
+    """
+    gripped = before.gripped()
+    if not _moved(before, after):
+        return gripped
+    shared, origin = _shared(before, after), np.linalg.inv(before.pose)
+    parting = before.waypoints[shared - 1] if shared else IDENTITY
+    for pose in (*reversed(before.waypoints[shared:]), parting, *after.waypoints[shared:], after.pose):
+        gripped = gripped.moved(pose @ origin)
+    return gripped
+
+
+def _shared(before: Handle, after: Handle) -> int:
+    """Number of waypoints with which both ways begin."""
+    pairs = zip(before.waypoints, after.waypoints, strict=False)
+    return sum(1 for _ in itertools.takewhile(lambda pair: np.array_equal(*pair), pairs))
