@@ -31,7 +31,7 @@ class FileActions:
 
     Attributes
     ----------
-    open, open_study, target, clear_target, save, save_as, export, scalars, deck : QAction
+    open, open_study, target, clear_target, save, save_as, export, scalars, deck, animation : QAction
     report, picture, copy_picture, copy_python, quit : QAction
     samples : list of QAction
     recent : QMenu
@@ -77,6 +77,14 @@ class FileActions:
             tr("Export shells and boundary conditions for CalculiX or Abaqus"),
             None,
             filing.ask_for_deck,
+        )
+        self.animation = make(
+            "export_animation",
+            tr("Export a&nimation…"),
+            "sweep",
+            tr("Export the motion of the handles for Blender, glTF or ParaView"),
+            None,
+            commands.studies.animate,
         )
         self.save = make(
             "save",
@@ -162,7 +170,7 @@ class FileActions:
         menu.addSeparator()
         menu.addActions([self.target, self.clear_target])
         menu.addSeparator()
-        menu.addActions([self.save, self.save_as, self.export, self.scalars, self.deck])
+        menu.addActions([self.save, self.save_as, self.export, self.scalars, self.animation, self.deck])
         menu.addSeparator()
         menu.addActions([self.report, self.picture, self.copy_picture, self.copy_python])
         menu.addSeparator()
@@ -186,4 +194,5 @@ class FileActions:
     def of_a_mesh(self) -> list[QAction]:
         """Actions available only for an open mesh."""
         made = self.report, self.picture, self.copy_picture, self.copy_python
-        return [self.target, self.save, self.save_as, self.export, self.scalars, self.deck, *made]
+        exports = self.export, self.scalars, self.animation, self.deck
+        return [self.target, self.save, self.save_as, *exports, *made]

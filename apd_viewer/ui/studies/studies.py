@@ -1,4 +1,4 @@
-"""Dialogs for work on many shapes: sweeps, presses, and the paper's tables."""
+"""Dialogs for many shapes: sweeps, animations, presses, the paper's tables."""
 
 from __future__ import annotations
 
@@ -8,11 +8,16 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QDialog, QWidget
 
+from apd_viewer.language import tr
+from apd_viewer.session.posing.gesture_motion import gesture_motion
+from apd_viewer.ui.studies.animation_dialog import AnimationDialog
 from apd_viewer.ui.studies.paper_dialog import PaperDialog
 from apd_viewer.ui.studies.press_dialog import PressDialog
 from apd_viewer.ui.studies.sweep_dialog import SweepDialog
 
 if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.history import History
     from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
     from apd_viewer.ui.preferences.preferences import Preferences
@@ -29,6 +34,8 @@ class Studies(QObject):
         What is open, which handle is in the hand, and how the mesh is looked at; None before there is a mesh.
     failed : callable
         Says a sentence.
+    history : History
+        Whose last step can be exported.
     """
 
     def __init__(
@@ -37,10 +44,11 @@ class Studies(QObject):
         memory: Preferences,
         opened: Callable[[], tuple[State, int, View] | None],
         failed: Callable[[str], object],
+        history: History,
     ) -> None:
         super().__init__(window)
         self._window, self._memory = window, memory
-        self._opened, self._failed = opened, failed
+        self._opened, self._failed, self._history = opened, failed, history
         self.dialogs: dict[str, QDialog] = {}
 
     def sweep(self) -> None:
@@ -53,6 +61,29 @@ class Studies(QObject):
             self._failed(state.document.problem)
             return
         self._show("sweep", lambda: SweepDialog(self._window, state, handle, view, self._memory))
+
+    def animate(self) -> None:
+        """Export the motion of the handles that are open, or their last gesture."""
+        found = self._opened()
+        if found is None:
+            return
+        state, _, view = found
+        motions = self._motions(state)
+        if state.document.problem or not motions:
+            words = tr("No handle has moved, so there is no motion to export; move a handle first.")
+            self._failed(state.document.problem or words)
+            return
+        self._show("animate", lambda: AnimationDialog(self._window, state, motions, view, self._memory))
+
+    def _motions(self, state: State) -> list[tuple[str, Document]]:
+        """Motions that can be exported, with their titles."""
+        document, latest, found = state.document, self._history.latest, []
+        if document.posed:
+            found.append((tr("current motion of the handles"), document))
+        gesture = gesture_motion(latest.state, document) if latest is not None else None
+        if latest is not None and gesture is not None:
+            found.append((tr("last step: “{gesture}”").format(gesture=latest.gesture), gesture))
+        return found
 
     def press(self) -> None:
         """Press the mesh that is open between two plates; nothing need be painted."""

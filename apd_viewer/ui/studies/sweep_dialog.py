@@ -17,6 +17,7 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
+from apd_viewer.ui.studies.animation_formats import format_choice
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
 from apd_viewer.ui.widgets.fields import Check, Choice
@@ -109,8 +110,10 @@ class SweepDialog(StudyDialog):
 
     def _make_extras(self) -> QHBoxLayout:
         self.meshes = Check(tr("the mesh of each step"))
-        self.animation = Check(tr("an animation (GIF)"))
-        return row_of(self.meshes, self.animation)
+        self.animation, self.format = Check(tr("an animation:")), format_choice(".gif")
+        self.format.setEnabled(False)
+        self.animation.toggled.connect(self.format.setEnabled)
+        return row_of(self.meshes, self.animation, self.format)
 
     def begin(self) -> None:
         """Start the sweep with the options chosen."""
@@ -130,12 +133,12 @@ class SweepDialog(StudyDialog):
         words += ["--steps", str(round(self.steps.value())), "--to", repr(self.to.value() / 100.0)]
         words += ["--methods", ",".join(methods), "--iterations", str(round(self.iterations.value()))]
         words += ["--meshes"] if self.meshes.isChecked() else []
-        animated = self.animation.isChecked()
+        ending = self.format.currentData() if self.animation.isChecked() else ""
 
         def prepared(scratch: Path, results: Path) -> list[str]:
             session = scratch / "sweep.apd"
             save_session(session, self._state, self._view)
-            film = ["--animation", str(results / "sweep.gif")] if animated else []
-            return ["sweep", str(session), *words, *film, "-o", str(results)]
+            animated = ["--animation", str(results / f"sweep{ending}")] if ending else []
+            return ["sweep", str(session), *words, *animated, "-o", str(results)]
 
         self.run.begin(prepared)

@@ -73,7 +73,10 @@ def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, m
     assert dialog.twist.isHidden()
     dialog.steps.setValue(3)
     dialog.to.setValue(150)
+    assert not dialog.format.isEnabled()
     dialog.animation.setChecked(True)
+    assert dialog.format.isEnabled()
+    assert dialog.format.currentData() == ".gif"
     dialog.meshes.setChecked(True)
     monkeypatch.setattr(dialog.run, "begin", lambda words: begun.append(words(tmp_path, tmp_path / "out")))
     begun = []
@@ -83,8 +86,13 @@ def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, m
     assert options.methods == "arap,paper,exact"
     assert options.meshes
     assert options.output == tmp_path / "out"
-    assert options.animation == tmp_path / "out" / "sweep.gif"
+    assert options.animation == [tmp_path / "out" / "sweep.gif"]
     assert options.motion == []
+    for k in range(dialog.format.count()):
+        dialog.format.setCurrentIndex(k)
+        click(dialog.run.start)
+        asked = sweep_parser().parse_args(begun[-1][1:]).animation
+        assert asked == [tmp_path / "out" / f"sweep{dialog.format.itemData(k)}"]
     state, view = open_session(options.file)
     np.testing.assert_array_equal(state.document.handles[0].pose, document(bar).handles[0].pose)
     assert view.camera == bar.canvas.view.saved("").camera

@@ -1,0 +1,119 @@
+"""Dialog that exports a motion of the handles as an animation."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.animations.animation_files import ANIMATED, check_animation
+from apd_viewer.language import tr
+from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
+from apd_viewer.ui.filing.file_dialogs import ask_where
+from apd_viewer.ui.studies.animation_formats import format_choice
+from apd_viewer.ui.studies.run_bar import RunBar
+from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
+from apd_viewer.ui.widgets.fields import Choice
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.model.view import View
+    from apd_viewer.ui.preferences.preferences import Preferences
+
+_STEPS = 24
+
+
+class AnimationDialog(StudyDialog):
+    """Solves a motion in steps by the method of the session, and writes the shapes.
+
+    Parameters
+    ----------
+    window : QWidget
+    state : State
+    motions : sequence of (str, Document)
+        What can be exported, with its title; at least one.
+    view : View
+        How a film looks at the mesh.
+    memory : Preferences
+    """
+
+    def __init__(
+        self,
+        window: QWidget,
+        state: State,
+        motions: Sequence[tuple[str, Document]],
+        view: View,
+        memory: Preferences,
+    ) -> None:
+        mesh = state.document.mesh
+        run = RunBar(tr("Export…"), f"{mesh.stem}-animation", memory)
+        title = tr("Export animation – {name}").format(name=mesh.name)
+        super().__init__(window, title, run, "sweep.png", tr("Curves of area, volume and energy"))
+        self._state, self._view, self._memory = state, view, memory
+        self._path: Path | None = None
+        run.asked.connect(self.begin)
+        run.ended.connect(self._tell)
+        about = tr(
+            "Solves the motion in steps, each shape starting from the previous one, and writes the shapes "
+            "for other programs."
+        )
+        rows = (
+            (tr("Motion"), self._make_motion(motions)),
+            (tr("Steps"), self._make_steps()),
+            (tr("Format"), self._make_format()),
+        )
+        self.lay_out(about, rows)
+
+    def _make_motion(self, motions: Sequence[tuple[str, Document]]) -> QHBoxLayout:
+        self.motion = Choice()
+        self.motion.setAccessibleName(tr("Motion to export"))
+        for title, document in motions:
+            self.motion.addItem(title, document)
+        return row_of(self.motion)
+
+    def _make_steps(self) -> QHBoxLayout:
+        self.steps = count_field(tr("Number of steps"), 1, MOST_STEPS, _STEPS)
+        return row_of(self.steps, QLabel(tr("shapes after the first")), spacing=8)
+
+    def _make_format(self) -> QHBoxLayout:
+        self.format = format_choice(".glb")
+        return row_of(self.format)
+
+    def begin(self) -> None:
+        """Ask for the file, and start."""
+        document, steps = self.motion.currentData(), round(self.steps.value())
+        try:
+            sweep_of(document, steps, methods=[document.method])
+            path = self._ask()
+        except InputError as error:
+            self.run.fail(str(error))
+            return
+        if path is None:
+            return
+        self._path = path
+
+        def prepared(scratch: Path, results: Path) -> list[str]:
+            session = scratch / "animation.apd"
+            save_session(session, self._state.at(document), self._view)
+            words = ["--steps", str(steps), "--methods", document.method, "--animation", str(path)]
+            return ["sweep", str(session), *words, "-o", str(results)]
+
+        self.run.begin(prepared)
+
+    def _ask(self) -> Path | None:
+        """File to write to; None if cancelled; raises InputError."""
+        name = f"{self._state.document.mesh.stem}-animation{self.format.currentData()}"
+        path = ask_where(self, tr("Export animation"), self._memory.folder / name)
+        if path is not None and path.suffix.lower() in ANIMATED:
+            check_animation(path)
+        return path
+
+    def _tell(self) -> None:
+        if self._path is not None and self._path.exists():
+            self.run.words.setText(tr("Exported {name}.").format(name=self._path.name))

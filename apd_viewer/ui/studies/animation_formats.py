@@ -1,0 +1,29 @@
+"""Formats of animations, for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.language import tr
+from apd_viewer.ui.widgets.fields import Choice
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+FORMATS: Mapping[str, str] = {
+    ".glb": tr("glTF with morph targets (GLB)"),
+    ".pc2": tr("Blender point cache (PC2)"),
+    ".mdd": tr("Blender point cache (MDD)"),
+    ".pvd": tr("ParaView series (PVD)"),
+    ".gif": tr("film (GIF)"),
+}
+
+
+def format_choice(first: str) -> Choice:
+    """Choice of a format by its ending; ``first`` is chosen to begin with."""
+    choice = Choice()
+    choice.setAccessibleName(tr("Format of the animation"))
+    for ending, title in FORMATS.items():
+        choice.addItem(title, ending)
+    choice.setCurrentIndex(choice.findData(first))
+    return choice

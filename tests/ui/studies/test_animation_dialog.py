@@ -1,0 +1,122 @@
+"""Exporting an animation from the File menu: in a real window, with a real process."""
+
+import numpy as np
+import pytest
+import pyvista
+from driving import idle
+from PySide6.QtWidgets import QFileDialog
+from study_driving import click, finish, open_bar
+
+from apd_viewer.session.model.motions import TypedMotion
+
+
+@pytest.fixture
+def bar(qtbot, window):
+    """A window on a bar, its handle moved twice."""
+    open_bar(qtbot, window)
+    idle(qtbot, window)
+    for way in (TypedMotion.MOVE_X, TypedMotion.MOVE_Y):
+        window.session.handles.move_by(way, "0.5", 0)
+        idle(qtbot, window)
+    return window
+
+
+@pytest.fixture
+def dialog(bar):
+    bar.actions_.file.animation.trigger()
+    dialog = bar.studies.dialogs["animate"]
+    dialog.steps.setValue(2)
+    return dialog
+
+
+@pytest.fixture
+def answer(monkeypatch):
+    """Answer the question for a file."""
+
+    def to(path):
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path or ""), ""))
+
+    return to
+
+
+def pc2(path):
+    """Shapes (s, k, 3) of a point cache."""
+    points, _, _, count = np.frombuffer(path.read_bytes()[16:32], "<i4")
+    return np.frombuffer(path.read_bytes(), "<f4", offset=32).reshape(count, points, 3)
+
+
+def handle_of(bar, shapes):
+    """Mean place of the handle in each shape, (s, 3)."""
+    return shapes[:, bar.session.store.state.document.labels == 2].mean(axis=1)
+
+
+@pytest.mark.parametrize(("motion", "way"), [(0, [0.5, 0.5, 0.0]), (1, [0.0, 0.5, 0.0])])
+def test_the_whole_motion_and_the_last_step_are_exported(motion, way, qtbot, bar, dialog, answer, tmp_path):
+    """The last step begins where the one before had ended."""
+    state = bar.session.store.state
+    assert dialog.motion.itemText(0) == "current motion of the handles"
+    assert bar.session.gestures.history.next_undo in dialog.motion.itemText(1)
+    dialog.motion.setCurrentIndex(motion)
+    dialog.format.setCurrentIndex(dialog.format.findData(".pc2"))
+    answer(tmp_path / "a.pc2")
+    click(dialog.run.start)
+    assert dialog.run.cancel.isVisible()
+    finish(qtbot, dialog)
+    assert dialog.run.words.text() == "Exported a.pc2."
+    shapes = pc2(tmp_path / "a.pc2")
+    places = handle_of(bar, shapes)
+    np.testing.assert_allclose(places - places[0], np.outer([0, 0.5, 1], way), atol=1e-6)
+    end = state.frame.U[state.document.labels == 2].mean(axis=0)
+    np.testing.assert_allclose(places[-1], end, atol=1e-6)
+
+
+def test_a_series_is_exported_with_its_folder(qtbot, dialog, answer, tmp_path):
+    dialog.format.setCurrentIndex(dialog.format.findData(".pvd"))
+    (tmp_path / "out").mkdir()
+    answer(tmp_path / "out" / "a.pvd")
+    click(dialog.run.start)
+    finish(qtbot, dialog)
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["a", "a.pvd"]
+    assert pyvista.get_reader(tmp_path / "out" / "a.pvd").time_values == [0.0, 0.5, 1.0]
+
+
+def test_cancelled_nothing_is_written(qtbot, dialog, answer, tmp_path):
+    answer(None)
+    click(dialog.run.start)
+    assert not dialog.run.running
+    before = sorted(tmp_path.iterdir())
+    answer(tmp_path / "a.glb")
+    click(dialog.run.start)
+    qtbot.waitUntil(lambda: dialog.run._command.running, timeout=10_000)
+    click(dialog.run.cancel)
+    assert not dialog.run.running
+    assert sorted(tmp_path.iterdir()) == before
+    assert "nothing was written" in dialog.run.words.text()
+
+
+def test_what_cannot_be_written_is_said_at_once(dialog, answer, tmp_path):
+    dialog.format.setCurrentIndex(dialog.format.findData(".pvd"))
+    (tmp_path / "a").write_text("mine")
+    answer(tmp_path / "a.pvd")
+    click(dialog.run.start)
+    assert "which is a file" in dialog.run.words.text()
+    assert not dialog.run.running
+
+
+def test_without_a_motion_there_is_nothing_to_export(qtbot, window):
+    assert not window.actions_.file.animation.isEnabled()
+    open_bar(qtbot, window)
+    idle(qtbot, window)
+    window.actions_.file.animation.trigger()
+    assert "animate" not in window.studies.dialogs
+    assert "No handle has moved" in window.notice.text
+
+
+def test_the_last_step_alone_is_left_where_the_handle_is_back(qtbot, bar):
+    """A handle back at rest has no motion, but the step that led there has."""
+    bar.session.handles.reset(0)
+    idle(qtbot, bar)
+    bar.actions_.file.animation.trigger()
+    dialog = bar.studies.dialogs["animate"]
+    assert dialog.motion.count() == 1
+    assert dialog.motion.itemText(0).startswith("last step")
