@@ -92,7 +92,7 @@ def _check_animations(paths: Sequence[Path]) -> None:
 def _write_animations(
     paths: Sequence[Path], document: Document, shapes: ShapeRecorder, beside: ExitStack
 ) -> None:
-    """Write the shapes that the replay has gone through, by their iterations."""
+    """Write the shapes of the replay, by their iterations."""
     if not shapes.files:
         raise InputError(
             tr("The saved shape has converged, so there is nothing to animate; add --from-rest.")

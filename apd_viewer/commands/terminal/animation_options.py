@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def add_animation_option(parser: Parser, films: bool = True) -> None:
-    """Add the option, which can be given several times."""
+    """Add the option; it can be given several times."""
     drawn = tr(
         "write the shapes as a film (.gif, or .mp4 with an encoder), for Blender (.pc2, .mdd), with morph "
         "targets (.glb) or for ParaView (.pvd); may be given several times"

@@ -172,7 +172,7 @@ def _single(X: np.ndarray) -> np.ndarray:
 
 
 def _difference(X: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Difference from what stands in the file, so that rounding is not added up."""
+    """Difference from the values in the file: rounding is not added up."""
     return _single(X - start.astype(np.float64))
 
 

@@ -54,7 +54,7 @@ class Animation:
 
     @cached_property
     def imported(self) -> np.ndarray:
-        """Vertices (k,) in the order of a program that imports the file."""
+        """Vertices (k,) in the order of an importing program."""
         return imported_vertices(self.mesh)
 
 

@@ -41,7 +41,7 @@ def cells_of(corner: np.ndarray, start: np.ndarray, points: int) -> Polygons:
 
 
 def check_types(types: np.ndarray) -> None:
-    """Raise InputError on cells that are no flat faces."""
+    """Raise InputError on cells other than flat faces."""
     if np.isin(types, _SOLID).any():
         raise InputError(
             tr("The mesh has volume cells; extract its surface first, as Extract Surface of ParaView does.")

@@ -178,7 +178,7 @@ def _named(reader: LegacyReader, name: str, count: int) -> np.ndarray:
 
 
 def _counted(row: np.ndarray, cells: int, points: int) -> Polygons:
-    """Cells of one list (k,) that has their sizes among their vertices."""
+    """Cells of one list (k,) with their sizes among their vertices."""
     places, at, said = [], 0, row.tolist()
     for _ in range(cells):
         if at >= len(said) or said[at] < 0:

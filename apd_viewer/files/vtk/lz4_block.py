@@ -37,7 +37,7 @@ def packed(data: bytes) -> bytes:
 
 
 def _length(data: bytes, place: int, length: int) -> tuple[int, int]:
-    """A length that goes on in further bytes, and the place behind it."""
+    """A length continued in further bytes, and the place behind it."""
     if length == _LONG:
         while data[place] == _FULL:
             length += _FULL

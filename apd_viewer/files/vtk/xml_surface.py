@@ -77,7 +77,7 @@ class VtkXmlFile:
                 yield from self._shifted(element.count("offset"), len(new) - (stored.end - stored.start))
 
     def _shifted(self, offset: int, by: int) -> Iterator[Splice]:
-        """Offsets of the arrays behind one that has grown."""
+        """Offsets of the arrays behind a longer one."""
         for element in self.arrays.root.walk() if by else ():
             if element.attributes.get("format") == "appended" and element.count("offset") > offset:
                 span = element.attribute_span(self.arrays.content, "offset")

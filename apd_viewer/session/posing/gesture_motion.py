@@ -69,6 +69,6 @@ def _rest_of_way(before: Handle, after: Handle) -> Handle:
 
 
 def _shared(before: Handle, after: Handle) -> int:
-    """Number of waypoints with which both ways begin."""
+    """Number of common first waypoints."""
     pairs = zip(before.waypoints, after.waypoints, strict=False)
     return sum(1 for _ in itertools.takewhile(lambda pair: np.array_equal(*pair), pairs))

@@ -31,7 +31,7 @@ _NO_AREA = 1e-10
 def deck_of(
     document: Document, wall: DeckWall, steps: int | None = None, motion: Sequence[MotionStep] = ()
 ) -> Deck:
-    """Deck that moves the held vertices from rest to their targets.
+    """Deck of the held vertices, moved from rest to their targets.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def _positions(document: Document) -> np.ndarray:
 
 
 def _elements(document: Document) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Triangles that can be computed with, and comments on the others."""
+    """Usable triangles, and comments on the others."""
     F, V = document.mesh.joined_F, document.mesh.V
     sides = V[np.roll(F, -1, axis=1)] - V[F]
     longest = (sides**2).sum(axis=2).max(axis=1)
