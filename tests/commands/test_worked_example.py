@@ -19,7 +19,7 @@ from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.presentation.published_volumes import PUBLISHED
 
 ROOT = Path(__file__).parents[2]
-CHAPTER = (ROOT / "docs/manual.md").read_text(encoding="utf-8").split("### A bottle is twisted")[1]
+CHAPTER = (ROOT / "docs/howto/bottle.md").read_text(encoding="utf-8")
 BLOCK, TABLE = CHAPTER.split("```")[1], CHAPTER.split("```")[2]
 SHORTER = {"50%": "92%", "5": "1"}
 
