@@ -97,6 +97,11 @@ def view(mesh: Any = None) -> None:
     ------
     InputError
         If the mesh cannot be used, or there is no display.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> apd_viewer.view("bottle.obj")  # doctest: +SKIP
     """
     try:
         # Here: Qt and VTK are imported for a window alone; one of their system libraries may be missing.

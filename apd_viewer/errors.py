@@ -6,4 +6,13 @@ class InputError(ValueError):
 
     Raised only at the borders (files, command line, public functions). The window and the command
     line show the message as it is; anything else that escapes is a defect of the program.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> try:
+    ...     apd_viewer.open_mesh("nothing.obj")
+    ... except apd_viewer.InputError as error:
+    ...     print(error)
+    There is no file nothing.obj; check the name.
     """

@@ -96,6 +96,14 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
     Returns
     -------
     Written
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> mesh = apd_viewer.open_mesh("bottle.obj")
+    >>> written = apd_viewer.save_mesh(mesh, 2 * mesh.V, "large.obj")
+    >>> f"{written.area:.1f}", written.dropped
+    ('1628.5', ())
     """
     path = check_target(path)
     if np.shape(U) != mesh.V.shape:

@@ -44,6 +44,13 @@ def open_mesh(path: str | Path) -> Mesh:
     ------
     InputError
         If there is no such file or it holds no usable mesh; the message says what is wrong.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> mesh = apd_viewer.open_mesh("bottle.obj")
+    >>> mesh.V.shape, mesh.F.shape
+    ((13010, 3), (26016, 3))
     """
     path = Path(path)
     check_readable(path)

@@ -25,6 +25,14 @@ class HullReadings(NamedTuple):
         Least distance of two parallel planes with the shape between them.
     sides : tuple of 3 floats
         Of the smallest box in any orientation, shortest first.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> bottle = apd_viewer.open_mesh("bottle.obj")  # in centimetres
+    >>> hull = apd_viewer.volume_readings(bottle.V, bottle.F).hull
+    >>> f"{hull.volume:.0f}", f"{hull.bulk():.0f}", hull.count_in(45_000)
+    ('573', '896', 50)
     """
 
     volume: float

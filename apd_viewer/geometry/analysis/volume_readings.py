@@ -27,6 +27,14 @@ class VolumeReadings(NamedTuple):
         Convex hull, smallest box and least width; bulk volume of one among many.
     material : float or None
         Area times thickness: a lower bound of every other volume. None if the thickness is not known.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> bottle = apd_viewer.open_mesh("bottle.obj")  # in centimetres
+    >>> found = apd_viewer.volume_readings(bottle.V, bottle.F, thickness=0.03)
+    >>> f"{found.enclosed:.1f}", f"{found.material:.2f}", found.openings
+    ('500.0', '12.21', 0)
     """
 
     area: float

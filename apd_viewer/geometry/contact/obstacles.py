@@ -26,6 +26,13 @@ class Obstacle:
         One of a sphere, two of a capsule, three of a plate, mesh units.
     radius : float
         Mesh units; 0 of a plate.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> finger = apd_viewer.sphere((0, 0, 2), 0.5)
+    >>> finger.points.tolist(), finger.radius
+    ([[0.0, 0.0, 2.0]], 0.5)
     """
 
     points: np.ndarray
@@ -80,6 +87,13 @@ def plate(point: np.ndarray, normal: np.ndarray, size: float) -> Obstacle:
     point, normal : (3,) float arrays
     size : float
         Extent of all that it is to stop, mesh units.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> floor = apd_viewer.plate((0, 0, 0), (0, 1, 0), size=10)
+    >>> floor.points[:, 1].tolist()
+    [0.0, 0.0, 0.0]
     """
     normal = direction(normal)
     across = direction(np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))]))
@@ -89,12 +103,26 @@ def plate(point: np.ndarray, normal: np.ndarray, size: float) -> Obstacle:
 
 
 def sphere(centre: np.ndarray, radius: float) -> Obstacle:
-    """Sphere around ``centre`` (3,)."""
+    """Sphere around ``centre`` (3,).
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> apd_viewer.sphere((0, 0, 2), radius=0.5).radius
+    0.5
+    """
     return Obstacle(np.array([centre], dtype=float), _checked(radius))
 
 
 def capsule(a: np.ndarray, b: np.ndarray, radius: float) -> Obstacle:
-    """Cylinder with round ends around the line from ``a`` to ``b``, both (3,)."""
+    """Cylinder with round ends around the line from ``a`` to ``b``, both (3,).
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> apd_viewer.capsule((-1, 0, 0), (1, 0, 0), radius=0.3).points.tolist()
+    [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+    """
     if not np.linalg.norm(np.subtract(b, a)) > 0.0:
         raise InputError(tr("The two ends of a cylinder must be apart."))
     return Obstacle(np.array([a, b], dtype=float), _checked(radius))

@@ -34,6 +34,15 @@ class Region:
         Ids in the order of the file.
     area : float or None
         What its area should be, in percent of its area at rest; None only measures it.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import numpy as np
+    >>> mesh = apd_viewer.open_mesh("bottle.obj")
+    >>> label = apd_viewer.Region("label", np.flatnonzero(abs(mesh.V[:, 1] - 10) < 2), area=100)
+    >>> len(label.vertices)
+    1998
     """
 
     name: str

@@ -52,6 +52,15 @@ def geodesic_path(
     ------
     InputError
         If no path joins the points, the surface has one side only, or no triangle has the vertex.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import numpy as np
+    >>> V = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
+    >>> path = apd_viewer.geodesic_path(V, np.array([[0, 1, 3], [1, 2, 3]]), 0, 2)
+    >>> f"{np.linalg.norm(np.diff(path, axis=0), axis=1).sum():.4f}"
+    '1.4142'
     """
     places = [p if isinstance(p, SurfacePoint) else SurfacePoint.at_vertex(F, p) for p in (start, end)]
     ends = positions(places, V, F)

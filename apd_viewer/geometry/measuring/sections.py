@@ -54,6 +54,14 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
     -------
     PlaneSection
         Without segments where the plane misses the surface; its length and area are 0 there.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> mesh = apd_viewer.open_mesh("bottle.obj")
+    >>> cut = apd_viewer.plane_section(mesh.V, mesh.F, point=(0, 10, 0), normal=(0, 1, 0))
+    >>> cut.contours, f"{cut.length:.2f}", f"{cut.area:.2f}"
+    (1, '19.61', '30.59')
     """
     normal = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
     height = V @ normal - float(np.dot(point, normal))

@@ -20,6 +20,13 @@ class SurfacePoint(NamedTuple):
         Row of the triangle.
     weights : tuple of 3 floats
         Barycentric coordinates in it, at least 0, with sum 1.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import numpy as np
+    >>> apd_viewer.SurfacePoint.at_vertex(np.array([[0, 1, 2], [1, 3, 2]]), 3)
+    SurfacePoint(face=1, weights=(0.0, 1.0, 0.0))
     """
 
     face: int

@@ -66,6 +66,13 @@ class Mesh:
         Where the mesh came from.
     origin : Origin or None
         What came from there.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> mesh = apd_viewer.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> mesh.V[mesh.F].shape  # corners of each triangle
+    (1, 3, 3)
     """
 
     V: np.ndarray

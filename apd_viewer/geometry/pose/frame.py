@@ -84,6 +84,16 @@ class Frame:
     shifts : (o, 3) float array
         How far the obstacles have come from their places, mesh units, read-only; contact may have stopped
         them.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> V, F = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]]
+    >>> solver = apd_viewer.Deformation(V, F, [0, 1, 2], method="arap")
+    >>> solver.aim([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> frame = solver.step()
+    >>> frame.iteration, frame.U.shape
+    (1, (4, 3))
     """
 
     U: np.ndarray

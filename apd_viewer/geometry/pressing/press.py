@@ -38,6 +38,15 @@ class Pressed:
         Of the mean of both loads as the plates close.
     stopped : bool
         The plates could go no farther.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import trimesh
+    >>> ball = trimesh.creation.icosphere(2)
+    >>> pressed = apd_viewer.press(ball.vertices, ball.faces, axis=(0, 0, 1), to=1.8, steps=2, stiffness=0.01)
+    >>> len(pressed.steps), pressed.U.shape, pressed.stopped
+    (3, (162, 3), False)
     """
 
     steps: tuple[PressStep, ...]
@@ -116,6 +125,15 @@ def press(
     ------
     InputError
         If the input cannot be used; the message says why.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import trimesh
+    >>> ball = trimesh.creation.icosphere(2)
+    >>> pressed = apd_viewer.press(ball.vertices, ball.faces, axis=(0, 0, 1), to=1.8, steps=2, stiffness=0.01)
+    >>> [f"{step.distance:.2f}" for step in pressed.steps[1:]]  # the first is at the touch
+    ['1.90', '1.80']
     """
     V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
     check_mesh(V, F)

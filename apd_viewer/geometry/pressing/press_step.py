@@ -33,6 +33,16 @@ class PressStep:
     settled : bool
         The shape is at rest.
     iterations : int
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import trimesh
+    >>> ball = trimesh.creation.icosphere(2)
+    >>> plates = {"axis": (0, 0, 1), "to": 1.8, "steps": 1}
+    >>> first, last = apd_viewer.press(ball.vertices, ball.faces, **plates, stiffness=0.01).steps
+    >>> bool(last.load_low > first.load_low), bool(last.volume < first.volume)
+    (True, True)
     """
 
     U: np.ndarray

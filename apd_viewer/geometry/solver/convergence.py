@@ -35,6 +35,12 @@ class Convergence(NamedTuple):
     step_tolerance : float
         Of the methods "paper" and "sr-arap": converged once a step moves no vertex by more than this part of
         the bounding box's diagonal, and those to come by no more than a hundred times that.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> apd_viewer.Convergence(most_iterations=500)
+    Convergence(most_iterations=500, energy_tolerance=1e-07, step_tolerance=1e-05)
     """
 
     most_iterations: int = 10_000

@@ -60,6 +60,14 @@ class Result:
         Forces on the obstacles, energy per length: those of a material of stiffness 1.
     shifts : (o, 3) float array
         How far the obstacles have come from their places, mesh units.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> V, F = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]]
+    >>> result = apd_viewer.deform(V, F, [0, 1, 2], V[:3], method="arap")
+    >>> result.converged, result.method, result.warnings
+    (True, 'arap', ('There is no volume: the surface is open (4 boundary edges).',))
     """
 
     U: np.ndarray
@@ -145,6 +153,17 @@ def deform(
     ------
     InputError
         If the input cannot be used; the message says why.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import numpy as np
+    >>> mesh = apd_viewer.open_mesh("bottle.obj")
+    >>> base, neck = np.flatnonzero(mesh.V[:, 1] < 1.2), np.flatnonzero(mesh.V[:, 1] > 18.7)
+    >>> targets = np.vstack([mesh.V[base], mesh.V[neck] + [2, 0, 0]])
+    >>> result = apd_viewer.deform(mesh.V, mesh.F, np.r_[base, neck], targets, handle=neck)
+    >>> bool(abs(result.area_error) < 1e-8)
+    True
     """
     if iterations is not None and (not isinstance(iterations, Integral) or iterations < 1):
         raise InputError(tr("The number of iterations must be a whole number of at least 1."))

@@ -51,10 +51,8 @@ class Deformation:
 
     Parameters
     ----------
-    V : (n, 3) float array
-        Rest positions.
-    F : (m, 3) int array
-        Triangles.
+    V, F : (n, 3) float array, (m, 3) int array
+        Rest positions, and triangles.
     fixed : (k,) int array
         Vertices that are held: base and handles together.
     method : str
@@ -62,13 +60,11 @@ class Deformation:
         triangle keeps its area), "paper" (Li & Hui: the total area kept to the tolerance, handles give
         way), "arap" (as rigid as possible) or "sr-arap" (with smooth rotations, as CGAL has it).
     handle : int array or sequence of int arrays, optional
-        Those of ``fixed`` that are handle, or those of each handle. "paper" needs it; without it no drift is
-        measured.
+        Those of ``fixed`` that are handle, or those of each handle; "paper" and the drift need it.
     tolerance : float
         Relative error of the total area that "paper" accepts.
     stiffness : float
-        Weight of bending, 0 to about 0.1: see :class:`Bending`. For "sr-arap"
-        it is CGAL's alpha.
+        Weight of bending, 0 to about 0.1; for "sr-arap" CGAL's alpha.
     area_stiffness, shear_stiffness : float
         How firmly "local" keeps every triangle's area (area modulus) and shape (shear modulus).
     area, volume : float, optional
@@ -77,13 +73,12 @@ class Deformation:
     regions : sequence of Region, optional
         Parts that are measured, or that have an area to keep.
     plain : bool
-        Do plain iterations, a local and a global step each: comparable with other programs, and slow.
-        Without, the energy is minimised by quasi-Newton steps, where the method minimises one: "paper" and
-        "sr-arap" do not.
+        Do plain iterations, a local and a global step each, comparable with other programs. Without it,
+        methods that minimise an energy (not "paper" and "sr-arap") do so by quasi-Newton steps.
     rest : RestMesh, optional
         Of the same V and F, to save computing it again.
     factored : callable, optional
-        Makes a factor: see :class:`apd_viewer.geometry.energy.elastic.Elastic`.
+        Makes the factor of a matrix in another way.
     soft : Soft
         Vertices that are drawn along by handles, and not held.
     loose : "go", "stay" or int array
@@ -94,24 +89,30 @@ class Deformation:
     calm : bool
         "exact" keeps the area of calm parts too, those that the gesture does not reach.
     contact : bool
-        No shape crosses itself more than the mesh does at rest; held vertices may be stopped on their way.
-        Connected parts without held vertices are left out.
+        No shape crosses itself more than at rest; held vertices may be stopped on their way.
     thickness : float, optional
-        Distance that walls in contact keep, mesh units; a thousandth of the diagonal of the bounding box
-        without it.
+        Distance that walls in contact keep, mesh units; without it 1/1000 of the diagonal of the box.
     obstacles : sequence of Obstacle
         What no shape enters, where contact is on; it touches without friction. Nothing need be held then:
         what is held by nothing slides, and does not turn as a whole.
 
     Attributes
     ----------
-    loose : LooseParts
-    contact : ContactDescent or None
+    loose, contact : LooseParts, ContactDescent or None
 
     Raises
     ------
     InputError
         If the mesh or the held vertices cannot be used; the message says why.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> V, F = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]]
+    >>> solver = apd_viewer.Deformation(V, F, [0, 1, 3], handle=[3])
+    >>> solver.aim([[0, 0, 0], [1, 0, 0], [1, 1, 1]])
+    >>> solver.step().handle_drift
+    0.0
     """
 
     def __init__(
