@@ -16,7 +16,7 @@ test: packages += calculix-ccx
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test quick lint format texts clean system-packages
+.PHONY: help run test quick lint format docs texts clean system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -63,6 +63,11 @@ lint: .venv/.tools ## run the checks that do not execute the program: ruff, mypy
 format: .venv/.tools ## format the source and sort its imports
 	@.venv/bin/ruff check --fix --select I
 	@.venv/bin/ruff format
+
+# Doctrees are kept beside the pages, so that the second time only what has changed is written.
+docs: .venv/.tools ## build the site into build/docs; links between pages are checked
+	@.venv/bin/python -m sphinx -W -n -q --keep-going -d build/doctrees docs build/docs
+	@echo "See build/docs/index.html."
 
 languages = apd_viewer/languages
 catalogues = $(wildcard $(languages)/*/LC_MESSAGES/apd_viewer.po)

@@ -1,0 +1,50 @@
+"""The rows of the Settings page, written from their definitions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from plain_markdown import escaped, marked, table
+
+from apd_viewer.ui.preferences.preference import Option, Preference, Within
+from apd_viewer.ui.settings_page.preference_table import GROUPS
+
+
+def anchor(name: str) -> str:
+    """Anchor of the preference ``name``."""
+    return f"setting-{name.replace('_', '-')}"
+
+
+def settings_page() -> str:
+    """Markdown with a table for each group."""
+    titles = "setting", "values", "default", "what it does"
+    return "\n".join(
+        f"## {group.title}\n\n" + table(titles, [_row(row) for row in group.rows]) for group in GROUPS
+    )
+
+
+def _row(preference: Preference[Any]) -> tuple[str, ...]:
+    said = f"{preference.tip}. {preference.note}." if preference.note else f"{preference.tip}."
+    title = marked(escaped(preference.title), anchor(preference.name))
+    return title, escaped(_values(preference)), escaped(_default(preference)), escaped(said)
+
+
+def _values(preference: Preference[Any]) -> str:
+    allowed = preference.allowed
+    if isinstance(allowed, Within):
+        return f"{allowed.least:g} to {allowed.most:g}{allowed.suffix}"
+    numbers = [option for option in allowed.options if option.title.isdigit()]
+    titles = [_title(option) for option in allowed.options if option not in numbers]
+    return ", ".join([*titles, *(["a number"] if numbers else [])])
+
+
+def _default(preference: Preference[Any]) -> str:
+    allowed = preference.allowed
+    if isinstance(allowed, Within):
+        return f"{preference.default:g}{allowed.suffix}"
+    return next(_title(option) for option in allowed.options if option.value == preference.default)
+
+
+def _title(option: Option[Any]) -> str:
+    """Title without what depends on the machine, such as its number of cores."""
+    return option.title.partition(" (")[0]

@@ -1,0 +1,141 @@
+"""The site has a place for every command, option, key, setting and Python name, and no link is broken."""
+
+import importlib.util
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import commands_page
+import generated_pages
+import keys_page
+import pytest
+import python_page
+import settings_page
+from plain_markdown import escaped, slug
+from pseudo import messages
+
+import apd_viewer
+from apd_viewer.__main__ import _COMMANDS
+from apd_viewer.files.meshes import FORMATS
+from apd_viewer.ui.settings_page.preference_table import PREFERENCES
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+
+
+def options():
+    """Command and name of every option."""
+    return [
+        (parser.prog, name)
+        for parser in commands_page.parsers()
+        for action in commands_page.options(parser)
+        for name in commands_page.names(action)
+    ]
+
+
+@pytest.fixture(scope="module")
+def keys():
+    """Menu entries of the window; a process of its own finds them."""
+    return keys_page.entries()
+
+
+def test_every_command_and_every_option_is_on_the_page():
+    page = commands_page.commands_page()
+    assert set(re.findall(r"(?m)^## apd-viewer (\w+)", page)) == set(_COMMANDS)
+    sections = dict(re.findall(r"(?ms)^```\{program\} ([\w -]+)$(.*?)(?=^```\{program\}|\Z)", page))
+    assert len(options()) > 100
+    given = {command: re.findall(r"(?m)^````\{option\} (.*)$", text) for command, text in sections.items()}
+    listed = {(c, one.split()[0]) for c, lines in given.items() for line in lines for one in line.split(", ")}
+    assert listed == set(options())
+
+
+def test_what_an_option_says_is_that_of_its_help():
+    page = commands_page.commands_page()
+    assert escaped("4x4 matrix that moves the handle; repeat for each handle") in page
+    assert "%(default)s" not in page
+
+
+def test_every_python_name_is_on_the_page():
+    assert set(re.findall(r":: apd_viewer\.(\w+)", python_page.python_page())) == set(apd_viewer.__all__)
+
+
+def test_every_setting_has_an_anchor_and_nothing_of_this_machine():
+    page = settings_page.settings_page()
+    anchors = re.findall(r"\{#([\w-]+)\}", page)
+    assert anchors == [settings_page.anchor(row.name) for row in PREFERENCES]
+    assert "All cores (" not in page
+
+
+def test_every_format_is_on_the_page():
+    assert re.findall(r"`(\.\w+)`", generated_pages.WRITERS["formats"]()) == list(FORMATS)
+
+
+def test_every_menu_entry_has_an_anchor_of_its_own(keys):
+    assert {"File", "Edit", "Tools", "Select", "Handle", "View", "Help"} == {entry.menu for entry in keys}
+    anchors = [keys_page.anchor(entry.name) for entry in keys]
+    assert len(anchors) > 140
+    assert len(set(anchors)) == len(anchors)
+
+
+def test_keys_named_in_the_pages_are_those_of_the_window(keys):
+    """A menu entry in bold type with keys behind it: ``**Menu > Entry** (`Ctrl+X`)``."""
+    pattern = r"\*\*(?:\w+) > ([^*]+)\*\*\s+\(`([^`]+)`\)"
+    named = [found for page in DOCS.rglob("*.md") for found in re.findall(pattern, page.read_text("utf-8"))]
+    real = {entry.title.split(": ")[-1]: entry.keys.split("; ") for entry in keys}
+    assert len(named) > 3
+    assert [(title, key) for title, key in named if key not in real[title]] == []
+
+
+def test_the_tutorial_names_what_the_window_shows():
+    """What stands in italics is a text of the window, but for capitals."""
+    said = re.findall(
+        r"(?<!\*)\*([^*\s](?:[^*\n]*[^*\s])?)\*(?!\*)", (DOCS / "tutorial.md").read_text("utf-8")
+    )
+    texts = {
+        part.lower()
+        for message, _ in messages()
+        for part in ([message] if isinstance(message, str) else message)
+    }
+    assert len(said) > 5
+    assert [words for words in said if words.lower() not in texts] == []
+
+
+def test_signs_count_in_anchors():
+    assert slug("up:-X") != slug("up:+X")
+    assert slug("nudge:(-1,0,0)") == "nudge-minus-1-0-0"
+
+
+def test_text_keeps_its_signs():
+    assert escaped("a_b *c*\n<d>") == r"a\_b \*c\* \<d\>"
+
+
+def test_a_page_shows_a_file_and_links_lead_from_there(tmp_path):
+    (tmp_path / "docs" / "sub").mkdir(parents=True)
+    (tmp_path / "NEWS.md").write_text("# News\n\n[Here](docs/page.md#a), [there](https://a.example/b)\n")
+    (tmp_path / "docs" / "page.md").write_text("[News](../NEWS.md)\n")
+    shows = tmp_path / "docs" / "sub" / "news.md"
+    shows.write_text("# News\n\nSee [the file](../../NEWS.md).\n\n<!-- file: ../../NEWS.md -->\n")
+    shown = generated_pages.shown_files(tmp_path / "docs")
+    assert shown == {tmp_path / "NEWS.md": shows}
+    text = generated_pages.completed(shows, shows.read_text(), shown)
+    assert text == "# News\n\n[Here](../page.md#a), [there](https://a.example/b)\n"
+    page = tmp_path / "docs" / "page.md"
+    assert generated_pages.completed(page, page.read_text(), shown) == "[News](sub/news.md)\n"
+
+
+@pytest.mark.skipif(importlib.util.find_spec("sphinx") is None, reason="the group docs is not installed")
+def test_the_site_is_built_without_a_warning(tmp_path):
+    command = [sys.executable, "-m", "sphinx", "-W", "-n", "-q", "-d", str(tmp_path / "trees")]
+    done = subprocess.run(
+        [*command, str(DOCS), str(tmp_path / "site")], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.stderr == ""
+    assert done.returncode == 0
+    page = (tmp_path / "site" / "reference" / "commands.html").read_text(encoding="utf-8")
+    ids = set(re.findall(r'id="([^"]+)"', page))
+    assert [one for one in options() if commands_page.anchor(*one) not in ids] == []
+    sites = [path.read_text(encoding="utf-8") for path in (tmp_path / "site").rglob("*.html")]
+    assert len(sites) > 30
+    fetched = r'(?:<script[^>]*src|<link[^>]*rel="stylesheet"[^>]*href|<img[^>]*src)="(?:https?:)?//'
+    assert [text[:80] for text in sites if re.search(fetched, text)] == []

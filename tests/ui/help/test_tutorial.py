@@ -1,0 +1,26 @@
+"""The steps of the tutorial, by the keys that it names, on a bottle with fewer vertices."""
+
+from driving import idle
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QLabel
+
+CONTROL = Qt.KeyboardModifier.ControlModifier
+
+
+def test_a_bottle_is_twisted_by_typing_half_a_turn(qtbot, bottle):
+    view, handles = bottle.canvas.viewport, bottle.panel.handles
+    rest = bottle.session.store.state.frame.volume
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
+    view.setFocus()
+    QTest.keyClick(view, Qt.Key.Key_M, CONTROL)
+    qtbot.waitUntil(lambda: bottle.shell.focusWidget() is handles.motion.amount)
+    assert handles.motion.choice.currentText() == "Twist"
+    QTest.keyClicks(handles.motion.amount, "180deg")
+    QTest.keyClick(handles.motion.amount, Qt.Key.Key_Return)
+    qtbot.wait(50)
+    idle(qtbot, bottle)
+    said = [label.text() for label in bottle.panel.findChildren(QLabel) if label.isVisible()]
+    assert {"100.000 %", "converged", "twisted +180.0°"} <= set(said)
+    assert bottle.session.store.state.frame.volume < 0.9 * rest
