@@ -43,6 +43,7 @@ html_css_files = ["site.css"]
 html_math_renderer = "mathml"
 html_copy_source = False
 html_show_sourcelink = False
+html_sidebars = {page: [] for page in ("index", "tutorial", "methods", "results")}  # without pages below
 html_theme_options = {
     "show_prev_next": False,
     "navbar_end": ["theme-switcher"],
