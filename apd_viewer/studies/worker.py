@@ -8,11 +8,12 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping
 from functools import cache
+from itertools import count
 from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.geometry.analysis.self_intersections import search_by_one_core
 from apd_viewer.geometry.linalg.threads import use_one_core
-from apd_viewer.session.processes.freed_memory import keep_freed_memory
+from apd_viewer.session.processes.freed_memory import give_back_freed_memory, keep_freed_memory
 from apd_viewer.studies.case_document import MissingSourceError, OpenedMeshes
 from apd_viewer.studies.case_file import packed
 from apd_viewer.studies.kernels import compile_once
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
 
 # A process runs one case at a time: memory is measured by it, and kernels run one at a time anyway.
 _ONE_CASE = threading.Lock()
+# Cases after which freed memory is given back: kept in pieces, it grows for hundreds of cases.
+_TRIMMED = 20
+_ended = count(1)
 _sent: dict[str, bytes] = {}
 
 
@@ -73,6 +77,8 @@ def work(task: Task) -> CaseAnswer:
             return CaseAnswer(b"", tuple(source.digest for source in task.case.sources))
         finally:
             _sent.clear()
+            if next(_ended) % _TRIMMED == 0:
+                give_back_freed_memory()
 
 
 @cache

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
+from typing import Any
 
 # Parameters of mallopt and their values in bytes.
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = (-1, 1 << 28), (-3, 1 << 25)
@@ -15,6 +16,17 @@ def keep_freed_memory() -> None:
     By default it depends on the order of what came before whether all that a frame needs is given back and
     fetched anew: for 164,000 vertices 16,000 pages, and a third of the time of the frame.
     """
-    if sys.platform.startswith("linux") and (mallopt := getattr(ctypes.CDLL(None), "mallopt", None)):
+    if mallopt := _of_glibc("mallopt"):
         for option in (_TRIM_THRESHOLD, _MMAP_THRESHOLD):
             mallopt(*option)
+
+
+def give_back_freed_memory() -> None:
+    """Give kept memory back to the system, on glibc."""
+    if trim := _of_glibc("malloc_trim"):
+        trim(0)
+
+
+def _of_glibc(name: str) -> Any:
+    """Function of the C library; None where it has none of this name."""
+    return getattr(ctypes.CDLL(None), name, None) if sys.platform.startswith("linux") else None

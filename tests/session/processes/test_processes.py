@@ -35,3 +35,24 @@ def faults(way):
 def test_what_is_freed_is_there_for_the_next_frame():
     assert faults("keep") < 100
     assert faults("leave") > 10_000, "it is not this that glibc does by itself"
+
+
+GIVEN_BACK = """
+import numpy as np
+from apd_viewer.session.processes.freed_memory import give_back_freed_memory, keep_freed_memory
+def resident():
+    with open("/proc/self/statm") as stream:
+        return int(stream.read().split()[1]) * 4096
+keep_freed_memory()
+arrays = [np.ones(1 << 19) for _ in range(16)]
+del arrays
+kept = resident()
+give_back_freed_memory()
+print(kept - resident())
+"""
+
+
+@pytest.mark.skipif(not GLIBC, reason="needs glibc")
+def test_kept_memory_can_be_given_back():
+    done = subprocess.run([sys.executable, "-c", GIVEN_BACK], capture_output=True, text=True, check=True)
+    assert int(done.stdout) >= 15 * (1 << 22), "the arrays have 64 MiB"
