@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from plain_markdown import escaped
 
 from apd_viewer.__main__ import _view_parser
+from apd_viewer.commands.desktop.parsers import PARSERS as OF_DESKTOP
 from apd_viewer.commands.parsers import PARSERS
 
 _WIDTH = 96  # columns of a usage line
@@ -15,7 +16,7 @@ _WIDTH = 96  # columns of a usage line
 
 def parsers() -> list[argparse.ArgumentParser]:
     """Parsers of the window and of all commands."""
-    return [_view_parser(), *(make() for make in PARSERS.values())]
+    return [_view_parser(), *(make() for make in (PARSERS | OF_DESKTOP).values())]
 
 
 def options(parser: argparse.ArgumentParser) -> list[argparse.Action]:

@@ -7,10 +7,17 @@ from plain_markdown import table
 from apd_viewer.files.meshes import FORMATS, WRITTEN
 
 # Of a format that is read but not written for any mesh.
-_ONLY = {".gltf": "a mesh that was read from one", ".3mf": "no"}
+_ONLY = {".3mf": "no"}
 
 
 def formats_page() -> str:
     """Markdown table of suffixes."""
-    rows = [(f"`{suffix}`", "yes", "any mesh" if suffix in WRITTEN else _ONLY[suffix]) for suffix in FORMATS]
+    rows = [
+        (
+            f"`{suffix}`",
+            "yes",
+            "any mesh" if suffix in WRITTEN else _ONLY.get(suffix, "a mesh that was read from one"),
+        )
+        for suffix in FORMATS
+    ]
     return table(("suffix", "read", "written"), rows)
