@@ -27,7 +27,13 @@ _GONE = 30.0  # s without a scheduler, after which it does not come back
 _LOOK = 2.0  # s between two looks at the workers
 # Dask trims freed memory at once, which costs a third of the time of a case.
 _TRIM = "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_"
-_SETTINGS = {_TRIM: str(1 << 28), "distributed.nanny.pre-spawn-environ.NUMBA_NUM_THREADS": 1}
+# Its profile of a worker grows by a quarter of a mebibyte a second.
+_PROFILE = "distributed.worker.profile.enabled"
+_SETTINGS = {
+    _TRIM: str(1 << 28),
+    _PROFILE: False,
+    "distributed.nanny.pre-spawn-environ.NUMBA_NUM_THREADS": 1,
+}
 
 
 class Cluster:
