@@ -83,7 +83,7 @@ def _weights(
         if counts == 0.0:
             continue
         variance, square = _variance(
-            V, F, i, corner[start[i] : start[i + 1]], areas, part, _tangents(normal), hats
+            V, F, i, corner[start[i] : start[i + 1]], areas, part, counts, _tangents(normal), hats
         )
         if variance > _ALIKE * square:
             scale = 3.0 * area * m / (variance * counts)
@@ -101,16 +101,15 @@ def _variance(
     corner: np.ndarray,
     areas: np.ndarray,
     part: np.ndarray,
+    counts: float,
     tangents: np.ndarray,
     hats: np.ndarray,
 ) -> tuple[float, float]:
     """Variance and mean square of the gradients of three functions over a ring.
 
-    The functions are orthonormal in H.
+    The functions are orthonormal in H; ``counts`` is the area of the ring that counts.
     """
-    counts, mean, square = 0.0, np.zeros((3, 3)), 0.0
-    for e in range(len(corner)):
-        counts += part[corner[e] // 3] * areas[corner[e] // 3]
+    mean, square = np.zeros((3, 3)), 0.0
     for e in range(len(corner)):
         t = corner[e] // 3
         share = part[t] * areas[t] / counts

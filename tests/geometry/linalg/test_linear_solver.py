@@ -102,7 +102,9 @@ def test_it_solves_what_scipy_does(name, threads):
         numba.set_num_threads(before)
 
 
-@pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="there is one core")
+@pytest.mark.skipif(
+    numba.config.NUMBA_NUM_THREADS < 2, reason="numba has one thread here, where two are compared"
+)
 def test_any_number_of_cores_gives_the_same_bits():
     V, F, _ = sample_bottle(2.0)
     A, V = pinned(V, F, 100)
