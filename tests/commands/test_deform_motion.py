@@ -3,23 +3,21 @@
 import numpy as np
 import pytest
 import trimesh
-from meshes import box, ends, rotation
+from meshes import rotation
+from painted_meshes import write_bar
 
 from apd_viewer.__main__ import main
 
 
 @pytest.fixture
 def bar(tmp_path):
-    """Arguments for a bar along z from 0 to 6, its base below, one handle on top and one in the middle."""
-    V, F = box(2, 2, 6)
-    trimesh.Trimesh(V, F, process=False).export(tmp_path / "bar.off")
-    labels = np.ones(len(V), dtype=int)
-    base, handle = ends(V)
-    labels[base], labels[handle] = 0, 2
-    np.savetxt(tmp_path / "bar.sel", labels, fmt="%d")
+    """Vertices of a bar along z from 0 to 5: ``bar.sel`` has one handle on top, ``two.sel`` another below."""
+    write_bar(tmp_path)
+    V = trimesh.load(tmp_path / "bar.off", process=False).vertices
+    labels = np.loadtxt(tmp_path / "bar.sel", dtype=int)
     labels[V[:, 2] == 3] = 3
     np.savetxt(tmp_path / "two.sel", labels, fmt="%d")
-    return tmp_path / "bar.off", "--selection", tmp_path / "bar.sel"
+    return V
 
 
 @pytest.fixture
@@ -28,7 +26,7 @@ def deformed(bar, capsys, tmp_path):
 
     def run(*words, selection="bar.sel"):
         out = tmp_path / "out.off"
-        given = "deform", bar[0], "--selection", tmp_path / selection, *words, "-o", out
+        given = "deform", tmp_path / "bar.off", "--selection", tmp_path / selection, *words, "-o", out
         status = main([str(word) for word in given])
         err = capsys.readouterr().err
         return status, err, trimesh.load(out, process=False).vertices if status == 0 else None
@@ -46,12 +44,11 @@ def test_a_twist_is_that_of_the_matrix(deformed, tmp_path):
 
 
 def test_a_twist_goes_past_half_a_turn(deformed, bar):
-    V = trimesh.load(bar[0], process=False).vertices
-    top, middle = V[:, 2] == 6, V[:, 2] == 3
+    top, middle = bar[:, 2] == 5, bar[:, 2] == 3
     (_, _, back), (_, _, on) = deformed("--twist=-160deg"), deformed("--twist", "200deg")
     np.testing.assert_allclose(back[top], on[top], atol=1e-6)
     apart = np.linalg.norm(on[middle] - back[middle], axis=1)
-    assert apart.max() > 1.0, "half a turn lies between them in the middle"
+    assert apart.max() > 1.0, "more than half a turn lies between them there"
 
 
 def test_words_and_options_are_the_same_motion(deformed):
@@ -63,7 +60,7 @@ def test_words_and_options_are_the_same_motion(deformed):
         )
     ]
     assert np.array_equal(*shapes)
-    assert np.ptp(shapes[0][:, 2]) < 6.0
+    assert np.ptp(shapes[0][:, 2]) < 5.0
 
 
 WRONG = {
