@@ -10,8 +10,6 @@ packages = libglib2.0-0 libgl1 libegl1 libxkbcommon0 libdbus-1-3 libfontconfig1 
            libxcb-cursor0 libxkbcommon-x11-0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 \
            libwayland-cursor0 libwayland-egl1
 quick test: packages += xvfb xauth
-# Computes the FE decks of the tests: 6 MB to download with its libraries; tests that need it are skipped without.
-test: packages += calculix-ccx
 
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
@@ -39,6 +37,7 @@ endif
 environment = env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11
 
 test: lint ## set up what is missing, then run every check: ruff, mypy, pytest
+	@.ci/system-packages calculix-ccx || echo "Without CalculiX the tests that compute FE decks are skipped."
 	@echo "== pytest"
 	@$(environment) .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
 
