@@ -103,13 +103,18 @@ def view(mesh: Any = None) -> None:
     >>> import apd_viewer
     >>> apd_viewer.view("bottle.obj")  # doctest: +SKIP
     """
+    show_window(mesh)
+
+
+def show_window(mesh: Any, tells: bool = False) -> None:
+    """Open the window of `view`; with ``tells`` it says what is wrong with a file."""
     try:
         # Here: Qt and VTK are imported for a window alone; one of their system libraries may be missing.
         from apd_viewer import log
         from apd_viewer.ui.application import run
 
         with log.recording():
-            run(mesh)
+            run(mesh, tells)
     except ImportError as error:
         raise InputError(
             tr(

@@ -86,8 +86,14 @@ def _view_parser() -> Parser:
     )
     version = f"apd-viewer {apd_viewer.__version__}"
     parser.add_argument("--version", action="version", version=version, help=tr("show the version and exit"))
-    parser.set_defaults(run=lambda options: apd_viewer.view(options.file))
+    parser.set_defaults(run=_view)
     return parser
+
+
+def _view(options: argparse.Namespace) -> None:
+    """Open the window; whoever clicked a file reads no standard error."""
+    read = sys.stderr is not None and sys.stderr.isatty()
+    apd_viewer.show_window(options.file, tells=not read)
 
 
 def _command_parser(command: str) -> Parser:

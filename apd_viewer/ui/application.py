@@ -117,19 +117,21 @@ def _report(kind: QtMsgType, context: QMessageLogContext, message: str) -> None:
         print(qFormatLogMessage(kind, context, message), file=sys.stderr)  # noqa: T201
 
 
-def run(mesh: object = None) -> None:
+def run(mesh: object = None, tells: bool = False) -> None:
     """Open the window on ``mesh``, a path or the bottle, until it is closed.
 
     Parameters
     ----------
     mesh : Mesh, pyvista.PolyData, trimesh.Trimesh, path or None
+    tells : bool
+        Whether the window says what is wrong with a file, where there is a display.
 
     Raises
     ------
     InputError
         If the mesh cannot be used, or there is no display.
     """
-    shown = as_mesh(mesh)
+    shown = Path(mesh) if tells and isinstance(mesh, str) and _has_display() else as_mesh(mesh)
     _check_display()
     application = make_application(sys.argv[:1])
     # Imported only now: pyvistaqt must find the application as it was prepared above.
@@ -211,10 +213,14 @@ def as_mesh(mesh: object) -> Mesh | Path | None:
     )
 
 
+def _has_display() -> bool:
+    named = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))
+    return named or not sys.platform.startswith("linux")
+
+
 def _check_display() -> None:
     """Raise InputError without a display: Qt would end the process."""
-    named = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))
-    if sys.platform.startswith("linux") and not named:
+    if not _has_display():
         raise InputError(
             tr(
                 "No display is available for the window; log in with one, or deform without a window: "

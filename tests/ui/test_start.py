@@ -1,5 +1,6 @@
 """A window that can be seen before it can work."""
 
+import os
 import re
 import subprocess
 import sys
@@ -171,3 +172,60 @@ def test_a_library_that_is_missing_behind_the_first_picture_is_a_sentence_too(li
     )
     assert done.returncode == 2
     assert re.fullmatch(rf"error: A library that the window needs is missing .*{library}.+\n", done.stderr)
+
+
+READ_ALOUD = """
+import sys
+from PySide6.QtCore import QTimer
+from apd_viewer.__main__ import main
+from apd_viewer.ui import application
+
+def built(*given, build=application.build_workbench):
+    workbench = build(*given)
+    def look():
+        if workbench.notice.text:
+            print(workbench.notice.text)
+            workbench.shell.close()
+    QTimer(workbench, interval=20, timeout=look).start()
+    return workbench
+
+application.build_workbench = built
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("gone.obj", "There is no file .*gone.obj"),
+        ("empty.stl", "empty.stl is empty"),
+        ("session", "session is not a supported file type"),
+        ("cut.apd", "cut.apd is not a valid session"),
+    ],
+)
+def test_the_window_says_what_is_wrong_with_a_file_that_was_clicked(name, said, tmp_path):
+    """For nobody reads the standard error then; see the test below for a terminal."""
+    (tmp_path / "empty.stl").touch()
+    for other in ("session", "cut.apd"):
+        (tmp_path / other).write_bytes(b"PK\3\4")
+    done = subprocess.run(
+        [sys.executable, "-c", READ_ALOUD, str(tmp_path / name)],
+        env=os.environ | {"HOME": str(tmp_path), "XDG_CONFIG_HOME": str(tmp_path / "config")},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.match(said, done.stdout)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs a terminal that a test can read")
+def test_a_terminal_is_told_what_is_wrong_with_a_file_and_no_window_opens(tmp_path):
+    reading, terminal = os.openpty()
+    command = [sys.executable, "-m", "apd_viewer", str(tmp_path / "gone.obj")]
+    status = subprocess.run(command, stderr=terminal, check=False, timeout=60).returncode
+    os.close(terminal)
+    assert status == 2
+    assert re.match(rb"error: There is no file .*gone\.obj", os.read(reading, 10_000))
+    os.close(reading)
