@@ -26,9 +26,13 @@ class ColorMap:
 
     def color(self, t: float) -> tuple[int, int, int]:
         """RGB at ``t`` from 0 to 1, clamped."""
-        at, knots = np.linspace(0.0, 1.0, len(self.knots)), np.array(self.knots, dtype=float)
-        red, green, blue = (round(float(np.interp(t, at, channel))) for channel in knots.T)
+        red, green, blue = self.colors(np.array([t]))[0].tolist()
         return red, green, blue
+
+    def colors(self, t: np.ndarray) -> np.ndarray:
+        """RGB (k, 3) uint8 at each ``t`` (k,) from 0 to 1, clamped."""
+        at, knots = np.linspace(0.0, 1.0, len(self.knots)), np.array(self.knots, dtype=float)
+        return np.rint(np.column_stack([np.interp(t, at, channel) for channel in knots.T])).astype(np.uint8)
 
     def glsl(self, t: str) -> str:
         """GLSL expression of the colour map, a vec3 from 0 to 1; ``t`` names a float."""

@@ -62,11 +62,7 @@ def change_colors(result: PicturedResult) -> np.ndarray:
     areas, now = (face_areas(X, result.triangles) for X in (result.rest, result.U))
     with np.errstate(divide="ignore", invalid="ignore"):
         change = np.nan_to_num(np.log(now / areas), nan=0.0, posinf=_END, neginf=-_END)
-    at = np.interp(change, np.linspace(-_END, _END, len(DIVERGING.knots)), np.arange(len(DIVERGING.knots)))
-    knots = np.array(DIVERGING.knots, dtype=float)
-    low = np.minimum(at.astype(int), len(knots) - 2)
-    mixed = knots[low] + (at - low)[:, None] * (knots[low + 1] - knots[low])
-    return np.rint(mixed).astype(np.uint8)
+    return DIVERGING.colors(0.5 + 0.5 * change / _END)
 
 
 def result_rows(result: PicturedResult) -> list[tuple[str, str]]:

@@ -58,10 +58,7 @@ def ramp_colors() -> tuple[str, ...]:
 def dot_colors(axis: Axis, places: np.ndarray) -> tuple[str, ...]:
     """Colour of each of the places (n,) on an axis, grey where there is none."""
     share = np.clip((places - axis.low) / (axis.high - axis.low), 0.0, 1.0)
-    knots = np.array(SEQUENTIAL.knots, dtype=float)
-    at, wanted = np.linspace(0.0, 1.0, len(knots)), np.linspace(0.0, 1.0, _SHADES)
-    rgb = np.rint(np.column_stack([np.interp(wanted, at, channel) for channel in knots.T])).astype(int)
-    shades = [*map(_hex, rgb.tolist()), _NOTHING]
+    shades = [*map(_hex, SEQUENTIAL.colors(np.linspace(0.0, 1.0, _SHADES)).tolist()), _NOTHING]
     chosen = np.where(np.isfinite(share), np.rint((_SHADES - 1) * np.nan_to_num(share)), _SHADES)
     return tuple(shades[k] for k in chosen.astype(int).tolist())
 
