@@ -116,6 +116,21 @@ def test_missing_programs_are_named(folder, capsys, monkeypatch):
     assert files(folder) == set()
 
 
+@pytest.mark.parametrize("content", ["#!/bin/sh\nexec sleep 60\n", "no program"])
+def test_a_program_that_does_not_work_is_named_and_all_is_removed(
+    content, folder, tmp_path, capsys, monkeypatch
+):
+    program = tmp_path / "collector"
+    program.write_text(content)
+    program.chmod(0o755)
+    monkeypatch.setattr(shutil, "which", lambda _: str(program))
+    monkeypatch.setattr(desktop_files, "_PATIENCE", 0.2)
+    assert main(["desktop", "--install"]) == 0
+    assert "install update-mime-database and update-desktop-database" in capsys.readouterr().out
+    assert main(["desktop", "--remove"]) == 0
+    assert files(folder) == set()
+
+
 def test_a_folder_that_cannot_be_written_is_said(folder, capsys):
     folder.write_text("a file")
     assert main(["desktop", "--install"]) == 2

@@ -43,7 +43,7 @@ def data_folder() -> Path:
 
 
 def install(folder: Path, command: Sequence[str]) -> list[str]:
-    """Write all files; return the names of missing collectors.
+    """Write all files; return the names of collectors that are missing or fail.
 
     Parameters
     ----------
@@ -88,11 +88,15 @@ def remove(folder: Path) -> bool:
 
 
 def _collected(program: str, folder: Path) -> bool:
-    """Run a collector on a folder; False if missing."""
+    """Run a collector on a folder; False if it is missing, or does not end."""
     found = shutil.which(program)
-    if found is not None:
+    if found is None:
+        return False
+    try:
         subprocess.run([found, str(folder)], capture_output=True, check=False, timeout=_PATIENCE)
-    return found is not None
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    return True
 
 
 def _remove_collected(folder: Path, names: Sequence[str]) -> None:
