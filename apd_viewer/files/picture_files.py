@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import warnings
 
 import numpy as np
 
@@ -30,12 +31,15 @@ def read_png(content: bytes, size: int) -> np.ndarray:
     """
     from PIL import Image  # only where there are pictures: it takes a tenth of a second to load
 
+    bombs = Image.DecompressionBombWarning, Image.DecompressionBombError
     try:
-        with Image.open(io.BytesIO(content), formats=["PNG"]) as image:
-            if max(image.size) > _LARGEST:
-                raise ValueError
-            found = image.convert("RGBA")
-            found.thumbnail((size, size))
-            return np.array(found)
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", bombs[0])  # it would be printed
+            with Image.open(io.BytesIO(content), formats=["PNG"]) as image:
+                if max(image.size) > _LARGEST:
+                    raise ValueError
+                found = image.convert("RGBA")
+        found.thumbnail((size, size))
+        return np.array(found)
+    except (OSError, ValueError, SyntaxError, *bombs):
         raise ValueError(tr("its picture is damaged")) from None

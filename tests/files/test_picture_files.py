@@ -1,6 +1,7 @@
 """Small pictures as PNG: the same pixels again, and nothing else is read."""
 
 import io
+import zlib
 
 import numpy as np
 import pytest
@@ -32,3 +33,12 @@ def test_what_is_no_small_picture_is_refused(pixels):
     for bad in (b"", b"nonsense", content[:200], other.getvalue(), large):
         with pytest.raises(ValueError, match="its picture is damaged"):
             read_png(bad, 64)
+
+
+@pytest.mark.parametrize("side", [10_000, 50_000])
+def test_a_picture_that_only_says_that_it_is_huge_is_refused_without_a_warning(side, pixels):
+    content = bytearray(png(pixels))
+    content[16:24] = 2 * side.to_bytes(4, "big")
+    content[29:33] = zlib.crc32(content[12:29]).to_bytes(4, "big")
+    with pytest.raises(ValueError, match="its picture is damaged"):
+        read_png(bytes(content), 64)
