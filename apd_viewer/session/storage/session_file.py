@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from importlib import metadata
@@ -27,6 +25,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import State, opened
 from apd_viewer.session.model.view import SUFFIX, View
+from apd_viewer.session.storage.session_errors import explained
 from apd_viewer.session.storage.session_json import (
     document_of,
     document_said,
@@ -132,7 +131,7 @@ def open_session(path: str | Path) -> tuple[State, View]:
         If there is no such file, it is no session, or its mesh is missing or another one.
     """
     path = Path(path)
-    with _explained(path):
+    with explained(path):
         archive = Archive(_content(path))
         said = Fields.of(archive.content(_TEXT), _TEXT)
         _check_version(said, path)
@@ -144,25 +143,6 @@ def open_session(path: str | Path) -> tuple[State, View]:
         state = replace(state, document=document)
         frame = frame_of(said.part("frame"), state, arrays["shape"])
         return replace(state, frame=frame), view_of(said.part("view"))
-
-
-@contextmanager
-def _explained(path: Path) -> Iterator[None]:
-    """Turn errors of reading into an InputError with a sentence."""
-    try:
-        yield
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError(
-            tr("{name} is not a valid session ({reason}); save it again or open another copy.").format(
-                name=path.name, reason=error
-            )
-        ) from error
-    except MemoryError as error:
-        raise InputError(
-            tr("{name} does not fit into memory; close other programs.").format(name=path.name)
-        ) from error
 
 
 def _content(path: Path) -> bytes:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.errors import InputError
 from apd_viewer.files.storage.archive import Archive
-from apd_viewer.language import tr
+from apd_viewer.session.storage.session_errors import explained
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -23,13 +22,6 @@ def picture_in(path: Path) -> bytes | None:
     InputError
         If the file cannot be read, or is no session.
     """
-    try:
-        with path.open("rb") as stream:
-            archive = Archive(stream)
-            return archive.content(PICTURE) if archive.has(PICTURE) else None
-    except (OSError, ValueError) as error:
-        raise InputError(
-            tr("{name} is not a valid session ({reason}); save it again or open another copy.").format(
-                name=path.name, reason=error
-            )
-        ) from error
+    with explained(path), path.open("rb") as stream:
+        archive = Archive(stream)
+        return archive.content(PICTURE) if archive.has(PICTURE) else None

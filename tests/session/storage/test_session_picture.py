@@ -58,3 +58,13 @@ def test_what_is_no_session_is_refused(tmp_path):
     for name in ("a.apd", "gone.apd"):
         with pytest.raises(InputError, match=f"^{name} is not a valid session"):
             picture_in(tmp_path / name)
+
+
+def test_a_picture_that_does_not_fit_into_memory_is_a_sentence(state, tmp_path, monkeypatch):
+    def full(*_):
+        raise MemoryError
+
+    save_session(tmp_path / "a.apd", state, VIEW, picture=PICTURE)
+    monkeypatch.setattr("apd_viewer.files.storage.archive.Archive.content", full)
+    with pytest.raises(InputError, match=r"a\.apd does not fit into memory"):
+        picture_in(tmp_path / "a.apd")
