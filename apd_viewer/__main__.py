@@ -86,14 +86,13 @@ def _view_parser() -> Parser:
     )
     version = f"apd-viewer {apd_viewer.__version__}"
     parser.add_argument("--version", action="version", version=version, help=tr("show the version and exit"))
-    parser.set_defaults(run=_view)
+    parser.add_argument(
+        "--clicked",
+        action="store_true",
+        help=tr("of desktops: the window opens, and says what is wrong with FILE"),
+    )
+    parser.set_defaults(run=lambda options: apd_viewer.show_window(options.file, options.clicked))
     return parser
-
-
-def _view(options: argparse.Namespace) -> None:
-    """Open the window; whoever clicked a file reads no standard error."""
-    read = sys.stderr is not None and sys.stderr.isatty()
-    apd_viewer.show_window(options.file, tells=not read)
 
 
 def _command_parser(command: str) -> Parser:

@@ -851,7 +851,7 @@ def test_help_and_version(words, said, command):
 @pytest.mark.parametrize("given", [[], ["in.obj"]])
 def test_a_file_or_nothing_opens_the_window(given, command, monkeypatch):
     shown = []
-    monkeypatch.setattr(apd_viewer, "show_window", lambda mesh, **_: shown.append(mesh))
+    monkeypatch.setattr(apd_viewer, "show_window", lambda mesh, _: shown.append(mesh))
     assert command(*given) == (0, "", "")
     assert shown == (given or [None])
 
