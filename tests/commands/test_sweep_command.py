@@ -248,6 +248,18 @@ def test_what_is_wrong_is_said_in_a_line_and_nothing_is_written(case, bar, sweep
     assert sorted(tmp_path.rglob("*")) == before
 
 
+@pytest.mark.parametrize(("name", "said"), [("a.pvd", "which is a file"), ("b.gif", "(it is a folder)")])
+def test_what_is_in_the_way_in_the_output_is_said_before_work(
+    name, said, session, sweep, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(sweep_command, "_run", lambda *_: pytest.fail("it has begun"))
+    (tmp_path / "out" / "b.gif").mkdir(parents=True)
+    (tmp_path / "out" / "a").write_text("mine")
+    status, _, err, _ = sweep(session, "--methods", "exact", "--animation", tmp_path / "out" / name)
+    assert status == 2
+    assert said in err
+
+
 def test_what_is_interrupted_leaves_nothing(session, sweep, tmp_path, monkeypatch):
     before = sorted(tmp_path.rglob("*"))
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import ANIMATED, check_animation
-from apd_viewer.files.mesh_writing import check_folder
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.language import tr
 
@@ -44,6 +43,12 @@ def is_film(path: Path) -> bool:
     return path.suffix.lower() not in ANIMATED
 
 
+def check_names(paths: Sequence[Path]) -> None:
+    """Raise InputError if one of the files to be written would replace another."""
+    if len({path.resolve() for path in paths}) < len(paths):
+        raise InputError(tr("Give each animation a name of its own."))
+
+
 class AnimationTargets:
     """Files of the animations asked for.
 
@@ -74,11 +79,10 @@ class AnimationTargets:
         for path in filter(is_film, self._asked):
             check_film(path, ANIMATED)
         named = [*self.films(), *(path for version in self._versions for path in self.files(version))]
-        if len({path.resolve() for path in named}) < len(named):
-            raise InputError(tr("Give each animation a name of its own."))
+        check_names(named)
         for path in named:
-            if not self._is_in_output(path):
-                (check_folder if is_film(path) else check_animation)(path)
+            if path.parent.exists() or not self._is_in_output(path):
+                check_animation(path)
 
     def __bool__(self) -> bool:
         return bool(self._asked)

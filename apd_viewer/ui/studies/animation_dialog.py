@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.animations.animation_files import ANIMATED, check_animation
+from apd_viewer.files.animations.animation_files import check_animation
 from apd_viewer.language import tr
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
@@ -110,7 +110,7 @@ class AnimationDialog(StudyDialog):
         """File to write to; None if cancelled; raises InputError."""
         name = f"{self._state.document.mesh.stem}-animation{self.format.currentData()}"
         path = ask_where(self, tr("Export animation"), self._memory.folder / name)
-        if path is not None and path.suffix.lower() in ANIMATED:
+        if path is not None:
             check_animation(path)
         return path
 
