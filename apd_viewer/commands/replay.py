@@ -14,6 +14,7 @@ from apd_viewer.commands.scalar_output import add_scalar_options, check_scalar_o
 from apd_viewer.commands.terminal.animation_options import (
     add_animation_option,
     begun_beside,
+    check_names,
     is_film,
 )
 from apd_viewer.commands.terminal.parser import Parser
@@ -56,6 +57,7 @@ def _replay(options: argparse.Namespace) -> None:
     output = check_target(options.output)
     check_scalar_options(options)
     _check_animations(options.animation)
+    check_names([output, *options.animation])
     progress = progress_line(None) if sys.stderr.isatty() else None
     with ExitStack() as beside:
         shapes = ShapeRecorder(_scratch(beside), _MOST) if options.animation else None

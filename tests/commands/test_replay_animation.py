@@ -94,11 +94,12 @@ def test_what_has_settled_passes_nothing_but_from_rest(session, run, tmp_path):
         ("a.gif", "a.gif cannot show a replay; use .pc2, .mdd, .glb, .pvd, or apd-viewer sweep"),
         ("a.abc", "cannot show a replay"),
         ("gone/a.pc2", "There is no folder"),
+        ("out.glb", "a name of its own"),
     ],
 )
 def test_what_is_wrong_is_said_and_nothing_is_written(name, words, run, tmp_path):
     before = sorted(tmp_path.iterdir())
-    status, err = run("--animation", tmp_path / name)
+    status, err = run("-o", tmp_path / "out.glb", "--animation", tmp_path / name)
     assert status == 2
     assert words in err
     assert err.count("\n") == 1
