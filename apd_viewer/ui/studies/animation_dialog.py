@@ -57,6 +57,7 @@ class AnimationDialog(StudyDialog):
         super().__init__(window, title, run, "sweep.png", tr("Curves of area, volume and energy"))
         self._state, self._view, self._memory = state, view, memory
         self._path: Path | None = None
+        self._before: tuple[int, int] | None = None
         run.asked.connect(self.begin)
         run.ended.connect(self._tell)
         about = tr(
@@ -96,7 +97,7 @@ class AnimationDialog(StudyDialog):
             return
         if path is None:
             return
-        self._path = path
+        self._path, self._before = path, _stamp(path)
 
         def prepared(scratch: Path, results: Path) -> list[str]:
             session = scratch / "animation.apd"
@@ -115,5 +116,15 @@ class AnimationDialog(StudyDialog):
         return path
 
     def _tell(self) -> None:
-        if self._path is not None and self._path.exists():
+        # A film that could not be drawn leaves what was there; the summary says why.
+        if self._path is not None and _stamp(self._path) != self._before:
             self.run.words.setText(tr("Exported {name}.").format(name=self._path.name))
+
+
+def _stamp(path: Path) -> tuple[int, int] | None:
+    """Mark of a file that one replacing it does not have; None without a file."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_ino

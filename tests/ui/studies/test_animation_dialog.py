@@ -7,6 +7,7 @@ from driving import idle
 from PySide6.QtWidgets import QFileDialog
 from study_driving import click, finish, open_bar
 
+from apd_viewer.figures.shapes import no_pictures
 from apd_viewer.session.model.motions import TypedMotion
 
 
@@ -101,6 +102,18 @@ def test_what_cannot_be_written_is_said_at_once(dialog, answer, tmp_path):
     click(dialog.run.start)
     assert "which is a file" in dialog.run.words.text()
     assert not dialog.run.running
+
+
+def test_a_film_that_is_not_drawn_is_not_called_exported(dialog, answer, tmp_path, monkeypatch):
+    """What is there is an old one."""
+    (tmp_path / "a.gif").write_text("old")
+    dialog.format.setCurrentIndex(dialog.format.findData(".gif"))
+    answer(tmp_path / "a.gif")
+    monkeypatch.setattr(dialog.run, "begin", lambda _: None)
+    click(dialog.run.start)
+    dialog.run.ended.emit(tmp_path, f"results\n{no_pictures()}")
+    assert "were not drawn" in dialog.summary.text()
+    assert dialog.run.words.text() == ""
 
 
 def test_without_a_motion_there_is_nothing_to_export(qtbot, window):
