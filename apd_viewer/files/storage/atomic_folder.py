@@ -37,7 +37,7 @@ def filling(folder: Path) -> Iterator[Path]:
     try:
         beside = _nearest(folder)
         _clear_away(beside)
-        scratch = Path(tempfile.mkdtemp(prefix=_PREFIX, suffix=_PART, dir=beside))
+        scratch = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-", suffix=_PART, dir=beside))
         yield scratch
         place(scratch, folder)
     except OSError as error:
@@ -78,6 +78,12 @@ def _clear_away(folder: Path) -> None:
         with contextlib.suppress(OSError):
             if time.time() - scratch.stat().st_mtime > _LONG_AGO:
                 shutil.rmtree(scratch, ignore_errors=True)
+
+
+def clear_after(process: int, folder: Path) -> None:
+    """Remove what a process of this number, since killed, was filling in ``folder``."""
+    for scratch in folder.glob(f"{_PREFIX}{process}-*{_PART}"):
+        shutil.rmtree(scratch, ignore_errors=True)
 
 
 def unused_folder(folder: Path, name: str) -> Path:

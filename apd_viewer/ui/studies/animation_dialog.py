@@ -105,7 +105,7 @@ class AnimationDialog(StudyDialog):
             words = ["--steps", str(steps), "--methods", document.method, "--animation", str(path)]
             return ["sweep", str(session), *words, "-o", str(results)]
 
-        self.run.begin(prepared)
+        self.run.begin(prepared, beside=path.parent)
 
     def _ask(self) -> Path | None:
         """File to write to; None if cancelled; raises InputError."""

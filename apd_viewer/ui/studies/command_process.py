@@ -10,8 +10,9 @@ import os
 import signal
 import sys
 from functools import partial
+from pathlib import Path
 
-from PySide6.QtCore import QObject, QProcess, Signal
+from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, Signal
 
 from apd_viewer.language import tr
 
@@ -38,6 +39,8 @@ class CommandProcess(QObject):
         The share that is done, and what is being done.
     reported : Signal(object)
         The same as a dict, with whatever else the command tells of its progress.
+    number : int
+        Of the process started last, as the operating system counts them; 0 before.
     ended : Signal(str)
         What it said, when it has ended well.
     failed : Signal(str)
@@ -53,21 +56,28 @@ class CommandProcess(QObject):
         super().__init__(parent)
         self._process: QProcess | None = None
         self._said: list[str] = []
+        self.number = 0
 
     @property
     def running(self) -> bool:
         """True while a command runs."""
         return self._process is not None
 
-    def start(self, words: list[str]) -> None:
-        """Run the command of these words; one at a time."""
+    def start(self, words: list[str], scratch: Path | None = None) -> None:
+        """Run the command of these words; one at a time.
+
+        It keeps its temporary files in ``scratch``: killed it cannot remove them.
+        """
         assert self._process is None
         self._said = []
         self._process = process = QProcess(self)
         process.readyReadStandardOutput.connect(partial(self._read, process))
         process.finished.connect(partial(self._finish, process))
         process.errorOccurred.connect(partial(self._stumble, process))
+        if scratch is not None:
+            process.setProcessEnvironment(_with_temporary_files_in(scratch))
         process.start(sys.executable, ["-c", _START, str(len(sys.path)), *sys.path, *words])
+        self.number = process.processId()
 
     def cancel(self) -> None:
         """End the command at once; neither ``ended`` nor ``failed`` comes any more."""
@@ -112,3 +122,10 @@ class CommandProcess(QObject):
             self._process = None
             process.deleteLater()
             self.failed.emit(tr("The process could not be started; close other programs."))
+
+
+def _with_temporary_files_in(folder: Path) -> QProcessEnvironment:
+    environment = QProcessEnvironment.systemEnvironment()
+    for name in ("TMPDIR", "TEMP", "TMP"):
+        environment.insert(name, str(folder))
+    return environment

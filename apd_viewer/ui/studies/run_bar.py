@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +21,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from apd_viewer.files.storage.atomic_folder import filling, unused_folder
+from apd_viewer.files.storage.atomic_folder import clear_after, filling, unused_folder
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.background_job import Job, JobOutcome
 from apd_viewer.ui.studies.command_process import CommandProcess
@@ -63,6 +64,7 @@ class RunBar(QWidget):
         self._name = name
         self._memory = memory
         self._scratch: Path | None = None
+        self._beside: Path | None = None
         self._job: Job | None = None
         self._saved: Path | None = None
         self._command = CommandProcess(self)
@@ -102,7 +104,7 @@ class RunBar(QWidget):
         assert self._scratch is not None
         return self._scratch / "results"
 
-    def begin(self, words: Callable[[Path, Path], list[str]]) -> None:
+    def begin(self, words: Callable[[Path, Path], list[str]], beside: Path | None = None) -> None:
         """Run a command.
 
         Parameters
@@ -111,9 +113,11 @@ class RunBar(QWidget):
             ``words(scratch, results)`` gives what to run, all but ``--progress-lines``: it is called on a
             thread, and may write to the first folder what the command reads. The second is empty: there
             the command has to write its results.
+        beside : Path, optional
+            Another folder that it writes to.
         """
         self.close_all()
-        self._saved = None
+        self._saved, self._beside = None, beside
         self._scratch = scratch = Path(tempfile.mkdtemp(prefix="apd-viewer-"))
         results = self._results
 
@@ -121,7 +125,8 @@ class RunBar(QWidget):
             results.mkdir()
             return [*words(scratch, results), "--progress-lines"]
 
-        self._job = Job(tr("Preparing"), work, self._command.start, self._delivered.emit)
+        start = partial(self._command.start, scratch=scratch)
+        self._job = Job(tr("Preparing"), work, start, self._delivered.emit)
         self.words.setText(tr("preparing"))
         self.bar.setMaximum(0)  # of unknown length
         self._show_busy(True)
@@ -141,6 +146,9 @@ class RunBar(QWidget):
         if self._scratch is not None:
             shutil.rmtree(self._scratch, ignore_errors=True)
             self._scratch = None
+        if self._beside is not None:
+            clear_after(self._command.number, self._beside)
+            self._beside = None
 
     def fail(self, sentence: str) -> None:
         """Show the reason for having no result."""

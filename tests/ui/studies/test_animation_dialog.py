@@ -95,6 +95,21 @@ def test_cancelled_nothing_is_written(qtbot, dialog, answer, tmp_path):
     assert "nothing was written" in dialog.run.words.text()
 
 
+def test_cancelled_while_it_is_written_nothing_is_left(qtbot, dialog, answer, tmp_path, monkeypatch):
+    """Neither beside the file nor among the temporary files; what other programs write stays."""
+    (tmp_path / "tmp").mkdir()
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "tmp"))
+    theirs = tmp_path / "out" / ".apd-viewer-1-theirs.part"
+    theirs.mkdir(parents=True)
+    dialog.format.setCurrentIndex(dialog.format.findData(".gif"))
+    answer(tmp_path / "out" / "a.gif")
+    click(dialog.run.start)
+    qtbot.waitUntil(lambda: len(list((tmp_path / "out").iterdir())) > 1, timeout=60_000)
+    click(dialog.run.cancel)
+    assert list((tmp_path / "out").iterdir()) == [theirs]
+    assert not any((tmp_path / "tmp").iterdir())
+
+
 def test_what_cannot_be_written_is_said_at_once(dialog, answer, tmp_path):
     dialog.format.setCurrentIndex(dialog.format.findData(".pvd"))
     (tmp_path / "a").write_text("mine")
@@ -109,7 +124,7 @@ def test_a_film_that_is_not_drawn_is_not_called_exported(dialog, answer, tmp_pat
     (tmp_path / "a.gif").write_text("old")
     dialog.format.setCurrentIndex(dialog.format.findData(".gif"))
     answer(tmp_path / "a.gif")
-    monkeypatch.setattr(dialog.run, "begin", lambda _: None)
+    monkeypatch.setattr(dialog.run, "begin", lambda *_, **__: None)
     click(dialog.run.start)
     dialog.run.ended.emit(tmp_path, f"results\n{no_pictures()}")
     assert "were not drawn" in dialog.summary.text()
