@@ -20,6 +20,7 @@ from apd_viewer.commands.terminal.animation_options import (
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import ANIMATED, check_animation, write_animation
+from apd_viewer.files.animations.series_files import replacing_series
 from apd_viewer.files.animations.shapes import Animation, ShapeRecorder
 from apd_viewer.files.mesh_writing import check_target
 from apd_viewer.language import tr
@@ -59,7 +60,7 @@ def _replay(options: argparse.Namespace) -> None:
     _check_animations(options.animation)
     check_names([output, *options.animation])
     progress = progress_line(None) if sys.stderr.isatty() else None
-    with ExitStack() as beside:
+    with replacing_series(options.animation), ExitStack() as beside:
         shapes = ShapeRecorder(_scratch(beside), _MOST) if options.animation else None
         document, result = replay(
             options.session, options.from_rest, progress, None if shapes is None else shapes.add

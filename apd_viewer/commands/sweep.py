@@ -25,6 +25,7 @@ from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import keep_shape, no_pictures
 from apd_viewer.files.animations.animation_files import write_animation
+from apd_viewer.files.animations.series_files import replacing_series
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
@@ -93,7 +94,7 @@ def _sweep(options: argparse.Namespace) -> None:
     sweep = sweep_of(document, options.steps, options.to, methods, options.iterations, motion)
     animations = AnimationTargets(options, sweep.methods)
     progress = Progress(options.progress_lines)
-    with ExitStack() as stack:
+    with replacing_series(animations.all_files()), ExitStack() as stack:
         folder = stack.enter_context(filling(options.output))
         kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="apd-viewer-")))
         steps = _run(sweep, progress, folder if options.meshes else None, kept if animations else None)

@@ -138,6 +138,18 @@ def test_animations_are_the_meshes_of_the_steps(session, sweep, tmp_path):
     }
 
 
+@pytest.mark.parametrize("where", ["out", "."])
+def test_a_shorter_series_replaces_a_longer_one(where, session, sweep, tmp_path):
+    """With all its files, in the output folder and beside it, but with no others."""
+    path = tmp_path / where / "a.pvd"
+    for steps in (3, 1):
+        words = "--steps", steps, "--methods", "exact", "--animation", path
+        assert sweep(session, *words)[0] == 0
+        (path.with_suffix("") / "a-7.vtu").write_text("mine")
+    assert {each.name for each in path.with_suffix("").iterdir()} == {"a-0.vtu", "a-1.vtu", "a-7.vtu"}
+    assert pyvista.get_reader(path).time_values == [0, 1]
+
+
 def test_each_method_has_an_animation_of_its_own(session, sweep, tmp_path):
     words = "--steps", 2, "--methods", "arap,exact", "--meshes", "--animation", tmp_path / "a.pc2"
     status, _, err, folder = sweep(session, *words)

@@ -78,7 +78,7 @@ class AnimationTargets:
 
         for path in filter(is_film, self._asked):
             check_film(path, ANIMATED)
-        named = [*self.films(), *(path for version in self._versions for path in self.files(version))]
+        named = [*self.films(), *self.all_files()]
         check_names(named)
         for path in named:
             if path.parent.exists() or not self._is_in_output(path):
@@ -95,6 +95,10 @@ class AnimationTargets:
         """Other animations of a version."""
         paths = [path for path in self._asked if not is_film(path)]
         return [path.with_stem(f"{path.stem}-{version}") if self._several else path for path in paths]
+
+    def all_files(self) -> list[Path]:
+        """Other animations of all versions."""
+        return [path for version in self._versions for path in self.files(version)]
 
     @property
     def _several(self) -> bool:

@@ -1,5 +1,7 @@
 """ParaView series, opened again by VTK with all their arrays."""
 
+from xml.sax.saxutils import quoteattr
+
 import numpy as np
 import pytest
 import pyvista as pv
@@ -8,6 +10,7 @@ from meshes import sphere
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import check_animation, write_animation
+from apd_viewer.files.animations.series_files import replacing_series
 from apd_viewer.geometry.analysis.scalars import scalars_of
 from apd_viewer.geometry.mesh.mesh import Mesh
 
@@ -78,3 +81,30 @@ def test_what_cannot_be_written_leaves_nothing(tmp_path):
     with pytest.raises(InputError, match="cannot be written"):
         write_animation(animation, tmp_path / "a.pvd")
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_what_a_series_lists_elsewhere_is_not_deleted(written):
+    """As one of another program may: in other folders, of other kinds, or nothing that can be read."""
+    path, _, _ = written
+    for file in ("../b.vtu", "c.vtu", "a & b/d.csv"):
+        (path.parent / file).write_text("mine")
+        row = f'<DataSet timestep="0" file={quoteattr(file)}/>'
+        path.write_text(f"<VTKFile><Collection>{row}</Collection></VTKFile>")
+        with replacing_series([path]):
+            path.write_text("<VTKFile/>")
+        assert (path.parent / file).exists()
+    path.write_text("no series")
+    with replacing_series([path, path.with_name("gone.pvd")]):
+        pass
+
+
+def test_what_fails_deletes_nothing(written):
+    path, _, shapes = written
+
+    def interrupted():
+        path.write_text("<VTKFile/>")
+        raise InputError
+
+    with pytest.raises(InputError), replacing_series([path]):
+        interrupted()
+    assert len(list(path.with_suffix("").iterdir())) == len(shapes)
