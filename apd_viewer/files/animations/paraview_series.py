@@ -10,7 +10,6 @@ import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import VTK_TRIANGLE, vtkCellArray, vtkUnstructuredGrid
-from vtkmodules.vtkCommonMisc import vtkErrorCode
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from apd_viewer.files.storage.atomic_file import replacing
@@ -80,7 +79,8 @@ def _add(there: vtkDataSetAttributes, arrays: dict[str, np.ndarray]) -> None:
 
 def _write(grid: vtkUnstructuredGrid, path: Path) -> None:
     writer = vtkXMLUnstructuredGridWriter()
-    writer.SetFileName(str(path))
+    # By way of memory: of a full disk VTK prints a page, and does not say the reason.
+    writer.WriteToOutputStringOn()
     writer.SetInputData(grid)
-    if not writer.Write():
-        raise OSError(vtkErrorCode.GetStringFromErrorCode(writer.GetErrorCode()))
+    writer.Write()
+    path.write_text(writer.GetOutputString(), encoding="ascii", newline="\n")

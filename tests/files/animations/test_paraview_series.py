@@ -83,6 +83,14 @@ def test_what_cannot_be_written_leaves_nothing(tmp_path):
     assert sorted(tmp_path.iterdir()) == before
 
 
+def test_what_the_disk_refuses_is_said_in_a_sentence(tmp_path, capfd):
+    """Here a name: VTK would print a page, and say that the reason is success."""
+    animation, _ = animated(MESH, tmp_path / "shapes")
+    with pytest.raises(InputError, match=r"cannot be written \((?!Success)"):
+        write_animation(animation, tmp_path / f"{250 * 'n'}.pvd")
+    assert capfd.readouterr() == ("", "")
+
+
 def test_what_a_series_lists_elsewhere_is_not_deleted(written):
     """As one of another program may: in other folders, of other kinds, or nothing that can be read."""
     path, _, _ = written
