@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import pyvista
+from animated import read_pc2
 from painted_meshes import write_bar
 
 from apd_viewer.__main__ import main
@@ -41,18 +42,12 @@ def run(session, tmp_path, capsys):
     return words
 
 
-def pc2(path):
-    """Shapes (s, k, 3) of a point cache."""
-    points, _, _, count = np.frombuffer(path.read_bytes()[16:32], "<i4")
-    return np.frombuffer(path.read_bytes(), "<f4", offset=32).reshape(count, points, 3)
-
-
 def test_it_begins_with_the_shape_saved_and_has_each_iteration(session, run, tmp_path):
     passed = []
     replay(session, passed=lambda U: passed.append(U.astype(np.float32)))
     words = [word for name in ("a.pc2", "a.pvd") for word in ("--animation", tmp_path / name)]
     assert run(*words) == (0, "")
-    shapes, mesh = pc2(tmp_path / "a.pc2"), open_mesh(tmp_path / "bar.off")
+    shapes, mesh = read_pc2(tmp_path / "a.pc2"), open_mesh(tmp_path / "bar.off")
     assert len(passed) > 3
     assert np.array_equal(shapes, passed)
     assert np.array_equal(shapes[0], mesh.V.astype(np.float32))
@@ -63,7 +58,7 @@ def test_it_begins_with_the_shape_saved_and_has_each_iteration(session, run, tmp
 def test_of_many_iterations_it_has_some(run, tmp_path, monkeypatch):
     monkeypatch.setattr(replay_command, "_MOST", 4)
     assert run("--animation", tmp_path / "a.pc2") == (0, "")
-    shapes = pc2(tmp_path / "a.pc2")
+    shapes = read_pc2(tmp_path / "a.pc2")
     assert 2 <= len(shapes) <= 4
     assert np.array_equal(shapes[-1], open_mesh(tmp_path / "out.off").V.astype(np.float32))
 
@@ -85,7 +80,7 @@ def test_what_has_settled_passes_nothing_but_from_rest(session, run, tmp_path):
     assert sorted(tmp_path.iterdir()) == before
     assert run("--animation", tmp_path / "a.pc2", "--from-rest") == (0, "")
     V = open_mesh(tmp_path / "bar.off").V
-    assert np.array_equal(pc2(tmp_path / "a.pc2")[0], V.astype(np.float32))
+    assert np.array_equal(read_pc2(tmp_path / "a.pc2")[0], V.astype(np.float32))
 
 
 @pytest.mark.parametrize(

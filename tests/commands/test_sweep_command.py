@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import pyvista
 import trimesh
+from animated import read_pc2
 from meshes import ends, tube
 from painted_meshes import write_bar
 from PIL import Image
@@ -108,12 +109,6 @@ def test_a_figure_and_a_film_are_drawn(bar, sweep, tmp_path):
         assert (colors == color).all(axis=1).sum() > 100
 
 
-def pc2(path):
-    """Shapes (s, k, 3) of a point cache."""
-    points, _, _, count = np.frombuffer(path.read_bytes()[16:32], "<i4")
-    return np.frombuffer(path.read_bytes(), "<f4", offset=32).reshape(count, points, 3)
-
-
 def test_animations_are_the_meshes_of_the_steps(session, sweep, tmp_path):
     """Of one method under the name given, in the output folder and beside it."""
     out, names = tmp_path / "out", ("a.pc2", "a.mdd", "a.glb", "a.pvd")
@@ -122,7 +117,7 @@ def test_animations_are_the_meshes_of_the_steps(session, sweep, tmp_path):
     status, _, err, folder = sweep(session, "--steps", 3, "--methods", "exact", "--meshes", *words)
     assert (status, err) == (0, "")
     meshes = [open_mesh(path).V for path in sorted((folder / "meshes").iterdir())]
-    assert np.array_equal(pc2(folder / "a.pc2"), np.array(meshes, dtype=np.float32))
+    assert np.array_equal(read_pc2(folder / "a.pc2"), np.array(meshes, dtype=np.float32))
     assert (folder / "a.pc2").read_bytes() == (tmp_path / "b.pc2").read_bytes()
     assert len((folder / "a.mdd").read_bytes()) == 8 + 4 * 4 + 12 * np.array(meshes)[..., 0].size
     np.testing.assert_allclose(open_mesh(folder / "a.glb").V, meshes[0], atol=1e-6)
@@ -156,7 +151,7 @@ def test_each_method_has_an_animation_of_its_own(session, sweep, tmp_path):
     assert (status, err) == (0, "")
     for method in ("arap", "exact"):
         meshes = [open_mesh(path).V for path in sorted((folder / "meshes").glob(f"{method}-*"))]
-        assert np.array_equal(pc2(tmp_path / f"a-{method}.pc2"), np.array(meshes, dtype=np.float32))
+        assert np.array_equal(read_pc2(tmp_path / f"a-{method}.pc2"), np.array(meshes, dtype=np.float32))
     assert not (tmp_path / "a.pc2").exists()
 
 

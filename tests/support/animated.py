@@ -1,5 +1,7 @@
 """Animations made of a mesh in code, and the shapes that they consist of."""
 
+import struct
+
 import numpy as np
 
 from apd_viewer.files.animations.shapes import Animation
@@ -17,3 +19,12 @@ def animated(mesh, folder, count=4, labels=None, member=None):
     free = np.ones(len(mesh.V), dtype=np.uint8)
     labels, member = free if labels is None else labels, 0 * free if member is None else member
     return Animation(mesh, labels, member, files, [k / (count - 1) for k in range(count)]), shapes
+
+
+def read_pc2(path):
+    """Shapes (s, k, 3) of a PC2."""
+    content = path.read_bytes()
+    signature, version, points, first, rate, samples = struct.unpack_from("<12siiffi", content)
+    assert (signature, version, first, rate) == (b"POINTCACHE2\0", 1, 0.0, 1.0)
+    assert len(content) == 32 + 12 * points * samples
+    return np.frombuffer(content, "<f4", offset=32).reshape(samples, points, 3)

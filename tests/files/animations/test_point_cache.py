@@ -4,7 +4,7 @@ import struct
 
 import numpy as np
 import pytest
-from animated import animated
+from animated import animated, read_pc2
 from mesh_contents import binary_stl, obj, ply
 from meshes import box, sphere
 
@@ -14,14 +14,6 @@ from apd_viewer.files.meshes import open_mesh, read_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 V, F = sphere(1)
-
-
-def read_pc2(content):
-    """Shapes (s, k, 3) of a PC2."""
-    signature, version, points, first, rate, samples = struct.unpack_from("<12siiffi", content)
-    assert (signature, version, first, rate) == (b"POINTCACHE2\0", 1, 0.0, 1.0)
-    assert len(content) == 32 + 12 * points * samples
-    return np.frombuffer(content, "<f4", offset=32).reshape(samples, points, 3)
 
 
 def read_mdd(content):
@@ -39,7 +31,7 @@ def caches(animation, folder):
     times, shapes = read_mdd((folder / "a.mdd").read_bytes())
     np.testing.assert_allclose(np.diff(times), 1 / 24, rtol=1e-6)
     assert times[0] == 0.0
-    return read_pc2((folder / "a.pc2").read_bytes()), shapes
+    return read_pc2(folder / "a.pc2"), shapes
 
 
 def test_each_vertex_stands_where_it_was_in_single_precision(tmp_path):

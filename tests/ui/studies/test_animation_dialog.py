@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import pyvista
+from animated import read_pc2
 from driving import idle
 from PySide6.QtWidgets import QFileDialog
 from study_driving import click, finish, open_bar
@@ -40,12 +41,6 @@ def answer(monkeypatch):
     return to
 
 
-def pc2(path):
-    """Shapes (s, k, 3) of a point cache."""
-    points, _, _, count = np.frombuffer(path.read_bytes()[16:32], "<i4")
-    return np.frombuffer(path.read_bytes(), "<f4", offset=32).reshape(count, points, 3)
-
-
 def handle_of(bar, shapes):
     """Mean place of the handle in each shape, (s, 3)."""
     return shapes[:, bar.session.store.state.document.labels == 2].mean(axis=1)
@@ -64,7 +59,7 @@ def test_the_whole_motion_and_the_last_step_are_exported(motion, way, qtbot, bar
     assert dialog.run.cancel.isVisible()
     finish(qtbot, dialog)
     assert dialog.run.words.text() == "Exported a.pc2."
-    shapes = pc2(tmp_path / "a.pc2")
+    shapes = read_pc2(tmp_path / "a.pc2")
     places = handle_of(bar, shapes)
     np.testing.assert_allclose(places - places[0], np.outer([0, 0.5, 1], way), atol=1e-6)
     end = state.frame.U[state.document.labels == 2].mean(axis=0)
