@@ -22,7 +22,7 @@ def finish(qtbot, dialog):
 
 
 def open_bar(qtbot, window):
-    """Open a bar, and paint its ends."""
+    """Open a bar, paint its ends, and wait until it has settled."""
     V, F = box(2, 2, 5)
     window.session.files.open_mesh(Mesh(V, F))
     idle(qtbot, window)
@@ -31,6 +31,7 @@ def open_bar(qtbot, window):
     window.session.painting.paint(base, 0)
     window.session.painting.paint(handle, 2)
     window.session.painting.end_stroke("Paint")
+    idle(qtbot, window)
 
 
 def finished(window, count):

@@ -16,7 +16,6 @@ from apd_viewer.session.model.motions import TypedMotion
 def bar(qtbot, window):
     """A window on a bar, its handle moved twice."""
     open_bar(qtbot, window)
-    idle(qtbot, window)
     for way in (TypedMotion.MOVE_X, TypedMotion.MOVE_Y):
         window.session.handles.move_by(way, "0.5", 0)
         idle(qtbot, window)
@@ -129,7 +128,6 @@ def test_a_film_that_is_not_drawn_is_not_called_exported(dialog, answer, tmp_pat
 def test_without_a_motion_there_is_nothing_to_export(qtbot, window):
     assert not window.actions_.file.animation.isEnabled()
     open_bar(qtbot, window)
-    idle(qtbot, window)
     window.actions_.file.animation.trigger()
     assert "animate" not in window.studies.dialogs
     assert "No handle has moved" in window.notice.text

@@ -23,7 +23,6 @@ from apd_viewer.ui.widgets.figure_list import FigureView
 def bar(qtbot, window):
     """A window on a bar, painted."""
     open_bar(qtbot, window)
-    idle(qtbot, window)
     return window
 
 
