@@ -103,7 +103,7 @@ def write_morph_targets(animation: Animation, path: Path) -> None:
 def _document(animation: Animation) -> tuple[dict[str, Any], int]:
     """The JSON of the file, and the bytes of its arrays in the order of writing."""
     mesh, count, layout = animation.mesh, len(animation), _Layout()
-    n, targets = len(mesh.V), []
+    n = len(mesh.V)
     indices = layout.add("SCALAR", mesh.F.size, _INDICES, component=_UINT)
     bounds = _bounds(animation)
     base = _points(layout, n, bounds[0])
