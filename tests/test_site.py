@@ -124,7 +124,29 @@ def test_a_page_shows_a_file_and_links_lead_from_there(tmp_path):
     assert generated_pages.completed(page, page.read_text(), shown) == "[News](sub/news.md)\n"
 
 
-@pytest.mark.skipif(importlib.util.find_spec("sphinx") is None, reason="the group docs is not installed")
+needs_sphinx = pytest.mark.skipif(
+    importlib.util.find_spec("sphinx") is None, reason="the group docs is not installed"
+)
+
+
+@needs_sphinx
+def test_a_page_follows_what_it_is_made_of(tmp_path):
+    """Built again beside its doctrees, as by ``make docs``, it shows the file as it has become."""
+    docs, news = tmp_path / "docs", tmp_path / "NEWS.md"
+    docs.mkdir()
+    (docs / "conf.py").write_text(
+        f"import sys\nsys.path.insert(0, {str(DOCS / '_extensions')!r})\n"
+        "extensions = ['myst_parser', 'generated_pages']\n"
+    )
+    (docs / "index.md").write_text("# News\n\n<!-- file: ../NEWS.md -->\n")
+    for said in ("It is early.", "It is late."):
+        news.write_text(f"# News\n\n{said}\n")
+        command = [sys.executable, "-m", "sphinx", "-q", str(docs), str(tmp_path / "site")]
+        subprocess.run(command, cwd=ROOT, check=True)
+        assert said in (tmp_path / "site" / "index.html").read_text(encoding="utf-8")
+
+
+@needs_sphinx
 def test_the_site_is_built_without_a_warning(tmp_path):
     command = [sys.executable, "-m", "sphinx", "-W", "-n", "-q", "-d", str(tmp_path / "trees")]
     done = subprocess.run(

@@ -65,7 +65,10 @@ def setup(app: Any) -> dict[str, bool]:
     docs = Path(app.srcdir)
     shown = shown_files(docs)
 
-    def complete(_app: Any, name: str, source: list[str]) -> None:
+    def complete(app: Any, name: str, source: list[str]) -> None:
+        # Each time: none of what they are made of is known to Sphinx.
+        if _GENERATED.search(source[0]) or _FILE.match(source[0]):
+            app.env.note_reread()
         source[0] = completed(docs / f"{name}.md", source[0], shown)
 
     app.connect("source-read", complete)
