@@ -34,7 +34,8 @@ def deadly(task):
 
 
 def stuck(task):
-    """Never end a case of 13 steps."""
+    """Never end a case of 13 steps; say by a file that it is held."""
     while task.case.steps == 13:
+        Path(os.environ["STUCK"]).touch()
         time.sleep(0.05)
     return answer(task)
