@@ -226,7 +226,7 @@ class PlanDialog(QDialog):
         """Begin the study as soon as there is somebody to run it."""
         self._preview.hide()
         try:
-            self._designed()
+            self._asked = self._designed()
             self.words.setText("")
             self.engine.reach()
         except InputError as error:
@@ -256,10 +256,10 @@ class PlanDialog(QDialog):
         return folder, rows, options
 
     def _begin(self) -> None:
-        """Write plan and session, and announce them."""
+        """Write plan and session as they were asked for, and announce them."""
         self.start.setEnabled(True)
+        folder, rows, options = self._asked
         try:
-            folder, rows, options = self._designed()
             write_study(folder, rows, self._state, self._view)
         except InputError as error:
             self.words.setText(str(error))

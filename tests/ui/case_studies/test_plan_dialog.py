@@ -114,6 +114,19 @@ def test_the_options_of_a_scheduler_reach_the_command(qtbot, dialog, begun, list
     assert (tmp_path / "cluster" / PLAN).exists()
 
 
+def test_what_is_begun_is_what_was_asked_for(qtbot, dialog, begun, listener, tmp_path):
+    """Not what is typed while the scheduler is waited for: nobody has looked whether that is there."""
+    dialog.folder.setText(str(tmp_path / "asked"))
+    dialog.samples.setValue(4)
+    ask_scheduler(dialog, listener)
+    dialog.engine.address.setText("elsewhere")
+    dialog.folder.setText("")
+    dialog.samples.setValue(5)
+    qtbot.waitUntil(lambda: bool(begun), timeout=5_000)
+    assert begun == [(tmp_path / "asked", ["--scheduler", listener])]
+    assert len(rows_of(tmp_path / "asked")) == 4
+
+
 def test_nobody_at_an_address_is_said_within_seconds(qtbot, dialog, begun, deserted, tmp_path):
     dialog.folder.setText(str(tmp_path / "deserted"))
     started = time.monotonic()
