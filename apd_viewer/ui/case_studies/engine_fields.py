@@ -10,6 +10,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import number
 from apd_viewer.studies.local_pool import cores
 from apd_viewer.ui.case_studies.scheduler_check import FILE, SchedulerCheck
+from apd_viewer.ui.case_studies.study_files import typed_path
 from apd_viewer.ui.studies.study_dialog import count_field, row_of
 from apd_viewer.ui.widgets.fields import Choice, Entry
 
@@ -72,7 +73,9 @@ class EngineFields(QObject):
         address = self.address.text().strip()
         if not address:
             raise InputError(tr("Enter the address of the scheduler, such as tcp://host:8786."))
-        return ["--scheduler-file" if address.endswith(FILE) else "--scheduler", address, *self._limit()]
+        if address.endswith(FILE):
+            return ["--scheduler-file", str(typed_path(address)), *self._limit()]
+        return ["--scheduler", address, *self._limit()]
 
     def _limit(self) -> list[str]:
         text = self.limit.text().strip()

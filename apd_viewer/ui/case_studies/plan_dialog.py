@@ -27,7 +27,7 @@ from apd_viewer.studies.plans.design import GRID, LATIN, MOST_SAMPLES, SOBOL
 from apd_viewer.ui.case_studies.end_preview import EndPreview
 from apd_viewer.ui.case_studies.engine_fields import EngineFields
 from apd_viewer.ui.case_studies.method_fields import MethodFields
-from apd_viewer.ui.case_studies.study_files import Design, Rows, document_of, write_study
+from apd_viewer.ui.case_studies.study_files import Design, Rows, document_of, typed_path, write_study
 from apd_viewer.ui.case_studies.varied_fields import HEADS, VariedFields
 from apd_viewer.ui.studies.study_dialog import count_field, row_of
 from apd_viewer.ui.widgets.fields import Choice, Entry
@@ -241,7 +241,7 @@ class PlanDialog(QDialog):
 
     def _designed(self) -> tuple[Path, Rows, list[str]]:
         """Folder, rows of the plan and options of the command; raises InputError."""
-        folder = Path(self.folder.text().strip()).expanduser()
+        folder = typed_path(self.folder.text())
         options = self.engine.options()
         design = Design(
             self.varied.spans(),

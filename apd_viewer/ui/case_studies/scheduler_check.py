@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -11,6 +11,10 @@ from PySide6.QtNetwork import QAbstractSocket, QNetworkProxy, QTcpSocket
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.ui.case_studies.study_files import typed_path
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 FILE = ".json"
 _PATIENCE = 5000  # ms
@@ -84,7 +88,7 @@ def place_of(address: str) -> tuple[str, int]:
         If it is no address, or there is no such file.
     """
     try:
-        said = _in_file(Path(address)) if address.endswith(FILE) else address
+        said = _in_file(typed_path(address)) if address.endswith(FILE) else address
         parts = urlsplit(said if "://" in said else f"tcp://{said}")
         if parts.scheme not in _BY_TCP or not parts.hostname or not parts.port:
             raise ValueError
@@ -110,7 +114,7 @@ def _in_file(path: Path) -> str:
         If there is no address in it.
     """
     try:
-        said = json.loads(path.expanduser().read_text(encoding="utf-8"))
+        said = json.loads(path.read_text(encoding="utf-8"))
         return str(said["address"])
     except OSError as error:
         raise InputError(tr("There is no file {path}; check the name.").format(path=path)) from error

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.errors import InputError
@@ -20,7 +22,6 @@ from apd_viewer.ui.case_studies.quantities import TO
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
@@ -95,6 +96,14 @@ class Design(NamedTuple):
             whose = f"handle {self.handle + 1}: " if self.handle else ""
             given |= {"motion": whose + "; ".join(words)} if whose or words else {}
         return given
+
+
+def typed_path(text: str) -> Path:
+    """Absolute path from a field, where ~ is the folder of a user.
+
+    That of a user who is not there stays as it is, instead of raising RuntimeError.
+    """
+    return Path(os.path.expanduser(text.strip())).absolute()  # noqa: PTH111
 
 
 def write_study(folder: Path, rows: Rows, state: State, view: View) -> None:

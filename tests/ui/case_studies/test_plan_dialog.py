@@ -127,6 +127,26 @@ def test_what_is_begun_is_what_was_asked_for(qtbot, dialog, begun, listener, tmp
     assert len(rows_of(tmp_path / "asked")) == 4
 
 
+def test_a_tilde_is_the_folder_of_the_user(qtbot, dialog, begun, listener, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path))
+    (tmp_path / "lab.json").write_text(f'{{"address": "{listener}"}}', encoding="utf-8")
+    dialog.folder.setText("~/tilde")
+    ask_scheduler(dialog, "~/lab.json")
+    qtbot.waitUntil(lambda: bool(begun), timeout=5_000)
+    assert begun == [(tmp_path / "tilde", ["--scheduler-file", str(tmp_path / "lab.json")])]
+
+
+def test_a_user_who_is_not_there_has_no_folder(dialog, begun, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    dialog.folder.setText("~nobody of this name/study")
+    ask_scheduler(dialog, "~nobody of this name/lab.json")
+    assert "There is no file" in dialog.words.text()
+    dialog.engine.where.setCurrentIndex(0)
+    click(dialog.start)
+    assert begun[0][0] == tmp_path / "~nobody of this name" / "study"
+
+
 def test_nobody_at_an_address_is_said_within_seconds(qtbot, dialog, begun, deserted, tmp_path):
     dialog.folder.setText(str(tmp_path / "deserted"))
     started = time.monotonic()
