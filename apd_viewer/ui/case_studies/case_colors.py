@@ -20,6 +20,7 @@ MOST_CHOSEN = len(_CHOSEN)
 # Where the largest value is so many times the least, and half of all values lie in this lower share of the
 # range, a logarithmic axis parts them.
 _MANY, _CROWDED = 50.0, 0.25
+_FINEST = 0.01  # percent: two decimals are shown
 _NOTHING = "#b8bcc4"
 _SHADES = 100  # of dots: more cannot be told apart
 
@@ -43,6 +44,9 @@ def axis_of(column: ResultColumn) -> tuple[Axis, np.ndarray]:
     """Axis of a column with numbers, and the places (n,) of its values on it."""
     known = column.values[np.isfinite(column.values)]
     low, high = float(known.min()), float(known.max())
+    if column.suffix.strip() == "%" and high - low < _FINEST:
+        # Apart by less than what is shown: an area that is kept, but for rounding.
+        low, high = (round((low + high) / 2.0 + side * _FINEST, 2) for side in (-1.0, 1.0))
     crowded = float(np.median(known)) < low + _CROWDED * (high - low)
     if low > 0.0 and high > _MANY * low and crowded:
         with np.errstate(invalid="ignore"):

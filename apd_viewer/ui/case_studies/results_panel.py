@@ -70,8 +70,8 @@ class ResultsPanel(QWidget):
         self.curves = CaseCurves(self.model)
         self.parts = SideBySide(
             (
-                ShownPart(tr("Table"), self.table, 40),
-                ShownPart(tr("Plot"), self.scatter, 36),
+                ShownPart(tr("Table"), self.table, 34),
+                ShownPart(tr("Plot"), self.scatter, 42),
                 ShownPart(tr("Curves"), self.curves, 24),
             )
         )

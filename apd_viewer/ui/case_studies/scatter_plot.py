@@ -67,10 +67,11 @@ class ScatterPlot(QWidget):
         columns = self._model.numeric
         asked = [column for column in columns if column.asked]
         found = [column for column in columns if not column.asked]
-        volume = [column for column in found if column.name == "volume_error"]
+        volume, energy = ([c for c in found if c.name == name] for name in ("volume_error", "energy"))
         self.across.offer(columns, [*asked, *found])
         self.upright.offer(columns, [*volume, *found, *asked[1:], *asked])
-        self.color.offer(columns, [*asked[1:2], *found[:1]])
+        # The area is the same in all cases, as a rule; the energy is not.
+        self.color.offer(columns, [*asked[1:2], *energy, *found[:1]])
         self.redraw()
 
     def mark(self, rings: Mapping[int, str]) -> None:

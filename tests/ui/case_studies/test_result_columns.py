@@ -107,3 +107,12 @@ def test_states_are_sorted_by_what_they_mean_and_texts_by_the_alphabet():
 
 def test_each_column_of_a_plan_has_a_title_that_can_be_translated():
     assert set(_ASKED) | {MOTION} == set(COLUMNS)
+
+
+def test_an_axis_is_no_finer_than_what_is_shown():
+    rows = [(["9"], {"area_error": error}) for error in (1e-12, -4e-13)]
+    column = named(columns_of(table(["steps"], *rows)))["Area change"]
+    assert set(column.texts) == {"0.00 %"}
+    axis, _ = axis_of(column)
+    assert axis.high - axis.low >= 0.01
+    assert max(len(text) for _, text in axis.ticks(5)) <= len("−0.010 %")
