@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.motion_options import add_motion_options, motion_from, painted
+from apd_viewer.commands.motion_options import add_moved_options, moved_from
 from apd_viewer.commands.terminal.parser import Parser
-from apd_viewer.errors import InputError
 from apd_viewer.files.fe_deck import check_deck, write_deck
-from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.selections.selection_files import read_selection_file
-from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
 from apd_viewer.session.model.status_text import about_deck
-from apd_viewer.session.model.view import SUFFIX, View
 from apd_viewer.session.quantities.deck_wall import WallWords, deck_wall
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.session.quantities.wall_materials import WALL_MATERIALS, wall_material
-from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.studies.deck_setup import deck_of
 
 if TYPE_CHECKING:
     import argparse
-
-    from apd_viewer.session.model.state import State
 
 
 def deck_parser() -> Parser:
@@ -37,20 +28,7 @@ def deck_parser() -> Parser:
             "Write a deck for CalculiX or Abaqus: the rest shape as shells, base fixed, handles moved."
         ),
     )
-    parser.add_argument(
-        "file",
-        metavar="SESSION",
-        help=tr("session (.apd); or a mesh, painted and moved by:"),
-    )
-    parser.add_argument("--selection", metavar="SEL", help=tr("of a mesh: base, handles and regions"))
-    parser.add_argument(
-        "--transform",
-        metavar="DEF",
-        action="append",
-        default=[],
-        help=tr("of a mesh: 4x4 matrix that moves the handle; repeat for each handle"),
-    )
-    add_motion_options(parser)
+    add_moved_options(parser)
     parser.add_argument(
         "--steps",
         metavar="N",
@@ -77,10 +55,10 @@ def _add_wall_options(parser: Parser) -> None:
 
 def _deck(options: argparse.Namespace) -> None:
     output = check_deck(options.output)
-    state, view = _opened(options)
+    state, view, motion = moved_from(options)
     unit = Unit(options.unit or view.unit)
     wall = deck_wall(_words(options, view.wall), unit, diagonal(state.document.mesh.V))
-    deck = deck_of(state.document, wall, options.steps, motion_from(options, state, view.unit))
+    deck = deck_of(state.document, wall, options.steps, motion)
     write_deck(output, deck)
     print(about_deck(str(output), deck))
 
@@ -90,37 +68,3 @@ def _words(options: argparse.Namespace, saved: Wall) -> WallWords:
     wall = Wall(options.thickness or saved.thickness, options.density or saved.density)
     material = wall_material(options.material) if options.material else None
     return WallWords(wall, options.young, options.poisson, material)
-
-
-def _opened(options: argparse.Namespace) -> tuple[State, View]:
-    """Painted state, and the view with the unit and the wall."""
-    path = Path(options.file)
-    if path.suffix.lower() == SUFFIX:
-        if options.selection or options.transform:
-            raise InputError(tr("A session has its own paint and motion; omit --selection and --transform."))
-        return open_session(path)
-    if not options.selection or not (options.transform or options.motion):
-        raise InputError(
-            tr(
-                "{name} is not a session; give a .apd file, or --selection with --transform or a motion "
-                "such as --twist."
-            ).format(name=path.name)
-        )
-    if options.transform and options.motion:
-        raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
-    mesh = open_mesh(path)
-    return _posed(painted(mesh, read_selection_file(options.selection, mesh)), options.transform), View()
-
-
-def _posed(state: State, transforms: list[str]) -> State:
-    """The state with its handles at the matrices of files."""
-    document = state.document
-    if transforms and len(transforms) != len(document.handles):
-        raise InputError(
-            tr("There are {handles} handles but {motions} motions; give one for each handle.").format(
-                handles=len(document.handles), motions=len(transforms)
-            )
-        )
-    for k, path in enumerate(transforms):
-        document = document.with_pose(k, read_transform(path))
-    return state.at(document)

@@ -1,19 +1,26 @@
-"""Command-line options that move handles by words."""
+"""Command-line options for what is moved, and how: paint, matrices, motions."""
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from apd_viewer.errors import InputError
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.selections.selection_files import read_selection_file
+from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.handle_paths import on_the_way
 from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.view import SUFFIX, View
 from apd_viewer.session.posing.motion_path import motion_paths, posed_along
 from apd_viewer.session.posing.motion_step import MotionStep, motion_of
 from apd_viewer.session.posing.motion_text import parsed_motion
 from apd_viewer.session.posing.typed_motion import names_of
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.storage.session_file import open_session
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,6 +40,24 @@ _WORDS = {
     "move": ("X,Y,Z", tr("along the axes, such as “0 2cm 0”")),
     "scale": ("FACTOR", tr("about its own centre")),
 }
+
+
+def add_moved_options(parser: argparse.ArgumentParser) -> None:
+    """Add the session, or mesh with its paint, and what moves the handles."""
+    parser.add_argument(
+        "file",
+        metavar="SESSION",
+        help=tr("session (.apd); or a mesh, painted and moved by:"),
+    )
+    parser.add_argument("--selection", metavar="SEL", help=tr("of a mesh: base, handles and regions"))
+    parser.add_argument(
+        "--transform",
+        metavar="DEF",
+        action="append",
+        default=[],
+        help=tr("of a mesh: 4x4 matrix that moves the handle; repeat for each handle"),
+    )
+    add_motion_options(parser)
 
 
 def add_motion_options(parser: argparse.ArgumentParser) -> None:
@@ -58,6 +83,48 @@ def painted(mesh: Mesh, selection: Selection) -> State:
     """State of a mesh at rest with its paint."""
     state = opened(mesh)
     return state.at(with_selection(state.document, selection))
+
+
+def moved_from(options: argparse.Namespace) -> tuple[State, View, tuple[MotionStep, ...]]:
+    """Painted state, view, and the motion instead of its poses; none without any.
+
+    Raises
+    ------
+    InputError
+        If the options of :func:`add_moved_options` do not go together, or a file cannot be read.
+    """
+    path = Path(options.file)
+    if path.suffix.lower() == SUFFIX:
+        if options.selection or options.transform:
+            raise InputError(tr("A session has its own paint and motion; omit --selection and --transform."))
+        state, view = open_session(path)
+        return state, view, motion_from(options, state, view.unit)
+    if not options.selection or not (options.transform or options.motion):
+        raise InputError(
+            tr(
+                "{name} is not a session; give a .apd file, or --selection with --transform or a motion "
+                "such as --twist."
+            ).format(name=path.name)
+        )
+    if options.transform and options.motion:
+        raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
+    mesh = open_mesh(path)
+    state = _posed(painted(mesh, read_selection_file(options.selection, mesh)), options.transform)
+    return state, View(), motion_from(options, state)
+
+
+def _posed(state: State, transforms: Sequence[str]) -> State:
+    """The state with its handles at the matrices of files."""
+    document = state.document
+    if transforms and len(transforms) != len(document.handles):
+        raise InputError(
+            tr("There are {handles} handles but {motions} motions; give one for each handle.").format(
+                handles=len(document.handles), motions=len(transforms)
+            )
+        )
+    for k, path in enumerate(transforms):
+        document = document.with_pose(k, read_transform(path))
+    return state.at(document)
 
 
 def motion_from(options: argparse.Namespace, state: State, unit: str = "") -> tuple[MotionStep, ...]:
