@@ -28,6 +28,8 @@ class XmlElement:
         End of its first tag.
     end : int
         Of its content.
+    after : int
+        End of its last tag.
     children : list of XmlElement
     """
 
@@ -36,6 +38,7 @@ class XmlElement:
     begin: int
     inside: int
     end: int = 0
+    after: int = 0
     children: list[XmlElement] = field(default_factory=list)
 
     def each(self, *names: str) -> list[XmlElement]:
@@ -55,7 +58,7 @@ class XmlElement:
     def text_span(self, content: bytes) -> tuple[int, int]:
         """Start and end of its text, before, between or behind its children."""
         ends = [child.begin for child in self.children]
-        starts = [self.inside, *(content.find(b">", child.end) + 1 for child in self.children)]
+        starts = [self.inside, *(child.after for child in self.children)]
         for start, end in zip(starts, [*ends, self.end], strict=True):
             if content[start:end].strip():
                 return start, end
@@ -120,7 +123,7 @@ class _Reader:
         except UnicodeError:
             raise ValueError(tr("the encoding of its XML is not supported")) from None
         for element in self._open:
-            element.end = len(self._content)
+            element.end = element.after = len(self._content)
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         begin = self._parser.CurrentByteIndex
@@ -136,7 +139,9 @@ class _Reader:
 
     def _end(self, _: str) -> None:
         element = self._open.pop()
-        element.end = max(element.inside, self._parser.CurrentByteIndex)
+        element.end = element.after = max(element.inside, self._parser.CurrentByteIndex)
+        if self._content.startswith(b"</", element.end):  # <a/> has no last tag
+            element.after = self._content.find(b">", element.end) + 1
 
     def _refuse(self, *_: object) -> None:
         raise ValueError(tr("it declares a document type, which VTK files do not have"))

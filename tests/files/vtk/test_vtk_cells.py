@@ -70,6 +70,22 @@ def test_several_pieces_are_one_mesh(tmp_path):
     assert changed == [("0.5", "0.75")] * 3
 
 
+@pytest.mark.parametrize("form", ["ascii", "binary"])
+@pytest.mark.parametrize(
+    "inside", ["<InformationKey name='a'/>", "<InformationKey name='a' ></InformationKey >"]
+)
+@pytest.mark.parametrize("behind", [False, True])
+def test_values_stand_before_or_behind_what_is_said_of_them(form, inside, behind, tmp_path):
+    content = vtp(CUBE, QUADS, form)
+    array = content.index(b'Name="Points"')
+    place = content.index(b"</", array) if behind else content.index(b">", array) + 1
+    mesh = opened(tmp_path / "in.vtp", content[:place] + inside.encode() + content[place:])
+    assert np.array_equal(mesh.V, CUBE)
+    save_mesh(mesh, mesh.V + 1.0, tmp_path / "out.vtp")
+    assert np.array_equal(open_mesh(tmp_path / "out.vtp").V, CUBE + 1.0)
+    assert inside in (tmp_path / "out.vtp").read_text()
+
+
 def test_what_another_format_loses_is_named(tmp_path, capsys):
     mesh = opened(tmp_path / "in.vtp", vtp(CUBE, QUADS))
     assert dropped(mesh, "out.obj") == ("point data (heat)", "cell data (layer)")
