@@ -152,7 +152,7 @@ def _skip_field(reader: LegacyReader) -> None:
     for _ in range(reader.count()):
         reader.word()
         count = reader.count() * reader.count()
-        reader.array(count, reader.word())
+        reader.skip(count, reader.word())
         reader.skip_metadata()
 
 

@@ -83,10 +83,37 @@ class LegacyReader:
             raise ValueError(tr("{text} is not a type of numbers").format(text=shown(kind)))
         return self._bytes(count, np.dtype(">" + name)) if self._binary else self._text(count, name)
 
-    def _bytes(self, count: int, dtype: np.dtype) -> Numbers:
+    def skip(self, count: int, kind: bytes) -> None:
+        """Pass over the next values of a type, which may be texts or bits."""
+        name = kind.lower()
+        if name == b"string":
+            self.place = self._behind_line()
+            for _ in range(count):
+                self._skip_text()
+        elif name == b"bit":
+            self.array(*((-(-count // 8), b"unsigned_char") if self._binary else (count, b"int")))
+        else:
+            self.array(count, kind)
+
+    def _skip_text(self) -> None:
+        """Pass over a line, or over bytes behind their number."""
+        if self.place >= len(self.content):
+            raise ValueError(tr("it ends early"))
+        if not self._binary:
+            self.place = self.content.find(b"\n", self.place) + 1 or len(self.content)
+            return
+        size = 8 >> (self.content[self.place] >> 6)  # of the number, by its first two bits
+        number = int.from_bytes(self.content[self.place : self.place + size], "big")
+        self.place += size + number % (1 << 8 * size - 2)
+
+    def _behind_line(self) -> int:
+        """Place behind the rest of a line without words."""
         space = _SPACE.match(self.content, self.place)
         assert space is not None  # it matches nothing, too
-        start = space.end()
+        return space.end()
+
+    def _bytes(self, count: int, dtype: np.dtype) -> Numbers:
+        start = self._behind_line()
         end = start + count * dtype.itemsize
         if end > len(self.content):
             raise ValueError(tr("it ends early"))

@@ -39,6 +39,14 @@ def surface(kind):
     return ball if kind == "vtp" else ball.cast_to_unstructured_grid()
 
 
+def bits():
+    array = vtk.vtkBitArray()
+    array.SetName("bits")
+    for k in range(11):
+        array.InsertNextValue(k % 3 == 0)
+    return array
+
+
 def written(path, kind, mode, compression, header, order):
     writer = vtk.vtkXMLPolyDataWriter() if kind == "vtp" else vtk.vtkXMLUnstructuredGridWriter()
     writer.SetFileName(str(path))
@@ -87,7 +95,8 @@ def test_legacy(kind, binary, version, tmp_path):
     writer = vtk.vtkPolyDataWriter() if kind == "vtp" else vtk.vtkUnstructuredGridWriter()
     writer.SetFileName(str(path))
     ball = surface(kind)
-    del ball.field_data["who"]
+    ball.field_data["notes"] = ["", *(size * "a b\n%" for size in (1, 20, 5_000))]
+    ball.GetFieldData().AddArray(bits())
     writer.SetInputData(ball)
     writer.SetFileType(1 + binary)
     writer.SetFileVersion(version)
