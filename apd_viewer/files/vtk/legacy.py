@@ -11,10 +11,10 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.formats.parsed import Parsed
 from apd_viewer.files.formats.polygons import Polygons
-from apd_viewer.files.formats.text import Edits
 from apd_viewer.files.vtk.cells import POLYGON, STRIP, cells_of, faces_of, joined, positions
 from apd_viewer.files.vtk.legacy_reader import LegacyReader, Numbers
 from apd_viewer.files.vtk.splices import Splice, spliced
+from apd_viewer.files.vtk.text_values import with_values
 from apd_viewer.files.vtk.xml_arrays import replaced
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -59,11 +59,9 @@ class VtkLegacyFile:
         return spliced(self.content, [self._of_points(U.ravel()), *self._norms(U)])
 
     def _of_points(self, values: np.ndarray) -> Splice:
-        old, start, end, words = self.points
-        if words:
-            edits = Edits(self.content[start:end])
-            edits.numbers([(a - start, b - start) for a, b in words], old, values)
-            return Splice(start, end, edits.done())
+        old, start, end, is_text = self.points
+        if is_text:
+            return Splice(start, end, with_values(self.content[start:end], old, values))
         return Splice(start, end, replaced(old, values).tobytes())
 
     def _norms(self, U: np.ndarray) -> Iterator[Splice]:

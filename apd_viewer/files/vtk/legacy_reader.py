@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.files.formats.text import numbers, shown
+from apd_viewer.files.formats.text import shown
+from apd_viewer.files.vtk.text_values import text_values
 from apd_viewer.language import tr
 
 _WORD = re.compile(rb"\s*(\S+)")
@@ -23,21 +25,20 @@ _TYPES = {
 
 
 class Numbers(NamedTuple):
-    """Values (k,) of an array, its place in the file, and the places of its words.
+    """Values (k,) of an array, and its place in the file.
 
     Attributes
     ----------
     values : array
         Of a text in double precision.
     start, end : int
-    words : list of (int, int)
-        Of a text.
+    is_text : bool
     """
 
     values: np.ndarray
     start: int
     end: int
-    words: list[tuple[int, int]]
+    is_text: bool
 
 
 class LegacyReader:
@@ -118,24 +119,19 @@ class LegacyReader:
         if end > len(self.content):
             raise ValueError(tr("it ends early"))
         self.place = end
-        return Numbers(np.frombuffer(self.content, dtype, count, start), start, end, [])
+        return Numbers(np.frombuffer(self.content, dtype, count, start), start, end, False)
 
     def _text(self, count: int, name: str) -> Numbers:
         if 2 * count > len(self.content) - self.place + 1:
             raise ValueError(tr("it ends early"))
-        start, words = self.place, []
-        for _ in range(count):
-            found = _WORD.match(self.content, self.place)
-            if found is None:
+        start = self.place
+        if count:
+            last = next(islice(_WORD.finditer(self.content, start), count - 1, None), None)
+            if last is None:
                 raise ValueError(tr("it ends early"))
-            words.append(found.span(1))
-            self.place = found.end()
-        values = numbers([self.content[slice(*span)] for span in words])
-        if name[0] != "f":
-            if not (np.abs(values) < 2.0**53).all() or (values != np.floor(values)).any():
-                raise ValueError(tr("one of its arrays has no whole numbers"))
-            values = values.astype(np.int64)
-        return Numbers(values, start, self.place, words)
+            self.place = last.end()
+        values = text_values(self.content[start : self.place], name)
+        return Numbers(values, start, self.place, True)
 
     def skip_metadata(self) -> tuple[int, int]:
         """Pass over what is said of an array; where that is."""

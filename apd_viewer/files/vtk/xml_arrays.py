@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import binascii
 import lzma
-import re
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.files.formats.text import Edits, numbers
 from apd_viewer.files.storage.archive import most_unpacked
 from apd_viewer.files.vtk import lz4_block
+from apd_viewer.files.vtk.text_values import text_values, with_values
 from apd_viewer.files.vtk.xml_elements import XmlElement, elements_of
 from apd_viewer.language import tr
 
@@ -25,7 +24,6 @@ _TYPES = {
     for size in (1, 2, 4, 8)
 }
 _TYPES |= {"Float32": "f4", "Float64": "f8"}
-_WORD = re.compile(rb"\S+")
 _ENDS = tr("one of its arrays ends early")
 
 
@@ -140,7 +138,7 @@ class XmlArrays:
         form = element.attributes.get("format", "ascii")
         start, end = element.text_span(self.content)
         if form == "ascii":
-            return Stored(_values(self.content[start:end], kind), start, end)
+            return Stored(text_values(self.content[start:end], kind), start, end)
         if form == "appended":
             if self.appended is None:
                 raise ValueError(tr("its appended data is missing"))
@@ -196,10 +194,7 @@ class XmlArrays:
     def rewritten(self, element: XmlElement, stored: Stored, values: np.ndarray) -> bytes:
         """Content between ``stored.start`` and ``stored.end`` with other values (k,)."""
         if stored.header is None:
-            text = self.content[stored.start : stored.end]
-            edits = Edits(text)
-            edits.numbers([word.span() for word in _WORD.finditer(text)], stored.values, values)
-            return edits.done()
+            return with_values(self.content[stored.start : stored.end], stored.values, values)
         new = replaced(stored.values, values)
         coded = _Coded(b"", element.attributes.get("format") != "appended" or not self._is_raw)
         return self._packed(coded, stored, new.tobytes())
@@ -220,16 +215,6 @@ def replaced(old: np.ndarray, values: np.ndarray) -> np.ndarray:
     with np.errstate(all="ignore"):  # what does not fit is noticed as the file is read again
         new[changed] = values[changed]
     return new
-
-
-def _values(text: bytes, kind: str) -> np.ndarray:
-    """Numbers of a text: whole ones as such, others in double precision."""
-    found = numbers(text.split())
-    if kind[0] == "f":
-        return found
-    if not (np.abs(found) < 2.0**53).all() or (found != np.floor(found)).any():
-        raise ValueError(tr("one of its arrays has no whole numbers"))
-    return found.astype(np.int64)
 
 
 def _unpack(codec: _Codec, data: bytes, most: int) -> bytes:
