@@ -135,14 +135,10 @@ def _read(reader: LegacyReader, found: _Found, lists_offsets: bool) -> str:
             reader.place -= len(word)
             reader.skip_metadata()
         else:
-            raise ValueError(tr("it has an unknown part {text}").format(text=f"“{_legible(word)}”"))
+            raise ValueError(tr("it has an unknown part {text}").format(text=f"“{word}”"))
     for match in re.finditer(rb"^(POINT_DATA|CELL_DATA)\b", reader.content[reader.place :], re.MULTILINE):
         found.others.append(_DATA[match[1].decode()])
     return kind
-
-
-def _legible(word: str) -> str:
-    return "".join(sign if sign.isprintable() else "?" for sign in word)
 
 
 def _skip_field(reader: LegacyReader) -> None:
