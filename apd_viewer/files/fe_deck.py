@@ -110,7 +110,7 @@ def write_deck(path: str | Path, deck: Deck) -> None:
 def _lines(deck: Deck) -> Iterator[str]:
     """The lines of the deck, nodes and elements numbered as in the mesh, from 1."""
     yield "*HEADING"
-    yield _plain(f"{deck.source}, written by apd-viewer")
+    yield _plain(f"Written by apd-viewer from {deck.source}")  # no keyword, whatever the name begins with
     yield from (f"** {note}" for note in (*deck.wall.notes, *deck.notes, _ABAQUS))
     yield from _mesh_lines(deck)
     yield from _set_lines(deck)

@@ -28,14 +28,14 @@ BASE, TOP = ends(V)
 BARE = deck_wall(WallWords(), Unit.NONE, 1.0)
 
 
-def painted(V=V, F=F, second=None):
+def painted(V=V, F=F, second=None, name="a\n*STEP.obj"):
     """State of a mesh held at both ends, the lower half a region."""
     labels, member = np.ones(len(V), dtype=np.uint8), (V[:, 2] <= 3).astype(np.uint8)
     base, top = ends(V)
     labels[base], labels[top] = 0, 2
     if second is not None:
         labels[second] = 3
-    state = opened(Mesh(V, F, Path("a\n*STEP.obj")))
+    state = opened(Mesh(V, F, Path(name)))
     selection = Selection.of(labels, member, regions=["half, “lower”, *STEP"])
     return state.at(with_selection(state.document, selection))
 
@@ -48,6 +48,13 @@ def written(tmp_path):
         return ReadDeck(path.read_text(encoding="ascii"))
 
     return write
+
+
+def test_the_name_of_the_mesh_is_no_card(written):
+    deck = written(painted(name="*STEP.obj").document)
+    assert deck.keywords.count("STEP") == 1
+    assert "STEP.OBJ" not in deck.keywords
+    assert "*STEP.obj" in deck.text
 
 
 def posed(document, angle=0.4, shift=(0.1, 0.2, 0.3)):
