@@ -62,8 +62,18 @@ class VtkXmlFile:
         """None: the format has no textures."""
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """File content with positions ``U`` (n, 3); all data as they were."""
-        return spliced(self.arrays.content, self._splices(mesh.V, U))
+        """File content with positions ``U`` (n, 3); all data as they were.
+
+        Raises
+        ------
+        InputError
+            If the places of other arrays, which have to be moved, cannot be understood.
+        """
+        try:
+            return spliced(self.arrays.content, self._splices(mesh.V, U))
+        except ValueError as error:
+            sentence = tr("The file that was opened is damaged ({reason}); choose another format.")
+            raise InputError(sentence.format(reason=error)) from error
 
     def _splices(self, V: np.ndarray, U: np.ndarray) -> Iterator[Splice]:
         for element, stored, first in self.points:

@@ -86,6 +86,17 @@ def test_values_stand_before_or_behind_what_is_said_of_them(form, inside, behind
     assert inside in (tmp_path / "out.vtp").read_text()
 
 
+def test_a_place_of_data_that_is_none_is_named_where_it_matters(tmp_path):
+    content = vtp(*BOX, "appended", compressed=True)
+    layer = content.index(b'Name="layer"')
+    place = content.index(b'offset="', layer) + len(b'offset="')
+    mesh = opened(tmp_path / "in.vtp", content[:place] + b"x" + content[place + 1 :])
+    with pytest.raises(InputError, match="opened is damaged"):
+        save_mesh(mesh, mesh.V + np.pi, tmp_path / "out.vtp")
+    assert not (tmp_path / "out.vtp").exists()
+    save_mesh(mesh, mesh.V + np.pi, tmp_path / "out.obj")
+
+
 def test_what_another_format_loses_is_named(tmp_path, capsys):
     mesh = opened(tmp_path / "in.vtp", vtp(CUBE, QUADS))
     assert dropped(mesh, "out.obj") == ("point data (heat)", "cell data (layer)")
