@@ -74,8 +74,8 @@ class Deck(NamedTuple):
         Those of ``F`` that become elements.
     held : sequence of NodeSet
     regions : sequence of DeckRegion
-    steps : sequence of (n, 3) float arrays
-        Positions of the held vertices at the end of each step; others are not read.
+    steps : sequence of sequences of (k, 3) float arrays
+        Displacements of each of the sets ``held`` at the end of each step, mesh units.
     wall : DeckWall
     notes : tuple of str
         Comments on the surface.
@@ -87,7 +87,7 @@ class Deck(NamedTuple):
     used: np.ndarray
     held: Sequence[NodeSet]
     regions: Sequence[DeckRegion]
-    steps: Sequence[np.ndarray]
+    steps: Sequence[Sequence[np.ndarray]]
     wall: DeckWall
     notes: tuple[str, ...] = ()
 
@@ -103,8 +103,11 @@ def check_deck(path: str | Path) -> Path:
 
 def write_deck(path: str | Path, deck: Deck) -> None:
     """Write a deck, whole or not at all; raises InputError if it cannot be written."""
-    with replacing(check_deck(path)) as scratch:
-        scratch.write_text("\n".join([*_lines(deck), ""]), encoding="ascii", newline="\n")
+    with (
+        replacing(check_deck(path)) as scratch,
+        scratch.open("w", encoding="ascii", newline="\n") as stream,
+    ):
+        stream.writelines(f"{line}\n" for line in _lines(deck))
 
 
 def _lines(deck: Deck) -> Iterator[str]:
@@ -115,8 +118,8 @@ def _lines(deck: Deck) -> Iterator[str]:
     yield from _mesh_lines(deck)
     yield from _set_lines(deck)
     yield from _wall_lines(deck.wall)
-    for positions in deck.steps:
-        yield from _step_lines(deck, positions)
+    for shifts in deck.steps:
+        yield from _step_lines(deck.held, shifts)
 
 
 def _mesh_lines(deck: Deck) -> Iterator[str]:
@@ -153,12 +156,11 @@ def _wall_lines(wall: DeckWall) -> Iterator[str]:
     yield _number(wall.thickness)
 
 
-def _step_lines(deck: Deck, positions: np.ndarray) -> Iterator[str]:
-    """One step to the positions (n, 3) of the held nodes."""
+def _step_lines(held: Sequence[NodeSet], shifts: Sequence[np.ndarray]) -> Iterator[str]:
+    """One step to displacements (k, 3) of the held nodes."""
     yield f"*STEP, NLGEOM, INC={_MOST_INCREMENTS}"
     yield from ("*STATIC", _STATIC, "*BOUNDARY")
-    for part in deck.held:
-        shift = positions[part.vertices] - deck.V[part.vertices]
+    for part, shift in zip(held, shifts, strict=True):
         if not shift.any():
             yield f"{part.name}, 1, 3"
             continue

@@ -49,10 +49,12 @@ def deck_of(
     """
     if steps is not None and not 1 <= steps <= MOST_STEPS:
         raise InputError(tr("A deck has 1 to {most} steps; enter another number.").format(most=MOST_STEPS))
-    ways = [_positions(each) for each in _stages(document, steps, motion)]
+    stages = _stages(document, steps, motion)
+    document.constraints()  # refuses what has no base or handle
     mesh = document.mesh
     used, notes = _elements(document)
     held = _held(document, np.unique(mesh.joined_F[used]))
+    ways = [_shifts(each, held) for each in stages]
     return Deck(mesh.name, mesh.V, mesh.joined_F, used, held, _regions(document, used), ways, wall, notes)
 
 
@@ -65,11 +67,11 @@ def _stages(document: Document, steps: int | None, motion: Sequence[MotionStep])
     return [*(document_at(document, paths, k / steps) for k in range(1, steps)), ended]
 
 
-def _positions(document: Document) -> np.ndarray:
-    """Rest positions, (n, 3), with the held vertices on their targets."""
+def _shifts(document: Document, parts: Sequence[NodeSet]) -> list[np.ndarray]:
+    """Displacements (k, 3) of the vertices of each part from rest to their targets."""
     held, X = document.constraints(), document.mesh.V.copy()
     X[held.fixed] = held.targets
-    return X
+    return [X[part.vertices] - document.mesh.V[part.vertices] for part in parts]
 
 
 def _elements(document: Document) -> tuple[np.ndarray, tuple[str, ...]]:

@@ -99,6 +99,14 @@ def test_a_turn_is_walked_in_steps_on_its_arc(written):
     assert len(written(state.document, steps=2, motion=motion).steps) == 2
 
 
+def test_steps_keep_what_is_held_and_no_more():
+    """A thousand steps of all vertices of a large mesh would not fit into memory."""
+    deck = deck_of(posed(painted().document)[0], BARE, 1000)
+    assert len(deck.steps) == 1000
+    assert all([x.shape for x in step] == [BASE.shape + (3,), TOP.shape + (3,)] for step in deck.steps)
+    assert all(x.base is None for step in deck.steps for x in step), "no view of a larger array"
+
+
 def test_a_base_that_was_gripped_elsewhere_goes_there(written):
     state = painted()
     U = V + [0.0, 0.25, 0.0]
