@@ -107,7 +107,7 @@ def view(mesh: Any = None) -> None:
 
 
 def show_window(mesh: Any, tells: bool = False) -> None:
-    """Open the window of `view`; with ``tells`` it says itself what is wrong with a file."""
+    """Open the window; with ``tells`` it says itself that a file cannot be used."""
     try:
         # Here: Qt and VTK are imported for a window alone; one of their system libraries may be missing.
         from apd_viewer import log

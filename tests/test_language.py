@@ -178,7 +178,7 @@ def test_the_help_speaks_the_language(tmp_path):
     done = run(tmp_path, "--help")
     assert done.returncode == 0
     words = {word.strip("-,") for word in unmarked(done.stdout).split()}
-    assert words <= {"FILE", "h", "help", "version", "log-level", "LEVEL", "", ":"}
+    assert words <= {"FILE", "h", "help", "version", "clicked", "log-level", "LEVEL", "", ":"}
 
 
 def test_the_help_of_a_command_speaks_the_language(tmp_path):

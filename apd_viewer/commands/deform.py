@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.commands.motion_options import add_motion_options, motion_from, painted, poses_along
+from apd_viewer.commands.motion_options import add_motion_options, motion_from, painted, way_points
 from apd_viewer.commands.result_output import progress_line, readings, summary, write_result
 from apd_viewer.commands.scalar_output import add_scalar_options, check_scalar_options, write_scalar_files
 from apd_viewer.commands.terminal.parser import Parser
@@ -297,7 +297,7 @@ def _ways(options: argparse.Namespace, mesh: Mesh, selection: Selection) -> list
     if options.transform:
         raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
     state = painted(mesh, selection)
-    ways = poses_along(state.document, motion_from(options, state))
+    ways = way_points(state.document, motion_from(options, state))
     if options.iterations is not None and len(ways) > 1:
         raise InputError(tr("With --iterations handles turn by half a turn at most; enter less, or omit it."))
     return ways

@@ -37,7 +37,7 @@ _WORDS = {
     "bend": ("ANGLE", tr("about an axis through the centre of the base; “20deg about x” names the axis")),
     "turn": ("WORDS", tr("about an axis through its own centre, such as “30deg about x”")),
     "push": ("AMOUNT", tr("towards the base: a length, or 30%% of the distance of the centres")),
-    "move": ("X,Y,Z", tr("along the axes, such as “0 2cm 0”")),
+    "move": ("WORDS", tr("along the axes, such as “0 2cm 0”")),
     "scale": ("FACTOR", tr("about its own centre")),
 }
 
@@ -149,7 +149,7 @@ def motion_from(options: argparse.Namespace, state: State, unit: str = "") -> tu
     return motion_of(state.document, steps, names_of(state), Unit(options.unit or unit))
 
 
-def poses_along(document: Document, motion: Sequence[MotionStep]) -> list[list[np.ndarray]]:
+def way_points(document: Document, motion: Sequence[MotionStep]) -> list[list[np.ndarray]]:
     """Poses (4, 4) of all handles at the way points of a motion.
 
     The last is its end. There are others only where something turns by more than half a turn.
