@@ -14,7 +14,7 @@ from numba import njit
 from apd_viewer.geometry.linalg.nested_dissection import dissect
 
 # No task has more than this part of the unknowns.
-_LARGEST_TASK = 1.0 / 8.0
+_LARGEST_TASK = 1.0 / 4.0
 
 
 class Supernodes:
