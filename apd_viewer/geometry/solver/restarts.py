@@ -1,6 +1,6 @@
 """Restarts of a converged multilevel solver from its coarse level.
 
-They go on for as long as each ends lower.
+They go on for as long as each ends lower; then the lowest is followed to its minimum.
 
 A surface that buckles has many minima, and the coarse one knows fewer of them: led by it from where the
 fine one has converged, folds open that the fine one cannot open by itself. Such a trial is hidden: the best
@@ -22,7 +22,8 @@ from apd_viewer.geometry.solver.multilevel import Multilevel, gains_from_coarse,
 
 # A minimum is better, and shown, if it takes so much of the energy away.
 _GAIN = 1e-3
-# A trial that is not better ends where ten steps bring less than that of the energy.
+# A minimum is followed no further while others are tried than to where ten steps bring less than that of the
+# energy; the best of them is, at the end. Less far, at 1e-3, the folds found are worse.
 _TRIAL_TOLERANCE = 1e-4
 # So many minima in a row may be higher than the best.
 _PATIENCE = 1
@@ -119,8 +120,10 @@ class Restarts:
 
     @property
     def gap(self) -> float | None:
-        """Gain in multiples of its tolerance; 0 on trial, as the best shape has converged."""
-        return 0.0 if self._on_trial else self._inner.gap
+        """Gain in multiples of its tolerance; 0 on trial, as the best shape waits meanwhile."""
+        if self._on_trial:
+            return 0.0
+        return self._inner.fine.gap if self._finishing else self._inner.gap
 
     @property
     def seconds_left(self) -> float | None:
@@ -156,21 +159,24 @@ class Restarts:
         self._minima: list[float] = []
         # Of the coarse surface, where it has led from.
         self._coarse_minimum, self._led, self._doubtful = np.inf, False, False
-        self._on_trial = self._done = False
+        self._on_trial = self._finishing = self._done = False
 
     def step(self) -> None:
-        """Do a step of the multilevel solver, and restart it at convergence."""
+        """Do a step of the multilevel solver, and restart it where it stalls."""
         inner = self._inner
-        inner.step()
+        (inner.fine if self._finishing else inner).step()
         energy = self.elastic.energy if self._on_trial else np.inf
+        gain = 0.0 if self._finishing else _GAIN
         # Once shown it stays: switching back would flicker.
-        self._on_trial = self._on_trial and not energy < (1.0 - _GAIN) * self._best[0]
-        if self._leads_nowhere() or (self._on_trial and (inner.stuck or self._fails(energy))):
-            self._end_trial()
-            self._done = True
+        self._on_trial = self._on_trial and not energy < (1.0 - gain) * self._best[0]
+        if self._finishing:
+            if inner.stuck or inner.fine.converged:
+                self._end()
+        elif self._leads_nowhere() or (self._on_trial and (inner.stuck or self._fails(energy))):
+            (self._end if self._by_hessian else self._finish)()
         elif inner.stuck:
             self._done = True
-        elif inner.converged or (self._on_trial and self._stalls(energy)):
+        elif inner.converged or ((self._on_trial or not self._by_hessian) and self._stalls(energy)):
             self._begin_trial()
 
     def _leads_nowhere(self) -> bool:
@@ -210,6 +216,18 @@ class Restarts:
         inner.follow_again()
         self._coarse_start, self._led = inner.coarse.shapes()[0], False
         self._best, self._minima, self._on_trial = best, [*minima, energy], True
+
+    def _finish(self) -> None:
+        """Settle the best shape, and show it once it is better still."""
+        best, minima = self._best, self._minima
+        self._end_trial()
+        self._best, self._minima = best, minima
+        self._finishing = self._on_trial = True
+
+    def _end(self) -> None:
+        """Come to rest in the best shape."""
+        self._end_trial()
+        self._done = True
 
     def _end_trial(self) -> None:
         """Restore the best shape, if another one is on trial."""
