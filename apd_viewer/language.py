@@ -70,8 +70,18 @@ def wished(environment: Mapping[str, str], chosen: str = "") -> list[str]:
         language, *rest = plain.split("_")
         if language in _NO_LANGUAGE or language.lower() == "en":
             break  # the words are English as they are
-        # macOS names a script too, which the names of catalogues seldom do: zh_Hans_CN is zh_CN.
-        names += [plain, f"{language}_{rest[-1]}"] if len(rest) > 1 else [plain]
+        names += _spellings(plain, language, rest)
+    return names
+
+
+def _spellings(plain: str, language: str, rest: list[str]) -> list[str]:
+    """Possible names for the catalogue of a language."""
+    names = [plain]
+    if len(rest) > 1:  # macOS names a script too, which the names of catalogues seldom do
+        names.append(f"{language}_{rest[-1]}")
+    # Simplified Chinese is read in more places than the one that its catalogue is named for.
+    if language == "zh" and (rest in ([], ["SG"]) or "Hans" in rest) and "zh_CN" not in names:
+        names.append("zh_CN")
     return names
 
 

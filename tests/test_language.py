@@ -90,6 +90,11 @@ def test_no_translation_has_a_value_of_its_own():
         ({"LC_ALL": "POSIX", "LANG": "de_DE"}, []),
         ({"LANG": "en_US.UTF-8"}, []),
         ({"APD_VIEWER_LANGUAGE": "zh-Hans-CN"}, ["zh_Hans_CN", "zh_CN"]),
+        ({"LANG": "zh_CN.UTF-8"}, ["zh_CN"]),
+        ({"LANG": "zh_SG.UTF-8"}, ["zh_SG", "zh_CN"]),
+        ({"APD_VIEWER_LANGUAGE": "zh-Hans"}, ["zh_Hans", "zh_CN"]),
+        ({"APD_VIEWER_LANGUAGE": "zh-Hans-HK"}, ["zh_Hans_HK", "zh_HK", "zh_CN"]),
+        ({"LANG": "zh_TW.UTF-8"}, ["zh_TW"]),
     ],
 )
 def test_the_language_is_that_of_the_environment(environment, names):
@@ -198,6 +203,26 @@ def test_what_is_wrong_is_said_in_the_language(tmp_path):
     assert done.returncode == 2
     assert unmarked(done.stderr).split() == ["gone.obj"]
     assert len(MARKED.findall(done.stderr)) == 3
+
+
+@pytest.mark.parametrize(
+    ("words", "left"),
+    [
+        (["deform"], {"MESH", "-o/--output", "--output/-o", "-o"}),
+        (["info"], {"MESH"}),
+        (["info", "a.obj", "--reference"], {"--reference"}),
+        (["info", "a.obj", "--no"], {"--no"}),
+        (["paper", "--log-level", "loud"], {"--log-level", "loud", "debug", "info", "warning", "error"}),
+        (["thumbnail", "a.obj", "b.png", "--size", "many"], {"--size", "many", "int", "_size"}),
+    ],
+)
+def test_what_is_wrong_with_the_options_is_said_in_the_language(tmp_path, words, left):
+    """By argparse, in whose sentences there are the names of options and values."""
+    done = run(tmp_path, *words)
+    assert done.returncode == 2
+    said = {word.strip("',():;") for word in unmarked(done.stderr).split()}
+    assert said <= left | {"", "apd-viewer", "--help", words[0]}
+    assert len(MARKED.findall(done.stderr)) >= 3
 
 
 def test_what_a_mesh_is_like_is_said_in_the_language(tmp_path):

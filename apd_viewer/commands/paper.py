@@ -33,7 +33,7 @@ _TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # estimated shares of the work; the r
 
 def paper_parser() -> Parser:
     """Parser of the command."""
-    parser = Parser(prog="apd-viewer paper", description="Re-run the paper's tables on the samples.")
+    parser = Parser(prog="apd-viewer paper", description=tr("Re-run the paper's tables on the samples."))
     parser.add_argument(
         "-o", "--output", metavar="DIR", type=Path, help="folder for tables, curves and figures"
     )

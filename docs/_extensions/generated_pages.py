@@ -18,6 +18,7 @@ from formats_page import formats_page
 from keys_page import keys_page
 from python_page import python_page
 from settings_page import settings_page
+from translations_page import translations_page
 
 WRITERS: dict[str, Callable[[], str]] = {
     "commands": commands_page,
@@ -25,6 +26,7 @@ WRITERS: dict[str, Callable[[], str]] = {
     "keys": keys_page,
     "python": python_page,
     "settings": settings_page,
+    "translations": translations_page,
 }
 _GENERATED = re.compile(r"<!-- generated: (\w+) -->")
 _FILE = re.compile(r"(?s)\A.*<!-- file: (\S+) -->.*\Z")

@@ -14,7 +14,7 @@ KEYWORDS = {"tr": None, "trn": (1, 2), "trc": ((1, "c"), 2)}
 LANGUAGE = "de"
 OPEN, CLOSE = "⟦", "⟧"
 # What a translation must leave as it is: fields for values, argparse's among them, and tags.
-KEPT = re.compile(r"\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|%\(\w+\)s|%%|<[^<>]+>")
+KEPT = re.compile(r"\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|%\(\w+\)[rs]|%[rs%]|<[^<>]+>")
 MARKED = re.compile(f"{OPEN}[^{OPEN}{CLOSE}]*{CLOSE}")
 
 

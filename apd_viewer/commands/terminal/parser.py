@@ -1,18 +1,40 @@
-"""Command line parser with translated headings."""
+"""Command line parser in the language of the user."""
 
 from __future__ import annotations
 
 import argparse
 from typing import Any
 
-from apd_viewer.language import tr
+from apd_viewer.language import tr, trn
+
+# The texts of argparse, which looks them up by its own names for gettext; as they are in Python 3.10 to 3.13.
+_OF_ARGPARSE = (
+    tr("usage: "),
+    tr("options"),
+    tr("positional arguments"),
+    tr("argument %(argument_name)s: %(message)s"),
+    tr("the following arguments are required: %s"),
+    tr("one of the arguments %s is required"),
+    tr("unrecognized arguments: %s"),
+    tr("ambiguous option: %(option)s could match %(matches)s"),
+    tr("not allowed with argument %s"),
+    tr("ignored explicit argument %r"),
+    tr("expected one argument"),
+    tr("expected at most one argument"),
+    tr("expected at least one argument"),
+    tr("invalid %(type)s value: %(value)r"),
+    tr("invalid choice: %(value)r (choose from %(choices)s)"),
+    trn("expected %s argument", "expected %s arguments", 2),
+)
+argparse._ = tr  # type: ignore[attr-defined]
+argparse.ngettext = trn  # type: ignore[attr-defined]
 
 
 class Parser(argparse.ArgumentParser):
     """Parser with one-line errors and help in the language of the user."""
 
     def __init__(self, **settings: Any) -> None:
-        super().__init__(add_help=False, formatter_class=_Help, **settings)
+        super().__init__(add_help=False, **settings)
         self.add_argument("-h", "--help", action="help", help=tr("show this help message and exit"))
         self.add_argument(
             "--log-level",
@@ -28,16 +50,3 @@ class Parser(argparse.ArgumentParser):
         """Print the error in one line, without argparse's usage."""
         said = tr("error: {message}; see {program} --help").format(message=message, program=self.prog)
         self.exit(2, f"{said}\n")
-
-
-class _Help(argparse.HelpFormatter):
-    """Help formatter with translated headings; argparse's own errors stay English."""
-
-    def add_usage(self, usage: Any, actions: Any, groups: Any, prefix: str | None = None) -> None:
-        """Translate the heading of the usage."""
-        super().add_usage(usage, actions, groups, tr("usage: ") if prefix is None else prefix)
-
-    def start_section(self, heading: str | None) -> None:
-        """Translate the heading of a section."""
-        words = {"options": tr("options"), "positional arguments": tr("positional arguments")}
-        super().start_section(None if heading is None else words.get(heading, heading))
