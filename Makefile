@@ -68,19 +68,8 @@ docs: .venv/.tools ## build the site into build/docs; links between pages are ch
 	@.venv/bin/python -m sphinx -W -n -q --keep-going -d build/doctrees docs build/docs
 	@echo "See build/docs/index.html."
 
-languages = apd_viewer/languages
-catalogues = $(wildcard $(languages)/*/LC_MESSAGES/apd_viewer.po)
-
-# Nothing is guessed for new texts: fuzzy ones are shown too, until a reader of the language has checked them.
-texts: .venv/.tools ## collect and compile translations; language=de starts a new one
-	@mkdir -p $(languages)
-	@.venv/bin/pybabel -q extract --no-default-keywords -k tr -k trn:1,2 -k trc:1c,2 --project apd-viewer \
-	    --add-location file --no-wrap -o $(languages)/apd_viewer.pot apd_viewer
-	@$(if $(catalogues),.venv/bin/pybabel -q update -D apd_viewer -i $(languages)/apd_viewer.pot -d $(languages) \
-	    --no-fuzzy-matching --ignore-obsolete --ignore-pot-creation-date --no-wrap)
-	@$(if $(language),test -e $(languages)/$(language) || .venv/bin/pybabel -q init -D apd_viewer \
-	    -i $(languages)/apd_viewer.pot -d $(languages) -l $(language) --no-wrap)
-	@$(if $(catalogues)$(language),.venv/bin/pybabel compile -D apd_viewer -d $(languages) --use-fuzzy --statistics)
+texts: .venv/.tools ## collect and compile translations; language=fr starts a new one
+	@.venv/bin/python .ci/texts.py $(language)
 
 clean: ## remove the environment and all caches, but not out/
 	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
