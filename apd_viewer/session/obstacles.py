@@ -229,5 +229,5 @@ def _stands_in(obstacle: NamedObstacle, state: State, apart: float, unit: Unit) 
     """Sentence about an obstacle in the shape, with the nearest clear place."""
     free = pushed_back(obstacle, state, apart).place
     return tr("The {kind} would stand in the shape; the nearest place behind is {place}.").format(
-        kind=obstacle.kind.title.lower(), place=", ".join(unit.length(f"{x:.5g}") for x in free)
+        kind=obstacle.kind.word, place=", ".join(unit.length(f"{x:.5g}") for x in free)
     )

@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.geometry.contact.obstacles import Obstacle, capsule, direction, plate, sphere
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
-from apd_viewer.language import tr
+from apd_viewer.language import tr, trc
 
 MOST_OBSTACLES = 20
 _UP = frozen(np.array([0.0, 1.0, 0.0]))
@@ -29,11 +29,21 @@ class ObstacleKind(Enum):
         """Word for it, as in the names of new ones."""
         return _TITLES[self]
 
+    @property
+    def word(self) -> str:
+        """Word for it within a sentence."""
+        return _WORDS[self]
+
 
 _TITLES = {
     ObstacleKind.PLATE: tr("Plate"),
     ObstacleKind.SPHERE: tr("Sphere"),
     ObstacleKind.CYLINDER: tr("Cylinder"),
+}
+_WORDS = {
+    ObstacleKind.PLATE: trc("sentence", "plate"),
+    ObstacleKind.SPHERE: trc("sentence", "sphere"),
+    ObstacleKind.CYLINDER: trc("sentence", "cylinder"),
 }
 
 

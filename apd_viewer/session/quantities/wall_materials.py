@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import tr
+from apd_viewer.language import tr, trc
 
 
 class WallMaterial(NamedTuple):
@@ -105,7 +105,7 @@ WALL_MATERIALS = (
     ),
     WallMaterial(
         "paper",
-        tr("Paper"),
+        trc("material", "Paper"),
         0.1,
         0.64,
         5.2,

@@ -82,7 +82,7 @@ class ObstacleSection(Section):
         self.kinds = {}
         for column, kind in enumerate(ObstacleKind):
             button = QPushButton(kind.title, toolTip=TIPS[kind])
-            button.setAccessibleName(tr("Add {kind}").format(kind=kind.title.lower()))
+            button.setAccessibleName(tr("Add {kind}").format(kind=kind.word))
             self.kinds[kind] = button
             grid.addWidget(button, 0, 2 * column, 1, 2)
         self.floor = QPushButton(tr("Floor"), toolTip=FLOOR_TIP)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
-from apd_viewer.language import tr
+from apd_viewer.language import tr, trc
 
 
 class _ToolWords(NamedTuple):
@@ -88,7 +88,13 @@ class Way(Enum):
         tr("Paint the surface under a round brush"),
         tr("drag on the mesh, wheel changes the size, Ctrl+wheel zooms"),
     )
-    BOX = _ToolWords(tr("Box"), "X", "way-box", tr("Select inside a box on the screen"), tr("drag a box"))
+    BOX = _ToolWords(
+        trc("selection", "Box"),
+        "X",
+        "way-box",
+        tr("Select inside a box on the screen"),
+        tr("drag a box"),
+    )
     LASSO = _ToolWords(
         tr("Lasso"),
         "Z",
