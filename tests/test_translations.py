@@ -1,0 +1,135 @@
+"""The catalogues: each has every text of the program, with its fields and signs, and is compiled."""
+
+import io
+import re
+from functools import cache
+
+import pytest
+from babel.messages.catalog import Catalog
+from babel.messages.mofile import write_mo
+from babel.messages.pofile import read_po
+from pseudo import KEPT, ROOT, messages
+
+FILES = sorted((ROOT / "apd_viewer" / "languages").glob("*/LC_MESSAGES/apd_viewer.po"))
+EACH = pytest.mark.parametrize("path", FILES, ids=lambda path: path.parents[1].name)
+WITHOUT_SPACES = {"zh_CN"}
+MNEMONIC = re.compile(r"&[^\s&]")
+# Ends of sentences and the like, in the signs of other scripts too.
+ENDS = {"。": ".", "：": ":", "？": "?", "！": "!", "，": ",", "；": ";"}
+
+
+@cache
+def read(path):
+    with path.open("rb") as stream:
+        return read_po(stream, locale=path.parents[1].name)
+
+
+def forms(text):
+    return (text,) if isinstance(text, str) else tuple(text)
+
+
+def pairs(catalogue):
+    """English and translated text of every message; the last form of a plural has many's fields."""
+    for message in catalogue:
+        if message.id:
+            english, translated = forms(message.id), forms(message.string)
+            if len(english) == 2 == len(translated):
+                yield from zip(english, translated, strict=True)
+            else:
+                yield from ((english[-1], form) for form in translated)
+
+
+def end(text):
+    """Sign at the end of a text that says what kind of a text it is; empty if none."""
+    last = text.rstrip()[-1:]
+    last = ENDS.get(last, last)
+    return last if last in ".…:?!,;" else ""
+
+
+def faults(catalogue):
+    """What is wrong with translations, apart from being missing."""
+    for english, text in pairs(catalogue):
+        if sorted(KEPT.findall(english)) != sorted(KEPT.findall(text)):
+            yield "fields", text
+        if end(english) != end(text):
+            yield "end", text
+        if len(MNEMONIC.findall(english)) != len(MNEMONIC.findall(text)):
+            yield "mnemonic", text
+        if str(catalogue.locale) not in WITHOUT_SPACES and spaces(english) != spaces(text):
+            yield "spaces", text
+
+
+def spaces(text):
+    """What is around a text, which is put together with others."""
+    return text[: len(text) - len(text.lstrip())], text[len(text.rstrip()) :]
+
+
+def test_there_are_languages():
+    assert "de" in {path.parents[1].name for path in FILES}
+
+
+@EACH
+def test_every_text_is_in_the_catalogue_and_none_that_is_gone(path):
+    """``make texts`` adds what is new, and removes what is gone."""
+    wanted = {(context, message) for message, context in messages()}
+    there = {(message.context, message.id) for message in read(path) if message.id}
+    assert wanted - there == set()
+    assert there - wanted == set()
+    assert not read(path).obsolete
+
+
+@EACH
+def test_every_text_is_translated(path):
+    catalogue = read(path)
+    wrong = [
+        message.id
+        for message in catalogue
+        if message.id
+        and (
+            not all(forms(message.string))
+            or isinstance(message.id, tuple) != isinstance(message.string, tuple)
+            or (isinstance(message.id, tuple) and len(message.string) != catalogue.num_plurals)
+        )
+    ]
+    assert wrong == []
+
+
+@EACH
+def test_translations_keep_fields_signs_and_spaces(path):
+    assert list(faults(read(path))) == []
+
+
+@EACH
+def test_what_a_reader_must_check_comes_with_a_question(path):
+    assert [message.id for message in read(path) if message.fuzzy and not message.user_comments] == []
+
+
+@EACH
+def test_the_catalogue_is_compiled(path):
+    """``make texts`` compiles it; fuzzy texts are shown too."""
+    compiled = io.BytesIO()
+    write_mo(compiled, read(path), use_fuzzy=True)
+    assert path.with_suffix(".mo").read_bytes() == compiled.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("english", "text", "kinds"),
+    [
+        ("{n:,} faces", "{n:,} Dreiecke", []),
+        ("{n:,} faces", "{n} Dreiecke", ["fields"]),
+        ("{n:,} faces", "{m:,} Dreiecke", ["fields"]),
+        ("missing: %s", "es fehlt: %r", ["fields"]),
+        ("<b>{name}</b>", "{name}", ["fields"]),
+        ("&Open…", "Ö&ffnen…", []),
+        ("&Open…", "Öffnen…", ["mnemonic"]),
+        ("&Open…", "Ö&ffnen", ["end"]),
+        ("Done.", "Fertig", ["end"]),
+        (" px", "px", ["spaces"]),
+        (("{n} face", "{n} faces"), ("{n} Dreieck", "{n} Dreiecke"), []),
+        (("a face", "{n} faces"), ("ein Dreieck", "Dreiecke"), ["fields"]),
+    ],
+)
+def test_faults_are_found(english, text, kinds):
+    catalogue = Catalog(locale="de")
+    catalogue.add(english, text)
+    assert [kind for kind, _ in faults(catalogue)] == kinds
