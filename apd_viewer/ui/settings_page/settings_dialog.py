@@ -50,8 +50,10 @@ class SettingsDialog(QDialog):
         page = QWidget(objectName="page")
         rows = QVBoxLayout(page, spacing=20)
         rows.setContentsMargins(0, 0, 0, 0)
-        for group in GROUPS:
-            rows.addLayout(self._group(group))
+        groups = [self._group(group) for group in GROUPS]
+        for grid in groups:
+            rows.addLayout(grid)
+        _align(groups)
         rows.addStretch(1)
         area = QScrollArea(widgetResizable=True, objectName="pages", focusPolicy=Qt.FocusPolicy.NoFocus)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -65,8 +67,6 @@ class SettingsDialog(QDialog):
 
     def _group(self, group: PreferenceGroup) -> QGridLayout:
         grid = QGridLayout(horizontalSpacing=16, verticalSpacing=8)
-        grid.setColumnMinimumWidth(0, _TITLES)
-        grid.setColumnMinimumWidth(1, _CONTROLS)
         grid.setColumnStretch(2, 1)
         grid.addWidget(QLabel(group.title, objectName="heading"), 0, 0, 1, 3)
         for line, preference in enumerate(group.rows, start=1):
@@ -102,6 +102,15 @@ class SettingsDialog(QDialog):
     def _show_shortcuts(self) -> None:
         self.close()
         self._list_shortcuts()
+
+
+def _align(grids: list[QGridLayout]) -> None:
+    """Align titles and controls of all groups, for words of any length."""
+    for column, least in enumerate((_TITLES, _CONTROLS)):
+        found = [grid.itemAtPosition(row, column) for grid in grids for row in range(1, grid.rowCount())]
+        width = max([least, *(item.sizeHint().width() for item in found if item is not None)])
+        for grid in grids:
+            grid.setColumnMinimumWidth(column, width)
 
 
 class SettingsPage(QObject):

@@ -1,0 +1,130 @@
+"""Opens the window, all sections of its panel and its dialogs in the language of the environment.
+
+Run as ``python reading_dialogs.py FOLDER``, as reading.py is. Prints what is said, what is cut off, and the
+entries of each menu as JSON.
+"""
+
+import json
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeySequence
+from reading import Driver
+
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint
+from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.workbench import Workbench
+
+
+def begin(driver):
+    """A bottle that is twisted, with a region, a pose, obstacles, measurements and a target shape."""
+    window = driver.window = Workbench(driver.shell, driver.folder / "recovery")
+    driver.wait()
+    driver.scene("empty")
+    window.recovery.later.click()
+    window.filing.open_sample("bottle")
+    driver.idle()
+    driver.scene("bottle")
+    session = window.session
+    session.obstacles.put_floor(np.eye(3)[1])
+    session.handles.move_by(TypedMotion.TWIST, "40", 0)
+    driver.idle()
+    driver.scene("twisted")
+    session.poses.keep()
+    window.editing.add_region()
+    driver.idle()
+
+
+def panel(driver):
+    """The panel from its top to its end, with something in every section."""
+    window, session = driver.window, driver.window.session
+    mesh = session.store.state.document.mesh
+    session.measurements.add(Kind.SECTION, plane=Plane((0.0, 1.0, 0.0), float(mesh.V[:, 1].mean())))
+    ends = [SurfacePoint(face, (1.0, 0.0, 0.0)) for face in (0, len(mesh.F) // 2)]
+    session.measurements.add(Kind.DISTANCE, tuple(ends))
+    save_mesh(mesh, 1.01 * mesh.V, driver.folder / "target.obj")
+    session.target_shapes.load(driver.folder / "target.obj")
+    driver.idle()
+    window.panel.folded = []
+    driver.shell.activateWindow()
+    bar = window.panel.verticalScrollBar()
+    for step in range(6):
+        bar.setValue(step * window.panel.viewport().height())
+        driver.scene(f"panel {step}")
+    for tool in (Tool.MOVE, Tool.MEASURE, Tool.BASE):
+        window.tools.take(tool)
+        driver.scene(f"tool {tool.name.lower()}")
+    for measure in (Measure.AREA, Measure.CONTACT):
+        window.actions_.looks.measures[measure].trigger()
+        driver.idle()
+        driver.scene(f"overlay {measure.name.lower()}")
+    for name in ("cut", "compare"):
+        window.actions_.looks.switches[name].trigger()
+    driver.scene("cards")
+    for name in ("history", "plots", "study"):
+        window.docks[name].show()
+        driver.scene(f"dock {name}")
+        window.docks[name].hide()
+    window.health.open()
+    driver.scene("mesh check")
+
+
+def dialogs(driver):
+    """The settings, and the dialogs of studies."""
+    window = driver.window
+    window.settings_page.open()
+    show(driver, "settings", window.settings_page.dialog)
+    for name in ("sweep", "animate", "press", "paper"):
+        getattr(window.studies, name)()
+        show(driver, name, window.studies.dialogs[name])
+    window.case_studies.design()
+    for row in window.case_studies.dialog.varied.rows.values():
+        row.check.setChecked(True)
+    show(driver, "study", window.case_studies.dialog)
+    window.help.open_sheet()
+    driver.scene("shortcuts")
+    window.help.close()
+
+
+def show(driver, name, dialog):
+    dialog.move(60, 30)
+    driver.scene(name)
+    dialog.close()
+    driver.wait()
+
+
+def menus(driver):
+    """Entries of each menu, and what opens them: none may have the letter of another."""
+    bar, found = driver.shell.menuBar(), {}
+    left = [("menu bar", bar)]
+    while left:
+        title, menu = left.pop()
+        entries = [action for action in menu.actions() if not action.isSeparator()]
+        found[title] = [[a.text(), QKeySequence.mnemonic(a.text()).toString()] for a in entries]
+        left += [(f"{title} > {a.text()}", a.menu()) for a in entries if a.menu() is not None]
+    return found
+
+
+def main():
+    driver = Driver(Path(sys.argv[1]), map(int, os.environ.get("SIZE", "1280x720").split("x")))
+    if os.environ.get("SCHEME") == "dark":
+        driver.application.styleHints().setColorScheme(Qt.ColorScheme.Dark)
+    for act in (begin, panel, dialogs):
+        act(driver)
+    reader = driver.reader
+    sys.stdout.write(json.dumps({"said": reader.said, "cut": reader.cut, "menus": menus(driver)}))
+    sys.stdout.flush()
+    driver.window.session.close()
+    os._exit(0)  # what a window leaves behind is looked at elsewhere
+
+
+if __name__ == "__main__":
+    main()
