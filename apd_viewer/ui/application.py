@@ -22,6 +22,7 @@ os.environ.setdefault("QT_NO_GUI_THREADPOOL", "1")
 from PySide6.QtCore import (
     QCoreApplication,
     QLibraryInfo,
+    QLocale,
     QMessageLogContext,
     QSettings,
     QStandardPaths,
@@ -81,6 +82,8 @@ def make_application(argv: list[str]) -> QApplication:
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
     QSurfaceFormat.setDefaultFormat(_surface_format())
     qInstallMessageHandler(_report)
+    # Numbers have a decimal point everywhere, and are typed as they are shown.
+    QLocale.setDefault(QLocale.c())
     application = QApplication(argv)
     application.setApplicationName("apd-viewer")
     application.setApplicationDisplayName("APD Viewer")
