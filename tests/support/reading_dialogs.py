@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
 from reading import Driver
 
@@ -115,8 +114,6 @@ def menus(driver):
 
 def main():
     driver = Driver(Path(sys.argv[1]), map(int, os.environ.get("SIZE", "1280x720").split("x")))
-    if os.environ.get("SCHEME") == "dark":
-        driver.application.styleHints().setColorScheme(Qt.ColorScheme.Dark)
     for act in (begin, panel, dialogs):
         act(driver)
     reader = driver.reader

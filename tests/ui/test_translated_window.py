@@ -1,0 +1,86 @@
+"""The window in each language that there is: no English word is left, nothing is cut off, and menus open."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from babel.messages.pofile import read_po
+from pseudo import KEPT, ROOT
+
+FILES = sorted((ROOT / "apd_viewer" / "languages").glob("*/LC_MESSAGES/apd_viewer.po"))
+NATIVE = {"de": "Deutsch", "zh_CN": "简体中文"}
+# Files have English names, and so have the folders of a test.
+NAMES = re.compile(r"(/[\w.-]+)+|[\w-]+\.(obj|apd)\b")
+
+
+@pytest.fixture(scope="module", params=[path.parents[1].name for path in FILES])
+def shown(request, tmp_path_factory):
+    """What the window shows in a language, on a system in that language, when it is as small as it can be."""
+    folder = tmp_path_factory.mktemp("translated")
+    plain = {name: value for name, value in os.environ.items() if name not in ("LC_ALL", "LC_MESSAGES")}
+    language = {"APD_VIEWER_LANGUAGE": "", "LANGUAGE": "", "LANG": f"{request.param}.UTF-8"}
+    done = subprocess.run(
+        [sys.executable, str(Path(__file__).parents[1] / "support" / "reading_dialogs.py"), str(folder)],
+        cwd=ROOT,
+        env=plain | language | {"XDG_CONFIG_HOME": str(folder), "PYTHONUTF8": "1", "SIZE": "800x640"},
+        capture_output=True,
+        encoding="utf-8",
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout) | {"language": request.param}
+
+
+def words(text):
+    """Words in Latin letters, but for fields and the names of files."""
+    return {word.lower() for word in re.findall(r"[A-Za-zÀ-ÿ]{2,}", NAMES.sub(" ", KEPT.sub(" ", text)))}
+
+
+def only_english(language):
+    """Words of the English texts that no translation has."""
+    path = ROOT / "apd_viewer" / "languages" / language / "LC_MESSAGES" / "apd_viewer.po"
+    with path.open("rb") as stream:
+        messages = [message for message in read_po(stream, locale=language) if message.id]
+    english, translated = (
+        {word for text in texts for one in ([text] if isinstance(text, str) else text) for word in words(one)}
+        for texts in ([m.id for m in messages], [m.string for m in messages])
+    )
+    return english - translated
+
+
+def test_no_english_word_is_left(shown):
+    foreign = only_english(shown["language"])
+    assert len(foreign) > 500, "the test is blind"
+    wrong = {text: where for text, where in shown["said"].items() if words(text) & foreign}
+    assert wrong == {}
+    assert len(shown["said"]) > 700, "the window was not read"
+
+
+def test_nothing_is_cut_off(shown):
+    assert shown["cut"] == {}
+
+
+def test_menus_open_by_keys_of_their_own(shown):
+    twice = {
+        menu: letters
+        for menu, entries in shown["menus"].items()
+        if (letters := [key for key, n in Counter(key for _, key in entries if key).items() if n > 1])
+    }
+    assert twice == {}
+    assert all(key for _, key in shown["menus"]["menu bar"])
+
+
+def test_every_language_can_be_chosen_by_its_own_name(shown):
+    names = {path.parents[1].name for path in FILES}
+    assert {"English", *(NATIVE[name] for name in names)} <= set(shown["said"])
+
+
+def test_numbers_are_shown_as_they_are_typed(shown):
+    """On a system with a decimal comma too."""
+    assert {"100.00 %", "100.000 %"} <= set(shown["said"])
