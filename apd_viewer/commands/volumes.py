@@ -65,7 +65,8 @@ def _volumes(options: argparse.Namespace) -> None:
         report = report_of(names, now, rest, unit, heavy, litres)
         with replacing(options.json) as scratch:
             scratch.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    print(written(mesh.name, volume_rows(rest or now, now, unit, heavy, litres), rest is not None))
+    rows = tuple(volume_rows(rest or now, now, unit, heavy, litres))
+    print(written(mesh.name, rows, rest is not None))
 
 
 def _bag(text: str | None, unit: Unit) -> float:

@@ -12,24 +12,25 @@ from apd_viewer.presentation.published_volumes import PUBLISHED
 from apd_viewer.session.quantities.bulk import bulk_density, objects_in
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
 
     from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
     from apd_viewer.presentation.volume_words import Reading, VolumeRow
     from apd_viewer.session.quantities.units import Unit
 
-_WIDTH = 28
+_WIDTH, _GAP = 28, 2
 
 
-def written(name: str, rows: Iterable[VolumeRow], has_rest: bool) -> str:
+def written(name: str, rows: Sequence[VolumeRow], has_rest: bool) -> str:
     """Lines on all quantities, for the terminal."""
     lines = [name]
+    width = max([_WIDTH, *(len(row.title) + _GAP for row in rows)])
     for row in rows:
         said = _said(row.now)
         if has_rest:
             said = tr("{now} of {rest}").format(now=said, rest=_said(row.rest))
             said += f"  {row.change}" if row.change else ""
-        lines.append(f"{row.title:<{_WIDTH}}{said}")
+        lines.append(f"{row.title:<{width}}{said}")
         lines += [f"    {row.about}"] if row.about else []
         for words, source, *_ in row.published:
             lines.append("    " + tr("published: {words} [{source}]").format(words=words, source=source))

@@ -7,7 +7,9 @@ import pytest
 
 import apd_viewer
 from apd_viewer.__main__ import main
+from apd_viewer.commands.volumes_output import written
 from apd_viewer.presentation.published_volumes import PUBLISHED, VolumeName
+from apd_viewer.presentation.volume_words import VolumeRow
 
 
 @pytest.fixture
@@ -71,3 +73,13 @@ def test_it_says_no_in_one_line_and_writes_nothing(files, tmp_path, capsys, word
     assert sentence in said.err
     assert said.err.count("\n") == 1
     assert not out.exists()
+
+
+def test_readings_stand_below_each_other_however_long_the_titles_are():
+    rows = [
+        VolumeRow(VolumeName.ENCLOSED, title, "", ("-", ""), ("12 cm³", ""), "", ())
+        for title in ("Volume", "A title of another language, which is longer")
+    ]
+    _, *lines = written("box.obj", rows, has_rest=False).splitlines()
+    assert len({line.index("12 cm³") for line in lines}) == 1
+    assert all("  12 cm³" in line for line in lines)

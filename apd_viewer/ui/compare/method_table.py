@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from apd_viewer.presentation.method_readings import Column, Readings
 
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-_ROW = 28  # px
+_ROW, _COLUMN = 28, 96  # px
 
 
 class OutcomeTable(QTableWidget):
@@ -41,7 +41,7 @@ class OutcomeTable(QTableWidget):
         self.setFont(tabular(self.font()))
         across, down = self.horizontalHeader(), self.verticalHeader()
         across.setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
-        across.setMinimumSectionSize(96)
+        across.setMinimumSectionSize(_COLUMN)
         across.setDefaultAlignment(_RIGHT)
         across.setHighlightSections(False)
         down.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
@@ -57,6 +57,8 @@ class OutcomeTable(QTableWidget):
             head = QTableWidgetItem(column.title)
             head.setToolTip(column.tip)
             self.setHorizontalHeaderItem(k, head)
+        across = self.horizontalHeader()
+        across.setMinimumSectionSize(max([_COLUMN, *map(across.sectionSizeHint, range(len(columns)))]))
 
     def show_methods(self, titles: Sequence[str]) -> None:
         """Set the rows."""

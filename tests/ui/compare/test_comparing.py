@@ -3,6 +3,7 @@
 import csv
 import re
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.presentation.method_readings import _error, columns
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.compare.method_table import OutcomeTable
 from apd_viewer.ui.filing import file_dialogs
 
 CTRL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
@@ -359,3 +361,15 @@ def test_a_method_that_fails_says_so_over_its_view(qtbot, bar, monkeypatch, capf
     assert note.startswith("Not enough memory")
     assert set(cells(side)["Paper (Li & Hui)"].values()) == {""}
     assert side.views["exact"].said == ("converged", "")
+
+
+def test_titles_of_columns_are_not_cut_off_in_a_window_that_is_narrow(qtbot):
+    table = OutcomeTable()
+    qtbot.addWidget(table)
+    titles = ["Area", "A title of another language", "Time"]
+    table.begin([SimpleNamespace(title=title, tip="") for title in titles])
+    table.resize(200, 100)
+    table.show()
+    head = table.horizontalHeader()
+    for k, title in enumerate(titles):
+        assert head.sectionSize(k) > head.fontMetrics().horizontalAdvance(title)
