@@ -1,5 +1,7 @@
 """The catalogues: each has every text of the program, with its fields and signs, and is compiled."""
 
+import gettext
+import importlib.util
 import io
 import re
 from functools import cache
@@ -8,7 +10,9 @@ import pytest
 from babel.messages.catalog import Catalog
 from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po
+from plain_markdown import escaped
 from pseudo import KEPT, ROOT, messages
+from translations_page import translations_page
 
 FILES = sorted((ROOT / "apd_viewer" / "languages").glob("*/LC_MESSAGES/apd_viewer.po"))
 EACH = pytest.mark.parametrize("path", FILES, ids=lambda path: path.parents[1].name)
@@ -133,3 +137,40 @@ def test_faults_are_found(english, text, kinds):
     catalogue = Catalog(locale="de")
     catalogue.add(english, text)
     assert [kind for kind, _ in faults(catalogue)] == kinds
+
+
+@pytest.fixture
+def texts(tmp_path, monkeypatch):
+    """The script behind ``make texts``, for a folder of the test."""
+    spec = importlib.util.spec_from_file_location("texts", ROOT / ".ci" / "texts.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    monkeypatch.setattr(script, "LANGUAGES", tmp_path)
+    return script
+
+
+def test_a_catalogue_is_begun_and_followed(texts, tmp_path, capsys):
+    """What is new is added without a guess, what is gone is removed, what is translated stays."""
+    texts.main(["de"])
+    path = tmp_path / "de" / "LC_MESSAGES" / "apd_viewer.po"
+    begun = path.read_text(encoding="utf-8")
+    assert begun.count('\nmsgstr ""\n') > 2000
+    gone = '\n#: gone.py\nmsgid "No issues of any kind"\nmsgstr "Gar keine Befunde"\n'
+    there = 'msgid "No issues"\nmsgstr ""'
+    assert there in begun
+    path.write_text(begun.replace(there, there[:-2] + '"Keine Befunde"') + gone, encoding="utf-8")
+    texts.main([])
+    followed = path.read_text(encoding="utf-8")
+    assert followed == begun.replace(there, there[:-2] + '"Keine Befunde"')
+    with path.with_suffix(".mo").open("rb") as stream:
+        assert gettext.GNUTranslations(stream).gettext("No issues") == "Keine Befunde"
+    assert capsys.readouterr().out.count("to translate") == 2
+
+
+def test_the_site_lists_what_is_to_be_checked():
+    page = translations_page()
+    for path in FILES:
+        catalogue = read(path)
+        assert f"{sum(message.fuzzy for message in catalogue)} to check" in page
+        assert all(escaped(message.user_comments[0]) in page for message in catalogue if message.fuzzy)
+    assert "German (Deutsch)" in page
