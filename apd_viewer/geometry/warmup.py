@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numba.core import event
 
 from apd_viewer.geometry.analysis import area_change, deviation
 from apd_viewer.geometry.contact.contact import Contact
@@ -15,38 +16,78 @@ from apd_viewer.geometry.linalg.linear_solver import supernodal_works
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS, METHODS
 
+# So many are compiled by `warm_up` where PARTS are beside it, kernels within kernels included.
+_KERNELS = 226
+
 
 def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
     """Run every kernel once: compiled at first (about 100 s), then cached (0.5 s).
 
-    Between two methods ``enough()`` may end it. What a window measures of a shape comes last.
+    Between two steps ``enough()`` may end it. They come in the order in which a window needs them.
     """
-    area_change.warm_up()
-    supernodal_works()
-    V, F = _ball()
-    fixed = np.concatenate([np.arange(200), np.arange(len(V) - 200, len(V))])
-    targets = V[fixed] * [1.0, 1.0, 1.1]
-    region = Region("region", np.arange(500), 100.0)
-    for name, method in METHODS.items():
+    for step in (_drag, _contact, supernodal_works, _methods, _membrane, deviation.warm_up):
         if enough():
             return
-        solver = Deformation(V, F, fixed, method=name, handle=fixed[200:], stiffness=1e-3)
-        if not method.keeps_only_total_area:
-            solver.keep(None, 100.0, (region,))
-        solver.aim(targets)
-        for _ in range(3):
-            solver.step()
+        step()
+
+
+def tell_of_compiling(tell: Callable[[float], object]) -> None:
+    """Call ``tell(share)`` at the end of each compilation.
+
+    The ``share`` is the part of all kernels compiled so far in this process, at most 1.
+    """
+    event.register("numba:compile", _Count(tell))
+
+
+class _Count(event.Listener):
+    """Counts compilations."""
+
+    def __init__(self, tell: Callable[[float], object]) -> None:
+        self._tell, self._count = tell, 0
+
+    def on_start(self, _: event.Event) -> None:
+        """Wait for the end."""
+
+    def on_end(self, _: event.Event) -> None:
+        """Count a kernel."""
+        self._count += 1
+        self._tell(min(1.0, self._count / _KERNELS))
+
+
+def _drag() -> None:
+    _deform("exact", 0.0)
+    area_change.warm_up()
+
+
+def _methods() -> None:
+    for name in METHODS:
+        _deform(name, 1e-3)
+
+
+def _deform(name: str, stiffness: float) -> None:
+    V, F = _ball()
+    fixed = np.concatenate([np.arange(200), np.arange(len(V) - 200, len(V))])
+    solver = Deformation(V, F, fixed, method=name, handle=fixed[200:], stiffness=stiffness)
+    if not METHODS[name].keeps_only_total_area:
+        solver.keep(None, 100.0, (Region("region", np.arange(500), 100.0),))
+    solver.aim(V[fixed] * [1.0, 1.0, 1.1])
+    for _ in range(3):
+        solver.step()
+
+
+def _membrane() -> None:
+    V, F = _ball()
     membrane = METHODS["local"].material(0.0, DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS)
-    elastic = Elastic(SolveMesh(V, F), fixed, membrane)
+    elastic = Elastic(SolveMesh(V, F), np.arange(200), membrane)
     elastic.hessian.factored_at(V).solve(V[elastic.free])
-    if enough():
-        return
+
+
+def _contact() -> None:
+    V, F = _ball()
     contact = Contact(V, F, np.zeros(len(V), np.int64), 1.0, 0.01)
     contact.shares(2.0 * V)  # so far at once that nobody may take all of it
     contact.gradient(V)
     contact.springs(V)
-    if not enough():
-        deviation.warm_up()
 
 
 def _ball() -> tuple[np.ndarray, np.ndarray]:
@@ -61,3 +102,7 @@ def _ball() -> tuple[np.ndarray, np.ndarray]:
     top = np.column_stack([np.zeros_like(caps), caps, caps + 1])
     last = (along - 1) * around
     return V, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], top, last + top[:, ::-1]])
+
+
+# What a first drag needs, and other processes can compile beside it.
+PARTS: dict[str, Callable[[], object]] = {"contact": _contact, "factor": supernodal_works}

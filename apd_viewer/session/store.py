@@ -62,6 +62,11 @@ class Store:
         self._warned: str | None = None
 
     @property
+    def compiled(self) -> float | None:
+        """Share of the kernels compiled for this computer; None if not yet known."""
+        return self._worker.compiled
+
+    @property
     def preparing(self) -> bool:
         """True until the solver has factored for the document; seconds on a large mesh."""
         if self._asked is None or self.activity is not Activity.REFINING:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.geometry.analysis.self_intersections import search_by_one_core
 from apd_viewer.geometry.linalg.threads import use_one_core
-from apd_viewer.session.processes.freed_memory import give_back_freed_memory, keep_freed_memory
+from apd_viewer.session.jobs.freed_memory import give_back_freed_memory, keep_freed_memory
 from apd_viewer.studies.case_document import MissingSourceError, OpenedMeshes
 from apd_viewer.studies.case_file import packed
 from apd_viewer.studies.kernels import compile_once

@@ -120,7 +120,7 @@ class Restarts:
 
     @property
     def gap(self) -> float | None:
-        """Gain in multiples of its tolerance; 0 on trial, as the best shape waits meanwhile."""
+        """Gain in multiples of its tolerance; 0 on trial."""
         if self._on_trial:
             return 0.0
         return self._inner.fine.gap if self._finishing else self._inner.gap

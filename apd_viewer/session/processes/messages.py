@@ -42,20 +42,29 @@ class OrderStage(Enum):
     TURNED_TO = "turned to"  # all earlier orders are answered or dropped
 
 
+@dataclass(frozen=True)
+class Compiling:
+    """Kernels are being compiled for this computer; the ``share`` done, 1 in the end."""
+
+    share: float
+
+
 class Message(NamedTuple):
     """Progress of an order, the thinnings of its mesh once found, or a reply to it.
+
+    Compiling belongs to no order: its number is 0.
 
     Attributes
     ----------
     number : int
         Of the order.
-    content : OrderStage, tuple of Thinning or Reply
+    content : OrderStage, tuple of Thinning, Compiling or Reply
     put : int or None
         Number of the reply's shape in the tray, where it lies there instead of in the frame.
     """
 
     number: int
-    content: OrderStage | tuple[Thinning, ...] | Reply
+    content: OrderStage | tuple[Thinning, ...] | Compiling | Reply
     put: int | None = None
 
 

@@ -14,7 +14,7 @@ from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_process import START, ChildProcess
-from apd_viewer.session.processes.messages import Message, Order, OrderStage, unpacked
+from apd_viewer.session.processes.messages import Compiling, Message, Order, OrderStage, unpacked
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
 
@@ -38,6 +38,8 @@ class Child:
         solver that it is displayed, and that it may send another.
     learned : callable
         Called on that thread with a mesh and its thinnings, once the process has found them.
+    compiling : callable
+        Called on that thread with the share of the kernels compiled so far.
     ended : callable
         Called on that thread, last, when the process has come to its end, for whatever reason.
 
@@ -57,11 +59,12 @@ class Child:
         self,
         publish: Callable[[Reply, Callable[[], object]], object],
         learned: Callable[[Mesh, tuple[Thinning, ...]], object],
+        compiling: Callable[[float], object],
         ended: Callable[[Child], object],
     ) -> None:
         self.alive = True
         self.dismissed = False
-        self._publish, self._learned, self._ended = publish, learned, ended
+        self._publish, self._learned, self._compiling, self._ended = publish, learned, compiling, ended
         self._process = start_process()
         self._packer = array_pipe.Packer()
         self._numbers = itertools.count(1)
@@ -154,6 +157,8 @@ class Child:
         elif message.content is OrderStage.TURNED_TO:
             for number in [n for n in list(self._requests) if n < message.number]:
                 del self._requests[number], self._trays[number]
+        elif isinstance(message.content, Compiling):
+            self._compiling(message.content.share)
         elif isinstance(message.content, tuple):
             self._finder_of = self._requests[message.number].document.mesh
             self._learned(self._finder_of, message.content)

@@ -14,10 +14,10 @@ from collections.abc import Callable
 from logging.handlers import QueueHandler
 from typing import BinaryIO
 
-from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run
+from apd_viewer.session.processes.compilation import Compilation
 from apd_viewer.session.processes.messages import Message, Order, OrderStage, packed
 from apd_viewer.session.processes.shared_memory import leave_blocks_to_their_owner
 from apd_viewer.session.processes.solver import Solver
@@ -32,7 +32,8 @@ def main(replies: int) -> None:
 def _serve_at_leisure(source: BinaryIO, sink: BinaryIO) -> None:
     tell = Teller(sink)
     logging.getLogger().addHandler(_Forwarder(tell))
-    serve(source, tell, lambda: os._exit(0), _compile)
+    compilation = Compilation(tell)
+    serve(source, tell, lambda: os._exit(0), compilation.run)
 
 
 class Teller:
@@ -95,9 +96,3 @@ def serve(
     reader.start()
     Solver(orders, tell).run(at_leisure)
     reader.join()
-
-
-def _compile(called: Callable[[], bool]) -> None:
-    """Compile the kernels before the first drag; errors are left to the requests."""
-    with contextlib.suppress(Exception):
-        warm_up(called)

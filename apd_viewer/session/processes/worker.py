@@ -61,9 +61,15 @@ class Worker:
     ----------
     wake : callable
         Called on a thread of the worker when a reply lies in the empty mailbox; must only pass it on.
+
+    Attributes
+    ----------
+    compiled : float or None
+        Share of the kernels compiled for this computer so far; None before that is known.
     """
 
     def __init__(self, wake: Callable[[], object]) -> None:
+        self.compiled: float | None = None
         self._wake = wake
         self._requests: Mailbox[Request | _Call] = Mailbox()
         self._replies: Mailbox[tuple[Reply, Callable[[], object]]] = Mailbox()
@@ -156,7 +162,7 @@ class Worker:
             if self._closed:
                 return None
             try:
-                self._child = Child(self._publish, self._learned, self._ended)
+                self._child = Child(self._publish, self._learned, self._compiling, self._ended)
             except OSError as error:
                 self._fail(request, _NOT_STARTED.format(why=error.strerror or error))
             return self._child
@@ -204,6 +210,9 @@ class Worker:
 
     def _learned(self, mesh: Mesh, thinnings: tuple[Thinning, ...]) -> None:
         self._known = mesh, thinnings
+
+    def _compiling(self, share: float) -> None:
+        self.compiled = share
 
     def _ended(self, _: Child) -> None:
         if not self._closed:

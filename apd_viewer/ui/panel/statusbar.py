@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWid
 
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation.number_format import short
+from apd_viewer.ui.panel.compiling_progress import CompilingProgress
 from apd_viewer.ui.panel.convergence_progress import ConvergenceProgress
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ class StatusBar(QStatusBar):
     pause : QToolButton
         Stops the solver, or lets it go on.
     progress : ConvergenceProgress
+    compiling : CompilingProgress
     """
 
     cancel_asked = Signal()
@@ -65,12 +67,21 @@ class StatusBar(QStatusBar):
         policy = self.pause.sizePolicy()
         policy.setRetainSizeWhenHidden(True)  # every drag shows it, and nothing is to jump
         self.pause.setSizePolicy(policy)
-        self.progress = ConvergenceProgress()
+        self.progress, self.compiling = ConvergenceProgress(), CompilingProgress()
         self._job, self._pace, self._size = QLabel(), QLabel(), QLabel()
         # It shrinks first: it may be elided, and its tooltip is complete.
         self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.addWidget(self._hint, 1)
-        for widget in (self._job, self._cancel, self.progress, self._pace, self.pause, self._size, badge):
+        for widget in (
+            self._job,
+            self._cancel,
+            self.compiling,
+            self.progress,
+            self._pace,
+            self.pause,
+            self._size,
+            badge,
+        ):
             self.addPermanentWidget(widget)
         # In words: a busy indicator would have the whole window composed 60 times a second.
         self._job.setText(tr("Starting…"))
@@ -95,6 +106,7 @@ class StatusBar(QStatusBar):
         self._cancel.setVisible(job is not None and job.can_be_cancelled)
         self._size.setText(_vertices(state) if state else "")
         self._size.setToolTip(_extent(state, session.store.unit) if state else "")
+        self.compiling.watch(session.store)
         activity = session.store.activity
         self._show_pause(activity)
         self.progress.follow(state.frame if state else None, activity.value == _SOLVING)

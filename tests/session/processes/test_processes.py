@@ -10,7 +10,7 @@ import pytest
 CHURN = """
 import resource, sys
 import numpy as np
-from apd_viewer.session.processes.freed_memory import keep_freed_memory
+from apd_viewer.session.jobs.freed_memory import keep_freed_memory
 if sys.argv[1] == "keep":
     keep_freed_memory()
 def frame():
@@ -39,7 +39,7 @@ def test_what_is_freed_is_there_for_the_next_frame():
 
 GIVEN_BACK = """
 import numpy as np
-from apd_viewer.session.processes.freed_memory import give_back_freed_memory, keep_freed_memory
+from apd_viewer.session.jobs.freed_memory import give_back_freed_memory, keep_freed_memory
 def resident():
     with open("/proc/self/statm") as stream:
         return int(stream.read().split()[1]) * 4096

@@ -1,4 +1,4 @@
-"""What a program that was killed has left is offered at the next start, restored or discarded."""
+"""Recovery of the work of a killed program: offered at the next start, restored or discarded."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a frame, a move of the mouse and a picture cost, counted and not timed."""
+"""Costs of a frame, a move of the mouse and a picture, counted and not timed."""
 
 import dataclasses
 import threading

@@ -1,0 +1,57 @@
+"""The solver's compilation of kernels, alone and beside other processes."""
+
+import os
+import subprocess
+import sys
+import time
+
+from meshes import tube
+
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.processes.child_process import START, ChildProcess
+from apd_viewer.session.processes.requests import Request
+from apd_viewer.session.processes.worker import Worker
+
+TOLD = """
+import sys
+from numba import njit
+from apd_viewer.geometry import warmup
+
+told = []
+warmup.tell_of_compiling(told.append)
+plain = njit(lambda x: x + 1)
+plain(1)
+plain(2)
+assert told == [1 / warmup._KERNELS], told
+plain(1.0)
+assert told == [1 / warmup._KERNELS, 2 / warmup._KERNELS], told
+"""
+
+
+def test_every_compilation_is_told_and_no_call():
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    subprocess.run([sys.executable, "-c", TOLD], check=True, env=environment, timeout=60)
+
+
+def test_a_solver_with_all_kernels_in_the_cache_tells_that_it_is_done():
+    worker = Worker(lambda: None)
+    try:
+        state = opened(Mesh(*tube(8, 8)))
+        worker.ask(Request(state.document, 0, state.frame.U, iterate=False))
+        end = time.monotonic() + 300.0
+        while worker.compiled != 1.0 and time.monotonic() < end:
+            time.sleep(0.05)
+        assert worker.compiled == 1.0
+    finally:
+        worker.close()
+
+
+def test_another_process_compiles_a_part():
+    process = ChildProcess("compiler", START.format(module="processes.compilation"))
+    process.start()
+    try:
+        assert process.send(b"factor")
+        assert process.receive() == b""
+    finally:
+        process.end()
