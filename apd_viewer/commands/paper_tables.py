@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from apd_viewer.commands.terminal.columns import columns_of, padded
 from apd_viewer.files.samples import open_sample, resource
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.files.tables import write_table
@@ -130,9 +131,9 @@ def tables(rows: Sequence[Row]) -> str:
 def markdown(rows: Sequence[Row]) -> str:
     """Format a table as Markdown, in aligned columns."""
     lines = [_HEADINGS, *(line for row in rows for line in row.lines())]
-    widths = [max(len(line[column]) for line in lines) for column in range(len(_HEADINGS))]
+    widths = [max(columns_of(line[column]) for line in lines) for column in range(len(_HEADINGS))]
     text = [
-        "| " + " | ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) + " |"
+        "| " + " | ".join(padded(cell, width) for cell, width in zip(line, widths, strict=True)) + " |"
         for line in lines
     ]
     text.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")

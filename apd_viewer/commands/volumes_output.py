@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from apd_viewer.commands.terminal.columns import columns_of, padded
 from apd_viewer.files.report import hull_fields
 from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, PACKING
 from apd_viewer.language import tr
@@ -24,13 +25,13 @@ _WIDTH, _GAP = 28, 2
 def written(name: str, rows: Sequence[VolumeRow], has_rest: bool) -> str:
     """Lines on all quantities, for the terminal."""
     lines = [name]
-    width = max([_WIDTH, *(len(row.title) + _GAP for row in rows)])
+    width = max([_WIDTH, *(columns_of(row.title) + _GAP for row in rows)])
     for row in rows:
         said = _said(row.now)
         if has_rest:
             said = tr("{now} of {rest}").format(now=said, rest=_said(row.rest))
             said += f"  {row.change}" if row.change else ""
-        lines.append(f"{row.title:<{width}}{said}")
+        lines.append(padded(row.title, width) + said)
         lines += [f"    {row.about}"] if row.about else []
         for words, source, *_ in row.published:
             lines.append("    " + tr("published: {words} [{source}]").format(words=words, source=source))

@@ -11,6 +11,7 @@ from PIL import Image
 
 from apd_viewer.__main__ import main
 from apd_viewer.commands import paper, paper_tables
+from apd_viewer.commands.terminal.columns import columns_of
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 
@@ -63,6 +64,12 @@ def test_the_columns_of_a_table_are_of_equal_width(table):
     for sample in paper_tables.TITLES:
         rows = [row for row in table if row.case.sample == sample]
         assert len({len(line) for line in paper_tables.markdown(rows).splitlines()}) == 1
+
+
+def test_the_columns_of_a_table_are_of_equal_width_in_chinese(table):
+    row = table[0]._replace(case=table[0].case._replace(title="瓶子扭转 60°"))
+    lines = paper_tables.markdown([row, *table[:2]]).splitlines()
+    assert len(set(map(columns_of, lines))) == 1
 
 
 def test_a_row_outside_the_tolerance_does_not_pass(table):

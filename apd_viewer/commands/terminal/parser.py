@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from apd_viewer.commands.terminal.columns import columns_of, wrapped
 from apd_viewer.language import tr, trn
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 # The texts of argparse, which looks them up by its own names for gettext; as they are in Python 3.10 to 3.13.
 _OF_ARGPARSE = (
@@ -30,11 +34,36 @@ argparse._ = tr  # type: ignore[attr-defined]
 argparse.ngettext = trn  # type: ignore[attr-defined]
 
 
+class _Formatter(argparse.HelpFormatter):
+    """Help in lines of the terminal's width, in languages without spaces too."""
+
+    def _format_usage(
+        self,
+        usage: str | None,
+        actions: Iterable[argparse.Action],
+        groups: Iterable[Any],
+        prefix: str | None,
+    ) -> str:
+        head = tr("usage: ") if prefix is None else prefix
+        room = columns_of(head)
+        return head + super()._format_usage(usage, actions, groups, " " * room)[room:]
+
+    def _split_lines(self, text: str, width: int) -> list[str]:
+        if columns_of(text) == len(text):
+            return super()._split_lines(text, width)
+        return wrapped(text, width)
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        if columns_of(text) == len(text):
+            return super()._fill_text(text, width, indent)
+        return "\n".join(indent + line for line in wrapped(text, width - len(indent)))
+
+
 class Parser(argparse.ArgumentParser):
     """Parser with one-line errors and help in the language of the user."""
 
     def __init__(self, **settings: Any) -> None:
-        super().__init__(add_help=False, **settings)
+        super().__init__(add_help=False, formatter_class=_Formatter, **settings)
         self.add_argument("-h", "--help", action="help", help=tr("show this help message and exit"))
         self.add_argument(
             "--log-level",

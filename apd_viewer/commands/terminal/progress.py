@@ -6,6 +6,8 @@ import json
 import sys
 import time
 
+from apd_viewer.commands.terminal.columns import columns_of, cut, padded
+
 _WIDTH = 24
 _INTERVAL = 0.1  # s
 
@@ -40,7 +42,7 @@ class Progress:
         full = round(_WIDTH * done)
         said = f"{'━' * full}{'╌' * (_WIDTH - full)} {100 * done:3.0f} %  {doing}"
         # A longer text would wrap and not be overwritten.
-        self._draw(said[:79])
+        self._draw(cut(said, 79))
 
     def end(self) -> None:
         """Remove the bar."""
@@ -49,5 +51,5 @@ class Progress:
             print("\r", end="", file=sys.stderr, flush=True)
 
     def _draw(self, said: str) -> None:
-        print(f"\r{said.ljust(len(self._shown))}", end="", file=sys.stderr, flush=True)
+        print(f"\r{padded(said, columns_of(self._shown))}", end="", file=sys.stderr, flush=True)
         self._shown = said

@@ -1,0 +1,45 @@
+"""Text in the columns of a terminal; a Chinese character takes two."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import unicodedata
+
+# East Asian Wide and Fullwidth of the Unicode Character Database, from Hangul to full-width forms.
+_WIDE = "\u1100-\u115f\u2e80-\ua4cf\uac00-\ud7a3\uf900-\ufaff\ufe30-\ufe6f\uff00-\uff60\uffe0-\uffe6"
+_OPENING, _CLOSING = "（“《「【", "，。、；：？！）”》」】…"
+# Lines break between wide characters and at spaces, but not after an opening sign nor before a closing one.
+_PIECE = re.compile(
+    rf"\s+|[{_OPENING}]*(?:[{_WIDE}]|[^\s{_WIDE}{_OPENING}{_CLOSING}]+)[{_CLOSING}]*|[{_OPENING}{_CLOSING}]+"
+)
+
+
+def columns_of(text: str) -> int:
+    """Columns taken by a ``text``."""
+    return sum(map(_columns, text))
+
+
+def _columns(sign: str) -> int:
+    return 2 if unicodedata.east_asian_width(sign) in ("W", "F") else 1
+
+
+def padded(text: str, columns: int) -> str:
+    """A ``text`` with spaces up to a number of columns."""
+    return text + " " * (columns - columns_of(text))
+
+
+def cut(text: str, columns: int) -> str:
+    """Beginning of a ``text``, of at most so many columns."""
+    ends = itertools.accumulate(map(_columns, text))
+    return text[: sum(end <= columns for end in ends)]
+
+
+def wrapped(text: str, columns: int) -> list[str]:
+    """Lines of a ``text``, of at most so many columns unless one word is longer."""
+    lines = [""]
+    for piece in _PIECE.findall(text):
+        if lines[-1] and columns_of(lines[-1] + piece.rstrip()) > columns:
+            lines.append("")
+        lines[-1] += piece if lines[-1] else piece.lstrip()
+    return [line.rstrip() for line in lines]

@@ -1,0 +1,79 @@
+"""Columns of a terminal: Chinese characters take two, and lines break between them."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from apd_viewer.commands.terminal.columns import columns_of, cut, padded, wrapped
+from apd_viewer.commands.volumes_output import written
+from apd_viewer.presentation.published_volumes import VolumeName
+from apd_viewer.presentation.volume_words import VolumeRow
+
+TEXTS = st.text("a1 中文，。（）“”…", max_size=60)
+
+
+@pytest.mark.parametrize(
+    ("text", "columns"), [("", 0), ("area", 4), ("面积", 4), ("面积 1 %", 8), ("（ARAP）", 8), ("π × ³…", 6)]
+)
+def test_a_wide_character_takes_two_columns(text, columns):
+    assert columns_of(text) == columns
+
+
+@given(TEXTS, st.integers(0, 40))
+def test_what_is_padded_ends_at_one_column(text, columns):
+    assert columns_of(padded(text, columns)) == max(columns, columns_of(text))
+    assert padded(text, columns).rstrip() == text.rstrip()
+
+
+@given(TEXTS, st.integers(0, 40))
+def test_what_is_cut_fits_and_leaves_no_room(text, columns):
+    begun = cut(text, columns)
+    assert text.startswith(begun)
+    assert columns_of(begun) <= columns
+    assert begun == text or columns_of(text[: len(begun) + 1]) > columns
+
+
+@given(TEXTS, st.integers(2, 40))
+def test_lines_lose_nothing_but_spaces(text, columns):
+    assert "".join("".join(wrapped(text, columns)).split()) == "".join(text.split())
+
+
+@given(st.text("中文字", min_size=1, max_size=60), st.integers(2, 40))
+def test_lines_of_wide_characters_are_full(text, columns):
+    lines = wrapped(text, columns)
+    assert {columns_of(line) for line in lines[:-1]} <= {columns - columns % 2}
+    assert columns_of(lines[-1]) <= columns
+
+
+def test_lines_do_not_begin_or_end_with_the_wrong_sign():
+    text = "移动控制区的 4x4 矩阵；每个控制区（重复一次）。“默认”：关闭，“另一个”"
+    for columns in range(8, 40):
+        for line in wrapped(text, columns):
+            assert line[0] not in "，。；：）”", (columns, line)
+            assert line[-1] not in "（“", (columns, line)
+
+
+def test_volumes_stand_below_each_other_whatever_their_names():
+    readings = ("", ""), ("12 cm³", ""), "", ()
+    rows = [
+        VolumeRow(name, title, "", *readings)
+        for name, title in zip(VolumeName, ("volume", "封闭体积", "45 l 袋中的物体数"), strict=False)
+    ]
+    _, *lines = written("bottle.obj", rows, False).splitlines()
+    assert len({columns_of(line) for line in lines}) == 1
+
+
+@pytest.mark.parametrize("words", [["deform"], ["study", "design"]])
+def test_chinese_help_fits_the_terminal(words):
+    environment = os.environ | {"APD_VIEWER_LANGUAGE": "zh_CN", "COLUMNS": "80", "PYTHONIOENCODING": "utf-8"}
+    command = [sys.executable, "-m", "apd_viewer", *words, "--help"]
+    done = subprocess.run(
+        command, env=environment, capture_output=True, encoding="utf-8", check=True, timeout=60
+    )
+    lines = done.stdout.splitlines()
+    assert any("控制区" in line for line in lines)
+    assert [line for line in lines if columns_of(line) > 80] == []
