@@ -35,9 +35,11 @@ def paper_parser() -> Parser:
     """Parser of the command."""
     parser = Parser(prog="apd-viewer paper", description=tr("Re-run the paper's tables on the samples."))
     parser.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, help="folder for tables, curves and figures"
+        "-o", "--output", metavar="DIR", type=Path, help=tr("folder for tables, curves and figures")
     )
-    parser.add_argument("--progress-lines", action="store_true", help="say how far it is as lines of JSON")
+    parser.add_argument(
+        "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
+    )
     parser.set_defaults(run=_paper)
     return parser
 

@@ -43,26 +43,38 @@ def sweep_parser() -> Parser:
     """Parser of the command."""
     parser = Parser(
         prog="apd-viewer sweep",
-        description="Go along the motion of the handles in steps: area, volume and energy by each method.",
+        description=tr(
+            "Go along the motion of the handles in steps: area, volume and energy by each method."
+        ),
     )
     add_moved_options(parser)
-    parser.add_argument("--steps", metavar="N", type=int, default=20, help="default: %(default)s")
+    parser.add_argument("--steps", metavar="N", type=int, default=20, help=tr("default: %(default)s"))
     parser.add_argument(
-        "--to", metavar="PART", type=float, default=1.0, help="of the motion, where to end; 1.5 goes past it"
+        "--to",
+        metavar="PART",
+        type=float,
+        default=1.0,
+        help=tr("of the motion, where to end; 1.5 goes past it"),
     )
     parser.add_argument(
-        "--methods", metavar="M,M,...", default=",".join(COMPARED), help="default: %(default)s"
+        "--methods", metavar="M,M,...", default=",".join(COMPARED), help=tr("default: %(default)s")
     )
     parser.add_argument(
         "--iterations",
         metavar="N",
         type=int,
-        help=f"at most so many a step; default: {DEFAULT_ITERATIONS}, with obstacles {SETTLING_ITERATIONS}",
+        help=tr("at most so many a step; default: {usual}, with obstacles {settling}").format(
+            usual=DEFAULT_ITERATIONS, settling=SETTLING_ITERATIONS
+        ),
     )
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="folder to write to")
-    parser.add_argument("--meshes", action="store_true", help="write the mesh of every step, too")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, required=True, help=tr("folder to write to")
+    )
+    parser.add_argument("--meshes", action="store_true", help=tr("write the mesh of every step, too"))
     add_animation_option(parser)
-    parser.add_argument("--progress-lines", action="store_true", help="say how far it is as lines of JSON")
+    parser.add_argument(
+        "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
+    )
     parser.set_defaults(run=_sweep)
     return parser
 
