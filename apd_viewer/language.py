@@ -8,7 +8,7 @@ from __future__ import annotations
 import gettext
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import platformdirs
@@ -150,3 +150,8 @@ def trn(one: str, many: str, n: int) -> str:
 def trc(context: str, text: str) -> str:
     """Translate a ``text`` with a context: ``trc("view", "Back")`` is not a button."""
     return _catalogue.pgettext(context, text)
+
+
+def listed(texts: Iterable[str]) -> str:
+    """Texts in a row, with the comma of the language between them."""
+    return trc("between two of several", ", ").join(texts)

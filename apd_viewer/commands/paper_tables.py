@@ -13,7 +13,7 @@ from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.pose.constraints import constraints
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.deform import Result, deform
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 
 TOLERANCE = 1e-3
 _METHODS = "arap", "paper"  # in the order of the columns
@@ -145,7 +145,7 @@ def verdict(rows: Sequence[Row]) -> str:
     failed = [row.case.title for row in rows if not row.passes]
     if not failed:
         return tr("Pass: APD keeps the area within 0.1 % in all {count} motions.").format(count=len(rows))
-    return tr("Fail: the area change exceeds 0.1 % in {moves}.").format(moves=", ".join(failed))
+    return tr("Fail: the area change exceeds 0.1 % in {moves}.").format(moves=listed(failed))
 
 
 def write_csv(rows: Iterable[Row], path: Path) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 from apd_viewer.presentation.number_format import short
 from apd_viewer.session.quantities.elastic_wall import (
     DEFAULT_POISSON,
@@ -94,7 +94,7 @@ class PressWall:
             if self.radius is None
             else tr("yields below a radius of {radius}").format(radius=self.unit.length(short(self.radius))),
         ]
-        return ", ".join(filter(None, said))
+        return listed(filter(None, said))
 
 
 @dataclass(frozen=True)

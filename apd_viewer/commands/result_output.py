@@ -15,7 +15,7 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.geometry.solver.deform import Result
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 from apd_viewer.presentation.notebooks.progress_line import frame_line
 from apd_viewer.session.model.status_text import about_caps, of_crossings
 
@@ -84,7 +84,7 @@ def summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
         kept = output.suffix[1:].upper()
         lines.append(
             tr("written as {kind}, without the {things} of the mesh").format(
-                kind=kept, things=", ".join(written.dropped)
+                kind=kept, things=listed(written.dropped)
             )
         )
     return "\n".join([*lines, *result.warnings])

@@ -11,7 +11,7 @@ from apd_viewer.figures.shapes import Picture, draw_shapes
 from apd_viewer.files.animations.shapes import Animation
 from apd_viewer.files.mesh_writing import suffix_for
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 from apd_viewer.session.model.view import Standpoint
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ def summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
         tr("{folder}: {steps} steps by {methods}").format(
             folder=folder,
             steps=len(sweep.parts) - 1,
-            methods=", ".join(METHODS[method].short_title for method in sweep.methods),
+            methods=listed(METHODS[method].short_title for method in sweep.methods),
         )
     ]
     for method in sweep.methods:

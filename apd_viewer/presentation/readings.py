@@ -11,7 +11,7 @@ from apd_viewer.geometry.analysis.bounding_boxes import compactness
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.frame import MET
 from apd_viewer.geometry.pose.winding import signed_angle
-from apd_viewer.language import tr, trc
+from apd_viewer.language import listed, tr, trc
 from apd_viewer.presentation.number_format import length, short, signed, significant
 from apd_viewer.session.model.status_text import about_caps
 from apd_viewer.session.model.targets import kept_percentages
@@ -209,7 +209,7 @@ def motion(document: Document, k: int, unit: Unit, size: float) -> str:
         (angle != signed(0.0, 1), rotated.format(angle=angle)),
         (scale != "1.00", tr("scaled by {factors}").format(factors=scale)),
     )
-    return ", ".join(text for has, text in parts if has) or tr("at rest")
+    return listed(text for has, text in parts if has) or tr("at rest")
 
 
 def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 from apd_viewer.session.model.document_parts import painted_alike
 from apd_viewer.session.posing.obstacle_places import out_of_the_shape
 
@@ -89,7 +89,7 @@ class Settings:
         moved = [a.name for a, b in zip(state.document.obstacles, obstacles, strict=True) if a is not b]
         self._set(gesture, contact=on, thickness=thickness, obstacles=obstacles)
         if moved:
-            names = ", ".join(moved)
+            names = listed(moved)
             self._listener.told(tr("Moved back out of the shape: {names}.").format(names=names))
 
     def set_material(self, area_stiffness: float | None = None, shear_stiffness: float | None = None) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 from apd_viewer.presentation.time_left import duration
 from apd_viewer.studies.case_file import FAILED
 from apd_viewer.studies.results import status_words
@@ -51,7 +51,7 @@ def planned(left: WorkLeft, processes: int) -> str:
 def summary(table: ResultTable, folder: Path) -> str:
     """Lines on the results."""
     count = Counter(row.status for row in table.rows)
-    words = ", ".join(f"{number:,} {status_words(status)}" for status, number in count.items())
+    words = listed(f"{number:,} {status_words(status)}" for status, number in count.items())
     lines = [tr("{folder}: {words}").format(folder=folder / "results.csv", words=words)]
     failed = [_on_line(row.line, row.sentence) for row in table.rows if row.status == FAILED]
     return "\n".join([*lines, *_first(failed)])

@@ -7,7 +7,7 @@ import time
 from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.progress import Progress
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 from apd_viewer.presentation.time_left import duration
 
 if TYPE_CHECKING:
@@ -61,4 +61,4 @@ def said(now: CaseCounts) -> str:
     if now.rate is not None and now.seconds_left is not None:
         words.append(tr("{rate:.3g}/min").format(rate=60.0 * now.rate))
         words.append(tr("{time} left").format(time=duration(now.seconds_left)))
-    return ", ".join(words)
+    return listed(words)

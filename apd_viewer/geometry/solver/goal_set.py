@@ -14,7 +14,7 @@ from apd_viewer.geometry.goals.goal_projection import MET
 from apd_viewer.geometry.goals.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.solver.methods import Method, check_tolerance
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -172,4 +172,4 @@ class GoalSet:
             for goal, value in zip(self.goals, values, strict=True)
             if abs(goal.miss(float(value))) > MET and not goal.is_smooth
         ]
-        return ", ".join(missed) or None
+        return listed(missed) or None

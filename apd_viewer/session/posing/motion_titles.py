@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.transforms import decomposed
 from apd_viewer.geometry.pose.winding import summed_rotations
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 from apd_viewer.session.model.motions import TypedMotion
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def title_between(before: Document, after: Document, k: int, unit: Unit) -> str:
 def names_of_moved(before: Document, after: Document) -> str:
     """Names of the handles with other poses."""
     pairs = zip(before.handles, after.handles, strict=True)
-    return ", ".join(new.name for old, new in pairs if old.pose is not new.pose)
+    return listed(new.name for old, new in pairs if old.pose is not new.pose)
 
 
 def _title_of_way(way: np.ndarray, names: str, unit: Unit) -> str:

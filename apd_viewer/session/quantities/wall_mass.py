@@ -6,7 +6,7 @@ import re
 from typing import NamedTuple
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 from apd_viewer.session.quantities.expressions import length, number
 from apd_viewer.session.quantities.units import Unit
 
@@ -51,7 +51,7 @@ class Wall(NamedTuple):
         thickness, density = (text.strip() for text in self)
         thickness = unit.length(thickness) if _is_bare(thickness) else thickness
         density = f"{density}\u00a0g/cm³" if _is_bare(density) else density
-        return ", ".join(filter(None, (thickness, density)))
+        return listed(filter(None, (thickness, density)))
 
 
 NO_WALL = Wall()

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from apd_viewer.language import tr, trn
+from apd_viewer.language import listed, tr, trn
 from apd_viewer.presentation.time_left import duration
 from apd_viewer.studies.case_file import DONE, FAILED
 from apd_viewer.studies.pace import CaseCounts, Pace
@@ -135,5 +135,5 @@ class StudyStatus:
             words.append(tr("{time} left").format(time=duration(now.seconds_left)))
         if self.stopping:
             words.append(tr("finishing the running cases"))
-        said = ", ".join(words)
+        said = listed(words)
         return f"{said}. {self._sentence}" if self._sentence else said

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.deviation import Deviation, warm_up
 from apd_viewer.geometry.solver.methods import COMPARED, METHODS
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 from apd_viewer.presentation.method_readings import columns, readings, write_outcomes
 from apd_viewer.session.studies.comparison import Comparison, MethodOutcome
 from apd_viewer.ui.compare.comparison_picture import SHARPNESS, Shown, write_comparison
@@ -289,7 +289,7 @@ class ComparisonWindow(QWidget):
             brief = [] if outcome.finished and found else [view.said[0]]
             for column in (self.table.columns[k] for k in (0, 2)):
                 brief += [f"{column.title} {column.written(found)}"] if found else []
-            shown.append(Shown(view.title, ", ".join(brief), view.picture(SHARPNESS)))
+            shown.append(Shown(view.title, listed(brief), view.picture(SHARPNESS)))
         self.set_theme(self._theme)
         write_comparison(path, shown, self.linked.across, self.legend.scale, self.font())
 

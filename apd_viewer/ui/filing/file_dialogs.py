@@ -11,7 +11,7 @@ from apd_viewer.files.mesh_writing import dropped
 from apd_viewer.files.meshes import FORMATS, WRITTEN
 from apd_viewer.files.scalar_files import Rows
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 from apd_viewer.session.model.view import SUFFIX
 
 _MESHES = " ".join("*" + suffix for suffix in FORMATS)
@@ -110,7 +110,7 @@ def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
         return True
     named = lost[0]
     if len(lost) > 1:
-        named = tr("{several} and {last}").format(several=", ".join(lost[:-1]), last=lost[-1])
+        named = tr("{several} and {last}").format(several=listed(lost[:-1]), last=lost[-1])
     kind, own = target.suffix[1:].upper(), mesh.origin.suffix[1:].upper() if mesh.origin else ""
     buttons = QMessageBox.StandardButton
     answer = QMessageBox.question(
