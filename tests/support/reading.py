@@ -166,7 +166,8 @@ class Driver:
 
     def scene(self, name, *things):
         """Read everything, or some things only, and take a picture if that is wanted."""
-        self.application.processEvents()
+        for _ in range(3):  # a number that has just come has its room a round later
+            self.application.processEvents()
         self.reader.read(name, things)
         if (shots := os.environ.get("SHOTS")) and name not in self._pictured:
             self._pictured.add(name)
