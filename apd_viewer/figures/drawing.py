@@ -67,10 +67,10 @@ def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np
                 _show(plotter, F, U, np.load(paint), rgb=True)
             else:
                 _show_change(plotter, F, U, areas)
-            _write(plotter, picture["words"][column], max(map(len, picture["words"])), size[1])
+            _write(plotter, picture["words"][column], max(map(len, picture["words"])), size[1], said["font"])
             _aim(plotter, look, up, *fit)
         plotter.subplot(0, 0)
-        _legend(plotter, said["legend"], size[0] / count)
+        _legend(plotter, said["legend"], size[0] / count, said["font"])
         plotter.screenshot(picture["path"])
         print(number, flush=True)  # noqa: T201
     plotter.close()
@@ -87,19 +87,20 @@ def _show_change(plotter: Any, F: np.ndarray, U: np.ndarray, areas: np.ndarray) 
     _show(plotter, F, U, change, cmap=_color_map(), clim=(-_LIMIT, _LIMIT))
 
 
-def _write(plotter: Any, words: Sequence[str], most: int, high: int) -> None:
+def _write(plotter: Any, words: Sequence[str], most: int, high: int, font: str | None) -> None:
     """Write a title and below it the lines, padded to ``most`` of them."""
     letters = high / _LETTERS
     left, top = 0.03 * high, high * (1 - 0.8 * _ABOVE)
     title, *lines = words
     lines += [" "] * (most - len(words))  # lines begin at one height, beside each other
-    plotter.add_text(title, position=(left, top), font_size=letters, color=_INK, font="arial")
+    look: dict[str, Any] = {"font": "arial", "font_file": font}
+    plotter.add_text(title, position=(left, top), font_size=letters, color=_INK, **look)
     if lines:
         low = (left, 0.035 * high)
-        plotter.add_text("\n".join(lines), position=low, font_size=0.66 * letters, color=_QUIET, font="arial")
+        plotter.add_text("\n".join(lines), position=low, font_size=0.66 * letters, color=_QUIET, **look)
 
 
-def _legend(plotter: Any, title: str, wide: float) -> None:
+def _legend(plotter: Any, title: str, wide: float, font: str | None) -> None:
     """Draw the legend of the colours below the rest shape."""
     if not title:
         return
@@ -112,6 +113,7 @@ def _legend(plotter: Any, title: str, wide: float) -> None:
         font_size=letters,
         color=_QUIET,
         font="arial",
+        font_file=font,
         name="legend",
     )
     plotter.add_scalar_bar(

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.figures.fonts import font_file
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import tr
 
@@ -106,6 +107,7 @@ def draw_shapes(
             "look": look,
             "up": up,
             "legend": tr("local area change, %") if legend else "",
+            "font": None if (font := font_file()) is None else str(font),
             "pictures": [_said(picture, number, folder) for number, picture in enumerate(pictures)],
         }
         (folder / "job.json").write_text(json.dumps(said), encoding="utf-8")

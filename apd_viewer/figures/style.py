@@ -8,6 +8,7 @@ import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from apd_viewer.figures.fonts import families
 from apd_viewer.files.storage.atomic_file import replacing
 
 if TYPE_CHECKING:
@@ -29,8 +30,6 @@ METHOD_LOOKS: dict[str, dict[str, Any]] = {
 }
 _DPI = 160
 _LOOK: dict[Any, Any] = {
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: figures are the same everywhere
     "font.size": 9.5,
     "text.color": INK,
     "axes.titlesize": 10.5,
@@ -66,7 +65,7 @@ def draw(fill: Callable[[Figure], None], size: tuple[float, float], folder: Path
     InputError
         If a file cannot be written.
     """
-    with mpl.rc_context(_LOOK):
+    with mpl.rc_context(_LOOK | {"font.family": families()}):
         figure = Figure(figsize=size, layout="constrained", facecolor="white")
         FigureCanvasAgg(figure)
         fill(figure)

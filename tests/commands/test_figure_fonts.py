@@ -1,0 +1,56 @@
+"""Fonts of figures: a second one for Chinese, if the system has any."""
+
+import shutil
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+from matplotlib import font_manager
+
+from apd_viewer.figures.fonts import families, font_file
+
+
+@pytest.fixture
+def system(monkeypatch):
+    """Sets the fonts of the system."""
+
+    def fonts(*paths):
+        monkeypatch.setattr(font_manager, "findSystemFonts", lambda: list(map(str, paths)))
+        font_file.cache_clear()
+        families.cache_clear()
+
+    yield fonts
+    font_file.cache_clear()
+    families.cache_clear()
+
+
+@pytest.fixture
+def font(tmp_path):
+    """A font of another family, by the name of one with Chinese letters."""
+    own = Path(mpl.get_data_path()) / "fonts" / "ttf" / "DejaVuSerif.ttf"
+    return Path(shutil.copy(own, tmp_path / "msyh.ttf"))
+
+
+def test_languages_in_latin_letters_have_the_same_figures_everywhere(system, font):
+    system(font)
+    for language in ("en", "de"):
+        assert font_file(language) is None
+        assert families(language) == ["DejaVu Sans"]
+
+
+def test_chinese_takes_what_is_missing_from_a_font_of_the_system(system, font):
+    system(font.with_name("arial.ttf"), font)
+    assert font_file("zh_CN") == font
+    assert families("zh_CN") == ["DejaVu Sans", "DejaVu Serif"]
+
+
+def test_the_best_of_several_fonts_is_taken(system, font):
+    best = Path(shutil.copy(font, font.with_name("NotoSansSC-Regular.otf")))
+    system(font, best)
+    assert font_file("zh_CN") == best
+
+
+def test_a_system_without_chinese_fonts_draws_all_the_same(system):
+    system()
+    assert font_file("zh_CN") is None
+    assert families("zh_CN") == ["DejaVu Sans"]
