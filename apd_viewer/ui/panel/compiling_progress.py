@@ -21,9 +21,7 @@ class CompilingProgress(QWidget):
     """A thin bar, shown while the solver compiles."""
 
     def __init__(self) -> None:
-        super().__init__(
-            toolTip=tr("Until it is done, the first shapes may wait for it; later starts do not.")
-        )
+        super().__init__(toolTip=tr("The first shapes may wait for it; at later starts nothing does."))
         self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
         self.bar.setFixedWidth(_WIDTH)
         row = QHBoxLayout(self, spacing=0)
