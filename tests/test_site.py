@@ -8,16 +8,17 @@ from pathlib import Path
 
 import commands_page
 import generated_pages
-import keys_page
 import pytest
 import python_page
 import settings_page
-from plain_markdown import escaped, slug
+import window_facts
+from plain_markdown import escaped
 from pseudo import messages
 
 import apd_viewer
 from apd_viewer.__main__ import _COMMANDS
 from apd_viewer.files.meshes import FORMATS
+from apd_viewer.ui.help.places import of_action, of_setting, slug
 from apd_viewer.ui.settings_page.preference_table import PREFERENCES
 
 ROOT = Path(__file__).parents[1]
@@ -37,7 +38,7 @@ def options():
 @pytest.fixture(scope="module")
 def keys():
     """Menu entries of the window; a process of its own finds them."""
-    return keys_page.entries()
+    return window_facts.entries()
 
 
 def test_every_command_and_every_option_is_on_the_page():
@@ -63,7 +64,7 @@ def test_every_python_name_is_on_the_page():
 def test_every_setting_has_an_anchor_and_nothing_of_this_machine():
     page = settings_page.settings_page()
     anchors = re.findall(r"\{#([\w-]+)\}", page)
-    assert anchors == [settings_page.anchor(row.name) for row in PREFERENCES]
+    assert anchors == [of_setting(row.name).anchor for row in PREFERENCES]
     assert "All cores (" not in page
 
 
@@ -73,7 +74,7 @@ def test_every_format_is_on_the_page():
 
 def test_every_menu_entry_has_an_anchor_of_its_own(keys):
     assert {"File", "Edit", "Tools", "Select", "Handle", "View", "Help"} == {entry.menu for entry in keys}
-    anchors = [keys_page.anchor(entry.name) for entry in keys]
+    anchors = [of_action(entry.name).anchor for entry in keys]
     assert len(anchors) > 140
     assert len(set(anchors)) == len(anchors)
 

@@ -159,6 +159,7 @@ class Workbench(QObject):
             self.memory,
             partial(self.filing.open_sample, "bottle"),
             self.session,
+            self.settings_page.open_at,
         )
 
     def _commands(self) -> Commands:
@@ -185,8 +186,7 @@ class Workbench(QObject):
             pause=self.session.store.pause_or_resume,
             set_scheme=partial(self.memory.values.choose, COLOR_SCHEME),
             open_settings=self.settings_page.open,
-            list_shortcuts=lambda: self.help.open_sheet(),
-            begin_tour=lambda: self.help.begin_tour(),
+            help=lambda: self.help,  # which is made of the actions
             tell_about=partial(file_dialogs.about, self.shell),
             quit=self.shell.close,
         )

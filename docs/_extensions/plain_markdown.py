@@ -19,9 +19,3 @@ def table(titles: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
 def marked(text: str, anchor: str) -> str:
     """Text that can be linked to by ``anchor``."""
     return f"[{text}]{{#{anchor}}}"
-
-
-def slug(name: str) -> str:
-    """Anchor made of a name; signs count, so that ``up:-X`` and ``up:+X`` differ."""
-    spoken = name.lower().replace("-", " minus ").replace("+", " plus ")
-    return re.sub(r"[^a-z0-9]+", "-", spoken).strip("-")

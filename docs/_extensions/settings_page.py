@@ -6,13 +6,9 @@ from typing import Any
 
 from plain_markdown import escaped, marked, table
 
+from apd_viewer.ui.help.places import of_setting
 from apd_viewer.ui.preferences.preference import Option, Preference, Within
 from apd_viewer.ui.settings_page.preference_table import GROUPS
-
-
-def anchor(name: str) -> str:
-    """Anchor of the preference ``name``."""
-    return f"setting-{name.replace('_', '-')}"
 
 
 def settings_page() -> str:
@@ -25,7 +21,7 @@ def settings_page() -> str:
 
 def _row(preference: Preference[Any]) -> tuple[str, ...]:
     said = f"{preference.tip}. {preference.note}." if preference.note else f"{preference.tip}."
-    title = marked(escaped(preference.title), anchor(preference.name))
+    title = marked(escaped(preference.title), of_setting(preference.name).anchor)
     return title, escaped(_values(preference)), escaped(_default(preference)), escaped(said)
 
 

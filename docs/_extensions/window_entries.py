@@ -1,4 +1,4 @@
-"""Print the menu entries of a window as JSON; a script that is run in a process of its own.
+"""Print the menu entries and controls of a window as JSON; a script that is run in a process of its own.
 
 Without a display Qt's platform "offscreen" makes all of the window but its pixels.
 """
@@ -6,23 +6,44 @@ Without a display Qt's platform "offscreen" makes all of the window but its pixe
 import json
 import os
 import sys
+import time
+from pathlib import Path
 
 from PySide6.QtCore import QSettings
 
-from apd_viewer.ui.actions.action_factory import plain
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.help.help import _full, _leaves, _menu
+from apd_viewer.ui.help.menu_entries import menu_entries
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.workbench import Workbench
 
+sys.path.insert(0, str(Path(__file__).parent))
+from window_controls import described
+from window_tour import show_all
+
+_PATIENCE = 120  # s
+
 application = make_application(["apd-viewer"])
 window = Workbench(Shell(QSettings(f"{sys.argv[1]}/settings.ini", QSettings.Format.IniFormat)))
+
+
+def wait(done):
+    """Run events until a condition holds."""
+    end = time.monotonic() + _PATIENCE
+    while not done():
+        if time.monotonic() > end:
+            raise TimeoutError("The window did not come so far.")
+        application.processEvents()
+        time.sleep(0.01)
+
+
 entries = {entry.action: entry for entry in window.actions_.entries}
 rows = [
-    (plain(top.text()), entry.name, _full(within, entry.title), entry.keys, entry.tip)
-    for top in window.shell.menuBar().actions()
-    for action, within in _leaves(_menu(top))
-    if (entry := entries.get(action)) is not None
+    (found.menu, entry.name, found.full(entry.title), entry.keys, entry.tip)
+    for found in menu_entries(window.shell.menuBar())
+    if (entry := entries.get(found.action)) is not None
 ]
-print(json.dumps(rows), flush=True)
+show_all(window, wait)
+print(json.dumps({"entries": rows, "controls": described()}), flush=True)
+window.comparing.close()
+window.session.close()
 os._exit(0)  # nothing is kept, and a window without pixels is not taken down in order

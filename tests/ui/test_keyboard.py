@@ -39,7 +39,7 @@ def sheet(window):
 
 
 def tour(window):
-    window.actions_.help[1].trigger()
+    window.actions_.help["tour"].trigger()
     window.help.tour.card.next.click()
 
 

@@ -12,6 +12,8 @@ from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import Theme
 
+NAME = "actionName"  # property of an action, by which the manual knows it
+
 
 class ActionMaker:
     """Makes the actions of a window, and redraws their icons.
@@ -61,6 +63,7 @@ class ActionMaker:
     def adopt(self, name: str, action: QAction, image: str, tip: str, key: object) -> QAction:
         """Give an action tip, icon and keys, and remember its keys by its name."""
         keys = key if isinstance(key, tuple) else () if key is None else (key,)
+        action.setProperty(NAME, name)
         action.setShortcuts([QKeySequence(one) for one in keys])
         action.setStatusTip(tip)
         action.setIconVisibleInMenu(not action.isCheckable())  # a tick stands in its place

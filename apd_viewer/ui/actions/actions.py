@@ -13,6 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.actions.action_factory import ActionMaker, plain
 from apd_viewer.ui.actions.display_actions import LookActions
 from apd_viewer.ui.actions.file_actions import FileActions
+from apd_viewer.ui.actions.help_actions import help_actions
 from apd_viewer.ui.actions.measure_actions import MeasureActions
 from apd_viewer.ui.actions.obstacle_actions import ObstacleActions
 from apd_viewer.ui.actions.pose_actions import PoseActions
@@ -50,7 +51,8 @@ class Actions:
     obstacles : ObstacleActions
     view : ViewActions
     looks : LookActions
-    help : list of QAction
+    help : dict of str to QAction
+        By their names.
     bar : QToolBar
     """
 
@@ -66,7 +68,7 @@ class Actions:
         self.obstacles = ObstacleActions(self._maker, commands.obstacles)
         self.view = ViewActions(self._maker, commands)
         self.looks = LookActions(self._maker, commands.looks)
-        self.help = self._make_help(commands)
+        self.help = help_actions(self._maker, commands)
         self._fill_menus()
         groups = (
             [self.file.open, self.file.export],
@@ -109,28 +111,6 @@ class Actions:
             )
         self._maker.one_of(self.tools.values())
 
-    def _make_help(self, commands: Commands) -> list[QAction]:
-        make = self._maker.make
-        keys = tr("View and change the keyboard shortcuts")
-        tour = tr("Learn the program in five steps, on a bottle")
-        tables = tr("Reproduce the tables of Li and Hui, with figures")
-        diagnostics = tr("Copy versions, graphics driver and the end of the log, for a bug report")
-        about = tr("Version, licence and source of the method")
-        return [
-            make("shortcuts", tr("&Shortcuts…"), "keyboard", keys, ("F1", "?"), commands.list_shortcuts),
-            make("tour", tr("&Tour"), "tour", tour, None, commands.begin_tour),
-            make("paper", tr("The &paper's tables…"), "tables", tables, None, commands.studies.paper),
-            make(
-                "copy_diagnostics",
-                tr("&Copy diagnostics"),
-                "copy",
-                diagnostics,
-                None,
-                commands.reporting.copy_diagnostics,
-            ),
-            make("about", tr("&About APD Viewer"), "about", about, None, commands.tell_about),
-        ]
-
     def _fill_menus(self) -> None:
         bar = self._window.menuBar()
         self.file.fill(bar.addMenu(tr("&File")))
@@ -146,7 +126,7 @@ class Actions:
         self.select.fill(bar.addMenu(tr("&Select")))
         self.pose.fill(bar.addMenu(tr("H&andle")), self.obstacles)
         self.view.fill(bar.addMenu(tr("&View")), self.looks)
-        bar.addMenu(tr("&Help")).addActions(self.help)
+        bar.addMenu(tr("&Help")).addActions(list(self.help.values()))
 
     def offer(self, is_open: bool, is_at_rest: bool) -> None:
         """Enable the actions allowed by an open mesh, at rest or not."""

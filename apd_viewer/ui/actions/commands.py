@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,6 +27,25 @@ if TYPE_CHECKING:
     from apd_viewer.ui.studies.studies import Studies
     from apd_viewer.ui.tools.canvas import Canvas
     from apd_viewer.ui.tools.toolbox import Tool, Way
+
+
+class HelpCommands(Protocol):
+    """Help over the window, and the manual."""
+
+    def open_manual(self) -> None:
+        """Open the first page of the manual."""
+
+    def ask(self) -> None:
+        """Explain the next click."""
+
+    def open_search(self) -> None:
+        """Search for a command."""
+
+    def open_sheet(self) -> None:
+        """List the shortcuts."""
+
+    def begin_tour(self) -> None:
+        """Begin the tour."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +74,6 @@ class Commands:
     pause: Callable[[], object]
     set_scheme: Callable[[Qt.ColorScheme], object]
     open_settings: Callable[[], object]
-    list_shortcuts: Callable[[], object]
-    begin_tour: Callable[[], object]
+    help: Callable[[], HelpCommands]
     tell_about: Callable[[], object]
     quit: Callable[[], object]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, QTimer
-from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QMainWindow, QMenu, QWidget
+from PySide6.QtWidgets import QMainWindow, QWidget
 
 from apd_viewer.files.samples import resource
 from apd_viewer.language import tr
@@ -16,7 +15,13 @@ from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.session import Session
 from apd_viewer.session.store import Activity
 from apd_viewer.ui.actions.action_factory import plain
+from apd_viewer.ui.help.command_search import CommandSearch
+from apd_viewer.ui.help.context_help import ContextHelp, look_up, show
+from apd_viewer.ui.help.manual import FIRST
+from apd_viewer.ui.help.menu_entries import menu_entries
 from apd_viewer.ui.help.mouse_help import gestures
+from apd_viewer.ui.help.places import ManualPlace
+from apd_viewer.ui.help.searchable import everything
 from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, Group, Row
 from apd_viewer.ui.help.shortcut_sheet import ShortcutSheet
 from apd_viewer.ui.help.tour import Tour
@@ -44,11 +49,15 @@ class Help(QObject):
     open_bottle : callable
         Opens the sample that the tour speaks of.
     session : Session
+    open_settings : callable
+        Opens the settings at a preference, by its name.
 
     Attributes
     ----------
     shortcuts : Shortcuts
     sheet : ShortcutSheet
+    search : CommandSearch
+    context : ContextHelp
     tour : Tour
     """
 
@@ -59,6 +68,7 @@ class Help(QObject):
         memory: Preferences,
         open_bottle: Callable[[], object],
         session: Session,
+        open_settings: Callable[[str], object],
     ) -> None:
         super().__init__(window)
         self._window = window
@@ -69,7 +79,14 @@ class Help(QObject):
         self.shortcuts = Shortcuts(actions.entries, _mnemonics(window), memory)
         self.sheet = ShortcutSheet(canvas.viewport, self.shortcuts, self._groups)
         self.tour = Tour(window, canvas, Places(window, *parts))
-        self.sheet.dismissed.connect(self.close)
+        self.search = CommandSearch(
+            canvas.viewport,
+            partial(everything, window, self.shortcuts.entries, panel, session.store, open_settings),
+            look_up,
+        )
+        self.context = ContextHelp(window, canvas, actions.help["help"], self._marked)
+        for card in (self.sheet, self.search):
+            card.dismissed.connect(self.close)
         self.tour.area_wanted.connect(lambda: panel.ensureWidgetVisible(panel.area.percent))
         self.tour.ring_wanted.connect(partial(_show_gizmo, canvas, actions))
         self._session = session
@@ -79,8 +96,23 @@ class Help(QObject):
     def open_sheet(self) -> None:
         """List the shortcuts, or close the list."""
         if not self._close_sheet():
+            self._close_card(self.search)
             self.tour.card.hide()
             self.sheet.open()
+
+    def open_manual(self) -> None:
+        """Open the first page of the manual."""
+        show(FIRST)
+
+    def ask(self) -> None:
+        """Explain the next click."""
+        self.context.ask()
+
+    def open_search(self) -> None:
+        """Search for a command, or close the search."""
+        if not self._close_card(self.search):
+            self._close_sheet()
+            self.search.open()
 
     def begin_tour(self) -> None:
         """Begin the tour, on the bottle."""
@@ -110,12 +142,13 @@ class Help(QObject):
                 QTimer.singleShot(0, self, self._begin)  # the mesh is shown by then
 
     def close(self) -> bool:
-        """Close the sheet, or else end the tour; True if there was one to close."""
-        return self._close_sheet() or self.tour.end()
+        """Close a card, or else end the tour; True if there was one to close."""
+        return self._close_card(self.search) or self._close_sheet() or self.tour.end()
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the parts beyond the style sheet's reach."""
         self.sheet.set_theme(theme)
+        self.search.set_theme(theme)
         self.tour.card.set_theme(theme)
 
     def _can_begin(self) -> bool:
@@ -136,25 +169,33 @@ class Help(QObject):
         return state is not None and kept_percentages(state.document)[0] is not None
 
     def _close_sheet(self) -> bool:
-        if self.sheet.isHidden():
+        closed = self._close_card(self.sheet)
+        if closed:
+            self.tour.card.setVisible(self.tour.active)
+        return closed
+
+    def _close_card(self, card: QWidget) -> bool:
+        if card.isHidden():
             return False
-        if self.sheet.isAncestorOf(self._window.focusWidget()):
+        if card.isAncestorOf(self._window.focusWidget()):
             self._canvas.viewport.setFocus()
-        self.sheet.hide()
-        self.tour.card.setVisible(self.tour.active)
+        card.hide()
         return True
+
+    def _marked(self) -> ManualPlace | None:
+        """Place of the entry marked in the search, if the search has the keys."""
+        marked = self.search.marked if self.search.isAncestorOf(self._window.focusWidget()) else None
+        return None if marked is None else marked.place
 
     def _groups(self, parent: QWidget) -> list[Group]:
         """All actions by their menus, and the gestures of the mouse."""
         entries = {entry.action: entry for entry in self.shortcuts.entries}
-        groups = []
-        for top in self._window.menuBar().actions():
-            rows: list[Row] = [
-                ActionRow(entries[action], _full(within, entries[action].title))
-                for action, within in _leaves(_menu(top))
-                if action in entries
-            ]
-            groups.append(Group(plain(top.text()), rows, parent))
+        rows: dict[str, list[Row]] = {}
+        for found in menu_entries(self._window.menuBar()):
+            entry = entries.get(found.action)
+            if entry is not None:
+                rows.setdefault(found.menu, []).append(ActionRow(entry, found.full(entry.title)))
+        groups = [Group(title, own, parent) for title, own in rows.items()]
         groups.append(Group(tr("Mouse"), [GestureRow(gesture) for gesture in gestures()], parent))
         return groups
 
@@ -162,28 +203,6 @@ class Help(QObject):
 def _show_gizmo(canvas: Canvas, actions: Actions) -> None:
     if not canvas.gizmo.visible:
         actions.tools[Tool.MOVE].trigger()
-
-
-def _full(within: str, title: str) -> str:
-    """Title prefixed by its submenu's, unless they repeat each other."""
-    if not within or title.startswith(within):
-        return title
-    return tr("{menu}: {title}").format(menu=within, title=title)
-
-
-def _leaves(menu: QMenu, within: str = "") -> Iterator[tuple[QAction, str]]:
-    """Actions of a menu with the titles of their submenus."""
-    for action in menu.actions():
-        if action.menu() is not None:
-            yield from _leaves(_menu(action), plain(action.text()))
-        elif not action.isSeparator():
-            yield action, within
-
-
-def _menu(action: QAction) -> QMenu:
-    menu = action.menu()
-    assert isinstance(menu, QMenu)
-    return menu
 
 
 def _mnemonics(window: QMainWindow) -> dict[str, str]:

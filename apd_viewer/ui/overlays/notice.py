@@ -186,10 +186,12 @@ class Empty(QWidget):
         title = QLabel(tr("Drop a mesh here or open one"), alignment=Qt.AlignmentFlag.AlignCenter)
         column.addWidget(title)
         self._row = QHBoxLayout()
-        buttons = [QPushButton(tr("Open mesh…"), objectName="primary", clicked=requests.ask)]
-        for name, sample in SAMPLES.items():
-            buttons.append(QPushButton(sample.title, clicked=partial(requests.open_sample, name)))
-        for button in buttons:
+        self.open = QPushButton(tr("Open mesh…"), objectName="primary", clicked=requests.ask)
+        self.samples = [
+            QPushButton(sample.title, toolTip=sample.tip, clicked=partial(requests.open_sample, name))
+            for name, sample in SAMPLES.items()
+        ]
+        for button in (self.open, *self.samples):
             button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
             self._row.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
         column.addLayout(self._row)

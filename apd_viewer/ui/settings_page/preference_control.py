@@ -8,6 +8,8 @@ from apd_viewer.ui.preferences.preference import OneOf, Preference, Within
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
 from apd_viewer.ui.widgets.fields import Choice, Number
 
+SETTING = "settingName"  # property of a control, by which the manual knows it
+
 
 def control_of(preference: Preference[Any], values: PreferenceValues) -> Choice | Number:
     """Control showing a preference, now and after changes made elsewhere."""
@@ -16,6 +18,7 @@ def control_of(preference: Preference[Any], values: PreferenceValues) -> Choice 
     else:
         control = _ChoiceControl(preference, preference.allowed, values)
     control.setObjectName(preference.name)
+    control.setProperty(SETTING, preference.name)
     control.setAccessibleName(preference.title)
     control.setAccessibleDescription(preference.note)
     control.setToolTip(preference.tip)

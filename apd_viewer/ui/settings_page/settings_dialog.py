@@ -130,6 +130,13 @@ class SettingsPage(QObject):
         self._window, self._values, self._list_shortcuts = window, values, list_shortcuts
         self.dialog: SettingsDialog | None = None
 
+    def open_at(self, name: str) -> None:
+        """Show the dialog with the preference ``name`` in use."""
+        self.open()
+        control = self.dialog.findChild(QWidget, name) if self.dialog is not None else None
+        if isinstance(control, QWidget):
+            control.setFocus(Qt.FocusReason.TabFocusReason)
+
     def open(self) -> None:
         """Show the dialog in front."""
         if self.dialog is None:

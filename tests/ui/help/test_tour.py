@@ -24,7 +24,7 @@ def bottle(sample):
 @pytest.fixture
 def toured(qtbot, bottle):
     """The bottle, with the tour at its first step."""
-    bottle.actions_.help[1].trigger()
+    bottle.actions_.help["tour"].trigger()
     assert bottle.help.tour.number == 0
     return bottle
 
@@ -100,13 +100,13 @@ def test_a_window_alone_begins_no_tour(qtbot, bottle, settings):
 
 def test_it_can_be_asked_for_on_the_bottle_and_on_another_mesh(qtbot, bottle):
     before = document(bottle).mesh
-    bottle.actions_.help[1].trigger()
+    bottle.actions_.help["tour"].trigger()
     assert bottle.help.tour.number == 0
     assert document(bottle).mesh is before, "nothing is opened that is open already"
     qtbot.keyClick(card(bottle), Qt.Key.Key_Escape)
     bottle.filing.open_sample("duck")
     idle(qtbot, bottle)
-    bottle.actions_.help[1].trigger()
+    bottle.actions_.help["tour"].trigger()
     assert not bottle.help.tour.active, "it waits for the bottle"
     idle(qtbot, bottle)
     qtbot.waitUntil(lambda: bottle.help.tour.number == 0)
@@ -257,15 +257,15 @@ def test_it_says_where_the_area_is_when_the_readings_are_hidden(qtbot, toured):
 
 
 def test_the_sheet_of_shortcuts_hides_it_for_a_while(qtbot, toured):
-    toured.actions_.help[0].trigger()
+    toured.actions_.help["shortcuts"].trigger()
     assert not card(toured).isVisible()
     assert not card(toured)._tip.isVisible()
     qtbot.keyClick(toured.help.sheet.search, Qt.Key.Key_Escape)
     assert card(toured).isVisible()
     toured.help.tour.look()
     assert card(toured)._tip.isVisible()
-    toured.actions_.help[0].trigger()
-    toured.actions_.help[1].trigger()
+    toured.actions_.help["shortcuts"].trigger()
+    toured.actions_.help["tour"].trigger()
     assert not toured.help.sheet.isVisible()
     assert toured.help.tour.number == 0
 

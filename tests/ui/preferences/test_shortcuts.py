@@ -24,8 +24,8 @@ def active(qtbot, window):
 
 @pytest.fixture
 def sheet(qtbot, active):
-    """The sheet, opened with F1."""
-    qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_F1)
+    """The sheet, opened with Shift+F1."""
+    qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_F1, SHIFT)
     assert active.help.sheet.isVisible()
     return active.help.sheet
 
@@ -73,24 +73,25 @@ def leaves(menu):
 # The list
 
 
-@pytest.mark.parametrize("key", ["F1", "?", "menu"])
+@pytest.mark.parametrize("key", ["Shift+F1", "?", "menu"])
 def test_it_opens_and_closes(qtbot, active, key):
     sheet = active.help.sheet
     if key == "menu":
-        active.actions_.help[0].trigger()
+        active.actions_.help["shortcuts"].trigger()
     else:
-        qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_F1 if key == "F1" else Qt.Key.Key_Question)
+        pressed = (Qt.Key.Key_F1, SHIFT) if key == "Shift+F1" else (Qt.Key.Key_Question,)
+        qtbot.keyClick(active.canvas.viewport, *pressed)
     assert sheet.isVisible()
     assert active.shell.focusWidget() is sheet.search
     qtbot.keyClick(sheet.search, Qt.Key.Key_Escape)
     assert not sheet.isVisible()
     assert active.shell.focusWidget() is active.canvas.viewport
     assert active.canvas.tool is Tool.MOVE, "Esc closed the sheet and did no more"
-    active.actions_.help[0].trigger()
+    active.actions_.help["shortcuts"].trigger()
     active.canvas.viewport.setFocus()
     qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_Escape)
     assert not sheet.isVisible()
-    active.actions_.help[0].trigger()
+    active.actions_.help["shortcuts"].trigger()
     qtbot.mouseClick(sheet._close, LEFT)
     assert not sheet.isVisible()
 
@@ -154,7 +155,7 @@ def test_the_window_can_be_used_while_it_is_open(qtbot, active, sheet):
 
 def test_the_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
     before, eye = document(bottle), bottle.canvas.viewport.look.eye.key
-    bottle.actions_.help[0].trigger()
+    bottle.actions_.help["shortcuts"].trigger()
     label = bottle.help.sheet.findChildren(QLabel)[3]
     qtbot.mousePress(label, LEFT)
     qtbot.mouseMove(label)
@@ -168,7 +169,7 @@ def test_the_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
 def test_it_lies_within_the_canvas_and_scrolls(qtbot, window, size):
     window.shell.resize(*size)
     qtbot.wait(20)
-    window.actions_.help[0].trigger()
+    window.actions_.help["shortcuts"].trigger()
     qtbot.wait(20)
     sheet = window.help.sheet
     assert window.canvas.viewport.rect().contains(sheet.geometry())
@@ -248,7 +249,7 @@ def test_waiting_for_keys_ends_without_a_change(qtbot, active, sheet, way):
 def test_while_it_waits_the_keys_do_nothing_else(qtbot, active, sheet):
     press(qtbot, sheet, "frame", Qt.Key.Key_F1)
     assert sheet.isVisible()
-    assert "F1 is already used by “Shortcuts”." in sheet.line.text()
+    assert "F1 is already used by “What is this?”." in sheet.line.text()
 
 
 def test_a_conflict_names_the_other_action_and_is_refused(qtbot, active, sheet):

@@ -49,7 +49,7 @@ def test_it_names_no_folder_of_the_user(folder):
 
 
 def test_the_menu_entry_copies_it_and_says_so(window, folder):
-    action = next(each for each in window.actions_.help if "diagnostics" in each.text())
+    action = next(each for each in window.actions_.help.values() if "diagnostics" in each.text())
     action.trigger()
     assert f"OpenGL {window.canvas.viewport.opengl}" in QGuiApplication.clipboard().text()
     assert window.canvas.viewport.opengl.count(",") >= 2 or os.environ.get("QT_QPA_PLATFORM") == "offscreen"

@@ -176,7 +176,7 @@ def test_a_dialog_is_there_once(bar, dialog):
 
 
 def test_no_word_about_the_papers_tables_is_cut_off_while_they_are_run(qtbot, window):
-    next(action for action in window.actions_.help if "tables" in action.text()).trigger()
+    next(action for action in window.actions_.help.values() if "tables" in action.text()).trigger()
     dialog = window.studies.dialogs["paper"]
     words = next(label for label in dialog.findChildren(QLabel) if "Li and Hui" in label.text())
     for _ in range(2):
@@ -189,7 +189,7 @@ def test_no_word_about_the_papers_tables_is_cut_off_while_they_are_run(qtbot, wi
 
 def test_the_papers_tables_stand_beside_ours(qtbot, window, tmp_path):
     """With what the command would have written: it takes a minute."""
-    action = next(action for action in window.actions_.help if "tables" in action.text())
+    action = next(action for action in window.actions_.help.values() if "tables" in action.text())
     action.trigger()
     dialog = window.studies.dialogs["paper"]
     scratch = tmp_path / "scratch"

@@ -1,0 +1,159 @@
+"""Context help: F1, and clicks with the question mark."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+from PySide6.QtCore import QEvent, QObject, QPoint, Qt
+from PySide6.QtGui import QAction, QCursor, QHelpEvent, QKeyEvent, QKeySequence
+from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QMessageBox, QWhatsThis, QWidget
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.ui.help import manual, places
+from apd_viewer.ui.help.places import ManualPlace
+from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.help_button import HelpButton
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from apd_viewer.ui.tools.canvas import Canvas
+
+_WINDOW = ManualPlace("reference/window")
+
+
+class ContextHelp(QObject):
+    """Opens the manual at the place of a control, a menu entry or a tool.
+
+    The control under the mouse is meant if the mouse has moved since the focus did, and else the one with the
+    focus; if neither has a place, the tool in the hand.
+
+    Parameters
+    ----------
+    shell : QMainWindow
+    canvas : Canvas
+    action : QAction
+        Its key opens the manual at once; chosen from the menu, it waits for a click.
+    marked : callable
+        Place of what is marked in a list of places, if that has the focus.
+    """
+
+    def __init__(
+        self, shell: QMainWindow, canvas: Canvas, action: QAction, marked: Callable[[], ManualPlace | None]
+    ) -> None:
+        super().__init__(shell)
+        self._shell, self._canvas, self._action, self._marked = shell, canvas, action, marked
+        self._mouse = QPoint()
+        action.installEventFilter(self)
+        for menu in shell.menuBar().findChildren(QMenu):
+            menu.installEventFilter(self)
+        application().focusChanged.connect(self._remember_mouse)
+        HelpButton.explain = staticmethod(explain)
+
+    def explain_here(self) -> None:
+        """Open the manual at the meant place."""
+        show(self.meant)
+
+    @property
+    def meant(self) -> ManualPlace:
+        """Place of the control under the mouse or in use."""
+        if (marked := self._marked()) is not None:
+            return marked
+        mouse = QCursor.pos()
+        under, focused = QApplication.widgetAt(mouse), self._shell.focusWidget()
+        pointed = self._place(under, mouse) if under is not None and mouse != self._mouse else None
+        used = self._place(focused, None) if focused is not None else None
+        return pointed or used or self._tool
+
+    def ask(self) -> None:
+        """Explain the next click."""
+        application().installEventFilter(self)
+        QWhatsThis.enterWhatsThisMode()
+
+    def _remember_mouse(self, _: object, now: object) -> None:
+        if now is not None:
+            self._mouse = QCursor.pos()
+
+    def _place(self, widget: QWidget, at: QPoint | None) -> ManualPlace | None:
+        """Place of a widget of this window; the view itself has none."""
+        if widget.window() is not self._shell or isinstance(widget, Viewport):
+            return None
+        return places.place_of(widget, at)
+
+    @property
+    def _tool(self) -> ManualPlace:
+        return places.of_action(f"take:{self._canvas.tool.name}")
+
+    # Events
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Explain instead of doing: on the key, also in a menu, and on a click."""
+        kind = event.type()
+        if watched is self._action:
+            return kind == QEvent.Type.Shortcut and self._done(self.explain_here)
+        if kind == QEvent.Type.KeyPress and isinstance(watched, QMenu):
+            return self._explain_entry(watched, cast(QKeyEvent, event))
+        if kind == QEvent.Type.LeaveWhatsThisMode:
+            application().removeEventFilter(self)
+        elif isinstance(watched, QWidget) and isinstance(event, QHelpEvent):
+            if kind == QEvent.Type.QueryWhatsThis:
+                event.accept()
+                return True
+            if kind == QEvent.Type.WhatsThis:
+                at = event.globalPos()
+                QWhatsThis.leaveWhatsThisMode()
+                return self._done(lambda: show(self._clicked(watched, at)))
+        return False
+
+    def _clicked(self, widget: QWidget, at: QPoint) -> ManualPlace:
+        return self._tool if isinstance(widget, Viewport) else places.place_of(widget, at) or _WINDOW
+
+    def _explain_entry(self, menu: QMenu, event: QKeyEvent) -> bool:
+        """Explain the marked entry, if the key is that of the action."""
+        keys = [QKeySequence(event.keyCombination())]
+        if not any(key in self._action.shortcuts() for key in keys):
+            return False
+        action = menu.activeAction()
+        place = places.place_of_action(action) if action is not None else None
+        while (popup := QApplication.activePopupWidget()) is not None:
+            popup.close()
+        return self._done(lambda: show(place or ManualPlace("reference/keys")))
+
+    @staticmethod
+    def _done(command: Callable[[], object]) -> bool:
+        command()
+        return True
+
+
+def explain(widget: QWidget) -> None:
+    """Open the manual at a widget, or at its owner."""
+    show(places.place_of(widget) or _WINDOW)
+
+
+def show(place: ManualPlace) -> None:
+    """Open the manual at a place, or say why it cannot be opened."""
+    attempt(lambda: manual.open_manual(place))
+
+
+def look_up(words: str) -> None:
+    """Search the manual for words, or say why that cannot be done."""
+    attempt(lambda: manual.search_manual(words))
+
+
+def attempt(command: Callable[[], object]) -> None:
+    """Run a command of the manual, or say why it cannot be run."""
+    try:
+        command()
+    except InputError as error:
+        box = QMessageBox(QMessageBox.Icon.Information, tr("Manual"), str(error))
+        box.setParent(QApplication.activeWindow(), box.windowFlags())
+        box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        box.open()
+
+
+def application() -> QApplication:
+    """The running application."""
+    found = QApplication.instance()
+    assert isinstance(found, QApplication)
+    return found

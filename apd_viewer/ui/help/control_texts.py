@@ -1,0 +1,25 @@
+"""Title and tip of a control, from its widgets."""
+
+from __future__ import annotations
+
+import re
+
+from PySide6.QtWidgets import QAbstractButton, QWidget
+
+from apd_viewer.ui.actions.action_factory import plain
+from apd_viewer.ui.widgets.slider_field import Dial
+
+
+def texts_of(widget: QWidget) -> tuple[str, str]:
+    """Title and tip of a control, both without mark-up; empty where it has none."""
+    if isinstance(widget, Dial):
+        widget = widget.field
+    title = widget.accessibleName()
+    if isinstance(widget, QAbstractButton) and not title:
+        title = plain(widget.text())
+    return _flat(title), _flat(widget.toolTip())
+
+
+def _flat(text: str) -> str:
+    """Text without tags, on one line."""
+    return " ".join(re.sub(r"<[^>]+>", " ", text).split())

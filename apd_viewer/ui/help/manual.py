@@ -1,0 +1,82 @@
+"""The manual: pages beside the program, shown by the browser."""
+
+from __future__ import annotations
+
+import tempfile
+from html import escape
+from pathlib import Path
+
+from PySide6.QtCore import QStandardPaths, QUrl, QUrlQuery
+from PySide6.QtGui import QDesktopServices
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.ui.help.places import ManualPlace
+
+_PACKAGE = Path(__file__).resolve().parents[2]
+FIRST = ManualPlace("index")
+_SEARCH = "search"
+_FORWARD = """<!doctype html>
+<meta charset="utf-8">
+<title>APD Viewer</title>
+<meta http-equiv="refresh" content="0; url={url}">
+<a href="{url}">{url}</a>
+"""
+
+
+def manual_folder(package: Path = _PACKAGE) -> Path:
+    """Folder of the manual, installed or built in a checkout.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    for folder in (package / "manual", package.parent / "build" / "docs"):
+        if (folder / "index.html").is_file():
+            return folder
+    if (package.parent / "docs" / "conf.py").is_file():
+        words = tr("The manual is not built yet; run “make docs” in {folder}.")
+        raise InputError(words.format(folder=package.parent))
+    raise InputError(tr("This installation has no manual; install the program from its wheel."))
+
+
+def open_manual(place: ManualPlace = FIRST) -> None:
+    """Show a place of the manual; raises InputError if there is no manual."""
+    page = manual_folder() / f"{place.page}.html"
+    url = QUrl.fromLocalFile(str(page))
+    if place.anchor:
+        url.setFragment(place.anchor)
+        url = QUrl.fromLocalFile(str(_forwarding(url)))
+    _show(url)
+
+
+def search_manual(words: str) -> None:
+    """Search the pages for words; raises InputError if there is no manual."""
+    url = QUrl.fromLocalFile(str(manual_folder() / f"{_SEARCH}.html"))
+    query = QUrlQuery()
+    query.addQueryItem("q", words)
+    url.setQuery(query)
+    _show(QUrl.fromLocalFile(str(_forwarding(url))))
+
+
+def _show(url: QUrl) -> None:
+    if not QDesktopServices.openUrl(url):
+        raise InputError(
+            tr("No browser could be started; open {page} in one.").format(page=url.toLocalFile())
+        )
+
+
+def _forwarding(url: QUrl) -> Path:
+    """Page leading on to ``url``: openers of files drop anchors and queries."""
+    place = QStandardPaths.writableLocation(QStandardPaths.StandardLocation.CacheLocation)
+    text = _FORWARD.format(url=escape(url.toString(QUrl.ComponentFormattingOption.FullyEncoded)))
+    for folder in (Path(place), Path(tempfile.gettempdir())):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            page = folder / "apd-viewer-manual.html"
+            page.write_text(text, encoding="utf-8")
+        except OSError:
+            continue
+        return page
+    raise InputError(tr("No temporary file could be written; the disk may be full."))

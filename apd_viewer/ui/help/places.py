@@ -1,0 +1,191 @@
+"""Places of menu entries, settings and controls in the manual, by their names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from PySide6.QtCore import QPoint
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QLabel,
+    QLineEdit,
+    QMainWindow,
+    QMenu,
+    QMenuBar,
+    QScrollBar,
+    QToolButton,
+    QWidget,
+)
+
+from apd_viewer.ui.actions.action_factory import NAME
+from apd_viewer.ui.part_lists.named_rows import NamedRow
+from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.settings_page.preference_control import SETTING
+from apd_viewer.ui.widgets.folding_section import Heading
+from apd_viewer.ui.widgets.slider_field import Dial
+
+_CONTROLS = (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QLineEdit,
+    Dial,
+)
+_SHARED = "RunBar", "PartButtons"  # the same in several owners, so named by their class
+_DEEPEST = 1  # of the objects without a widget of their own that hold controls
+
+
+class ManualPlace(NamedTuple):
+    """Page of the manual, and an anchor in it.
+
+    Parameters
+    ----------
+    page : str
+        Without its suffix, relative to the manual.
+    anchor : str
+        Empty for the beginning of the page.
+    """
+
+    page: str
+    anchor: str = ""
+
+
+def slug(name: str) -> str:
+    """Anchor made of a name; signs count, so that ``up:-X`` and ``up:+X`` differ."""
+    spoken = name.lower().replace("-", " minus ").replace("+", " plus ")
+    return re.sub(r"[^a-z0-9]+", "-", spoken).strip("-")
+
+
+def of_action(name: str) -> ManualPlace:
+    """Place of the menu entry ``name``."""
+    return ManualPlace("reference/keys", f"action-{slug(name)}")
+
+
+def of_setting(name: str) -> ManualPlace:
+    """Place of the preference ``name``."""
+    return ManualPlace("reference/settings", f"setting-{slug(name)}")
+
+
+def of_control(path: tuple[str, ...]) -> ManualPlace:
+    """Place of a control or a group of controls, by its path."""
+    return ManualPlace("reference/window", "-".join(("control", *path)))
+
+
+def place_of(widget: QWidget, at: QPoint | None = None) -> ManualPlace | None:
+    """Place of a widget; None without a name.
+
+    Parameters
+    ----------
+    widget : QWidget
+    at : QPoint, optional
+        Global position of the mouse, if that chooses a part of the widget.
+    """
+    action = _action_at(widget, at)
+    if action is not None:
+        return place_of_action(action)
+    setting = widget.property(SETTING)
+    if setting:
+        return of_setting(str(setting))
+    path = path_of(widget)
+    return of_control(path) if path else None
+
+
+def place_of_action(action: QAction) -> ManualPlace | None:
+    """Place of a menu entry; of a submenu, that of its first entry."""
+    menu = action.menu()
+    while isinstance(menu, QMenu) and menu.actions():
+        action = menu.actions()[0]
+        menu = action.menu()
+    name = action.property(NAME)
+    return of_action(str(name)) if name else None
+
+
+def _action_at(widget: QWidget, at: QPoint | None) -> QAction | None:
+    """Action behind a widget, if any."""
+    if isinstance(widget, QMenu | QMenuBar):
+        under = widget.actionAt(widget.mapFromGlobal(at)) if at is not None else None
+        return under or widget.activeAction()
+    return widget.defaultAction() if isinstance(widget, QToolButton) else None
+
+
+def is_control(widget: QWidget) -> bool:
+    """True for input fields and buttons, and for readings with a tip."""
+    if isinstance(widget, QLabel):
+        return bool(widget.toolTip() and widget.accessibleName())
+    return isinstance(widget, (*_CONTROLS, NamedRow)) and not isinstance(widget, QScrollBar)
+
+
+def is_named(widget: QWidget) -> bool:
+    """True for a control with a name of its own, rather than a part of one."""
+    has_name = _owner(widget)[0] is not None or (_is_own(widget) and not _is_general(widget))
+    return is_control(widget) and has_name
+
+
+def path_of(widget: QWidget) -> tuple[str, ...]:
+    """Names of a widget from its outermost owner down; empty if it has none.
+
+    The outermost owner is named by its class, all others by the attribute that holds them. Members of a list
+    or mapping share the name of the attribute, as the rows of a list do. What has no name is part of what
+    contains it.
+    """
+    names: list[str] = []
+    node: QWidget | None = widget
+    while node is not None:
+        owner, name = (None, "") if type(node).__name__ in _SHARED else _owner(node)
+        if owner is not None:
+            if not isinstance(node, Heading):  # which stands for its section
+                names.insert(0, name)
+            node = owner
+        elif isinstance(node, QMainWindow):
+            break
+        elif _is_own(node) and not _is_general(node):
+            return (class_slug(type(node)), *names)
+        else:
+            node = node.parentWidget()
+    return ()
+
+
+def _is_general(widget: QWidget) -> bool:
+    return type(widget).__module__.startswith("apd_viewer.ui.widgets.")
+
+
+def class_slug(kind: type) -> str:
+    """Name of a class in an anchor: ``sweep-dialog`` for SweepDialog."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "-", kind.__name__.strip("_")).lower()
+
+
+def _owner(widget: QWidget) -> tuple[QWidget | None, str]:
+    """Nearest owner of ``widget`` with an attribute for it, and its name."""
+    owner = widget.parentWidget()
+    # A main window holds what has the name of its class; what is part of a control belongs to it.
+    while owner is not None and not isinstance(owner, QMainWindow):
+        if not isinstance(owner, (*_CONTROLS, Viewport)):
+            for name, part in _parts(owner, _DEEPEST):
+                if part is widget:
+                    return owner, name
+        owner = owner.parentWidget()
+    return None, ""
+
+
+def _parts(owner: object, depth: int) -> Iterator[tuple[str, object]]:
+    """Attributes of an object and of its parts, with their names."""
+    for name, value in vars(owner).items():
+        members = value.values() if isinstance(value, dict) else value
+        for part in members if isinstance(value, dict | list | tuple) else [value]:
+            if isinstance(part, QWidget):
+                yield slug(name), part
+            elif depth and _is_own(part) and hasattr(part, "__dict__"):
+                yield from ((f"{slug(name)}-{inner}", found) for inner, found in _parts(part, depth - 1))
+
+
+def _is_own(thing: object) -> bool:
+    return type(thing).__module__.startswith("apd_viewer.ui.")

@@ -1,0 +1,45 @@
+"""Button "?" of a dialog, and the key for help in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeySequence, QShortcut, QShowEvent
+from PySide6.QtWidgets import QToolButton, QWidget
+
+from apd_viewer.language import tr
+
+
+class HelpButton(QToolButton):
+    """Opens the manual at its window; F1 there opens it at the control in use.
+
+    Attributes
+    ----------
+    explain : callable
+        Opens the manual at a widget; set by the room that has the manual.
+    """
+
+    explain: ClassVar[Callable[[QWidget], object]] = staticmethod(lambda _: None)
+
+    def __init__(self) -> None:
+        super().__init__(objectName="help", text="?", accessibleName=tr("Help"))
+        self.setToolTip(tr("Open the manual at this window; F1 explains a single control"))
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setFixedSize(26, 26)
+        self.clicked.connect(lambda: HelpButton.explain(self.window()))
+        self._key: QShortcut | None = None
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Take the key for help in the window that the button has got into."""
+        super().showEvent(event)
+        if self._key is None:
+            self._key = give_help_key(self.window())
+
+
+def give_help_key(window: QWidget) -> QShortcut:
+    """Shortcut in a window to explain the control in use there."""
+    key = QShortcut(QKeySequence(QKeySequence.StandardKey.HelpContents), window)
+    key.activated.connect(lambda: HelpButton.explain(window.focusWidget() or window))
+    return key

@@ -1,0 +1,23 @@
+"""What each control of the window is called and does, from its own texts."""
+
+from __future__ import annotations
+
+from window_tour import widgets
+
+from apd_viewer.ui.help.control_texts import texts_of
+from apd_viewer.ui.help.places import is_named, path_of
+
+
+def described() -> list[tuple[str, str, str]]:
+    """Path, title and tip of each control; those of a list or mapping have the same path."""
+    rows = {}
+    for widget in filter(is_named, widgets()):
+        path = path_of(widget)
+        title, tip = texts_of(widget)
+        if path and path[0] not in _ELSEWHERE:
+            rows.setdefault(("/".join(path), title), tip)
+    return [(path, title, tip) for (path, title), tip in rows.items()]
+
+
+# Its controls are the preferences, which have a page of their own.
+_ELSEWHERE = "choice-control", "number-control"
