@@ -14,7 +14,7 @@ quick test: packages += xvfb xauth
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test quick lint format docs texts clean system-packages
+.PHONY: help run test quick lint format docs wheel texts clean system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -67,6 +67,10 @@ format: .venv/.tools ## format the source and sort its imports
 docs: .venv/.tools ## build the site into build/docs; links between pages are checked
 	@.venv/bin/python -m sphinx -W -n -q --keep-going -d build/doctrees docs build/docs
 	@echo "See build/docs/index.html."
+
+wheel: docs ## build a wheel with the manual in it into dist
+	@.venv/bin/python -m pip wheel --quiet --no-deps -w dist .
+	@echo "See dist."
 
 texts: .venv/.tools ## collect and compile translations; language=fr starts a new one
 	@.venv/bin/python .ci/texts.py $(language)

@@ -281,7 +281,13 @@ TITLES = {
 
 _RENAME = "Double-click it, or press F2, to rename; Enter accepts and Esc restores"
 
+_HELP = "Opens the manual at this window; F1 explains the control in use"
+
 SENTENCES = {
+    **{
+        f"{window}/help": _HELP
+        for window in ("run-bar", "plan-dialog", "picture-dialog", "settings-dialog", "comparison-window")
+    },
     "panel/volume/crossings": "Number of triangles that cross others, checked when the shape stops moving; "
     "a click shows where they are",
     "panel/handles/list/rows/name": _RENAME,

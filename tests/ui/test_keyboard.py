@@ -35,7 +35,7 @@ def everything(window):
 
 
 def sheet(window):
-    window.actions_.help[0].trigger()
+    window.actions_.help["shortcuts"].trigger()
 
 
 def tour(window):

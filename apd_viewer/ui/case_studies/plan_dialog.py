@@ -32,6 +32,7 @@ from apd_viewer.ui.case_studies.varied_fields import HEADS, VariedFields
 from apd_viewer.ui.studies.study_dialog import count_field, row_of
 from apd_viewer.ui.widgets.fields import Choice, Entry
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.help_button import HelpButton
 
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QLayout, QWidget
@@ -176,7 +177,9 @@ class PlanDialog(QDialog):
         self.cancel = QPushButton(tr("Cancel"), clicked=self.reject, autoDefault=False)
         self.start = QPushButton(tr("Run"), objectName="primary", clicked=self.begin)
         self.start.setDefault(True)
+        self.help = HelpButton()
         row = QHBoxLayout(spacing=8)
+        row.addWidget(self.help)
         row.addWidget(self.words, 1)
         row.addWidget(self.cancel)
         row.addWidget(self.start)

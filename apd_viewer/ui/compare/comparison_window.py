@@ -26,6 +26,7 @@ from apd_viewer.ui.panel.statusbar import Hint
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 from apd_viewer.ui.widgets.fields import Check
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.help_button import HelpButton
 from apd_viewer.ui.widgets.icons import application_icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 
@@ -122,7 +123,8 @@ class ComparisonWindow(QWidget):
             head.addWidget(check)
         head.addWidget(self.status, 1)
         buttons = QHBoxLayout(spacing=8)
-        for button in (self.stop, self.again, self.save_table, self.save_picture):
+        self.help = HelpButton()
+        for button in (self.stop, self.again, self.save_table, self.save_picture, self.help):
             buttons.addWidget(button)
         head.addLayout(buttons)
         foot = QHBoxLayout(spacing=32)

@@ -21,6 +21,7 @@ from apd_viewer.ui.preferences.preference_values import PreferenceValues
 from apd_viewer.ui.settings_page.preference_control import control_of
 from apd_viewer.ui.settings_page.preference_table import GROUPS, PREFERENCES, PreferenceGroup
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.help_button import HelpButton
 
 _WIDTH, _TITLES, _CONTROLS = 640, 120, 190  # px
 
@@ -89,7 +90,9 @@ class SettingsDialog(QDialog):
         self.close_.clicked.connect(self.close)
         self._values.changed.connect(self._offer_restore)
         self._offer_restore()
+        self.help = HelpButton()
         row = QHBoxLayout(spacing=8)
+        row.addWidget(self.help)
         row.addWidget(self.shortcuts)
         row.addWidget(self.restore)
         row.addStretch(1)

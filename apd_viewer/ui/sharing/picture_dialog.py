@@ -12,6 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.ui.sharing.pictures import Wish
 from apd_viewer.ui.widgets.fields import Check, Choice, Number
+from apd_viewer.ui.widgets.help_button import HelpButton
 
 if TYPE_CHECKING:
     from apd_viewer.ui.sharing.pictures import Pictures
@@ -128,7 +129,9 @@ class PictureDialog(QDialog):
         top = QHBoxLayout(spacing=20)
         top.addWidget(self.preview)
         top.addLayout(grid)
+        self.help = HelpButton()
         buttons = QHBoxLayout(spacing=8)
+        buttons.addWidget(self.help)
         buttons.addStretch(1)
         for button in (self._cancel, self.copy, self.save):
             buttons.addWidget(button)

@@ -25,6 +25,7 @@ from apd_viewer.files.storage.atomic_folder import clear_after, filling, unused_
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.background_job import Job, JobOutcome
 from apd_viewer.ui.studies.command_process import CommandProcess
+from apd_viewer.ui.widgets.help_button import HelpButton
 
 if TYPE_CHECKING:
     from apd_viewer.ui.preferences.preferences import Preferences
@@ -88,6 +89,8 @@ class RunBar(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self.bar)
         row = QHBoxLayout(spacing=8)
+        self.help = HelpButton()
+        row.addWidget(self.help)
         row.addWidget(self.words, 1)
         for button in (self.open, self.save, self.cancel, self.start):
             row.addWidget(button)

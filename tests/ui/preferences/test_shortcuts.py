@@ -280,10 +280,10 @@ def test_a_conflict_can_be_solved_by_a_swap(qtbot, active, sheet, again):
 
 
 def test_one_of_several_keys_can_be_taken(qtbot, active, sheet):
-    press(qtbot, sheet, "tour", Qt.Key.Key_F1)
+    press(qtbot, sheet, "tour", Qt.Key.Key_F1, SHIFT)
     assert sheet.swap.text() == "Reassign"
     qtbot.mouseClick(sheet.swap, LEFT)
-    assert sheet.rows["tour"].entry.keys == "F1"
+    assert sheet.rows["tour"].entry.keys == "Shift+F1"
     assert sheet.rows["shortcuts"].entry.keys == "?"
 
 
