@@ -7,28 +7,21 @@ from typing import cast
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import (
-    QFrame,
-    QHBoxLayout,
-    QHeaderView,
-    QLabel,
-    QLineEdit,
-    QTreeWidget,
-    QTreeWidgetItem,
-    QVBoxLayout,
-)
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout
 
 from apd_viewer.language import tr
+from apd_viewer.ui.help.found_list import FoundList
 from apd_viewer.ui.help.searchable import Searchable
-from apd_viewer.ui.help.word_match import meant_words, score
+from apd_viewer.ui.help.word_match import Wish, score
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import SIZE, icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.theme import Theme
 
-_MARGIN, _WIDEST, _ROWS = 12, 640, 10
+_MARGIN, _WIDEST = 12, 640
 _MOST = 40  # entries found
+_LATER = 0.9  # lost by an entry that cannot be run now
 _WALKS = Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.Key_PageDown
 _OF_ITEM = Qt.ItemDataRole.UserRole
 
@@ -47,7 +40,7 @@ class CommandSearch(QFrame):
     Attributes
     ----------
     search : QLineEdit
-    list : QTreeWidget
+    list : FoundList
     """
 
     dismissed = Signal()
@@ -66,7 +59,9 @@ class CommandSearch(QFrame):
         column = self._column = QVBoxLayout(self, spacing=8)
         column.setContentsMargins(12, 8, 8, 10)
         column.addLayout(self._make_head())
-        column.addWidget(self._make_list(), 1)
+        self.list = FoundList()
+        self.list.itemClicked.connect(self._run)
+        column.addWidget(self.list, 1)
         self._hint = QLabel(tr("Enter runs it, F1 explains it, Esc closes"), objectName="quiet")
         column.addWidget(self._hint)
         self.hide()
@@ -88,26 +83,6 @@ class CommandSearch(QFrame):
         row.addWidget(self._close)
         return row
 
-    def _make_list(self) -> QTreeWidget:
-        self.list = QTreeWidget(
-            columnCount=3,
-            headerHidden=True,
-            rootIsDecorated=False,
-            uniformRowHeights=True,
-            iconSize=SIZE,
-            accessibleName=tr("Commands found"),
-            focusPolicy=Qt.FocusPolicy.NoFocus,  # the keys stay in the field
-        )
-        self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.list.setToolTip(tr("A click runs the command, or goes to the control"))
-        header = self.list.header()
-        header.setStretchLastSection(False)
-        header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
-        for column in (1, 2):
-            header.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
-        self.list.itemClicked.connect(self._run)
-        return self.list
-
     def open(self) -> None:
         """Begin anew, with the present state of all entries."""
         self._known = list(self._collect())
@@ -119,29 +94,26 @@ class CommandSearch(QFrame):
         self.search.setFocus(Qt.FocusReason.PopupFocusReason)
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw the icon."""
-        self._close.setIcon(icon("cancel", theme or LIGHT))
+        """Redraw the icons."""
+        self.list.theme = theme
+        self._close.setIcon(icon("cancel", theme))
+        if not self.isHidden():
+            self._show_found(self.search.text())
 
     # Finding
 
     def _show_found(self, text: str) -> None:
-        wish = meant_words(text)
-        ranked = [(score(wish, each.texts), each) for each in self._known] if wish else []
+        wish = Wish.of(text)
+        ranked = [(score(wish, each.texts), each) for each in self._known]
         ranked = [pair for pair in ranked if pair[0] > 0.0]
-        ranked.sort(key=lambda pair: (-pair[0], bool(pair[1].why_not)))
+        ranked.sort(key=lambda pair: _LATER * bool(pair[1].why_not) - pair[0])
         self._found = [each for _, each in ranked[:_MOST]]
-        self.list.clear()
-        self.list.addTopLevelItems([_item(each) for each in self._found])
-        if text.strip():
-            words = tr("Search the manual for “{text}”").format(text=text.strip())
-            self.list.addTopLevelItem(QTreeWidgetItem([words]))
-        if (first := self.list.topLevelItem(0)) is not None:
-            self.list.setCurrentItem(first)
+        self.list.show_found(self._found, text.strip())
         self._place()
 
     def _run(self) -> None:
         """Run the marked entry, unless it is disabled."""
-        row = self._row
+        row = self.list.row
         if row < 0:
             return
         found = self._found[row] if row < len(self._found) else None
@@ -158,9 +130,6 @@ class CommandSearch(QFrame):
 
     def _place(self) -> None:
         if not self.isHidden():
-            rows = min(self.list.topLevelItemCount(), _ROWS)
-            height = max(self.list.sizeHintForRow(0), 0) * rows + 2 * self.list.frameWidth() + 2
-            self.list.setFixedHeight(height if rows else 0)
             width = min(_WIDEST, self._canvas.width() - 2 * _MARGIN)
             self.setFixedWidth(width)
             self._column.activate()
@@ -186,22 +155,4 @@ class CommandSearch(QFrame):
     @property
     def marked(self) -> Searchable | None:
         """Marked entry, for Enter."""
-        return self._found[self._row] if 0 <= self._row < len(self._found) else None
-
-    @property
-    def _row(self) -> int:
-        """Number of the marked row; -1 if there is none."""
-        item = self.list.currentItem()
-        return -1 if item is None else self.list.indexOfTopLevelItem(item)
-
-
-def _item(found: Searchable) -> QTreeWidgetItem:
-    """Row of an entry, grey with its reason if it cannot be run."""
-    where = found.why_not or found.where
-    item = QTreeWidgetItem([found.texts.title, where, found.keys])
-    if found.icon is not None:
-        item.setIcon(0, found.icon)
-    item.setDisabled(bool(found.why_not))
-    item.setToolTip(0, found.texts.tip)
-    item.setTextAlignment(2, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-    return item
+        return self._found[self.list.row] if 0 <= self.list.row < len(self._found) else None

@@ -114,7 +114,7 @@ class ContextHelp(QObject):
         keys = [QKeySequence(event.keyCombination())]
         if not any(key in self._action.shortcuts() for key in keys):
             return False
-        action = menu.activeAction()
+        action = menu.activeAction() or menu.actionAt(menu.mapFromGlobal(QCursor.pos()))
         place = places.place_of_action(action) if action is not None else None
         while (popup := QApplication.activePopupWidget()) is not None:
             popup.close()
@@ -146,8 +146,10 @@ def attempt(command: Callable[[], object]) -> None:
     try:
         command()
     except InputError as error:
-        box = QMessageBox(QMessageBox.Icon.Information, tr("Manual"), str(error))
-        box.setParent(QApplication.activeWindow(), box.windowFlags())
+        shown = [window for window in QApplication.topLevelWidgets() if window.isVisible()]
+        owner = QApplication.activeWindow() or shown[0]  # which also keeps it from being collected
+        button = QMessageBox.StandardButton.Ok
+        box = QMessageBox(QMessageBox.Icon.Information, tr("Manual"), str(error), button, owner)
         box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         box.open()
 

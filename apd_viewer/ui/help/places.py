@@ -40,6 +40,7 @@ _CONTROLS = (
     QLineEdit,
     Dial,
 )
+_PATH = "manualPath"  # property of a widget that is no part of its owner
 _SHARED = "RunBar", "PartButtons"  # the same in several owners, so named by their class
 _DEEPEST = 1  # of the objects without a widget of their own that hold controls
 
@@ -90,8 +91,8 @@ def place_of(widget: QWidget, at: QPoint | None = None) -> ManualPlace | None:
         Global position of the mouse, if that chooses a part of the widget.
     """
     action = _action_at(widget, at)
-    if action is not None:
-        return place_of_action(action)
+    if action is not None and (place := place_of_action(action)) is not None:
+        return place
     setting = widget.property(SETTING)
     if setting:
         return of_setting(str(setting))
@@ -137,6 +138,8 @@ def path_of(widget: QWidget) -> tuple[str, ...]:
     or mapping share the name of the attribute, as the rows of a list do. What has no name is part of what
     contains it.
     """
+    if given := widget.property(_PATH):
+        return tuple(str(given).split("/"))
     names: list[str] = []
     node: QWidget | None = widget
     while node is not None:

@@ -8,7 +8,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QScrollArea, QWidget
 
 from apd_viewer.language import tr
@@ -43,7 +42,8 @@ class Searchable:
     keys : str
     why_not : str
         Why it cannot be run now; empty if it can.
-    icon : QIcon or None
+    image : str
+        Name of its icon.
     """
 
     texts: Texts
@@ -52,7 +52,7 @@ class Searchable:
     place: ManualPlace
     keys: str = ""
     why_not: str = ""
-    icon: QIcon | None = None
+    image: str = "panel"
 
 
 def everything(
@@ -72,15 +72,17 @@ def everything(
 def commands(shell: QMainWindow, entries: list[ShortcutEntry], store: Store) -> Iterator[Searchable]:
     """All menu entries."""
     by_action = {entry.action: entry for entry in entries}
-    for menu, within, action in menu_entries(shell.menuBar()):
+    for found in menu_entries(shell.menuBar()):
+        menu, within, action = found
         entry = by_action.get(action)
         if entry is not None:
             where = tr("{menu} > {entry}").format(menu=menu, entry=within) if within else menu
             why_not = "" if action.isEnabled() else _why_not(entry, store)
-            texts = Texts(entry.title, entry.tip, f"{ALSO.get(entry.name, '')} {within}")
+            title = found.full(entry.title)
+            texts = Texts(title, entry.tip, ALSO.get(entry.name, ""))
             keys = native(keys_of(action))
             place = places.of_action(entry.name)
-            yield Searchable(texts, where, action.trigger, place, keys, why_not, action.icon())
+            yield Searchable(texts, where, action.trigger, place, keys, why_not, entry.image)
 
 
 def _why_not(entry: ShortcutEntry, store: Store) -> str:
@@ -157,4 +159,5 @@ def settings(open_settings: Callable[[str], object]) -> Iterator[Searchable]:
                 tr("{menu} > {entry}").format(menu=tr("Settings"), entry=group.title),
                 partial(open_settings, preference.name),
                 places.of_setting(preference.name),
+                image="settings",
             )

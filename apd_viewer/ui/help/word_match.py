@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from difflib import SequenceMatcher
 from typing import NamedTuple
 
@@ -18,6 +18,7 @@ _EMPTY = frozenset(
 _GENERAL = frozenset(tr("bottle mesh model object shape thing").split())
 _TITLE, _ALSO, _TIP = 3.0, 3.0, 1.0
 _WHOLE = 2.0  # more, if every word of the title is meant
+_MESH = 1.5  # more, for what changes the whole mesh if the wish names the mesh
 _LONG = 5  # letters from which a word may be misspelt
 _ALIKE = 0.8
 
@@ -43,26 +44,34 @@ def words_of(text: str) -> list[str]:
     return re.findall(r"[^\W_]+", "".join(letter for letter in flat if not unicodedata.combining(letter)))
 
 
-def meant_words(wish: str) -> list[str]:
-    """Telling words of a wish."""
-    words = words_of(wish)
-    telling = [word for word in words if word not in _EMPTY]
-    special = [word for word in telling if word not in _GENERAL]
-    return special or telling or words
+class Wish(NamedTuple):
+    """Telling words of a wish, and whether it names the mesh as a whole."""
+
+    words: tuple[str, ...]
+    is_general: bool
+
+    @classmethod
+    def of(cls, text: str) -> Wish:
+        """Wish as typed; where it has no telling word, all of them count."""
+        words = words_of(text)
+        telling = [word for word in words if word not in _EMPTY]
+        special = [word for word in telling if word not in _GENERAL]
+        return cls(tuple(special or telling or words), bool(special) and special != telling)
 
 
-def score(wish: Sequence[str], texts: Texts) -> float:
-    """Match of texts with the words of a wish; 0 unless most are found."""
-    title, also, tip = (words_of(text) for text in texts)
+def score(wish: Wish, texts: Texts) -> float:
+    """Match of texts with a wish; 0 unless most of its words are found."""
+    title, tip, also = (words_of(text) for text in texts)
     total, found = 0.0, 0
-    for word in wish:
+    for word in wish.words:
         best = max(_TITLE * _best(word, title), _ALSO * _best(word, also), _TIP * _best(word, tip))
         total += best
         found += best > 0.0
-    if not wish or 2 * found <= len(wish):
+    if not wish.words or 2 * found <= len(wish.words):
         return 0.0
-    named = sum(_best(word, list(wish)) for word in title) / max(1, len(title))
-    return total / len(wish) + _WHOLE * named
+    named = sum(max(_alike(word, other) for word in wish.words) for other in title) / max(1, len(title))
+    general = wish.is_general and not _GENERAL.isdisjoint(also)
+    return total / len(wish.words) + _WHOLE * named + _MESH * general
 
 
 def _best(word: str, others: Iterable[str]) -> float:

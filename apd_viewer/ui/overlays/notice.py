@@ -60,6 +60,7 @@ class Notice(QFrame):
         self._close = QToolButton(
             canvas, accessibleName=tr("Dismiss message"), toolTip=tr("Dismiss"), iconSize=SIZE
         )
+        self._close.setProperty("manualPath", "notice")  # the button is no part of it
         self._close.clicked.connect(self.hide)
         row = self._row = QHBoxLayout(self)
         row.setContentsMargins(12, 8, 8 + _CLOSE, 8)

@@ -1,0 +1,139 @@
+"""The search for commands: by what one wants to do, with the keyboard alone."""
+
+import pytest
+from driving import LEFT
+from PySide6.QtCore import Qt
+
+from apd_viewer.ui.help import manual, places
+from apd_viewer.ui.help.word_match import Texts, Wish, score
+
+CTRL = Qt.KeyboardModifier.ControlModifier
+# Wishes, and a title that is among the first three.
+WISHES = {
+    "mirror": "Mirror: Along X",
+    "make the bottle smaller": "Enter motion",
+    "make the brush smaller": "Smaller brush",
+    "thickness of the wall": "Wall, thickness",
+    "save as stl": "Export",
+    "screenshot": "Save picture",
+    "wireframe": "Edges",
+    "hold the bottom in place": "Paint base",
+    "squeeze": "Press between plates",
+    "heat map": "Overlay: Local area change",
+    "stiffnes": "Stiffness",
+    "preferences": "Settings",
+    "keyboard": "Shortcuts",
+    "dark": "Appearance: Dark",
+    "autosave": "Autosave",
+    "rotate the handle": "Move handle",
+    "bottle": "Open sample: PET bottle",
+}
+
+
+@pytest.fixture
+def search(qtbot, bottle):
+    """The search in a window that has the keys, opened by its key."""
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
+    bottle.canvas.viewport.setFocus()
+    qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_F, CTRL)
+    assert bottle.help.search.isVisible()
+    assert bottle.shell.focusWidget() is bottle.help.search.search
+    return bottle.help.search
+
+
+def found(search, text):
+    """Titles found for a text, typed anew."""
+    search.search.setText(text)
+    items = [search.list.topLevelItem(k) for k in range(search.list.topLevelItemCount())]
+    return [item.text(0) for item in items]
+
+
+def test_wishes_are_found_under_their_words_and_others(search):
+    missed = {wish: found(search, wish)[:3] for wish in WISHES if WISHES[wish] not in found(search, wish)[:3]}
+    assert missed == {}
+    assert found(search, "xqzw") == ["Search the manual for “xqzw”"]
+    assert found(search, " ") == []
+
+
+def test_enter_runs_the_marked_command(qtbot, bottle, search):
+    qtbot.keyClicks(search.search, "wireframe")
+    assert not bottle.canvas.surface.edges
+    qtbot.keyClick(search.search, Qt.Key.Key_Return)
+    assert bottle.canvas.surface.edges
+    assert not search.isVisible()
+    assert bottle.shell.focusWidget() is bottle.canvas.viewport
+
+
+def test_the_arrows_choose_another_and_its_keys_and_place_are_there(qtbot, bottle, search):
+    titles = found(search, "brush")
+    qtbot.keyClick(search.search, Qt.Key.Key_Down)
+    assert search.list.currentItem().text(0) == titles[1]
+    rows = {
+        item.text(0): (item.text(1), item.text(2))
+        for item in (search.list.topLevelItem(k) for k in range(len(titles)))
+    }
+    assert rows["Brush"] == ("Select", "D")
+    assert rows["Brush radius"] == ("Settings > Painting", "")
+    qtbot.keyClick(search.search, Qt.Key.Key_Escape)
+    assert not search.isVisible()
+
+
+def test_a_disabled_command_says_why_and_is_not_run(qtbot, bottle, search):
+    qtbot.keyClicks(search.search, "undo")
+    items = [search.list.topLevelItem(k) for k in range(search.list.topLevelItemCount())]
+    item = next(item for item in items if item.text(0) == "Undo")
+    assert item.isDisabled()
+    assert item.text(1) == "there is no step to undo"
+    search.list.setCurrentItem(item)
+    qtbot.keyClick(search.search, Qt.Key.Key_Return)
+    assert search.isVisible()
+
+
+def test_without_a_mesh_most_commands_say_so(window):
+    window.help.open_search()
+    whys = {each.texts.title: each.why_not for each in window.help.search._known}
+    assert whys["Export"] == whys["Undo"] == "open a mesh first"
+    assert whys["Open"] == whys["Settings"] == whys["Stiffness"][:0] == ""
+    assert whys["Stiffness"] == "not with what is open"
+
+
+def test_a_control_is_shown_and_gets_the_keys(qtbot, bottle, search):
+    bottle.panel.measures.folded = True
+    bottle.docks["readings"].hide()
+    qtbot.keyClicks(search.search, "density")
+    qtbot.keyClick(search.search, Qt.Key.Key_Return)
+    qtbot.waitUntil(lambda: bottle.shell.focusWidget() is bottle.panel.measures.density)
+    assert not bottle.panel.measures.folded
+    qtbot.waitUntil(lambda: not bottle.panel.measures.density.visibleRegion().isEmpty())
+
+
+def test_a_setting_is_opened(qtbot, bottle, search):
+    qtbot.keyClicks(search.search, "undo memory")
+    row = search.list.visualItemRect(search.list.topLevelItem(0))
+    qtbot.mouseClick(search.list.viewport(), LEFT, pos=row.center())
+    dialog = bottle.settings_page.dialog
+    assert dialog.focusWidget().objectName() == "undo_memory"
+
+
+def test_f1_explains_the_marked_entry_and_the_last_one_searches_the_manual(qtbot, search, monkeypatch):
+    opened = []
+    monkeypatch.setattr(manual, "open_manual", opened.append)
+    monkeypatch.setattr(manual, "search_manual", opened.append)
+    qtbot.keyClicks(search.search, "wireframe")
+    qtbot.keyClick(search.search, Qt.Key.Key_F1)
+    assert opened == [places.of_action("edges")]
+    assert found(search, "xqzw")
+    qtbot.keyClick(search.search, Qt.Key.Key_Return)
+    assert opened[1:] == ["xqzw"]
+
+
+def test_words_match_by_their_beginning_ending_and_with_a_slip():
+    def rank(wish, title):
+        return score(Wish.of(wish), Texts(title, ""))
+
+    assert rank("export", "Export") > rank("exp", "Export") > rank("exprot", "Export") > 0
+    assert rank("rotating", "Rotate") > 0
+    assert rank("été", "Ete") == rank("ete", "Ete")
+    assert rank("export", "Import") < rank("export", "Export")
+    assert rank("nothing of this", "Export") == 0

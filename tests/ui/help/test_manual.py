@@ -1,0 +1,233 @@
+"""Help in place: each control and menu entry has its place in the manual, and F1 opens it."""
+
+import re
+from pathlib import Path
+
+import generated_pages
+import pytest
+import window_tour
+from driving import LEFT, idle
+from PySide6.QtCore import QPoint, Qt, QUrl
+from PySide6.QtGui import QCursor, QDesktopServices
+from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QScrollBar
+
+from apd_viewer.errors import InputError
+from apd_viewer.ui.help import manual, places
+from apd_viewer.ui.help.places import ManualPlace
+from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.widgets.folding_section import Heading
+from apd_viewer.ui.widgets.help_button import HelpButton
+
+
+@pytest.fixture(scope="module")
+def anchors():
+    """Pages and anchors of the reference, as they are written for the site."""
+    found = set()
+    for page, name in (("keys", "keys"), ("settings", "settings"), ("window", "window")):
+        text = generated_pages.WRITERS[name]()
+        named = re.findall(r"\{#([\w-]+)\}|^\(([\w-]+)\)=$", text, re.MULTILINE)
+        found |= {ManualPlace(f"reference/{page}", one or other) for one, other in named}
+    return found
+
+
+@pytest.fixture
+def opened(monkeypatch):
+    """Places at which the manual was opened."""
+    found = []
+    monkeypatch.setattr(manual, "open_manual", lambda place=manual.FIRST: found.append(place))
+    return found
+
+
+@pytest.fixture
+def active(qtbot, bottle):
+    """The bottle in a window that has the keys, the mouse over the view."""
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
+    bottle.canvas.viewport.setFocus()
+    point(qtbot, bottle.canvas.viewport)
+    return bottle
+
+
+def point(qtbot, widget):
+    """Move the real mouse to the middle of a widget."""
+    at = widget.mapToGlobal(widget.rect().center())
+    QCursor.setPos(at + QPoint(1, 0))
+    QCursor.setPos(at)
+    qtbot.waitUntil(lambda: QCursor.pos() == at)
+
+
+def test_everything_in_the_window_has_its_place(qtbot, window, anchors):
+    """All actions, and all that takes input in the window and its dialogs, by a walk through them."""
+    wait = lambda done: qtbot.waitUntil(lambda: bool(done()), timeout=60_000)  # noqa: E731
+    window_tour.show_all(window, wait)
+    actions = [entry.action for entry in window.actions_.entries]
+    assert len(actions) > 140
+    assert [action.text() for action in actions if places.place_of_action(action) not in anchors] == []
+    controls = [
+        widget
+        for widget in window_tour.widgets()
+        if widget.window() in QApplication.topLevelWidgets() and is_for_the_user(widget)
+    ]
+    assert len(controls) > 300
+    found = [(one, one.parentWidget(), places.place_of(one)) for one in controls]
+    assert [str(each) for each in found if each[-1] not in anchors] == []
+    paths = {places.path_of(widget)[:2] for widget in controls}
+    sections = {name for name, part in vars(window.panel).items() if part in window.panel.sections}
+    assert {f"panel/{name}" for name in sections} <= {"/".join(path) for path in paths}
+    named = {path[0] for path in paths if path}
+    assert named >= {"sweep-dialog", "press-dialog", "plan-dialog", "picture-dialog", "comparison-window"}
+
+
+def is_for_the_user(widget):
+    """Whether it takes input and is no part that Qt makes by itself: a scroll bar, the list of a choice."""
+    qts = "qt_", "QComboBox", "QDockWidget", "QMenu", "QHeaderView", "QTabBar"
+    owners = [owner for owner in (widget, widget.parentWidget()) if owner is not None]
+    names = [name for owner in owners for name in (owner.objectName(), owner.metaObject().className())]
+    made = any(name.startswith(qts) for name in names)
+    return places.is_control(widget) and not made and not isinstance(widget, QScrollBar | QLabel)
+
+
+def test_each_place_says_something(anchors):
+    pages = [generated_pages.WRITERS[page]() for page in ("keys", "window", "settings")]
+    said = [row for page in pages for row in page.splitlines() if "{#" in row]
+    assert len(said) > 300
+    assert [row for row in said if len(row.strip("| ").rsplit(" | ", 1)[-1]) < 8] == []
+
+
+def test_a_heading_stands_for_its_section(window):
+    assert places.place_of(window.panel.volume.heading) == places.of_control(("panel", "volume"))
+    folded = window.panel.method.convergence.findChild(Heading)
+    assert places.place_of(folded) == places.of_control(("panel", "method", "convergence"))
+
+
+def test_f1_explains_what_is_under_the_mouse_in_use_or_in_the_hand(qtbot, active, opened):
+    panel, view = active.panel, active.canvas.viewport
+    qtbot.keyClick(view, Qt.Key.Key_F1)
+    assert opened.pop() == places.of_action("take:MOVE")
+    active.tools.take(Tool.ERASE)
+    qtbot.keyClick(view, Qt.Key.Key_F1)
+    assert opened.pop() == places.of_action("take:ERASE")
+    point(qtbot, panel.area.target.slider)
+    qtbot.keyClick(view, Qt.Key.Key_F1)
+    assert opened.pop() == places.of_control(("panel", "area", "target"))
+    panel.area.hold.setFocus() if panel.area.hold.isVisible() else panel.handles.add.setFocus()
+    focused = places.place_of(active.shell.focusWidget())
+    qtbot.keyClick(active.shell.focusWidget(), Qt.Key.Key_F1)
+    assert opened.pop() == focused != places.of_control(("panel", "area", "target"))
+    button = active.actions_.bar.widgetForAction(active.actions_.undo)
+    point(qtbot, button)
+    qtbot.keyClick(view, Qt.Key.Key_F1)
+    assert opened.pop() == places.of_action("undo")
+    assert opened == []
+
+
+def test_f1_explains_the_marked_entry_of_a_menu_and_does_not_choose_it(qtbot, active, opened):
+    menu = active.shell.menuBar().actions()[1].menu()
+    menu.popup(active.shell.mapToGlobal(QPoint(200, 100)))
+    qtbot.waitExposed(menu)
+    menu.setActiveAction(active.actions_.settings)
+    qtbot.keyClick(menu, Qt.Key.Key_F1)
+    assert opened == [places.of_action("settings")]
+    assert not menu.isVisible()
+    assert active.settings_page.dialog is None
+
+
+def test_a_click_with_the_question_mark_explains_and_does_nothing(qtbot, active, opened):
+    count = len(active.session.store.state.document.handles)
+    for widget, place in (
+        (active.panel.handles.add, places.of_control(("panel", "handles", "add"))),
+        (active.canvas.viewport, places.of_action("take:MOVE")),
+    ):
+        active.actions_.help["help"].trigger()
+        qtbot.mouseClick(widget, LEFT)
+        assert opened.pop() == place
+    qtbot.mouseClick(active.panel.handles.add, LEFT)
+    idle(qtbot, active)
+    assert opened == []
+    assert len(active.session.store.state.document.handles) == count + 1
+
+
+def test_dialogs_have_a_question_mark_and_the_key(qtbot, active, opened):
+    active.actions_.settings.trigger()
+    dialog = active.settings_page.dialog
+    qtbot.waitUntil(dialog.isActiveWindow)
+    qtbot.mouseClick(dialog.findChild(HelpButton), LEFT)
+    assert opened.pop() == places.of_control(("settings-dialog",))
+    field = dialog.findChild(object, "brush_radius")
+    field.setFocus()
+    qtbot.keyClick(field, Qt.Key.Key_F1)
+    assert opened.pop() == places.of_setting("brush_radius")
+
+
+# Opening
+
+
+@pytest.fixture
+def browser(monkeypatch):
+    """What the browser was asked to show."""
+    shown = []
+    monkeypatch.setattr(QDesktopServices, "openUrl", lambda url: shown.append(url) or True)
+    return shown
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A package with a manual in it, in a folder with signs that links escape."""
+    package = tmp_path / "ein Ordner #1 %20 ü" / "apd_viewer"
+    (package / "manual" / "reference").mkdir(parents=True)
+    for page in ("index", "reference/keys", "search"):
+        (package / "manual" / f"{page}.html").write_text("<p>", encoding="utf-8")
+    monkeypatch.setattr(manual, "manual_folder", lambda: package / "manual")
+    return package
+
+
+def test_the_first_page_is_opened_as_it_is(browser, package):
+    manual.open_manual()
+    assert [url.toLocalFile() for url in browser] == [str(package / "manual" / "index.html")]
+
+
+@pytest.mark.parametrize("words", [None, "volume of a bottle & more"])
+def test_a_page_leads_on_to_the_anchor(browser, package, words):
+    """What opens files drops what follows their names, so the browser gets a page without it."""
+    if words is None:
+        manual.open_manual(places.of_action("up:-X"))
+    else:
+        manual.search_manual(words)
+    (url,) = browser
+    assert not url.hasFragment()
+    assert not url.hasQuery()
+    text = Path(url.toLocalFile()).read_text(encoding="utf-8")
+    (target,) = {link.replace("&amp;", "&") for link in re.findall(r'(?:url=|href=")([^"]+)"', text)}
+    goal = QUrl(target, QUrl.ParsingMode.StrictMode)
+    assert goal.isValid()
+    page = "search" if words else "reference/keys"
+    assert goal.toLocalFile() == str(package / "manual" / f"{page}.html")
+    if words is None:
+        assert goal.fragment() == "action-up-minus-x"
+    else:
+        assert "q=volume%20of%20a%20bottle%20%26%20more" in target
+
+
+def test_where_the_manual_is(tmp_path):
+    package = tmp_path / "apd_viewer"
+    with pytest.raises(InputError, match="This installation has no manual"):
+        manual.manual_folder(package)
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "conf.py").touch()
+    with pytest.raises(InputError, match=re.escape(f"run “make docs” in {tmp_path}")):
+        manual.manual_folder(package)
+    for folder in (tmp_path / "build" / "docs", package / "manual"):
+        folder.mkdir(parents=True)
+        (folder / "index.html").touch()
+        assert manual.manual_folder(package) == folder
+
+
+def test_the_window_says_why_there_is_no_manual(qtbot, window, monkeypatch):
+    def missing():
+        raise InputError("This installation has no manual.")
+
+    monkeypatch.setattr(manual, "manual_folder", missing)
+    window.actions_.help["manual"].trigger()
+    (box,) = [top for top in QApplication.topLevelWidgets() if isinstance(top, QMessageBox)]
+    assert box.text() == "This installation has no manual."
+    box.close()
