@@ -7,7 +7,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 _PAGES = "build/docs"
 # What no page shows: maps for debugging its style, and what Sphinx keeps for itself.
-_NEEDLESS = (".map", ".buildinfo", "objects.inv")
+_NEEDLESS = (".map", ".buildinfo", "objects.inv", "webpack-macros.html")
 
 
 class CustomBuildHook(BuildHookInterface[Any]):

@@ -1,8 +1,13 @@
 """What the package promises to scripts: names, parameters, fields, the version and the command."""
 
 import dataclasses
+import importlib.util
 import inspect
 import re
+import shutil
+import subprocess
+import sys
+import zipfile
 from importlib.metadata import entry_points, version
 from pathlib import Path
 
@@ -131,3 +136,24 @@ def test_the_window_takes_meshes_of_other_libraries():
         as_mesh({})
     with pytest.raises(apd_viewer.InputError, match="There is no file"):
         as_mesh("gone.obj")
+
+
+@pytest.mark.skipif(importlib.util.find_spec("hatchling") is None, reason="hatchling is not installed")
+@pytest.mark.parametrize("pages", [("index.html", "reference/keys.html", "_static/site.css"), ()], ids=len)
+def test_a_wheel_takes_the_manual_along_where_it_is_built(tmp_path, pages):
+    """Built by the project's own settings, from a folder with little else in it."""
+    for name in ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, tmp_path)
+    for folder in ("apd_viewer", "resources", "docs"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "apd_viewer" / "__init__.py").touch()
+    for page in (*pages, *(["_static/site.css.map", ".buildinfo"] if pages else [])):
+        place = tmp_path / "build" / "docs" / page
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(page, encoding="utf-8")
+    command = [sys.executable, "-c", "from hatchling.build import build_wheel; print(build_wheel('dist'))"]
+    done = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
+    with zipfile.ZipFile(tmp_path / "dist" / done.stdout.split()[-1]) as wheel:
+        inside = [name for name in wheel.namelist() if name.startswith("apd_viewer/manual/")]
+        assert sorted(inside) == sorted(f"apd_viewer/manual/{page}" for page in pages)
+        assert all(wheel.read(name).decode() == name.split("/", 2)[2] for name in inside)

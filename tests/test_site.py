@@ -5,13 +5,17 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from urllib.parse import unquote
 
 import commands_page
+import control_words
 import generated_pages
+import keys_page
 import pytest
 import python_page
 import settings_page
 import window_facts
+import window_page
 from plain_markdown import escaped
 from pseudo import messages
 
@@ -102,6 +106,26 @@ def test_the_tutorial_names_what_the_window_shows():
     assert [words for words in said if words.lower() not in texts] == []
 
 
+def test_every_control_is_listed_once_with_a_sentence():
+    found = window_facts.controls()
+    assert len(found) > 150
+    groups = [group.path for group in control_words.GROUPS]
+    assert len(set(groups)) == len(groups)
+    assert {window_page.group_of(control.path) for control in found} <= set(groups)
+    rows = []
+    for path in groups:
+        rows += window_page.rows_of([each for each in found if window_page.group_of(each.path) == path])
+    anchors = [row.anchor for row in rows]
+    assert len(set(anchors)) == len(anchors)
+    assert [row for row in rows if not row.title or len(row.sentence) < 8] == []
+
+
+def test_menu_entries_lead_to_the_pages_about_them(keys):
+    entry = next(entry for entry in keys if entry.name == "bake")
+    assert "[Undo, and begin from a new rest shape](../howto/undo.md)" in keys_page.keys_page()
+    assert keys_page._page_about(entry).name == "undo.md"
+
+
 def test_signs_count_in_anchors():
     assert slug("up:-X") != slug("up:+X")
     assert slug("nudge:(-1,0,0)") == "nudge-minus-1-0-0"
@@ -158,7 +182,28 @@ def test_the_site_is_built_without_a_warning(tmp_path):
     page = (tmp_path / "site" / "reference" / "commands.html").read_text(encoding="utf-8")
     ids = set(re.findall(r'id="([^"]+)"', page))
     assert [one for one in options() if commands_page.anchor(*one) not in ids] == []
-    sites = [path.read_text(encoding="utf-8") for path in (tmp_path / "site").rglob("*.html")]
-    assert len(sites) > 30
+    check_without_network(tmp_path / "site")
+    named = {"window": window_page.window_page(), "keys": keys_page.keys_page()}
+    for name, text in named.items():
+        page = (tmp_path / "site" / "reference" / f"{name}.html").read_text(encoding="utf-8")
+        anchors = {one or other for one, other in re.findall(r"\{#([\w-]+)\}|^\(([\w-]+)\)=$", text, re.M)}
+        assert len(anchors) > 140
+        assert anchors <= set(re.findall(r'id="([^"]+)"', page))
+
+
+def check_without_network(site):
+    """Pages of at most 25 MB fetch nothing from elsewhere, and what they link to is there."""
+    pages = {path: path.read_text(encoding="utf-8") for path in site.rglob("*.html")}
+    pages = {path: text for path, text in pages.items() if "{{" not in text}  # of the theme itself
+    assert len(pages) > 30
+    assert sum(path.stat().st_size for path in site.rglob("*") if path.is_file()) < 25e6
     fetched = r'(?:<script[^>]*src|<link[^>]*rel="stylesheet"[^>]*href|<img[^>]*src)="(?:https?:)?//'
-    assert [text[:80] for text in sites if re.search(fetched, text)] == []
+    assert [path.name for path, text in pages.items() if re.search(fetched, text)] == []
+    linked = [
+        (path, link.partition("#")[0].partition("?")[0])
+        for path, text in pages.items()
+        for link in re.findall(r'(?:href|src)="([^"]+)"', text)
+    ]
+    local = [(path, unquote(link)) for path, link in linked if link and not re.match(r"\w+:|//", link)]
+    assert len(local) > 1000
+    assert [(path.name, link) for path, link in local if not (path.parent / link).exists()] == []

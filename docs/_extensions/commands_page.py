@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Iterator
 
-from plain_markdown import escaped
+from plain_markdown import escaped, table
 
 from apd_viewer.__main__ import _view_parser
 from apd_viewer.commands.desktop.parsers import PARSERS as OF_DESKTOP
 from apd_viewer.commands.parsers import PARSERS
 
-_WIDTH = 96  # columns of a usage line
+_WIDTH = 72  # columns of a usage line
 
 
 def parsers() -> list[argparse.ArgumentParser]:
@@ -44,11 +45,21 @@ def _section(parser: argparse.ArgumentParser) -> Iterator[str]:
     formatter = type(parser._get_formatter())(prog=parser.prog, width=_WIDTH)
     formatter.add_usage(parser.usage, parser._actions, parser._mutually_exclusive_groups, "")
     yield from (f"## {parser.prog}", "", escaped(parser.description or ""), "")
-    yield from ("```text", formatter.format_help().strip(), "```", "")
+    yield from _usage(formatter.format_help().strip())
     yield from (f"```{{program}} {parser.prog}", "```", "")
     for action in options(parser):
         said = formatter._expand_help(action) if action.help else ""
         yield from (f"````{{option}} {_signature(action)}", "", escaped(said), "````", "")
+
+
+def _usage(text: str) -> Iterator[str]:
+    """How a command is called; a table, where each line says what it is for."""
+    lines = [re.fullmatch(r"\s*(\S.*?) {2,}(\S.*)", line) for line in text.splitlines()]
+    rows = [(f"`{line[1]}`", escaped(line[2])) for line in lines if line is not None]
+    if len(rows) == len(lines) > 1:
+        yield from (table(("call", "what it does"), rows), "")
+    else:
+        yield from ("```text", text, "```", "")
 
 
 def _signature(action: argparse.Action) -> str:

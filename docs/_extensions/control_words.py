@@ -304,6 +304,7 @@ SENTENCES = {
     "or 80%; Enter makes the motion",
     "panel/obstacles/fields/along": "The axis of the obstacle, or an axis of the mesh, to move it along",
     "panel/paint/counts": "Vertices of the base, of all handles, and free ones",
+    "empty/open": "Asks for a mesh or a session to open",
     "before-after/close-button": "Closes the card; the view shows the current shape again",
     "legend/choice": "Quantity that the colours show",
     "cutting-plane/slider": "Moves the plane through the mesh",

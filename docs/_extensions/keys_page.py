@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from plain_markdown import escaped, marked, table
 from window_facts import Entry, entries
 
 from apd_viewer.ui.help.places import of_action
 
+_PAGES = sorted((Path(__file__).parents[1] / "howto").glob("*.md"))
 # The offscreen platform has the keys of Windows; these are those of Linux, as the pages name them.
 _LINUX = {"redo": "Ctrl+Shift+Z", "quit": "Ctrl+Q"}
 
@@ -24,4 +27,22 @@ def keys_page() -> str:
 def _row(entry: Entry) -> tuple[str, ...]:
     keys = _LINUX.get(entry.name, entry.keys).split("; ")
     shown = " or ".join(f"`{key}`" for key in keys if key)
-    return marked(escaped(entry.title), of_action(entry.name).anchor), shown, escaped(entry.tip)
+    said = escaped(entry.tip)
+    if (page := _page_about(entry)) is not None:
+        said = f"{said}. See [{_title(page)}](../howto/{page.name})."
+    return marked(escaped(entry.title), of_action(entry.name).anchor), shown, said
+
+
+def _page_about(entry: Entry) -> Path | None:
+    """Page about an entry: the first one with its path in bold type, or else with its title or its keys."""
+    bare = entry.title.rpartition(": ")[2]
+    keys = [f"`{key}`" for key in _LINUX.get(entry.name, entry.keys).split("; ") if key]
+    for words in ([f"**{entry.menu} > {bare}**"], [f"**{bare}**"], keys):
+        for page in _PAGES:
+            if any(word in page.read_text(encoding="utf-8") for word in words):
+                return page
+    return None
+
+
+def _title(page: Path) -> str:
+    return page.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
