@@ -50,6 +50,28 @@ def test_the_readme_is_short():
     assert len(TEXTS["README.md"].split()) <= 700
 
 
+def sentences(text):
+    """Sentences of the running text of a page, code and formulas as one word each; no tables or headings."""
+    for left_out in (r"(?ms)^(```+|:::+).*?^\1", r"(?s)<!--.*?-->", r"(?m)^[|#].*$", r"!\[[^\]]*\]\([^)]*\)"):
+        text = re.sub(left_out, "\n", text)
+    text = re.sub(r"(?s)\$\$.*?\$\$|\$[^$]+\$|`[^`]*`", "X", text)
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text).replace("**", "")
+    for paragraph in re.split(r"\n\s*\n|\n(?=\s*(?:\*|\d+\.) )", text):
+        yield from re.split(r"(?<=[.!?:;])\s+(?=[A-Z*\[(“\"])", " ".join(paragraph.split()))
+
+
+def test_sentences_are_short():
+    """What counts stands in the first words; a sentence of more than thirty has another one in it."""
+    found = [
+        (page, sentence)
+        for page, text in TEXTS.items()
+        if re.fullmatch(r"docs/(howto/)?[\w-]+\.md", page)
+        for sentence in sentences(text)
+    ]
+    assert len(found) > 500
+    assert [each for each in found if len(re.findall(r"[\w'’-]+", each[1])) > 30] == []
+
+
 def test_relative_links_lead_somewhere():
     links = [(page, target) for page, (target,) in found(r"\]\(([^)\s]+)\)") if "://" not in target]
     assert len(links) > 40, "the test is blind"

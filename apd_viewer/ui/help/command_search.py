@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayou
 from apd_viewer.language import tr
 from apd_viewer.ui.help.found_list import FoundList
 from apd_viewer.ui.help.searchable import Searchable
-from apd_viewer.ui.help.word_match import Wish, score
+from apd_viewer.ui.help.word_match import Query, score
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
@@ -103,7 +103,7 @@ class CommandSearch(QFrame):
     # Finding
 
     def _show_found(self, text: str) -> None:
-        wish = Wish.of(text)
+        wish = Query.of(text)
         ranked = [(score(wish, each.texts), each) for each in self._known]
         ranked = [pair for pair in ranked if pair[0] > 0.0]
         ranked.sort(key=lambda pair: _LATER * bool(pair[1].why_not) - pair[0])

@@ -44,22 +44,22 @@ def words_of(text: str) -> list[str]:
     return re.findall(r"[^\W_]+", "".join(letter for letter in flat if not unicodedata.combining(letter)))
 
 
-class Wish(NamedTuple):
+class Query(NamedTuple):
     """Telling words of a wish, and whether it names the mesh as a whole."""
 
     words: tuple[str, ...]
     is_general: bool
 
     @classmethod
-    def of(cls, text: str) -> Wish:
-        """Wish as typed; where it has no telling word, all of them count."""
+    def of(cls, text: str) -> Query:
+        """Query as typed; where it has no telling word, all of them count."""
         words = words_of(text)
         telling = [word for word in words if word not in _EMPTY]
         special = [word for word in telling if word not in _GENERAL]
         return cls(tuple(special or telling or words), bool(special) and special != telling)
 
 
-def score(wish: Wish, texts: Texts) -> float:
+def score(wish: Query, texts: Texts) -> float:
     """Match of texts with a wish; 0 unless most of its words are found."""
     title, tip, also = (words_of(text) for text in texts)
     total, found = 0.0, 0

@@ -5,7 +5,7 @@ from driving import LEFT
 from PySide6.QtCore import Qt
 
 from apd_viewer.ui.help import manual, places
-from apd_viewer.ui.help.word_match import Texts, Wish, score
+from apd_viewer.ui.help.word_match import Query, Texts, score
 
 CTRL = Qt.KeyboardModifier.ControlModifier
 # Wishes, and a title that is among the first three.
@@ -130,7 +130,7 @@ def test_f1_explains_the_marked_entry_and_the_last_one_searches_the_manual(qtbot
 
 def test_words_match_by_their_beginning_ending_and_with_a_slip():
     def rank(wish, title):
-        return score(Wish.of(wish), Texts(title, ""))
+        return score(Query.of(wish), Texts(title, ""))
 
     assert rank("export", "Export") > rank("exp", "Export") > rank("exprot", "Export") > 0
     assert rank("rotating", "Rotate") > 0
