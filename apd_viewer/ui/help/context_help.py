@@ -110,7 +110,7 @@ class ContextHelp(QObject):
         return self._tool if isinstance(widget, Viewport) else places.place_of(widget, at) or _WINDOW
 
     def _explain_entry(self, menu: QMenu, event: QKeyEvent) -> bool:
-        """Explain the marked entry, if the key is that of the action."""
+        """Explain the marked entry on the key of the action."""
         keys = [QKeySequence(event.keyCombination())]
         if not any(key in self._action.shortcuts() for key in keys):
             return False
@@ -132,17 +132,17 @@ def explain(widget: QWidget) -> None:
 
 
 def show(place: ManualPlace) -> None:
-    """Open the manual at a place, or say why it cannot be opened."""
+    """Open the manual at a place, or report a missing manual."""
     attempt(lambda: manual.open_manual(place))
 
 
 def look_up(words: str) -> None:
-    """Search the manual for words, or say why that cannot be done."""
+    """Search the manual for words, or report a missing manual."""
     attempt(lambda: manual.search_manual(words))
 
 
 def attempt(command: Callable[[], object]) -> None:
-    """Run a command of the manual, or say why it cannot be run."""
+    """Run a command of the manual, or report its failure."""
     try:
         command()
     except InputError as error:

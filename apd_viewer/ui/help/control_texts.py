@@ -11,7 +11,7 @@ from apd_viewer.ui.widgets.slider_field import Dial
 
 
 def texts_of(widget: QWidget) -> tuple[str, str]:
-    """Title and tip of a control, both without mark-up; empty where it has none."""
+    """Title and tip of a control, both without mark-up; empty if missing."""
     if isinstance(widget, Dial):
         widget = widget.field
     title = widget.accessibleName()

@@ -17,7 +17,7 @@ _ROWS = 10  # shown without scrolling
 
 
 class FoundList(QTreeWidget):
-    """Rows of what was found, and a last one for the manual."""
+    """Rows of found entries, and a last one for the manual."""
 
     def __init__(self) -> None:
         super().__init__(columnCount=3, headerHidden=True, rootIsDecorated=False, iconSize=SIZE)
@@ -34,7 +34,7 @@ class FoundList(QTreeWidget):
             header.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
 
     def show_found(self, found: Sequence[Searchable], text: str) -> None:
-        """Show entries for what was typed, the first one marked."""
+        """Show entries for a text, the first one marked."""
         self.clear()
         self.addTopLevelItems([_item(each, self.theme) for each in found])
         if text:

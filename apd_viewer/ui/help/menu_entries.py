@@ -20,7 +20,7 @@ class MenuEntry(NamedTuple):
     action: QAction
 
     def full(self, title: str) -> str:
-        """Title prefixed by that of the submenu, unless they repeat each other."""
+        """Title prefixed by the submenu's, unless they repeat each other."""
         if not self.within or title.startswith(self.within):
             return title
         return tr("{menu}: {title}").format(menu=self.within, title=title)

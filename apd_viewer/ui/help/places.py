@@ -101,7 +101,7 @@ def place_of(widget: QWidget, at: QPoint | None = None) -> ManualPlace | None:
 
 
 def place_of_action(action: QAction) -> ManualPlace | None:
-    """Place of a menu entry; of a submenu, that of its first entry."""
+    """Place of a menu entry; of a submenu, the place of its first entry."""
     menu = action.menu()
     while isinstance(menu, QMenu) and menu.actions():
         action = menu.actions()[0]

@@ -52,7 +52,7 @@ class Query(NamedTuple):
 
     @classmethod
     def of(cls, text: str) -> Query:
-        """Query as typed; where it has no telling word, all of them count."""
+        """Query as typed; without a telling word, all of them count."""
         words = words_of(text)
         telling = [word for word in words if word not in _EMPTY]
         special = [word for word in telling if word not in _GENERAL]

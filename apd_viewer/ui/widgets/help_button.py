@@ -32,7 +32,7 @@ class HelpButton(QToolButton):
         self._key: QShortcut | None = None
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Take the key for help in the window that the button has got into."""
+        """Take the key for help in the window around the button."""
         super().showEvent(event)
         if self._key is None:
             self._key = give_help_key(self.window())
