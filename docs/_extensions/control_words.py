@@ -339,7 +339,7 @@ SENTENCES = {
     "press-dialog/steps": "Shapes that are computed on the way",
     "press-dialog/iterations": "Most iterations for each shape",
     "press-dialog/method": "Method of the wall",
-    "press-dialog/stiffness": "Bending stiffness of the wall, where it has no thickness in newtons",
+    "press-dialog/stiffness": "How strongly the wall resists bending, from cloth to sheet metal",
     "press-dialog/wall-material": "Fills in the moduli and the density of a material",
     "press-dialog/wall-release": "Opens the plates after the last step, and measures what remains",
     "animation-dialog/motion": "The motion of the handles so far, or their last step",
