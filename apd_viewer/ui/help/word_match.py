@@ -20,6 +20,7 @@ _TITLE, _ALSO, _TIP = 3.0, 3.0, 1.0
 _WHOLE = 2.0  # more, if every word of the title is meant
 _MESH = 1.5  # more, for what changes the whole mesh if the wish names the mesh
 _LONG = 5  # letters from which a word may be misspelt
+_PART = 4  # letters from which a word may be part of another
 _ALIKE = 0.8
 
 
@@ -84,6 +85,10 @@ def _alike(word: str, other: str) -> float:
         return 1.0
     if other.startswith(word):
         return 0.9
+    if word in other and (len(word) >= _PART or not word.isascii()):
+        return 0.7  # part of a compound
+    if not word.isascii() and len(other) > 1 and other in word:
+        return 0.7  # words without blanks between them
     shared = len(word) >= _LONG - 1 and word[: max(4, len(word) - 3)] == other[: max(4, len(word) - 3)]
     if shared and abs(len(word) - len(other)) <= 3:
         return 0.8

@@ -137,3 +137,6 @@ def test_words_match_by_their_beginning_ending_and_with_a_slip():
     assert rank("été", "Ete") == rank("ete", "Ete")
     assert rank("export", "Import") < rank("export", "Export")
     assert rank("nothing of this", "Export") == 0
+    assert rank("ziel", "Flächenziel") > 0
+    assert rank("把壁变薄", "变薄") > 0
+    assert rank("button", "To") == 0
