@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numba.core import event
@@ -31,12 +32,14 @@ def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
         step()
 
 
-def tell_of_compiling(tell: Callable[[float], object]) -> None:
-    """Call ``tell(share)`` at the end of each compilation.
+def tell_of_compiling(tell: Callable[[float], object]) -> Callable[[], object]:
+    """Call ``tell(share)`` at the end of each compilation, until the result is called.
 
     The ``share`` is the part of all kernels compiled so far in this process, at most 1.
     """
-    event.register("numba:compile", _Count(tell))
+    count = _Count(tell)
+    event.register("numba:compile", count)
+    return partial(event.unregister, "numba:compile", count)
 
 
 class _Count(event.Listener):
@@ -105,4 +108,4 @@ def _ball() -> tuple[np.ndarray, np.ndarray]:
 
 
 # What a first drag needs, and other processes can compile beside it.
-PARTS: dict[str, Callable[[], object]] = {"contact": _contact, "factor": supernodal_works}
+PARTS: dict[str, Callable[[], object]] = {"drag": _drag, "contact": _contact, "factor": supernodal_works}

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import threading
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
+
+if TYPE_CHECKING:
+    from apd_viewer.session.processes.compilation import CompilersBeside
 
 
 class BackgroundImports(QObject):
@@ -19,9 +23,12 @@ class BackgroundImports(QObject):
     """
 
     loaded = Signal()
+    _compiles = Signal()
 
     def __init__(self) -> None:
         super().__init__()
+        self._compilers: CompilersBeside | None = None
+        self._compiles.connect(self._compile_beside)
         self.error: Exception | None = None
         self._thread = threading.Thread(target=self._run, name="imports", daemon=True)
 
@@ -34,15 +41,30 @@ class BackgroundImports(QObject):
         """Wait for the thread: compiling at interpreter exit would crash it."""
         if self._thread.ident is not None:
             self._thread.join()
+        if self._compilers is not None:
+            self._compilers.end()
 
     def _run(self) -> None:
         try:
             # All slow imports are made here, behind the first picture; an installed library may be broken.
             import apd_viewer.ui.workbench  # noqa: F401
             from apd_viewer.geometry.picking import surface_index
+            from apd_viewer.geometry.warmup import tell_of_compiling
+            from apd_viewer.session.processes import compilation  # noqa: F401
 
+            stop = tell_of_compiling(lambda _: self._compiles.emit())
             surface_index.warm_up()
+            stop()
         except (ImportError, OSError) as error:
             self.error = error
         finally:
             self.loaded.emit()
+
+    def _compile_beside(self) -> None:
+        """Have the kernels of a first drag compiled too, as nothing is cached yet."""
+        # Imported by the thread, behind the first picture.
+        from apd_viewer.session.processes.compilation import CompilersBeside
+
+        if self._compilers is None:
+            self._compilers = CompilersBeside()
+            self._compilers.start()

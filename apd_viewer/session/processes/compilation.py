@@ -1,7 +1,7 @@
 """Compilation of the kernels at the first start on a computer.
 
-Numba compiles one kernel at a time in a process, whatever its threads. So other processes compile some of
-them beside the solver, into the cache of all.
+Numba compiles one kernel at a time in a process, whatever its threads. So the window has other processes
+compile those of a first drag while it starts itself, into the cache of all.
 """
 
 from __future__ import annotations
@@ -30,34 +30,46 @@ class Compilation:
 
     def __init__(self, tell: Callable[[Message], object]) -> None:
         self._tell = tell
-        self._beside: list[ChildProcess] = []
-        tell_of_compiling(self._go_on)
+        tell_of_compiling(self._say)
 
     def run(self, called: Callable[[], bool]) -> None:
         """Compile until ``called()``; errors are left to the requests."""
         with contextlib.suppress(Exception):
             warm_up(called)
         if not called():
-            self._end()
+            self._say(1.0)
 
-    def _go_on(self, share: float) -> None:
-        # Nothing is cached, and a drag may come: other processes compile other parts meanwhile.
-        if not self._beside:
-            self._beside = [ChildProcess("compiler", _START) for _ in PARTS]
-            for process, part in zip(self._beside, PARTS, strict=True):
+    def _say(self, share: float) -> None:
+        self._tell(Message(0, Compiling(share)))
+
+
+class CompilersBeside:
+    """Processes that compile PARTS beside this one.
+
+    On Linux they end with the thread that starts them.
+    """
+
+    def __init__(self) -> None:
+        self._processes: list[ChildProcess] = []
+
+    def start(self) -> None:
+        """Start them; once is enough. Where that fails, the solver compiles."""
+        if not self._processes:
+            self._processes = [ChildProcess("compiler", _START) for _ in PARTS]
+            for process, part in zip(self._processes, PARTS, strict=True):
                 with contextlib.suppress(OSError):
                     process.start()
                     process.send(part.encode())
-        self._tell(Message(0, Compiling(share)))
 
-    def _end(self) -> None:
-        for process in self._beside:
+    def end(self) -> None:
+        """End them, whatever they are doing."""
+        for process in self._processes:
+            process.kill()
             process.end()
-        self._tell(Message(0, Compiling(1.0)))
 
 
 def main(replies: int) -> None:
-    """Serve the solver's process; ``replies`` is the file descriptor for the answer."""
+    """Serve the window's process; ``replies`` is the file descriptor for the answer."""
     run(replies, serve)
 
 

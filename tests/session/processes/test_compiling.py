@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 
+import pytest
 from meshes import tube
 
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -19,13 +20,16 @@ from numba import njit
 from apd_viewer.geometry import warmup
 
 told = []
-warmup.tell_of_compiling(told.append)
+stop = warmup.tell_of_compiling(told.append)
 plain = njit(lambda x: x + 1)
 plain(1)
 plain(2)
 assert told == [1 / warmup._KERNELS], told
 plain(1.0)
 assert told == [1 / warmup._KERNELS, 2 / warmup._KERNELS], told
+stop()
+plain(1j)
+assert len(told) == 2
 """
 
 
@@ -34,12 +38,13 @@ def test_every_compilation_is_told_and_no_call():
     subprocess.run([sys.executable, "-c", TOLD], check=True, env=environment, timeout=60)
 
 
+@pytest.mark.usefixtures("process")
 def test_a_solver_with_all_kernels_in_the_cache_tells_that_it_is_done():
     worker = Worker(lambda: None)
     try:
         state = opened(Mesh(*tube(8, 8)))
         worker.ask(Request(state.document, 0, state.frame.U, iterate=False))
-        end = time.monotonic() + 300.0
+        end = time.monotonic() + 120.0
         while worker.compiled != 1.0 and time.monotonic() < end:
             time.sleep(0.05)
         assert worker.compiled == 1.0

@@ -1,4 +1,4 @@
-"""Recovery of the work of a killed program: offered at the next start, restored or discarded."""
+"""Recovery of the work of a killed program."""
 
 import numpy as np
 import pytest
