@@ -64,7 +64,8 @@ def vertex_normals(U: np.ndarray, F: np.ndarray) -> np.ndarray:
     """
     a, b, c = U[F].transpose(1, 0, 2)
     across = np.repeat(np.cross(b - a, c - a), 3, axis=0)
-    N = np.column_stack([np.bincount(F.ravel(), x, len(U)) for x in across.T])
+    # Without triangles bincount counts in whole numbers.
+    N = np.column_stack([np.bincount(F.ravel(), x, len(U)) for x in across.T]).astype(float, copy=False)
     length = np.linalg.norm(N, axis=1, keepdims=True)
     normals: np.ndarray = np.divide(N, length, out=np.zeros_like(N), where=length > 0)
     return normals

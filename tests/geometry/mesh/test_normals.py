@@ -12,3 +12,9 @@ def test_vertex_normals_are_those_of_libigl_and_zero_without_area():
     expected = igl.per_vertex_normals(V, F, igl.PER_VERTEX_NORMALS_WEIGHTING_TYPE_AREA)
     assert normals == pytest.approx(expected, abs=1e-12)
     assert np.array_equal(vertex_normals(V, F[:1])[-1], np.zeros(3))
+
+
+def test_without_triangles_there_are_no_normals():
+    """As around a handle of a single vertex, whose motion is previewed."""
+    V, F = sphere(0)
+    assert np.array_equal(vertex_normals(V, F[:0]), np.zeros_like(V))
