@@ -1,0 +1,26 @@
+"""The tool that looks at the pages of the site sees what is wrong with them."""
+
+import pytest
+from site_pages import browser, looked_at
+
+PAGE = "<!doctype html><body style='margin: 0; background: white'><main>{}</main></body>"
+
+
+@pytest.mark.skipif(browser() is None, reason="Chromium is not installed")
+def test_wide_pages_broken_pictures_and_pale_text_are_named(tmp_path):
+    for name, inside in {
+        "good": "<p style='color: #333'>legible</p>",
+        "wide": "<div style='width: 500px; color: #333'>wide</div>",
+        "broken": "<img src='gone.png' alt=''>",
+        "pale": "<p style='color: #aaa'>pale</p>",
+    }.items():
+        (tmp_path / f"{name}.html").write_text(PAGE.format(inside), encoding="utf-8")
+    found = looked_at(tmp_path)
+    assert [line.split(":")[0] for line in found] == [
+        "broken.html",
+        "pale.html, light",
+        "pale.html, dark",
+        "wide.html",
+        "wide.html",
+    ]
+    assert found[3] == "wide.html: 500 wide at 390, light"
