@@ -9,12 +9,12 @@ PYTHON = python3.13 python3.12 python3.11 python3.10 python3
 packages = libglib2.0-0 libgl1 libegl1 libxkbcommon0 libdbus-1-3 libfontconfig1 \
            libxcb-cursor0 libxkbcommon-x11-0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 \
            libwayland-cursor0 libwayland-egl1
-quick test: packages += xvfb xauth
+quick test pictures: packages += xvfb xauth
 
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test quick lint format docs wheel texts clean system-packages
+.PHONY: help run test quick lint format docs pictures wheel texts clean system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -71,6 +71,11 @@ docs: .venv/.tools ## build the site into build/docs; links between pages are ch
 wheel: docs ## build a wheel with the manual in it into dist
 	@.venv/bin/python -m pip wheel --quiet --no-deps -w dist .
 	@echo "See dist."
+
+# Several minutes each on a busy machine; only=NAME ... makes some.
+pictures: .venv/.tools ## make the pictures and sessions of the site again; only="NAME ..." makes some pictures
+	@$(if $(only),,$(environment) .venv/bin/python docs/gallery/make_sessions.py)
+	@$(environment) .venv/bin/python docs/pictures/make_pictures.py $(only)
 
 texts: .venv/.tools ## collect and compile translations; language=fr starts a new one
 	@.venv/bin/python .ci/texts.py $(language)

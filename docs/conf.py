@@ -20,9 +20,10 @@ extensions = [
     "sphinx_design",
     "generated_pages",
     "mathml",
+    "picture_sizes",
 ]
 source_suffix = {".md": "markdown"}
-exclude_patterns = ["_extensions"]
+exclude_patterns = ["_extensions", "pictures", "gallery"]
 nitpicky = True
 smartquotes = False  # they would make one dash of the two of an option
 
@@ -43,7 +44,9 @@ html_css_files = ["site.css"]
 html_math_renderer = "mathml"
 html_copy_source = False
 html_show_sourcelink = False
-html_sidebars = {page: [] for page in ("index", "tutorial", "methods", "results")}  # without pages below
+html_sidebars = {
+    page: [] for page in ("index", "tutorial", "gallery", "methods", "results")
+}  # without pages below
 html_theme_options = {
     "show_prev_next": False,
     "navbar_end": ["theme-switcher"],

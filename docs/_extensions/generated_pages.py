@@ -15,6 +15,7 @@ from typing import Any
 
 from commands_page import commands_page
 from formats_page import formats_page
+from gallery_page import gallery_page
 from keys_page import keys_page
 from python_page import python_page
 from settings_page import settings_page
@@ -24,6 +25,7 @@ from window_page import window_page
 WRITERS: dict[str, Callable[[], str]] = {
     "commands": commands_page,
     "formats": formats_page,
+    "gallery": gallery_page,
     "keys": keys_page,
     "python": python_page,
     "settings": settings_page,

@@ -1,9 +1,10 @@
-"""Make the mesh, the plan and the picture of the study of a crushed bottle.
+"""Make the mesh, the plan and the table of the study of a crushed bottle.
 
     python docs/studies/crushed-bottle/make.py mesh          # bottle.obj and bottle.sel, of 3,290 vertices
     python docs/studies/crushed-bottle/make.py plan          # plan.csv, from the command below
     apd-viewer study docs/studies/crushed-bottle/plan.csv -o OUT
-    python docs/studies/crushed-bottle/make.py picture OUT   # results.csv and least-volume.png
+    python docs/studies/crushed-bottle/make.py table OUT     # results.csv
+    make pictures                                            # the picture of it
 
 The mesh is the sample bottle with edges twice as long: contact takes a quarter of the time.
 """
@@ -54,13 +55,16 @@ def plan() -> None:
     assert main(["study", "design", *files, *DESIGN, "-o", str(HERE / "plan.csv")]) == 0
 
 
-def picture(out: Path) -> None:
-    """Copy the table of a folder of results, and draw it."""
+def table(out: Path) -> None:
+    """Copy the table of a folder of results."""
     shutil.copy(out / "results.csv", HERE / "results.csv")
+
+
+def picture(folder: Path) -> None:
+    """Draw the table into a folder, as least-volume.png."""
     with (HERE / "results.csv").open(encoding="utf-8", newline="") as stream:
         rows = [row for row in csv.DictReader(stream) if row["status"] == "done"]
-    draw(lambda figure: fill(figure, rows), (11.0, 4.4), HERE, "least-volume")
-    (HERE / "least-volume.svg").unlink()
+    draw(lambda figure: fill(figure, rows), (11.0, 4.4), folder, "least-volume")
 
 
 def fill(figure: Figure, rows: list[dict[str, str]]) -> None:
@@ -101,4 +105,4 @@ def amount(motion: str, word: str) -> float:
 
 
 if __name__ == "__main__":
-    {"mesh": mesh, "plan": plan, "picture": lambda: picture(Path(sys.argv[2]))}[sys.argv[1]]()
+    {"mesh": mesh, "plan": plan, "table": lambda: table(Path(sys.argv[2]))}[sys.argv[1]]()

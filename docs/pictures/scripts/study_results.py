@@ -1,0 +1,45 @@
+"""The results of the worked study in the window: table, plot and curves, and the shape of a case."""
+
+import csv
+from pathlib import Path
+
+from PySide6.QtGui import QImage
+from stage import Stage
+
+from apd_viewer.__main__ import main
+
+STUDY = Path(__file__).resolve().parents[2] / "studies" / "crushed-bottle"
+_CASES = 16
+
+
+def draw(stage: Stage) -> QImage:
+    """Compute some cases of the plan, show them, and open the one of least volume."""
+    plan, count = stage.folder / "plan.csv", 1 if stage.quick else _CASES
+    with (STUDY / "plan.csv").open(encoding="utf-8", newline="") as stream:
+        columns, *rows = csv.reader(stream)
+    few = [[*row] for row in rows[:: len(rows) // count][:count]]
+    for row in few:
+        for name in ("mesh", "selection"):
+            row[columns.index(name)] = str(STUDY / row[columns.index(name)])
+        row[columns.index("steps")] = "1" if stage.quick else "5"
+        row[columns.index("motion")] = "twist 5deg" if stage.quick else row[columns.index("motion")]
+    with plan.open("w", encoding="utf-8", newline="") as stream:
+        csv.writer(stream).writerows([columns, *few])
+    results = stage.folder / "study"
+    assert main(["study", str(plan), "-o", str(results), "--processes", "2"]) == 0
+    stage.size = (1120, 860)
+    stage.open_sample("bottle")
+    stage.window.case_studies.open(results)
+    panel = stage.window.case_studies.panel
+    stage.wait(lambda: len(panel.model.rows) == count)
+    stage.pause(300)
+    stage.window.case_studies._open_case(_least(panel.model.rows))
+    stage.settle()
+    stage.window.canvas.frame_mesh()
+    stage.settle()
+    return stage.picture()
+
+
+def _least(rows) -> int:
+    """The row with the least volume."""
+    return min(range(len(rows)), key=lambda k: rows[k].readings.get("volume", 0.0))

@@ -1,0 +1,65 @@
+"""The entries of the gallery run as they are printed, on coarse meshes, and their sessions open."""
+
+import numpy as np
+import pytest
+from entries import ENTRIES, GROUPS
+from gallery_page import gallery_page, printed
+from make_sessions import SESSIONS
+
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.session.storage.session_file import open_session
+
+COUNT = 600  # vertices, about
+MOST = 4_000_000  # bytes of all sessions
+
+
+def test_there_are_many_entries_and_each_is_short():
+    assert len(ENTRIES) == sum(map(len, GROUPS.values())) >= 24
+    for entry in ENTRIES.values():
+        assert len(entry.code.splitlines()) <= 5
+        assert entry.sentence.endswith(".")
+        assert entry.sentence.count(".") <= 3
+
+
+def test_sessions_are_those_of_the_entries():
+    assert {path.stem for path in SESSIONS.glob("*.apd")} == set(ENTRIES)
+    assert sum(path.stat().st_size for path in SESSIONS.iterdir()) <= MOST
+
+
+def test_the_page_has_picture_code_and_session_of_each():
+    page = gallery_page()
+    for entry in ENTRIES.values():
+        assert f"```{entry.language}\n{printed(entry)}\n```" in page
+        assert printed(entry).replace(" \\\n   ", "") == entry.code
+        assert f"(pictures/gallery_{entry.name}.webp)" in page
+        assert f"(gallery/sessions/{entry.name}.apd)" in page
+
+
+def in_place(state):
+    """Largest distance of a held vertex from where the handles of a state want it, in diagonals."""
+    held, U = state.document.constraints(), state.frame.U
+    away = np.linalg.norm(U[held.fixed] - held.targets, axis=1)
+    return away.max() / diagonal(state.document.mesh.V)
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_the_lines_run_and_the_session_says_the_same(name, compiled, tmp_path):
+    entry = ENTRIES[name]
+    state = entry.run(tmp_path, COUNT, quickly=True)
+    document = state.document
+    assert np.isfinite(state.frame.U).all()
+    assert not np.array_equal(state.frame.U, document.mesh.V)
+    if not document.problem and not document.has_obstacles:
+        assert in_place(state) < (0.1 if document.traits.moves_handles else 1e-5)
+    path = entry.save(state, tmp_path)
+    np.testing.assert_array_equal(open_session(path)[0].frame.U, state.frame.U)
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_the_session_to_download_opens(name):
+    state, view = open_session(SESSIONS / f"{name}.apd")
+    assert view.unit == ENTRIES[name].unit
+    assert 500 < len(state.document.mesh.V) < 7000
+    assert not np.array_equal(state.frame.U, state.document.mesh.V)
+    if not state.document.problem and not state.document.has_obstacles:
+        assert in_place(state) < (0.1 if state.document.traits.moves_handles else 1e-5)

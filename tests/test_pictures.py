@@ -1,0 +1,119 @@
+"""Every picture of the pages is made by a script, every script makes one that is shown, and all of them run.
+
+Here the scripts drive their windows on coarse meshes, with a few iterations: whatever a script clicks, types
+and names is there, but what a full run draws is not looked at.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gallery_page import gallery_page
+from make_pictures import HERE, SCRIPTS, drawer, names
+from picture_files import Film, film_of_gif, still, write_picture
+from PIL import Image
+from PySide6.QtWidgets import QApplication
+from stage import Stage
+
+ROOT = Path(__file__).parents[1]
+IMAGE = re.compile(r"!\[([^\]]*)\]\(([^)\s]+)\)")
+MOST = 12_000_000  # bytes of all pictures: the site is to be carried along
+OF_THE_GALLERY = ["bottle_twisted", "falloff", "sweep"]  # the others are drawn in the same way
+
+
+def pages():
+    """Text of each page by its path; that of the gallery with its entries."""
+    found = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
+    texts = {path: path.read_text(encoding="utf-8") for path in found}
+    gallery = ROOT / "docs" / "gallery.md"
+    return texts | {gallery: texts[gallery].replace("<!-- generated: gallery -->", gallery_page())}
+
+
+def shown(texts):
+    """Paths of the pictures in pages."""
+    return {(page.parent / link).resolve() for page, text in texts.items() for _, link in IMAGE.findall(text)}
+
+
+def made():
+    """Paths of the pictures that scripts make."""
+    return {HERE / f"{name}.webp" for name in names()}
+
+
+def test_every_picture_is_made_by_a_script_and_every_script_makes_one_that_is_shown():
+    assert len(made()) > 60
+    assert shown(pages()) == made()
+    assert {path for path in HERE.rglob("*") if path.suffix in (".webp", ".png", ".gif")} == made()
+
+
+def test_a_picture_without_a_script_is_noticed(tmp_path):
+    page = tmp_path / "page.md"
+    assert shown({page: "![What it shows](other.png) and [a link](other.md)"}) == {tmp_path / "other.png"}
+
+
+def test_every_picture_says_what_it_shows():
+    silent = [
+        (page.name, link)
+        for page, text in pages().items()
+        for words, link in IMAGE.findall(text)
+        if not words
+    ]
+    assert silent == []
+
+
+def test_pictures_are_sharp_and_small():
+    sizes = {path.name: path.stat().st_size for path in made()}
+    assert sum(sizes.values()) < MOST
+    assert max(sizes.values()) < 600_000
+    for path in made():
+        with Image.open(path) as image:
+            assert image.format == "WEBP"
+            assert image.width >= 500
+
+
+@pytest.fixture
+def staged(qapp, tmp_path, compiled):
+    """Stages that are closed at the end."""
+    stages, font = [], qapp.font()
+
+    def begin(**options):
+        folder = tmp_path / str(len(stages))
+        folder.mkdir()
+        stages.append(Stage(folder, quick=True, **options))
+        return stages[-1]
+
+    yield begin
+    for stage in stages:
+        stage.close()
+    QApplication.setFont(font)
+
+
+SCRIPTED = sorted(path.stem for path in SCRIPTS.glob("*.py"))
+
+
+@pytest.mark.parametrize("name", [*SCRIPTED, *(f"gallery_{name}" for name in OF_THE_GALLERY)])
+def test_a_script_runs(name, staged):
+    drawn = drawer(name)(staged())
+    if isinstance(drawn, Path) and not drawn.exists():
+        pytest.skip("shapes beside each other need off-screen OpenGL")
+    picture = np.asarray(still(drawn).convert("RGB"), dtype=int)
+    assert min(picture.shape[:2]) > 100
+    assert picture.std() > 5  # something is there
+
+
+@pytest.mark.parametrize("name", ["move_gizmo", "targets_fields", "choose_lasso"])
+def test_a_picture_made_twice_is_the_same(name, staged):
+    """Pixel for pixel, with the same drawing of OpenGL."""
+    first, second = (np.asarray(still(drawer(name)(staged(smooth=True)))) for _ in range(2))
+    np.testing.assert_array_equal(first, second)
+
+
+def test_a_film_is_written_with_its_pace(tmp_path):
+    frames = [Image.new("RGB", (40, 30), color) for color in ("red", "green", "blue")]
+    frames[0].save(tmp_path / "a.gif", save_all=True, append_images=frames[1:], duration=[100, 200, 300])
+    film = film_of_gif(tmp_path / "a.gif", 20)
+    assert film.durations == [100, 200, 300]
+    write_picture(film, tmp_path / "a.webp")
+    with Image.open(tmp_path / "a.webp") as image:
+        assert (image.n_frames, image.size) == (3, (20, 15))
+    assert isinstance(film, Film)
