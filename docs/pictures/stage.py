@@ -272,6 +272,7 @@ class Stage:
         QTest.keyClick(amount, Qt.Key.Key_Return)
         self.settle()
         amount.clear()
+        self.window.panel.handles.motion.left.emit()  # without a window manager it is not left by itself
         self.view.setFocus()
         self.pause(50)
 
