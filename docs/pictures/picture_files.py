@@ -9,6 +9,8 @@ import numpy as np
 from PIL import Image, ImageSequence
 from PySide6.QtGui import QImage
 
+from apd_viewer.files.storage.atomic_file import replacing
+
 _QUALITY, _FILM_QUALITY = 90, 72
 
 
@@ -23,16 +25,17 @@ Drawn = QImage | Image.Image | Film | Path
 
 
 def write_picture(drawn: Drawn, path: Path) -> None:
-    """Write what a script has drawn; a path is that of a drawing as PNG."""
-    if isinstance(drawn, Film):
-        first, *others = drawn.pictures
-        film = {"save_all": True, "append_images": others, "duration": drawn.durations, "loop": 0}
-        first.save(path, quality=_FILM_QUALITY, method=6, **film)
-    elif isinstance(drawn, Path):
-        with Image.open(drawn) as image:
-            image.convert("RGB").save(path, lossless=True, method=6)
-    else:
-        still(drawn).save(path, quality=_QUALITY, method=6)
+    """Write what a script has drawn, whole or not at all; a path is that of a drawing as PNG."""
+    with replacing(path) as scratch:
+        if isinstance(drawn, Film):
+            first, *others = drawn.pictures
+            film = {"save_all": True, "append_images": others, "duration": drawn.durations, "loop": 0}
+            first.save(scratch, "WEBP", quality=_FILM_QUALITY, method=6, **film)
+        elif isinstance(drawn, Path):
+            with Image.open(drawn) as image:
+                image.convert("RGB").save(scratch, "WEBP", lossless=True, method=6)
+        else:
+            still(drawn).save(scratch, "WEBP", quality=_QUALITY, method=6)
 
 
 def still(drawn: QImage | Image.Image | Film | Path) -> Image.Image:

@@ -362,6 +362,8 @@ class Stage:
         self.settle()
         legend = self.window.looks.legend
         self.wait(lambda: not any("Preparing" in label.text() for label in legend.findChildren(QLabel)))
+        if measure is not None and not self.quick:
+            self.wait(lambda: legend.fit.isEnabled())  # once the largest value is known
         self.settle()
 
     @property
