@@ -14,12 +14,12 @@ quick test pictures: packages += xvfb xauth
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test quick lint format docs pictures wheel texts clean system-packages
+.PHONY: help run test quick lint format docs pictures wheel texts installer clean system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
 help: ## show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
 
 run: .venv/.installed ## set up what is missing, then open the window on the sample bottle
 ifneq ($(display),)
@@ -79,6 +79,24 @@ pictures: .venv/.tools ## make the pictures and sessions of the site again; only
 
 texts: .venv/.tools ## collect and compile translations; language=fr starts a new one
 	@.venv/bin/python .ci/texts.py $(language)
+
+# In an environment of its own: PyInstaller packs what libraries import, and that depends on what is there.
+packer = build/installer/environment
+manual = $(packer)/bin/python -m sphinx -W -n -q --keep-going -d build/doctrees docs build/docs
+
+installer: $(packer)/.installed ## build a program that needs no Python, in a package of this system in dist/
+	@.ci/system-packages binutils
+	@echo "Writing the manual"
+	@$(manual)
+	@echo "Building the program and its package (several minutes)"
+	@$(packer)/bin/python resources/installer/build.py
+
+$(packer)/.installed: pyproject.toml
+	@echo "Installing apd-viewer, its libraries and PyInstaller into $(packer)"
+	@$(python) -m venv --clear $(packer)
+	@$(packer)/bin/python -m pip install --quiet 'pip>=25.1'
+	@$(packer)/bin/python -m pip install --quiet --editable . --group installer
+	@touch $@
 
 clean: ## remove the environment and all caches, but not out/
 	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

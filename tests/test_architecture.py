@@ -74,6 +74,7 @@ ROOMS = [
     "geometry/linalg",
     "log",
     "redaction",
+    "installation",
     "language",
     "errors",
 ]
@@ -94,6 +95,7 @@ LIBRARIES = {
     "geometry": {"numpy", "scipy", "numba", "cholespy", "fast_simplification", "ipctk", "potpourri3d"},
     "log": {"platformdirs"},
     "redaction": set(),
+    "installation": set(),
     "errors": set(),
     "language": {"platformdirs"},
 }

@@ -37,11 +37,15 @@ def check_film(path: Path, others: Sequence[str] = ()) -> None:
     if path.suffix.lower() == ".mp4":
         try:
             # Here: an optional library, needed for MP4 alone.
-            import imageio_ffmpeg  # noqa: F401
+            import imageio_ffmpeg
+
+            imageio_ffmpeg.get_ffmpeg_exe()
         except ImportError:
             raise InputError(
                 tr("MP4 needs an encoder: install apd-viewer[video], or use the ending .gif.")
             ) from None
+        except RuntimeError:  # a packaged program takes the encoder of the system
+            raise InputError(tr("MP4 needs an encoder: install ffmpeg, or use the ending .gif.")) from None
 
 
 def write_film(pictures: Sequence[Path], path: Path) -> None:

@@ -12,6 +12,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from apd_viewer.errors import InputError
+from apd_viewer.installation import is_packaged
 from apd_viewer.language import tr
 from apd_viewer.studies.worker import work as work_on_case
 from apd_viewer.studies.worker_birth import workers_born
@@ -164,7 +165,9 @@ def _distributed() -> Any:
         # Here: it takes half a second, and is there only where the user has installed it.
         import distributed
     except ImportError as error:
-        raise InputError(
-            tr("Dask is not installed; install apd-viewer[cluster], or omit the scheduler.")
-        ) from error
+        if is_packaged():
+            said = tr("This program has no Dask; install apd-viewer[cluster] by pip, or omit the scheduler.")
+        else:
+            said = tr("Dask is not installed; install apd-viewer[cluster], or omit the scheduler.")
+        raise InputError(said) from error
     return distributed

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.commands.desktop.desktop_files import data_folder, install, remove
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
+from apd_viewer.installation import is_packaged
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def _desktop(options: argparse.Namespace) -> None:
 
 
 def _check_system() -> None:
-    """Raise InputError on other systems, with their own way."""
+    """Raise InputError on other systems and in a package, with their own way."""
     if sys.platform == "win32":
         raise InputError(
             tr(
@@ -72,5 +73,12 @@ def _check_system() -> None:
             tr(
                 "This command is for Linux; on macOS, start the program in Terminal with a file, such as "
                 "apd-viewer bottle.obj."
+            )
+        )
+    if is_packaged():
+        raise InputError(
+            tr(
+                "The package of the program has added menu entry, icon, file types and thumbnails for all "
+                "users; it removes them with the program."
             )
         )

@@ -1,0 +1,184 @@
+"""The self-contained program: its contents are complete, and its entry point stands in for Python.
+
+resources/installer/prove.sh installs its package into a bare Debian, which takes minutes and root.
+"""
+
+import ast
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import apd_viewer
+from apd_viewer.commands.desktop import desktop
+from apd_viewer.errors import InputError
+from apd_viewer.figures import films
+from apd_viewer.files.mesh_writing import WRITTEN
+from apd_viewer.files.meshes import FORMATS
+from apd_viewer.files.samples import SAMPLES
+from apd_viewer.session.model.view import SUFFIX
+from apd_viewer.session.processes.child_process import START
+from apd_viewer.studies import cluster
+
+ROOT = Path(__file__).parents[1]
+FOLDER = ROOT / "resources" / "installer"
+LAUNCH = FOLDER / "launch.py"
+SPEC = (FOLDER / "apd-viewer.spec").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def contents(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    import contents
+
+    yield contents
+    sys.modules.pop("contents", None)
+
+
+def test_the_spec_names_files_and_functions_that_are_there(contents):
+    used = set(re.findall(r"\bcontents\.(\w+)", SPEC))
+    assert {"modules", "data", "vtk_modules"} <= used
+    assert [name for name in used if not hasattr(contents, name)] == []
+    assert re.findall(r'SPECPATH\) / "(.*?)"', SPEC) == ["launch.py"]
+
+
+def test_all_modules_and_data_of_the_package_are_in_the_program(contents):
+    assert {"apd_viewer", "apd_viewer.__main__", "apd_viewer.session.processes.solver_main"} <= set(
+        contents.modules()
+    )
+    packed = {f"{folder}/{Path(path).name}" for path, folder in contents.data()}
+    tracked = subprocess.check_output(["git", "ls-files", "apd_viewer"], cwd=ROOT, text=True).split()
+    left_out = (".py", ".po", ".pot")
+    assert [path for path in tracked if not path.endswith(left_out) and path not in packed] == []
+    needed = [f"{name}.{kind}" for name in SAMPLES for kind in ("obj", "sel")] + ["window.qss"]
+    needed += [f"icons/{path.name}" for path in (ROOT / "resources" / "icons").iterdir()]
+    assert [name for name in needed if f"apd_viewer/resources/{name}" not in packed] == []
+
+
+def test_a_manual_that_has_been_built_is_packed(contents, tmp_path, monkeypatch):
+    (tmp_path / "howto").mkdir()
+    (tmp_path / "howto" / "open.html").write_text("")
+    monkeypatch.setattr(contents, "MANUAL", tmp_path)
+    assert (str(tmp_path / "howto" / "open.html"), "apd_viewer/manual/howto") in contents.data()
+
+
+def test_no_module_of_ours_is_left_out(contents):
+    """A library that the sources import cannot be one that is never used; Dask is refused with a sentence."""
+    sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "apd_viewer").rglob("*.py"))
+    imported = set(re.findall(r"(?m)^\s*(?:from|import) ([\w.]+)", sources))
+    optional = {"distributed", "dask", "threadpoolctl", "pyarrow"}
+    assert imported & set(contents.UNUSED) <= optional
+
+
+def test_installers_know_all_formats(contents):
+    assert {f".{name}" for name in contents.MESHES} == set(FORMATS)
+    assert [f".{name}" for name in contents.SESSIONS] == [SUFFIX]
+    assert set(WRITTEN) <= set(FORMATS)
+    script = (FOLDER / "windows.iss").read_text(encoding="utf-8")
+    assert set(re.findall(r'Subkey: "Software\\Classes\\\.(\w+)', script)) >= {
+        *contents.MESHES,
+        *contents.SESSIONS,
+    }
+
+
+def test_libraries_described_are_installed(contents):
+    assert contents.version() == apd_viewer.__version__
+    read = set(
+        re.findall(
+            r'version\("([\w-]+)"\)',
+            "".join(path.read_text(encoding="utf-8") for path in (ROOT / "apd_viewer").rglob("*.py")),
+        )
+    )
+    assert read <= set(contents.DESCRIBED)
+    assert len(contents.build_name()) == 12
+
+
+def test_workers_of_multiprocessing_are_recognised_first():
+    (main,) = (node for node in ast.parse(LAUNCH.read_text()).body if getattr(node, "name", "") == "main")
+    first = next(node for node in main.body if not isinstance(getattr(node, "value", None), ast.Constant))
+    assert ast.unparse(first) == "multiprocessing.freeze_support()"
+
+
+def test_no_process_is_started_in_a_way_that_the_program_lacks():
+    """It understands `-c`, and neither `-m` nor a script."""
+    for path in (ROOT / "apd_viewer").rglob("*.py"):
+        source = path.read_text(encoding="utf-8")
+        for node in ast.walk(ast.parse(source)):
+            if isinstance(node, ast.List | ast.Tuple) and node.elts:
+                words = [ast.unparse(each) for each in node.elts]
+                if words[0] == "sys.executable" and "'-c'" not in words[1:2]:
+                    # The command for menus, which a packaged program refuses before.
+                    assert path.name == "desktop.py", (path, words)
+    assert "-m" not in START
+
+
+@pytest.fixture
+def launched(tmp_path):
+    """Run the entry point as the packed program does, with a home of its own."""
+    (tmp_path / "build").write_text("abc")
+
+    def launched(*words, **environment):
+        run = f"import runpy, sys; sys._MEIPASS = {str(tmp_path)!r}; sys.argv = sys.argv[1:]\n"
+        run += f"runpy.run_path({str(LAUNCH)!r}, run_name='__main__')"
+        variables = {**os.environ, "HOME": str(tmp_path), "PYTHONPATH": str(ROOT), **environment}
+        variables.pop("XDG_CACHE_HOME", None)
+        return subprocess.run(
+            [sys.executable, "-c", run, "apd-viewer", *words], env=variables, capture_output=True, text=True
+        )
+
+    return launched
+
+
+def test_the_entry_point_runs_code_as_python_does(launched):
+    done = launched("-c", "import sys; print(__name__, sys.argv[1:]); sys.exit(3)", "a", "-c")
+    assert (done.stdout, done.returncode) == ("__main__ ['a', '-c']\n", 3), done.stderr
+
+
+def test_the_entry_point_runs_the_command_line(launched):
+    assert launched("--version").stdout.startswith("apd-viewer ")
+    assert launched("info", "missing.obj").returncode == 2
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have other folders and variables")
+def test_caches_are_the_user_s_and_variables_the_system_s(launched, tmp_path):
+    caches = tmp_path / ".cache" / "apd-viewer"
+    old, other = caches / "kernels-old", caches / "apd-viewer-manual.html"
+    old.mkdir(parents=True)
+    other.touch()
+    names = "NUMBA_CACHE_DIR", "MPLCONFIGDIR", "LD_LIBRARY_PATH", "QT_PLUGIN_PATH"
+    said = launched(
+        *("-c", f"import os; print([os.environ.get(name) for name in {names}])"),
+        LD_LIBRARY_PATH="/inside",
+        LD_LIBRARY_PATH_ORIG="/before",
+        QT_PLUGIN_PATH="/inside",
+    )
+    assert ast.literal_eval(said.stdout) == [
+        str(caches / "kernels-abc"),
+        str(caches / "matplotlib"),
+        "/before",
+        None,
+    ]
+    assert not old.exists()
+    assert other.exists()
+
+
+def test_a_packaged_program_says_what_it_cannot_do(monkeypatch, tmp_path):
+    monkeypatch.setattr(sys, "frozen", True, raising=False)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match="This program has no Dask"):
+        cluster.local_cluster(1)
+    import imageio_ffmpeg
+
+    def none():
+        raise RuntimeError
+
+    monkeypatch.setattr(imageio_ffmpeg, "get_ffmpeg_exe", none)
+    with pytest.raises(InputError, match="install ffmpeg"):
+        films.check_film(tmp_path / "film.mp4")
+    monkeypatch.setattr(sys, "platform", "linux")
+    options = desktop.desktop_parser().parse_args(["--install"])
+    with pytest.raises(InputError, match="has added menu entry"):
+        options.run(options)
