@@ -21,24 +21,21 @@ DESCRIBED = (
 # The spec leaves pictures of the documentation, scripts and its own folder behind.
 RESOURCES = ("*.obj", "*.sel", "*.def", "*.qss", "icons/*.svg", "desktop/*")
 # Imported by compiled modules, or by name: PyInstaller cannot see it.
-HIDDEN = ("cholespy._cholespy_core", "vtkmodules.util.data_model", "vtkmodules.util.execution_model")
+HIDDEN = (
+    "cholespy._cholespy_core",
+    *(f"matplotlib.backends.backend_{kind}" for kind in ("agg", "mixed", "pdf", "svg")),
+)
 # Imported by libraries where it is there, and never used by the program; `vtk` imports all of VTK.
 UNUSED = (
-    *("IPython", "certifi", "charset_normalizer", "dask", "distributed", "fsspec", "ipywidgets", "jinja2"),
+    *("IPython", "certifi", "dask", "distributed", "fsspec", "ipywidgets", "jinja2", "numba.tests", "pandas"),
+    *("pip", "pyarrow", "pygments", "pytest", "readline", "requests", "rich", "setuptools", "threadpoolctl"),
     *(
-        "numba.tests",
-        "pandas",
-        "pip",
-        "pyarrow",
-        "pygments",
-        "pytest",
-        "readline",
-        "requests",
-        "rich",
-        "setuptools",
+        "tkinter",
+        "trame",
+        "urllib3",
+        "vtk",
+        *(f"PySide6.Qt{name}" for name in ("Designer", "Qml", "Quick", "Test")),
     ),
-    *("threadpoolctl", "tkinter", "trame", "urllib3", "vtk"),
-    *(f"PySide6.Qt{name}" for name in ("Designer", "Qml", "Quick", "Test")),
 )
 # pyvista imports VTK's modules by name, when it needs a class of theirs.
 _VTK = re.compile(
@@ -96,7 +93,9 @@ def vtk_modules() -> list[str]:
 
     folder = Path(vtkmodules.__path__[0])
     found = {path.name.partition(".")[0] for path in folder.glob("vtk*") if path.suffix in {".so", ".pyd"}}
-    return [f"vtkmodules.{name}" for name in sorted(found) if _VTK.fullmatch(name)]
+    scripts = (path for part in ("numpy_interface", "util") for path in folder.glob(f"{part}/*.py"))
+    names = [*filter(_VTK.fullmatch, found), *(f"{path.parent.name}.{path.stem}" for path in scripts)]
+    return [f"vtkmodules.{name}" for name in sorted(names)]
 
 
 def is_left_out(place: str, source: str) -> bool:

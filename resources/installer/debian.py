@@ -106,7 +106,7 @@ def package(program: Path, tree: Path, place: Path) -> Path:
         if not path.is_symlink():
             path.chmod(0o755 if path.is_dir() or os.access(path, os.X_OK) else 0o644)
     result = place / f"apd-viewer_{contents.version()}_{architecture()}.deb"
-    # xz takes ten times as long for a tenth less, and unpacks slowly.
+    # xz takes many times as long, here and at each installation.
     pack = ["dpkg-deb", "--root-owner-group", "-Zzstd", "-z9", "--build"]
     subprocess.run([*pack, tree, result], check=True)
     return result
