@@ -138,6 +138,7 @@ def run(mesh: object = None, tells: bool = False) -> None:
     _check_display()
     application = make_application(sys.argv[:1])
     # Imported only now: pyvistaqt must find the application as it was prepared above.
+    from apd_viewer.ui.filing.file_open_events import FileOpenEvents
     from apd_viewer.ui.settings_page.preference_effects import limit_threads
     from apd_viewer.ui.settings_page.preference_table import THREADS
     from apd_viewer.ui.shell import Shell
@@ -152,6 +153,8 @@ def run(mesh: object = None, tells: bool = False) -> None:
         shell.requests.show_mesh(shown)
     else:
         shell.requests.open_path(shown)
+    if sys.platform == "darwin":
+        FileOpenEvents(application, shell.requests)
     shell.show()
     imports = BackgroundImports()
     imports.loaded.connect(

@@ -1,6 +1,6 @@
 """Compare the start of programs, to the first picture: ``compare_start.py COMMAND COMMAND ...`` on Linux.
 
-They are started in turns on an X display of its own (Xvfb), which is looked at until it shows a shaded surface.
+They are started in turns on an X display of its own (Xvfb), watched until it shows a shaded surface.
 """
 
 from __future__ import annotations
