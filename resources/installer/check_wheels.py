@@ -14,17 +14,17 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-# Of the oldest systems that Qt and VTK still have wheels for.
+# Tags of wheels, up to those of the systems that most have today.
 PLATFORMS = {
     "linux-x86_64": [f"manylinux_2_{minor}_x86_64" for minor in range(5, 36)] + ["manylinux2014_x86_64"],
     "linux-aarch64": [f"manylinux_2_{minor}_aarch64" for minor in range(17, 40)] + ["manylinux2014_aarch64"],
     "windows-x86_64": ["win_amd64"],
     "macos-arm64": [
-        f"macosx_{version}_{kind}" for version in (11, 12, 13, 14) for kind in ("0_arm64", "0_universal2")
+        f"macosx_{version}_{kind}" for version in range(11, 16) for kind in ("0_arm64", "0_universal2")
     ],
     "macos-x86_64": [
         f"macosx_{version}_{kind}"
-        for version in ("10_9", "10_12", "10_13", "10_14", "10_15", "11_0", "12_0", "13_0", "14_0")
+        for version in ("10_9", "10_12", "10_13", "10_14", "10_15", "11_0", "12_0", "13_0", "14_0", "15_0")
         for kind in ("x86_64", "universal2", "intel")
     ],
 }
