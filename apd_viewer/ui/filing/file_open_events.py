@@ -1,4 +1,4 @@
-"""Files that macOS asks the program to open."""
+"""Files opened by macOS with the program."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from apd_viewer.ui.filing.file_requests import FileRequests
 
 
 class FileOpenEvents(QObject):
-    """Opens files from the Finder and the Dock, which come as events and not as arguments.
+    """Opener of files from the Finder and the Dock, by their events.
 
-    Of macOS only: a filter in Python of all events costs time in every gesture.
+    They come as events and not as arguments. Of macOS only: a filter in Python of all events costs time in
+    every gesture.
 
     Parameters
     ----------
