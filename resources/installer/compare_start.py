@@ -14,7 +14,7 @@ import time
 
 import numpy as np
 
-TURNS = 7
+TURNS = 5
 _COLOURS = 1000  # a window without a mesh has some hundred
 _LONGEST = 120.0  # s
 
@@ -39,20 +39,26 @@ def seconds(command: str, display: str) -> float:
 def colours(display: str) -> int:
     """Number of colours in every fourth row of the display."""
     picture = subprocess.check_output(["xwd", "-root", "-silent", "-display", display])
-    width, height = np.frombuffer(picture, ">u4", 6)[4:]
+    width, height = map(int, np.frombuffer(picture, ">u4", 6)[4:])
     pixels = np.frombuffer(picture[-4 * width * height :], "<u4").reshape(height, width)
     return len(np.unique(pixels[::4]))
 
 
 def main() -> None:
     """Print the times of each command, and the ratio of medians to that of the last."""
-    commands, display = sys.argv[1:], ":94"
-    server = subprocess.Popen(["Xvfb", display, "-screen", "0", "1600x1000x24"], stderr=subprocess.DEVNULL)
-    time.sleep(1.0)
+    commands = sys.argv[1:]
+    server = subprocess.Popen(
+        ["Xvfb", "-noreset", "-displayfd", "1", "-screen", "0", "1600x1000x24"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+    assert server.stdout is not None
+    display = f":{server.stdout.readline().strip()}"  # it is ready then
     try:
         for command in commands:
             seconds(command, display)
-            time.sleep(20.0)  # what is compiled beside the window goes to the cache
+            time.sleep(15.0)  # what is compiled beside the window goes to the cache
         times = [[seconds(command, display) for command in commands] for _ in range(TURNS)]
     finally:
         server.terminate()
