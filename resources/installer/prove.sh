@@ -87,6 +87,7 @@ as_user apd-viewer thumbnail $samples/duck.obj $home/duck.png || fail "thumbnail
 for made in twisted.obj report.json twisted.png sweep/sweep.csv study/results.csv duck.png; do
     [ -s "$root$home/$made" ] || fail "$made is missing"
 done
+as_user APD_VIEWER_LANGUAGE=de apd-viewer --help | grep -q Fenster || fail "it does not speak German"
 as_user apd-viewer desktop --install && fail "desktop --install was not refused" || true
 [ -s "$root/usr/lib/apd-viewer/_internal/apd_viewer/manual/index.html" ] || fail "the manual is missing"
 for file in applications/apd-viewer.desktop mime/packages/apd-viewer.xml thumbnailers/apd-viewer.thumbnailer \
@@ -133,6 +134,6 @@ inside dpkg --purge apd-viewer >> "$folder/apt.log" 2>&1 || fail "purge"
 files > "$folder/after"
 diff "$folder/before" "$folder/after" >> "$folder/log" || fail "the removal has left files, or removed others"
 say "nothing is left in the system; in the home, besides what was asked for:"
-(cd "$root$home" && find . -mindepth 1 -maxdepth 3 -path './.*/*' | sort) | tee -a "$folder/log"
+(cd "$root$home" && find . -mindepth 2 -maxdepth 2 -path './.*/*' | sort) | tee -a "$folder/log"
 inside sh -c 'ls /tmp' | grep -v -e package.deb | sed 's/^/in \/tmp: /' | tee -a "$folder/log"
 say "ALL SHOWN"
