@@ -17,7 +17,7 @@ def draw(stage: Stage) -> QImage:
     shell, panel = stage.window.shell, stage.window.panel
     stage.number(1, shell.menuBar(), (-150, 0))
     stage.number(2, QPointF(-24.0, 40.0), (26, 0))
-    stage.number(3, QPointF(260.0, 120.0))
+    stage.number(3, stage.view, (200, 40))
     stage.number(4, QPointF(*stage.window.canvas.gizmo.frame.middle), (-110, -40))
     stage.number(5, stage.window.looks.legend, (128, -70))
     stage.number(6, panel.area, (-160, -30))
