@@ -127,6 +127,8 @@ def _free_share(
         if motion > _MANY * left:
             strain, rest = _strain_and_rest(X, D, edges)
             rate = min(motion, strain * (left + floor) + rest)
+        if rate == 0.0:
+            return 1.0  # even from below the floor: nothing comes nearer
         step = part * left / max(rate, part * left)
         if step < _SHORTEST:
             return share

@@ -6,6 +6,7 @@ import ipctk
 import numpy as np
 import pytest
 
+from apd_viewer.geometry.contact import collision_times
 from apd_viewer.geometry.contact.distances import gaps
 from apd_viewer.geometry.contact.near_pairs import NearPairs
 
@@ -178,3 +179,14 @@ def test_neighbours_that_turn_and_stretch_as_one_have_a_free_way(height):
         share = shares(U, W)
         assert share < 0.5
         assert min(least(at(U, W, share * s)) for s in np.linspace(0, 1, 200)) > 0.0
+
+
+def test_a_pair_below_its_floor_that_stays_is_in_nobodys_way():
+    X = np.array([[0.0, 0.0, 1e-3], [-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]])
+    pair, none = np.array([[0, 1, 2, 3]], dtype=np.int32), np.zeros(1, np.int32)
+    low, after, share = np.full(1, 1e-3), np.empty(1), np.empty(1)
+    numbers = np.full(1, 1e-2), np.full(1, 2e-3)  # reach and floor
+    collision_times.examine(
+        X, X.copy(), 0.0, pair, np.zeros(1, bool), low, *numbers, np.zeros(1), none, after, share, 0.0
+    )
+    assert share[0] == 1.0
