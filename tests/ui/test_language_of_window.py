@@ -23,6 +23,7 @@ EXCEPTIONS = {
     r"^APD Viewer$": "the name of the program",
     r"^PyVista$": "of a widget within the canvas, seen by nobody",
     r"\b(Esc|Strg|Umschalt|Alt)\b(\+\w)?": "keys, as Qt calls them in this language",
+    r"\bVerbindung verweigert\b": "why a socket failed, as Qt says it",
     r"^(Schließen|Lösen|Schließt das Dock-Widget|Löst das Dock-Widget .*)$": "Qt's own words",
 }
 
