@@ -9,6 +9,8 @@ set -eu
 package=$(realpath "$1")
 mkdir -p "$2"
 folder=$(realpath "$2")
+# The same relative paths then lead to the same places here and in the bare Debian.
+cd /
 suite=${SUITE:-bookworm}
 mirror=${MIRROR:-http://deb.debian.org/debian}
 root=$folder/root
@@ -57,7 +59,7 @@ mkdir -p "$root/tmp/.X11-unix"
 Xvfb "$display" -screen 0 1600x1000x24 -ac >/dev/null 2>&1 &
 server=$!
 sleep 1
-mount --bind /tmp/.X11-unix "$root/tmp/.X11-unix"
+mount --bind tmp/.X11-unix "$root/tmp/.X11-unix"
 inside useradd --create-home --uid 1000 user
 
 say "== installation: dependencies, then dpkg -i"
@@ -67,7 +69,7 @@ depends=$(dpkg-deb -f "$package" Depends)
 inside apt-get satisfy -qq --yes --no-install-recommends "$depends" > "$folder/apt.log" 2>&1 || fail "dependencies"
 inside sh -c '! ls /usr/bin/python3* /usr/bin/gcc* 2>/dev/null' || fail "the bare Debian has Python or a compiler"
 files > "$folder/before"
-inside dpkg -i /tmp/package.deb >> "$folder/apt.log" 2>&1 || fail "dpkg -i"
+inside dpkg -i tmp/package.deb >> "$folder/apt.log" 2>&1 || fail "dpkg -i"
 say "$(inside apd-viewer --version), $(du -sm "$root/usr/lib/apd-viewer" | cut -f1) MB"
 # numba does without TBB, and Qt without GTK.
 missing=$(inside LD_LIBRARY_PATH=/usr/lib/apd-viewer/_internal sh -c 'cd /usr/lib/apd-viewer &&
@@ -135,5 +137,5 @@ files > "$folder/after"
 diff "$folder/before" "$folder/after" >> "$folder/log" || fail "the removal has left files, or removed others"
 say "nothing is left in the system; in the home, besides what was asked for:"
 (cd "$root$home" && find . -mindepth 2 -maxdepth 2 -path './.*/*' | sort) | tee -a "$folder/log"
-inside sh -c 'ls /tmp' | grep -v -e package.deb | sed 's/^/in \/tmp: /' | tee -a "$folder/log"
+inside ls -A tmp | grep -v -e package.deb | sed 's/^/left in tmp: /' | tee -a "$folder/log"
 say "ALL SHOWN"
