@@ -1,7 +1,6 @@
 """What the package promises to scripts: names, parameters, fields, the version and the command."""
 
 import dataclasses
-import importlib.util
 import inspect
 import re
 import shutil
@@ -138,7 +137,6 @@ def test_the_window_takes_meshes_of_other_libraries():
         as_mesh("gone.obj")
 
 
-@pytest.mark.skipif(importlib.util.find_spec("hatchling") is None, reason="hatchling is not installed")
 @pytest.mark.parametrize("pages", [("index.html", "reference/keys.html", "_static/site.css"), ()], ids=len)
 def test_a_wheel_takes_the_manual_along_where_it_is_built(tmp_path, pages):
     """Built by the project's own settings, from a folder with little else in it."""

@@ -94,8 +94,6 @@ SCRIPTED = sorted(path.stem for path in SCRIPTS.glob("*.py"))
 @pytest.mark.parametrize("name", [*SCRIPTED, *(f"gallery_{name}" for name in OF_THE_GALLERY)])
 def test_a_script_runs(name, staged):
     drawn = drawer(name)(staged())
-    if isinstance(drawn, Path) and not drawn.exists():
-        pytest.skip("shapes beside each other need off-screen OpenGL")
     picture = np.asarray(still(drawn).convert("RGB"), dtype=int)
     assert min(picture.shape[:2]) > 100
     assert picture.std() > 5  # something is there

@@ -6,7 +6,7 @@ from site_pages import browser, looked_at
 PAGE = "<!doctype html><body style='margin: 0; background: white'><main>{}</main></body>"
 
 
-@pytest.mark.skipif(browser() is None, reason="Chromium is not installed")
+@pytest.mark.skipif(browser() is None, reason="Ubuntu has Chromium as a snap only, other systems by hand")
 def test_wide_pages_broken_pictures_and_pale_text_are_named(tmp_path):
     for name, inside in {
         "good": "<p style='color: #333'>legible</p>",

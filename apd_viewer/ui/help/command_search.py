@@ -7,16 +7,15 @@ from typing import cast
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout
+from PySide6.QtWidgets import QFrame, QLabel, QVBoxLayout
 
 from apd_viewer.language import tr
 from apd_viewer.ui.help.found_list import FoundList
+from apd_viewer.ui.help.search_row import SearchRow
 from apd_viewer.ui.help.searchable import Searchable
 from apd_viewer.ui.help.word_match import Query, score
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
-from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import Theme
 
 _MARGIN, _WIDEST = 12, 640
@@ -67,21 +66,14 @@ class CommandSearch(QFrame):
         self.hide()
         canvas.resized.connect(self._place)
 
-    def _make_head(self) -> QHBoxLayout:
-        self.search = QLineEdit(
-            placeholderText=tr("What do you want to do?"),
-            accessibleName=tr("Find a command"),
-            toolTip=tr("Type what you want to do, such as: mirror, brush smaller, wall thickness"),
-            clearButtonEnabled=True,
-        )
+    def _make_head(self) -> SearchRow:
+        head = SearchRow(tr("Find a command"), tr("What do you want to do?"), tr("Close the search"))
+        head.cross.clicked.connect(self.dismissed)
+        self.search, self._head = head.field, head
+        self.search.setToolTip(tr("Type what you want to do, such as: mirror, brush smaller, wall thickness"))
         self.search.textChanged.connect(self._show_found)
         self.search.installEventFilter(self)
-        self._close = small_button(tr("Close the search"), tr("Close (Esc)"))
-        self._close.clicked.connect(self.dismissed)
-        row = QHBoxLayout(spacing=8)
-        row.addWidget(self.search, 1)
-        row.addWidget(self._close)
-        return row
+        return head
 
     def open(self) -> None:
         """Begin anew, with the present state of all entries."""
@@ -96,7 +88,7 @@ class CommandSearch(QFrame):
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
         self.list.theme = theme
-        self._close.setIcon(icon("cancel", theme))
+        self._head.set_theme(theme)
         if not self.isHidden():
             self._show_found(self.search.text())
 

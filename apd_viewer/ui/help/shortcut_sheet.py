@@ -11,7 +11,6 @@ from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QLabel,
-    QLineEdit,
     QPushButton,
     QScrollArea,
     QVBoxLayout,
@@ -19,12 +18,11 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
+from apd_viewer.ui.help.search_row import SearchRow
 from apd_viewer.ui.help.shortcut_rows import ActionRow, Group
 from apd_viewer.ui.preferences.shortcuts import Shortcuts, native, split
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
-from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 from apd_viewer.ui.widgets.wrapping_row import arrange
 
@@ -74,19 +72,13 @@ class ShortcutSheet(QFrame):
         self.hide()
         canvas.resized.connect(self._place)
 
-    def _make_head(self) -> QHBoxLayout:
-        self.search = QLineEdit(
-            placeholderText=tr("Search for an action, a shortcut or a gesture"),
-            accessibleName=tr("Search shortcuts"),
-            clearButtonEnabled=True,
-        )
+    def _make_head(self) -> SearchRow:
+        prompt = tr("Search for an action, a shortcut or a gesture")
+        head = SearchRow(tr("Search shortcuts"), prompt, tr("Close shortcuts"))
+        head.cross.clicked.connect(self.dismissed)
+        self.search, self._head = head.field, head
         self.search.textChanged.connect(self._filter)
-        self._close = small_button(tr("Close shortcuts"), tr("Close (Esc)"))
-        self._close.clicked.connect(self.dismissed)
-        row = QHBoxLayout(spacing=8)
-        row.addWidget(self.search, 1)
-        row.addWidget(self._close)
-        return row
+        return head
 
     def _make_list(self) -> QScrollArea:
         self._scroll = QScrollArea(widgetResizable=True, focusPolicy=Qt.FocusPolicy.NoFocus)
@@ -143,7 +135,7 @@ class ShortcutSheet(QFrame):
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
         self._theme = theme
-        self._close.setIcon(icon("cancel", theme))
+        self._head.set_theme(theme)
         for group in self._groups:
             for row in group.rows:
                 row.set_theme(theme)
