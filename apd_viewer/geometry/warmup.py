@@ -17,7 +17,8 @@ from apd_viewer.geometry.linalg.linear_solver import supernodal_works
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS, METHODS
 
-# So many are compiled by `warm_up` where PARTS are beside it, kernels within kernels included.
+# So many are compiled by `warm_up`, kernels within kernels included, where others compile what PARTS has
+# besides the drag; fewer where they were first.
 _KERNELS = 226
 
 
