@@ -92,7 +92,7 @@ def test_it_opens_and_closes(qtbot, active, key):
     qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_Escape)
     assert not sheet.isVisible()
     active.actions_.help["shortcuts"].trigger()
-    qtbot.mouseClick(sheet._close, LEFT)
+    qtbot.mouseClick(sheet._head.cross, LEFT)
     assert not sheet.isVisible()
 
 
