@@ -105,7 +105,8 @@ class Handles:
 
     def _walk(self, document: Document) -> None:
         """Solve a document along its winding paths, and say once what may come of it."""
-        if document.mesh is not self._warned:
+        kept_apart = document.contact and document.traits.may_touch
+        if not kept_apart and document.mesh is not self._warned:
             self._warned = document.mesh
             self._listener.told(
                 tr(

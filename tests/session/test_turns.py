@@ -127,6 +127,14 @@ def test_a_sweep_goes_around_twice(session):
         np.testing.assert_allclose(step.frame.U[sweep.document.labels == HANDLE], held, atol=1e-9)
 
 
+@pytest.mark.parametrize("contact", [True, False])
+def test_walls_that_pass_are_told_of_unless_kept_apart(bottle, contact):
+    bottle.settings.keep_apart(contact)
+    bottle.settle()
+    bottle.handles.move_by(TypedMotion.TWIST, "200deg", 0)
+    assert any("unwind" in text for text in bottle.told) is not contact
+
+
 def test_half_a_turn_has_its_way(session):
     session.handles.move_by(TypedMotion.TWIST, "-180", 0)
     assert reading(session) == "−180.0°"
