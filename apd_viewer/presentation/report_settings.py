@@ -27,7 +27,7 @@ _RIGID = 1e-9  # of a pose's matrix: a smaller scale is rounding
 _DIGITS = 8  # digits of numbers for repeating the deformation
 
 
-_ROUNDING = 1e-12  # of the size of a mesh
+_ROUNDING = 1e-10  # of the size of a mesh; turns in several steps add up to 1e-12 and more
 
 
 def settings_blocks(state: State, unit: Unit) -> Iterator[Block]:
