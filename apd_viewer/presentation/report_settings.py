@@ -24,12 +24,6 @@ if TYPE_CHECKING:
 _RIGID = 1e-9  # of a pose's matrix: a smaller scale is rounding
 
 
-_DIGITS = 8  # digits of numbers for repeating the deformation
-
-
-_ROUNDING = 1e-10  # of the size of a mesh; turns in several steps add up to 1e-12 and more
-
-
 def settings_blocks(state: State, unit: Unit) -> Iterator[Block]:
     """Blocks on the method and all settings."""
     document = state.document
@@ -105,8 +99,7 @@ def _motion(handle: Handle, centre: np.ndarray, unit: Unit, size: float) -> Iter
 
 def _vector(x: np.ndarray, size: float = 1.0) -> str:
     """Coordinates with enough digits to reproduce them; rounding errors become zero."""
-    least = _ROUNDING * size
-    return "(" + ", ".join(f"{c:.{_DIGITS}g}".replace("-", "−") if abs(c) > least else "0" for c in x) + ")"
+    return f"({obstacle_readings.coordinates(x, size)})".replace("-", "−")
 
 
 def obstacle_blocks(state: State, unit: Unit) -> Iterator[Block]:
