@@ -31,11 +31,15 @@ class ConvergenceProgress(QWidget):
     ----------
     clock : callable
         The time in seconds.
+    waits : callable
+        Whether the solver waits for its kernels: until then no time left can be told.
     """
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, clock: Callable[[], float] = time.monotonic, waits: Callable[[], bool] = lambda: False
+    ) -> None:
         super().__init__(toolTip=tr("Estimated from how fast the shape converges"))
-        self._clock = clock
+        self._clock, self._waits = clock, waits
         self._forecast: Forecast | None = None
         self._frame: Frame | None = None
         self._iteration = 0
@@ -76,4 +80,4 @@ class ConvergenceProgress(QWidget):
         rests = self._iteration > 0 and gap is not None and gap <= 1.0
         self.bar.setValue(_SCALE if rests else round(_SCALE * forecast.share(now)))
         self.words.setText(_SEARCHING if rests else _UNKNOWN if left is None else in_words(left))
-        self.setVisible(now - forecast.began >= _PATIENCE)
+        self.setVisible(now - forecast.began >= _PATIENCE and not self._waits())

@@ -67,7 +67,8 @@ class StatusBar(QStatusBar):
         policy = self.pause.sizePolicy()
         policy.setRetainSizeWhenHidden(True)  # every drag shows it, and nothing is to jump
         self.pause.setSizePolicy(policy)
-        self.progress, self.compiling = ConvergenceProgress(), CompilingProgress()
+        self.compiling = CompilingProgress()
+        self.progress = ConvergenceProgress(waits=self.compiling.isVisible)
         self._job, self._pace, self._size = QLabel(), QLabel(), QLabel()
         # It shrinks first: it may be elided, and its tooltip is complete.
         self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)

@@ -18,7 +18,8 @@ class Solving:
 
     def __init__(self):
         self.now, self.rest = 100.0, opened(Mesh(*box(2, 2, 6))).frame
-        self.progress = ConvergenceProgress(lambda: self.now)
+        self.compiles = False
+        self.progress = ConvergenceProgress(lambda: self.now, lambda: self.compiles)
         self.frame = replace(self.rest, iteration=900)
         self.progress.follow(self.frame, solving=True)
 
@@ -54,6 +55,17 @@ def test_it_comes_after_a_while_and_goes_at_the_end(solving):
     assert progress.words.text() == "looking for a lower energy…"
     progress.follow(solving.frame, solving=False)
     assert not progress.isVisible()
+
+
+def test_it_tells_no_time_while_kernels_compile(solving):
+    solving.go_on(38)
+    assert solving.progress.isVisible()
+    solving.compiles = True
+    solving.go_on(1, first=39)
+    assert not solving.progress.isVisible()
+    solving.compiles = False
+    solving.go_on(1, first=40)
+    assert solving.progress.isVisible()
 
 
 def test_another_motion_begins_anew(solving):
