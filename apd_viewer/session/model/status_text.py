@@ -23,12 +23,8 @@ if TYPE_CHECKING:
 def about_findings(findings: Sequence[Finding]) -> str | None:
     """Sentence about the findings of an opened mesh; None if there are none."""
     if len(findings) > 1:
-        n = len(findings)
-        return trn(
-            "Mesh check: {n} issue; click the badge at the lower right to see it.",
-            "Mesh check: {n} issues; click the badge at the lower right to see them.",
-            n,
-        ).format(n=n)
+        # Without their number: those about the current shape are searched for in the background.
+        return tr("The mesh check has found issues; click the badge at the lower right to see them.")
     return findings[0].sentence if findings else None
 
 
