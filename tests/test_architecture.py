@@ -92,7 +92,16 @@ LIBRARIES = {
     "studies": {"numpy", "scipy", "distributed", "dask", "pyarrow", "threadpoolctl"},
     "session": {"numpy"},
     "files": {"numpy", "trimesh", "PIL", "vtkmodules"},
-    "geometry": {"numpy", "scipy", "numba", "cholespy", "fast_simplification", "ipctk", "potpourri3d"},
+    "geometry": {
+        "numpy",
+        "scipy",
+        "numba",
+        "llvmlite",
+        "cholespy",
+        "fast_simplification",
+        "ipctk",
+        "potpourri3d",
+    },
     "log": {"platformdirs"},
     "redaction": set(),
     "installation": set(),
@@ -393,7 +402,7 @@ FIRST_PICTURE = """
     import apd_viewer.ui.shell
     loaded = {name.partition(".")[0] for name in sys.modules}
     assert "pyvistaqt" in loaded, "the test is blind"
-    assert not loaded & {"numba", "scipy", "cholespy", "trimesh", "ipctk"}, loaded
+    assert not loaded & {"numba", "llvmlite", "scipy", "cholespy", "trimesh", "ipctk"}, loaded
     import apd_viewer
     assert "Deformation" in dir(apd_viewer)
     assert apd_viewer.Deformation.__name__ == "Deformation"
