@@ -69,7 +69,9 @@ docs: .venv/.tools ## build the site into build/docs; links between pages are ch
 	@.venv/bin/python -m sphinx -W -n -q --keep-going -d build/doctrees docs build/docs
 	@echo "See build/docs/index.html."
 
-wheel: docs ## build a wheel with the manual in it into dist
+wheel: docs ## build a wheel of this system, with the manual and compiled kernels in it, into dist
+	@echo "Compiling the kernels (about 100 s)"
+	@.venv/bin/python resources/installer/kernels.py
 	@.venv/bin/python -m pip wheel --quiet --no-deps -w dist .
 	@echo "See dist."
 

@@ -1,23 +1,33 @@
-"""Builds the manual into the wheel: the pages that ``make docs`` has left in build/docs."""
+"""Builds into the wheel what is made before: the manual, and compiled kernels.
 
+``make docs`` has left the pages in build/docs, resources/installer/kernels.py the kernels in build/kernels.
+"""
+
+import sysconfig
 from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 _PAGES = "build/docs"
+_KERNELS = "build/kernels"
 # What no page shows: maps for debugging its style, and what Sphinx keeps for itself.
 _NEEDLESS = (".map", ".buildinfo", "objects.inv", "webpack-macros.html")
 
 
 class CustomBuildHook(BuildHookInterface[Any]):
-    """Takes the pages along: into the package in a wheel, to their place in a source archive."""
+    """Takes pages and kernels along into a wheel, and pages into a source archive."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Name each page and where it goes; an editable installation reads them from where they are."""
-        pages = Path(self.root) / _PAGES
+        """Name each file and where it goes; an editable installation reads them from where they are."""
         if version == "editable":
             return
+        self._add_pages(build_data)
+        if self.target_name == "wheel":
+            self._add_kernels(build_data)
+
+    def _add_pages(self, build_data: dict[str, Any]) -> None:
+        pages = Path(self.root) / _PAGES
         if not (pages / "index.html").is_file():
             self.app.display_warning("The manual is not built, so it is left out; run make docs first.")
             return
@@ -25,3 +35,14 @@ class CustomBuildHook(BuildHookInterface[Any]):
         for page in sorted(pages.rglob("*")):
             if page.is_file() and not page.name.endswith(_NEEDLESS):
                 build_data["force_include"][str(page)] = f"{home}/{page.relative_to(pages).as_posix()}"
+
+    def _add_kernels(self, build_data: dict[str, Any]) -> None:
+        """Put kernels beside their modules, where numba looks for them; the wheel is then one of a system."""
+        kernels = Path(self.root) / _KERNELS
+        for file in sorted(kernels.rglob("*.nb?")):
+            folder = file.parent.relative_to(kernels).as_posix()
+            build_data["force_include"][str(file)] = f"{folder}/__pycache__/{file.name}"
+        if kernels.is_dir():
+            # Kernels link to nothing but numba, so any C library will do.
+            system = sysconfig.get_platform().replace("linux-", "manylinux_2_17_")
+            build_data["tag"] = f"py3-none-{system.replace('-', '_').replace('.', '_')}"

@@ -6,6 +6,7 @@ resources/installer/prove.sh installs its package into a bare Debian, which take
 import ast
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -163,6 +164,35 @@ def test_caches_are_the_user_s_and_variables_the_system_s(launched, tmp_path):
     ]
     assert not old.exists()
     assert other.exists()
+
+
+KERNEL = """
+import numba
+
+
+@numba.njit(cache=True)
+def twice(number):
+    return 2 * number
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have other folders")
+def test_kernels_that_the_program_brings_are_not_compiled_again(launched, tmp_path, monkeypatch):
+    """Compiled in one place, packed, and found by numba in another."""
+    monkeypatch.syspath_prepend(str(FOLDER))
+    from kernels import numba_folder
+
+    work = ("-c", "from pack.inner.module import twice; twice(21); print(len(twice.stats.cache_hits))")
+    packed, program = tmp_path / "packed", tmp_path / "pack"
+    for place in (packed / "pack", program):
+        (place / "inner").mkdir(parents=True)
+        (place / "inner" / "module.py").write_text(KERNEL)
+    cache = tmp_path / "cache"
+    first = launched(*work, PYTHONPATH=str(packed), NUMBA_CACHE_DIR=str(cache))
+    assert first.stdout == "0\n", first.stderr
+    brought = tmp_path / "kernels" / "pack" / "inner"
+    shutil.copytree(cache / numba_folder(packed / "pack" / "inner"), brought)
+    assert launched(*work, PYTHONPATH=str(tmp_path)).stdout == "1\n"
 
 
 def test_a_packaged_program_says_what_it_cannot_do(monkeypatch, tmp_path):

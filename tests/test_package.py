@@ -11,6 +11,7 @@ from importlib.metadata import entry_points, version
 from pathlib import Path
 
 import numpy as np
+import packaging.tags
 import pytest
 import trimesh
 from meshes import box, ends
@@ -137,21 +138,53 @@ def test_the_window_takes_meshes_of_other_libraries():
         as_mesh("gone.obj")
 
 
-@pytest.mark.parametrize("pages", [("index.html", "reference/keys.html", "_static/site.css"), ()], ids=len)
-def test_a_wheel_takes_the_manual_along_where_it_is_built(tmp_path, pages):
-    """Built by the project's own settings, from a folder with little else in it."""
+@pytest.fixture
+def wheel(tmp_path):
+    """Build a wheel by the project's own settings, from a folder with little else in it."""
     for name in ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, tmp_path)
     for folder in ("apd_viewer", "resources", "docs"):
         (tmp_path / folder).mkdir()
     (tmp_path / "apd_viewer" / "__init__.py").touch()
-    for page in (*pages, *(["_static/site.css.map", ".buildinfo"] if pages else [])):
-        place = tmp_path / "build" / "docs" / page
-        place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_text(page, encoding="utf-8")
-    command = [sys.executable, "-c", "from hatchling.build import build_wheel; print(build_wheel('dist'))"]
-    done = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
-    with zipfile.ZipFile(tmp_path / "dist" / done.stdout.split()[-1]) as wheel:
-        inside = [name for name in wheel.namelist() if name.startswith("apd_viewer/manual/")]
+
+    def wheel(built):
+        for name in built:
+            place = tmp_path / "build" / name
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_text(name, encoding="utf-8")
+        command = [
+            sys.executable,
+            "-c",
+            "from hatchling.build import build_wheel; print(build_wheel('dist'))",
+        ]
+        done = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
+        return tmp_path / "dist" / done.stdout.split()[-1]
+
+    return wheel
+
+
+@pytest.mark.parametrize("pages", [("index.html", "reference/keys.html", "_static/site.css"), ()], ids=len)
+def test_a_wheel_takes_the_manual_along_where_it_is_built(wheel, pages):
+    built = [f"docs/{page}" for page in (*pages, *(["_static/site.css.map", ".buildinfo"] if pages else []))]
+    path = wheel(built)
+    assert path.name.endswith("-py3-none-any.whl")
+    with zipfile.ZipFile(path) as archive:
+        inside = [name for name in archive.namelist() if name.startswith("apd_viewer/manual/")]
         assert sorted(inside) == sorted(f"apd_viewer/manual/{page}" for page in pages)
-        assert all(wheel.read(name).decode() == name.split("/", 2)[2] for name in inside)
+        assert all(archive.read(name).decode() == f"docs/{name.split('/', 2)[2]}" for name in inside)
+
+
+def test_a_wheel_with_kernels_is_one_of_this_system(wheel):
+    compiled = [
+        f"kernels/apd_viewer/geometry/{name}" for name in ("a-1.py311.nbi", "b/c-2.py311.1.nbc", "d.tmp")
+    ]
+    path = wheel(compiled)
+    tag = path.stem.rpartition("-")[2]
+    assert tag != "any"
+    assert tag in {each.platform for each in packaging.tags.sys_tags()}
+    with zipfile.ZipFile(path) as archive:
+        inside = [name for name in archive.namelist() if "__pycache__" in name]
+    assert inside == [
+        "apd_viewer/geometry/__pycache__/a-1.py311.nbi",
+        "apd_viewer/geometry/b/__pycache__/c-2.py311.1.nbc",
+    ]

@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 import contents
+import kernels
 import licences
 
 BUILD = contents.ROOT / "build" / "installer"
@@ -38,7 +39,16 @@ def build_program() -> Path:
         draw_icon(work)
     command = [sys.executable, "-m", "PyInstaller", "--noconfirm", "--log-level", "WARN"]
     subprocess.run([*command, "--workpath", work, "--distpath", BUILD, SPEC], check=True)
+    add_kernels(BUILD / "program")
     return BUILD / "program"
+
+
+def add_kernels(program: Path) -> None:
+    """Have the program compile its kernels, and add them to it, where they fit other processors too."""
+    inside = program / "_internal"
+    number = kernels.compile_kernels([str(program / "apd-viewer")], inside / "apd_viewer", BUILD / "kernels")
+    if number:
+        shutil.copytree(BUILD / "kernels", inside / "kernels")
 
 
 def draw_icon(work: Path) -> None:

@@ -4,6 +4,7 @@ The program starts its other processes as ``sys.executable -c CODE ARGUMENTS``. 
 which therefore understands ``-c`` as Python does.
 """
 
+import contextlib
 import multiprocessing
 import os
 import sys
@@ -48,22 +49,48 @@ def name_console() -> None:
 def keep_caches() -> None:
     """Have libraries cache in the user's folder: that of the program cannot be written, or must not be.
 
-    Kernels are compiled for the processor at hand. Those of another build of the program are removed, since
-    numba knows the program's file, and not its sources.
+    Numba adds kernels that the program has not brought, or brought for another processor. Those of another
+    build of the program are removed, since numba knows the program's file, and not its sources.
     """
     # Here: freeze_support comes before all else.
     import shutil
 
     import platformdirs
 
-    build = (Path(sys._MEIPASS) / "build").read_text(encoding="ascii")
+    program = Path(sys._MEIPASS)
+    build = (program / "build").read_text(encoding="ascii")
     caches = Path(platformdirs.user_cache_dir("apd-viewer", appauthor=False))
     kernels = caches / f"kernels-{build}"
     if not kernels.exists():
         for other in caches.glob("kernels-*"):
             shutil.rmtree(other, ignore_errors=True)
-    os.environ["NUMBA_CACHE_DIR"] = str(kernels)
+        # Without them the program compiles its kernels, which takes a minute and nothing else.
+        with contextlib.suppress(OSError):
+            copy_kernels(program, kernels)
+    os.environ.setdefault("NUMBA_CACHE_DIR", str(kernels))
     os.environ["MPLCONFIGDIR"] = str(caches / "matplotlib")
+
+
+def copy_kernels(program: Path, kernels: Path) -> None:
+    """Copy the kernels that the program brings to where numba looks for them.
+
+    They are in the folders of their modules; numba names folders by a hash of where the modules are.
+    """
+    # Here: freeze_support comes before all else.
+    import hashlib
+    import shutil
+    import tempfile
+
+    kernels.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=kernels.parent) as unfinished:
+        copied = Path(unfinished) / "kernels"
+        for file in (program / "kernels").rglob("*.nb?"):
+            folder = program / file.parent.relative_to(program / "kernels")
+            named = copied / f"{folder.name}_{hashlib.sha1(str(folder).encode()).hexdigest()}"
+            named.mkdir(parents=True, exist_ok=True)
+            shutil.copy(file, named)
+        if copied.exists():
+            copied.rename(kernels)
 
 
 def run_code() -> int:
