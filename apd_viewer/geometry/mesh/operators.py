@@ -90,17 +90,20 @@ def why_no_volume(F: np.ndarray, n: int) -> str | None:
     A surface is closed when every edge is used once in each direction.
     """
     border, crowded, one_way = odd_edges(F, n)
-    if border:
-        return trn(
-            "the surface is open ({n:,} boundary edge)", "the surface is open ({n:,} boundary edges)", border
-        ).format(n=border)
+    # Openings last: they can be capped, what comes before them cannot be mended.
     if crowded:
         return trn(
             "the surface is not manifold ({n:,} edge with more than two faces)",
             "the surface is not manifold ({n:,} edges with more than two faces)",
             crowded,
         ).format(n=crowded)
-    return tr("the faces are not consistently oriented") if one_way else None
+    if one_way:
+        return tr("the faces are not consistently oriented")
+    if border:
+        return trn(
+            "the surface is open ({n:,} boundary edge)", "the surface is open ({n:,} boundary edges)", border
+        ).format(n=border)
+    return None
 
 
 @njit(cache=True, nogil=True)

@@ -131,6 +131,7 @@ def test_a_surface_with_three_faces_at_an_edge_is_not_manifold():
     assert "not manifold (1 edge" in why_no_volume(glued, len(V))
     # A closed surface and a copy of it: every edge is used twice in either direction.
     assert "not manifold" in why_no_volume(np.vstack([F, F]), len(V))
+    assert "not manifold (1 edge" in why_no_volume(glued[1:], len(V)), "a cap mends an opening, not this"
 
 
 def test_a_flipped_face_is_noticed():
@@ -138,6 +139,7 @@ def test_a_flipped_face_is_noticed():
     F = F.copy()
     F[3] = F[3, ::-1]
     assert "not consistently oriented" in why_no_volume(F, len(V))
+    assert "not consistently oriented" in why_no_volume(F[:-1], len(V)), "a cap mends an opening, not this"
 
 
 @every_mesh
