@@ -15,6 +15,7 @@ from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import tr
 from apd_viewer.presentation.legend_svg import HEIGHT, WIDTH, legend_svg
 from apd_viewer.ui.scene.scene_picture import check_size, grown, scene_picture
+from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
 if TYPE_CHECKING:
@@ -73,8 +74,13 @@ class Pictures:
 
     @property
     def has_gizmo(self) -> bool:
-        """True if the gizmo is shown."""
-        return self._canvas.gizmo.visible
+        """True if a gizmo is shown."""
+        return bool(self._gizmos)
+
+    @property
+    def _gizmos(self) -> list[Gizmo]:
+        """The gizmo at the handle or at the obstacle in the hand, if it is shown."""
+        return [tool for tool in self._canvas.viewport.tools if isinstance(tool, Gizmo) and tool.visible]
 
     def save(self, path: Path, wish: Wish) -> None:
         """Write a picture as PNG; it is drawn now, and written in the background."""
@@ -128,7 +134,8 @@ class Pictures:
             self._looks.ground.paint(painter)
             if wish.gizmo:
                 self._canvas.pivots.paint(painter)
-                self._canvas.gizmo.paint(painter)
+                for gizmo in self._gizmos:
+                    gizmo.paint(painter)
             painter.restore()
             if wish.legend and self.has_legend:
                 painter.translate(-QPointF(wish.size.width(), -wish.size.height()) / (2 * scale))

@@ -178,6 +178,23 @@ def test_the_gizmo_stands_where_it_stands_on_the_screen(still):
         assert changed[y, x].mean() > 0.5
 
 
+def test_the_gizmo_of_an_obstacle_can_be_in_the_picture(qtbot, still):
+    still.actions_.obstacles.floor.trigger()
+    idle(qtbot, still)
+    assert still.obstacles.gizmo.visible
+    assert not still.canvas.gizmo.visible
+    pictures = still.reporting.pictures
+    assert pictures.has_gizmo
+    bare, drawn = (pixels(pictures.taken(Wish(SIZE, True, gizmo=on))) for on in (False, True))
+    arrow = still.obstacles.gizmo.frame.arrow(2)[1]
+    view = still.canvas.viewport
+    x, y = np.array([200, 150]) + grown(view.size(), SIZE) * (
+        arrow - np.array([view.width(), view.height()]) / 2
+    )
+    around = np.abs(bare - drawn)[int(y) - 5 : int(y) + 6, int(x) - 5 : int(x) + 6]
+    assert around.max() > 40
+
+
 def test_the_legend_has_the_colours_of_the_overlay(qtbot, still):
     pictures, heat = still.reporting.pictures, still.looks.heat
     size = still.canvas.viewport.size()
