@@ -51,6 +51,7 @@ def row_of(step: SweepStep, sweep: Sweep) -> dict[str, Cell]:
         "area": frame.area,
         "area_error": frame.area_error,
         "volume": frame.volume,
+        "volume_capped": frame.volume_capped,
         "volume_error": step.volume_error,
         "energy": step.energy,
         "local_change": frame.local_change,
@@ -143,6 +144,8 @@ def summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
         )
         if own[-1].volume_error is not None:
             said += tr("; volume {change} %").format(change=signed(100 * own[-1].volume_error, 2))
+            if own[-1].frame.volume is None:
+                said += tr(", openings capped flat")
         lines.append(said)
         unsettled = sum(not step.frame.settled for step in own)
         if unsettled:

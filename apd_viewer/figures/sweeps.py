@@ -33,7 +33,7 @@ def draw_sweep(
     name: str = "sweep",
     obstacles: Sequence[str] = (),
 ) -> None:
-    """Draw the curves of a sweep; without volume where the surface is open.
+    """Draw the curves of a sweep; without volume where nothing is enclosed.
 
     Parameters
     ----------

@@ -20,6 +20,7 @@ from apd_viewer.commands import sweep as sweep_command
 from apd_viewer.errors import InputError
 from apd_viewer.figures.films import check_film, write_film
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.pose.transforms import turned_about
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import Standpoint, View
@@ -162,17 +163,22 @@ def test_the_same_sweep_writes_the_same_files(session, sweep, tmp_path):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
 
 
-def test_an_open_surface_has_no_volume(bar, sweep, tmp_path):
+def test_the_volume_of_an_open_surface_is_capped(bar, sweep, tmp_path):
     V, F = tube()
     trimesh.Trimesh(V, F, process=False).export(bar[0])
     labels = np.ones(len(V), dtype=int)
     base, handle = ends(V)
     labels[base], labels[handle] = 0, 2
     np.savetxt(bar[2], labels, fmt="%d")
-    status, said, err, folder = sweep(*bar, "--twist", "40", "--steps", 2, "--methods", "arap,exact")
+    status, said, err, folder = sweep(*bar, "--push", "20%", "--steps", 2, "--methods", "arap,exact")
     assert (status, err) == (0, "")
     assert {line["volume"] for line in read(folder)} == {""}
-    assert "volume" not in said
+    capped = [float(line["volume_capped"]) for line in read(folder) if line["method"] == "exact"]
+    rest = inspect(open_mesh(bar[0])).volume_capped
+    changes = [float(line["volume_error"]) for line in read(folder) if line["method"] == "exact"]
+    np.testing.assert_allclose(changes, np.array(capped) / rest - 1, atol=1e-12)
+    assert abs(changes[-1]) > 0.01
+    assert f"volume {100 * changes[-1]:+.2f} %, openings capped flat" in said
     with Image.open(folder / "sweep.png") as image:
         assert image.width > image.height
 

@@ -49,7 +49,8 @@ class SweepStep(NamedTuple):
     way : float
         How far its pivot is from where it was, mesh units.
     frame : Frame
-    volume_rest : float or None
+    volume_rest, volume_capped_rest : float or None
+        With flat caps over its openings; None without any.
     energy : float
         ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations, whatever the method.
     loads : tuple of float
@@ -63,15 +64,17 @@ class SweepStep(NamedTuple):
     way: float
     frame: Frame
     volume_rest: float | None
+    volume_capped_rest: float | None
     energy: float
     loads: tuple[float, ...] = ()
 
     @property
     def volume_error(self) -> float | None:
-        """Relative change of the volume; None without a volume."""
-        if self.frame.volume is None or not self.volume_rest:
-            return None
-        return self.frame.volume / self.volume_rest - 1.0
+        """Relative change of the volume, openings capped; None if none is enclosed."""
+        now, rest = self.frame.volume, self.volume_rest
+        if now is None:
+            now, rest = self.frame.volume_capped, self.volume_capped_rest
+        return None if now is None or not rest else now / rest - 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,6 +176,7 @@ class Sweep:
             float(way),
             frame,
             solver.rest.volume,
+            solver.rest.volume_capped,
             solver.rest.energy(frame.U),
             tuple(np.linalg.norm(frame.loads, axis=1).tolist()),
         )
