@@ -305,7 +305,7 @@ def _ways(options: argparse.Namespace, mesh: Mesh, selection: Selection) -> list
 
 def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
     """The painted parts; only where obstacles push they need not be given."""
-    if options.selection:
+    if options.selection and (options.transform or options.motion or options.obstacles):
         return read_selection_file(options.selection, mesh)
     if not options.obstacles:
         raise InputError(

@@ -25,6 +25,7 @@ from apd_viewer.files.animations.shapes import Animation, ShapeRecorder
 from apd_viewer.files.mesh_writing import check_target
 from apd_viewer.language import tr
 from apd_viewer.session.model.status_text import about_missing_target
+from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.session.studies.replay import replay
 
 if TYPE_CHECKING:
@@ -55,6 +56,10 @@ def replay_parser() -> Parser:
 
 
 def _replay(options: argparse.Namespace) -> None:
+    if Path(options.session).suffix.lower() != SUFFIX:
+        raise InputError(
+            tr("{name} is not a session; give a .apd file.").format(name=Path(options.session).name)
+        )
     output = check_target(options.output)
     check_scalar_options(options)
     _check_animations(options.animation)

@@ -91,15 +91,14 @@ def summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
 
 
 def readings(result: Result) -> list[str]:
-    """Area and volume against rest, a line each."""
+    """Area and volume against rest, a line each; another one says what is capped."""
     lines = [tr("area    {reading}").format(reading=_reading(result.area, result.area_rest))]
     if result.volume is not None and result.volume_rest:
         lines.append(tr("volume  {reading}").format(reading=_reading(result.volume, result.volume_rest)))
     elif result.volume_capped is not None and result.volume_capped_rest:
         reading = _reading(result.volume_capped, result.volume_capped_rest)
-        lines.append(
-            tr("volume  {reading}, {caps}").format(reading=reading, caps=about_caps(result.openings))
-        )
+        lines.append(tr("volume  {reading}").format(reading=reading))
+        lines.append(f"        {about_caps(result.openings)}")
     return lines
 
 

@@ -701,6 +701,21 @@ def refused_replay(bar, saved, command):
     return run
 
 
+def test_a_replay_of_a_mesh_is_refused_as_no_session(bar, command):
+    (bar.folder / "plain.off").write_text("OFF")
+    status, _, err = command("replay", bar.folder / "plain.off", "-o", bar.out)
+    assert (status, err) == (2, "error: plain.off is not a session; give a .apd file.\n")
+
+
+def test_a_selection_without_a_motion_is_refused(bar, command):
+    (bar.folder / "s.sel").write_text("\n".join(map(str, bar.labels)))
+    status, _, err = command("deform", bar.mesh, "--selection", bar.folder / "s.sel", "-o", bar.out)
+    assert status == 2
+    assert "give --selection with --transform or a motion such as --twist" in err.lower().replace(
+        "error: ", ""
+    )
+
+
 @pytest.mark.parametrize("case", WRONG_SESSIONS)
 def test_a_wrong_session(case, bar, saved, refused_replay):
     change, words = WRONG_SESSIONS[case]
@@ -808,7 +823,7 @@ def test_the_report_on_an_open_mesh_has_the_volume_with_the_mouth_capped(tmp_pat
     assert report["volume_capped_rest"] == pytest.approx(20)
     assert report["volume_capped"] == pytest.approx(capped.volume_capped, rel=1e-9)
     assert report["openings"] == 1
-    assert re.search(r"(?m)^volume .* of 20 \(.*\), with its opening capped flat$", out)
+    assert re.search(r"(?m)^volume .* of 20 \(.*\)\n +with its opening capped flat$", out)
     assert report["self_intersections"] == report["self_intersections_rest"] == 0
     assert report["packed_volume"] <= report["box_volume"] == pytest.approx(np.prod(np.ptp(mesh.V, axis=0)))
     assert report["hull_volume_rest"] == pytest.approx(20)

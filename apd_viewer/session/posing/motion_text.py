@@ -94,6 +94,8 @@ def _step(handle: int, text: str) -> TypedStep:
         rest, axis = about[1], about[2].upper()
     if axis and word not in ("bend", "turn"):
         raise InputError(tr("“{word}” has no axis; remove “about”.").format(word=word))
+    if not axis and word in ("bend", "turn") and "about" in rest.lower().split():
+        raise InputError(tr("“{word}” is about an axis of the mesh: x, y or z.").format(word=word))
     if word == "turn" and not axis:
         raise InputError(tr("“turn” needs an axis, as in “turn 30deg about x”."))
     amounts = tuple(rest.split()) if word == "move" else (rest,)
