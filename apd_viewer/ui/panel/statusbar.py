@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
 
@@ -25,7 +25,16 @@ _SOLVING, _PAUSED = "refining", "paused"
 
 
 class Hint(QLabel):
-    """Label elided to its width."""
+    """Label elided to its width, with all of its text in the tip."""
+
+    def say(self, text: str) -> None:
+        """Show a text."""
+        self.setText(text)
+        self.setToolTip(text)
+
+    def minimumSizeHint(self) -> QSize:
+        """Give way to all others."""
+        return QSize(0, super().minimumSizeHint().height())
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw as much as there is room for."""
@@ -69,7 +78,7 @@ class StatusBar(QStatusBar):
         self.pause.setSizePolicy(policy)
         self.compiling = CompilingProgress()
         self.progress = ConvergenceProgress(waits=self.compiling.isVisible)
-        self._job, self._pace, self._size = QLabel(), QLabel(), QLabel()
+        self._job, self._pace, self._size = QLabel(), Hint(), QLabel()
         # It shrinks first: it may be elided, and its tooltip is complete.
         self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.addWidget(self._hint, 1)
@@ -91,8 +100,7 @@ class StatusBar(QStatusBar):
 
     def hint(self, text: str) -> None:
         """Show the hint of the current tool."""
-        self._hint.setText(text)
-        self._hint.setToolTip(text)
+        self._hint.say(text)
 
     def say_brush(self, brush: BrushSize, unit: Unit) -> None:
         """Tell for a moment how large the brush is."""
@@ -116,7 +124,7 @@ class StatusBar(QStatusBar):
         # A shape that was opened or restored came without iterations here.
         measured = tr("iteration {iteration:,}, {pace:.1f} ms per iteration")
         words = measured if pace else tr("iteration {iteration:,}")
-        self._pace.setText(words.format(iteration=iteration, pace=pace) if iteration else "")
+        self._pace.say(words.format(iteration=iteration, pace=pace) if iteration else "")
 
     def _show_pause(self, activity: Activity) -> None:
         paused = activity.value == _PAUSED
