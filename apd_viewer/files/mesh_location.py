@@ -129,7 +129,8 @@ def find_mesh(told: Fields, session: Path, archive: Archive, prefix: str = "") -
                 return mesh
             problems.append(_not_the_one(mesh, told, session))
     if told.says("embedded"):
-        return _embedded(told, session.parent / name, archive, prefix)
+        own = next((path for path in places if os.path.isfile(path)), session.parent / name)  # noqa: PTH113
+        return _embedded(told, own, archive, prefix)
     if problems:
         raise InputError(problems[0])
     looked = tr(" and ").join(str(path) for path in places)
@@ -173,7 +174,7 @@ def _not_the_one(mesh: Mesh, told: Fields, session: Path) -> str:
 
 
 def _embedded(told: Fields, path: Path, archive: Archive, prefix: str) -> Mesh:
-    """The mesh in the archive, as if it came from ``path``; there is no such file."""
+    """The mesh in the archive, as if it came from ``path``, which need not exist."""
     members = [name.removeprefix(prefix) for name in told.texts("embedded", len(_ARRAYS) + 1)]
     rest = members[-1:] == [_REST]
     members = members[:-1] if rest else members

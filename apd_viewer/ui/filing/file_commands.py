@@ -125,7 +125,7 @@ class Filing:
     def opened(self, state: State) -> None:
         """Add the files of another mesh to the recent ones."""
         for path in (own_file(state.document.mesh), self._session.saved_work.path):
-            if path is not None:
+            if path is not None and path.is_file():  # a mesh out of a session may have none
                 self._memory.remember(path)
 
     def load_selection(self) -> None:

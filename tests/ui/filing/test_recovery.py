@@ -126,6 +126,27 @@ def test_what_was_restored_is_unsaved_and_saved_only_where_one_says(
     assert not window.session.saved_work.unsaved
 
 
+def test_what_was_baked_is_restored_with_its_own_file_and_folder(qtbot, started, folder, duck, tmp_path):
+    leave(folder, opened(duck.document.mesh.baked(duck.frame.U), duck.document.labels))
+    window = started()
+    restore(qtbot, window)
+    assert document(window).mesh.path == tmp_path / "my duck.obj"
+    assert np.array_equal(document(window).mesh.V, duck.frame.U)
+    assert window.shell.memory.recent == [tmp_path / "my duck.obj"]
+    assert window.shell.memory.folder == tmp_path
+
+
+def test_a_mesh_whose_file_is_gone_is_not_remembered(qtbot, started, folder, duck, tmp_path):
+    leave(folder, opened(duck.document.mesh.baked(duck.frame.U), duck.document.labels))
+    (tmp_path / "my duck.obj").unlink()
+    window = started()
+    before = window.shell.memory.folder
+    restore(qtbot, window)
+    assert document(window).mesh.name == "my duck.obj"
+    assert window.shell.memory.recent == []
+    assert window.shell.memory.folder == before
+
+
 def test_what_was_restored_is_offered_again_after_another_crash(qtbot, started, folder, duck):
     leave(folder, duck)
     window = started()
