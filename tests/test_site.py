@@ -126,6 +126,15 @@ def test_menu_entries_lead_to_the_pages_about_them(keys):
     assert keys_page._page_about(entry).name == "undo.md"
 
 
+@pytest.mark.parametrize(
+    ("name", "page"),
+    [("open", "open.md"), ("settings", "settings.md"), ("way:SLAB", "choose.md"), ("cut", "look.md")],
+)
+def test_menu_entries_lead_to_the_page_that_begins_with_them(keys, name, page):
+    entry = next(entry for entry in keys if entry.name == name)
+    assert keys_page._page_about(entry).name == page
+
+
 def test_signs_count_in_anchors():
     assert slug("up:-X") != slug("up:+X")
     assert slug("nudge:(-1,0,0)") == "nudge-minus-1-0-0"

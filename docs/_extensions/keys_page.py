@@ -34,14 +34,13 @@ def _row(entry: Entry) -> tuple[str, ...]:
 
 
 def _page_about(entry: Entry) -> Path | None:
-    """Page about an entry: the first one with its path in bold type, or else with its title or its keys."""
+    """Page about an entry: where its path or title in bold type, or its keys, stand first."""
     bare = entry.title.rpartition(": ")[2]
     keys = [f"`{key}`" for key in _LINUX.get(entry.name, entry.keys).split("; ") if key]
-    for words in ([f"**{entry.menu} > {bare}**"], [f"**{bare}**"], keys):
-        for page in _PAGES:
-            if any(word in page.read_text(encoding="utf-8") for word in words):
-                return page
-    return None
+    words = (f"**{entry.menu} > {bare}**", f"**{bare}**", *keys)
+    texts = {page: page.read_text(encoding="utf-8") for page in _PAGES}
+    places = [(text.find(word), page) for page, text in texts.items() for word in words if word in text]
+    return min(places, default=(0, None))[1]
 
 
 def _title(page: Path) -> str:
