@@ -9,6 +9,7 @@ import os
 import signal
 import time
 from contextlib import suppress
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from apd_viewer.errors import InputError
@@ -28,11 +29,9 @@ _GONE = 30.0  # s without a scheduler, after which it does not come back
 _LOOK = 2.0  # s between two looks at the workers
 # Dask trims freed memory at once, which costs a third of the time of a case.
 _TRIM = "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_"
-# Its profile of a worker grows by a quarter of a mebibyte a second.
-_PROFILE = "distributed.worker.profile.enabled"
+_PROFILE_CALLBACKS = ("profile", "profile-cycle")
 _SETTINGS = {
     _TRIM: str(1 << 28),
-    _PROFILE: False,
     "distributed.nanny.pre-spawn-environ.NUMBA_NUM_THREADS": 1,
 }
 
@@ -83,7 +82,7 @@ class Cluster:
 
     def start(self, task: Task) -> Future[CaseAnswer]:
         """Hand a case to the scheduler."""
-        future: Future[CaseAnswer] = self._executor.submit(self._work, task)
+        future: Future[CaseAnswer] = self._executor.submit(_undisturbed, self._work, task)
         self._futures.add(future)
         # Results are dropped as soon as they are here: a worker that dies would lose them for others.
         future.add_done_callback(self._futures.discard)
@@ -115,6 +114,27 @@ class Cluster:
         for nanny in self._cluster.workers.values():
             nanny.auto_restart = False
             os.kill(nanny.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
+
+
+def _undisturbed(work: Work, task: Task) -> CaseAnswer:
+    """Do a task in a worker, which may have been started without any setting."""
+    _end_profile()
+    return work(task)
+
+
+@cache
+def _end_profile() -> None:
+    """End Dask's profile of this process.
+
+    Every 10 ms it takes time from the case, and it grows by a quarter of a mebibyte a second.
+    """
+    try:
+        worker = _distributed().get_worker()
+    except ValueError:  # no worker, as in a test
+        return
+    for name in _PROFILE_CALLBACKS:
+        if callback := worker.periodic_callbacks.get(name):
+            worker.loop.add_callback(callback.stop)
 
 
 def local_cluster(workers: int, work: Work = work_on_case) -> Cluster:

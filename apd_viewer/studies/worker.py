@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 # A process runs one case at a time: memory is measured by it, and kernels run one at a time anyway.
 _ONE_CASE = threading.Lock()
 # Cases after which freed memory is given back: kept in pieces, it grows for hundreds of cases.
-_TRIMMED = 20
+_TRIMMED = 5
 _ended = count(1)
 _sent: dict[str, bytes] = {}
 

@@ -76,6 +76,19 @@ def test_the_bits_are_those_of_this_process_though_workers_see_no_files(run, pla
     assert sum(map(bool, sent[before:])) <= 1, "a mesh travels once a worker"
 
 
+def test_dask_keeps_no_profile_of_a_worker_that_has_a_case(run, scheduler):
+    import distributed
+
+    assert run([{"steps": str(steps)} for steps in (1, 2, 3, 4)]).rows
+
+    def profiled(dask_worker):
+        names = "profile", "profile-cycle"
+        return [name for name in names if dask_worker.periodic_callbacks[name].is_running()]
+
+    with distributed.Client(scheduler_file=str(scheduler), timeout=20) as client:
+        assert list(client.run(profiled).values()) == [[], []]
+
+
 def test_a_worker_that_dies_loses_no_case(run):
     rows = [{"steps": str(steps)} for steps in (3, 7, 5, 9)]
     assert [row.status for row in run(rows, study_work.deadly).rows] == ["done"] * 4
