@@ -14,7 +14,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.posing.motion_text import WORDS
-from apd_viewer.studies.plans.plan_columns import COLUMNS
+from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,6 +26,7 @@ _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(
     rf"\s*(?P<low>{_NUMBER})\s*\.\.\s*(?P<high>{_NUMBER})\s*(?P<unit>[a-zA-Z%]*)\s*(?::\s*(?P<scale>log))?\s*"
 )
+_AMOUNT = re.compile(rf"{_NUMBER}\s*(?P<unit>[a-zA-Z%]*)")
 _DIGITS = 6  # significant ones of a sampled number
 _ONE_NUMBER = tuple(word for word in WORDS if word not in ("move", "turn"))
 
@@ -43,7 +44,7 @@ class Varied:
     low, high : float
         Ends of a range.
     unit : str
-        Written behind a number of the range.
+        Written behind each number of it.
     by_factors : bool
         Whether equal shares of the range are equal factors.
     """
@@ -64,6 +65,10 @@ class Varied:
         else:
             value = self.low + (self.high - self.low) * share
         return f"{float(f'{value:.{_DIGITS}g}'):.{_DIGITS}g}{self.unit}"
+
+    def number_of(self, text: str) -> str:
+        """Such a text without its unit."""
+        return text.removesuffix(self.unit).rstrip()
 
     def levels(self, count: int) -> list[str]:
         """All choices, or so many numbers from one end of the range to the other."""
@@ -89,7 +94,8 @@ def varied(text: str) -> Varied:
         )
     found = _RANGE.fullmatch(said)
     if found is None:
-        return Varied(name, tuple(each.strip() for each in said.split(",") if each.strip()))
+        choices = tuple(each.strip() for each in said.split(",") if each.strip())
+        return Varied(name, choices, unit=_unit(choices))
     low, high = float(found["low"]), float(found["high"])
     if not low < high:
         raise InputError(
@@ -102,10 +108,19 @@ def varied(text: str) -> Varied:
     return Varied(name, (), low, high, found["unit"], bool(found["scale"]))
 
 
+def _unit(choices: Sequence[str]) -> str:
+    """The unit behind all of them; empty if they are not all numbers with the same one."""
+    found = [_AMOUNT.fullmatch(each) for each in choices]
+    units = {each["unit"] if each else "" for each in found}
+    return units.pop() if len(units) == 1 else ""
+
+
 def designed(
     given: dict[str, str], vary: Sequence[Varied], design: str, samples: int, seed: int
 ) -> tuple[list[str], list[list[str]]]:
     """Columns and rows of a plan.
+
+    Notes tell the numbers that stand within a motion, or before a unit, for whoever plots the results.
 
     Parameters
     ----------
@@ -127,6 +142,7 @@ def designed(
     own = [each for each in vary if each.name in COLUMNS]
     names = [*given, *(each.name for each in own)]
     names += [] if "motion" in names or len(own) == len(vary) else ["motion"]
+    noted = [each for each in vary if each.name not in COLUMNS or each.unit]
     rows = []
     for texts in _combinations(vary, design, samples, seed):
         said = dict(zip((each.name for each in vary), texts, strict=True))
@@ -135,8 +151,9 @@ def designed(
             cells["motion"] = _motion(
                 cells.get("motion", ""), {k: v for k, v in said.items() if k not in COLUMNS}
             )
-        rows.append([cells[name] for name in names])
-    return names, rows
+        notes = [each.number_of(said[each.name]) for each in noted]
+        rows.append([*(cells[name] for name in names), *notes])
+    return [*names, *(NOTE + each.name for each in noted)], rows
 
 
 def _motion(template: str, said: dict[str, str]) -> str:
@@ -152,7 +169,7 @@ def _check(given: dict[str, str], vary: Sequence[Varied]) -> None:
     if not names:
         raise InputError(tr("Nothing varies; give --vary, such as --vary twist=0..180deg."))
     for name in names:
-        if names.count(name) > 1 or (name in COLUMNS and name in given):
+        if names.count(name) > 1 or NOTE + name in given or (name in COLUMNS and name in given):
             raise InputError(tr("“{name}” is given twice; omit one.").format(name=name))
         if name not in COLUMNS and f"{{{name}}}" not in motion and name not in _ONE_NUMBER:
             raise InputError(

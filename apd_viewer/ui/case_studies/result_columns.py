@@ -16,12 +16,15 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import grouped, short, significant
 from apd_viewer.session.posing.motion_text import parsed_motion
 from apd_viewer.studies.case_file import DONE, FAILED
+from apd_viewer.studies.plans.plan_columns import NOTE
 from apd_viewer.studies.results import DUPLICATE, READINGS, WAITING, WRONG, status_words
 
 if TYPE_CHECKING:
     from apd_viewer.studies.results import ResultTable
 
 LINE, MOTION, STATUS, SENTENCE = "line", "motion", "status", "sentence"
+_ASKED_FOR = "plan "  # before the name of a column of the plan
+_NOTE = f"{_ASKED_FOR}{NOTE}"
 _ORDER = (DONE, FAILED, WRONG, DUPLICATE, WAITING)
 _AMOUNT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z%°]*)\s*")
 _MOST_KINDS = 12  # of motions: more columns would hide the rest
@@ -168,7 +171,22 @@ def columns_of(table: ResultTable) -> list[ResultColumn]:
         cells = [row.cells[k] for row in table.rows]
         found += _motions(cells) if table.columns[k] == MOTION else [_asked(table.columns[k], cells)]
     readings = [_reading(table, name) for name in sorted(READINGS, key=_place)]
-    return [found[0], *(each for each in found[1:] if each.varies), *(r for r in readings if r.numeric)]
+    asked = [each for each in _told_once(found[1:]) if each.varies]
+    return [found[0], *asked, *(each for each in readings if each.numeric)]
+
+
+def _told_once(columns: Sequence[ResultColumn]) -> list[ResultColumn]:
+    """All columns but notes with the numbers of another one."""
+    notes = [each for each in columns if each.name.startswith(_NOTE)]
+    others = [each for each in columns if each not in notes]
+    repeated = [note for note in notes if any(_agree(note.values, each.values) for each in others)]
+    return [each for each in columns if each not in repeated]
+
+
+def _agree(one: np.ndarray, other: np.ndarray) -> bool:
+    """True if both have the same numbers, apart from gaps."""
+    both = np.isfinite(one) & np.isfinite(other)
+    return bool(both.any() and (one[both] == other[both]).all())
 
 
 def _place(name: str) -> int:
@@ -187,9 +205,9 @@ def _plain(name: str, title: str, tip: str, values: Sequence[float]) -> ResultCo
 
 def _asked(name: str, cells: Sequence[str]) -> ResultColumn:
     """Column of a plan; numbers with one unit, or texts."""
-    title = _ASKED.get(name, name.lstrip("#").replace("_", " ").strip().capitalize())
+    title = _ASKED.get(name, name.lstrip(NOTE).replace("_", " ").strip().capitalize())
     tip = tr("Column “{name}” of the plan").format(name=name)
-    return _amounts(f"plan {name}", title, tip, cells)
+    return _amounts(f"{_ASKED_FOR}{name}", title, tip, cells)
 
 
 def _amounts(name: str, title: str, tip: str, cells: Sequence[str]) -> ResultColumn:

@@ -10,7 +10,6 @@ The mesh is the sample bottle with edges twice as long: contact takes a quarter 
 """
 
 import csv
-import re
 import runpy
 import shutil
 import sys
@@ -69,10 +68,10 @@ def picture(folder: Path) -> None:
 
 def fill(figure: Figure, rows: list[dict[str, str]]) -> None:
     """Draw what twist and push leave of the volume, and what the stiffness of the wall changes."""
-    column = {name: np.array([float(row[name]) for row in rows]) for name in ("volume", "volume_rest")}
+    names = "volume", "volume_rest", "#twist", "#push", "stiffness"
+    column = {name: np.array([float(row[name]) for row in rows]) for name in names}
     left = 100.0 * column["volume"] / column["volume_rest"]
-    twist, push = (np.array([amount(row["motion"], word) for row in rows]) for word in ("twist", "push"))
-    stiffness = np.array([float(row["stiffness"]) for row in rows])
+    twist, push, stiffness = column["#twist"], column["#push"], column["stiffness"]
     least = np.argsort(left)[:LEAST]
     by_motion, by_wall = figure.subplots(1, 2)
     dots(by_motion, twist, push, left, Normalize(50.0, 115.0), least, "volume left, %")
@@ -97,11 +96,6 @@ def dots(
     bar.outline.set_visible(False)
     bar.ax.yaxis.set_minor_formatter(NullFormatter())
     axes.tick_params(colors=QUIET)
-
-
-def amount(motion: str, word: str) -> float:
-    """Number after a word of a motion, such as 120 in "twist 120deg; push 30%"."""
-    return float(re.search(rf"{word} ([\d.e-]+)", motion)[1])
 
 
 if __name__ == "__main__":

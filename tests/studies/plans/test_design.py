@@ -21,7 +21,7 @@ def column(rows, names, name, unit=""):
 def test_a_latin_hypercube_has_one_sample_in_each_stratum():
     vary = [varied("stiffness=1e-4..1:log"), varied("area=90..110%")]
     names, rows = designed(GIVEN, vary, LATIN, 50, seed=3)
-    assert names == ["mesh", "selection", "stiffness", "area"]
+    assert names == ["mesh", "selection", "stiffness", "area", "#area"]
     for shares in (
         np.log10(column(rows, names, "stiffness")) / 4 + 1,
         (column(rows, names, "area", "%") - 90) / 20,
@@ -32,16 +32,16 @@ def test_a_latin_hypercube_has_one_sample_in_each_stratum():
 def test_a_sobol_sequence_is_balanced():
     names, rows = designed(GIVEN, [varied("stiffness=0..1"), varied("method=arap,exact")], SOBOL, 64, 0)
     assert np.bincount((8 * column(rows, names, "stiffness")).astype(int), minlength=8).tolist() == [8] * 8
-    assert sum(row[-1] == "arap" for row in rows) == 32
+    assert sum(row[names.index("method")] == "arap" for row in rows) == 32
 
 
 def test_a_grid_has_every_combination_once():
     vary = [varied("mesh=a.off,b.off"), varied("twist=0..180deg"), varied("steps=5,10")]
     names, rows = designed({"selection": "a.sel"}, vary, GRID, 3, 0)
-    assert names == ["selection", "mesh", "steps", "motion"]
+    assert names == ["selection", "mesh", "steps", "motion", "#twist"]
     turns = ["twist 0deg", "twist 90deg", "twist 180deg"]
     expected = itertools.product(["a.off", "b.off"], turns, ["5", "10"])
-    assert [tuple(row[1:]) for row in rows] == [(mesh, steps, turn) for mesh, turn, steps in expected]
+    assert [tuple(row[1:4]) for row in rows] == [(mesh, steps, turn) for mesh, turn, steps in expected]
 
 
 def test_the_seed_decides():
@@ -49,7 +49,8 @@ def test_the_seed_decides():
     for design in (LATIN, SOBOL):
         one, same, other = (designed(GIVEN, vary, design, 20, seed)[1] for seed in (1, 1, 2))
         assert one == same != other
-        assert all(re.fullmatch(r"twist [\d.e-]+deg; push [\d.e-]+%", row[-1]) for row in one)
+        said = [re.fullmatch(r"twist ([\d.e-]+)deg; push ([\d.e-]+)%", row[2]) for row in one]
+        assert [list(each.groups()) for each in said] == [row[3:] for row in one]
 
 
 def test_names_in_the_motion_are_filled_in():
@@ -61,6 +62,18 @@ def test_names_in_the_motion_are_filled_in():
     assert rows[-1][names.index("motion")] == "bend 20deg; move 0 2mm 0; push 6%"
 
 
+def test_notes_are_the_numbers_within_motions_and_before_units():
+    given = {**GIVEN, "motion": "bend {by}; move 0 {way} 0; {end}"}
+    texts = ("by=-5deg,1e1 deg", "way=1..2mm", "end=scale 2,push 3%", "push=5mm,1cm", "area=90..91%")
+    names, rows = designed(given, [*map(varied, texts), varied("stiffness=0..1")], GRID, 2, 0)
+    assert names == [
+        *("mesh", "selection", "motion", "area", "stiffness"),
+        *("#by", "#way", "#end", "#push", "#area"),
+    ]
+    assert rows[0][5:] == ["-5", "1", "scale 2", "5mm", "90"]
+    assert rows[-1][5:] == ["1e1", "2", "push 3%", "1cm", "91"]
+
+
 WRONG = {
     "nothing": ([], {}, "Nothing varies"),
     "no range": (["twist"], {}, "varies nothing"),
@@ -69,6 +82,7 @@ WRONG = {
     "an unknown name": (["colour=1..2"], {}, "“colour” is no column"),
     "twice": (["push=1..2", "push=3..4"], {}, "given twice"),
     "given already": (["steps=1,2"], {"steps": "4"}, "given twice"),
+    "a note twice": (["push=1..2"], {"#push": "4"}, "given twice"),
     "too many": (["push=1..2", "twist=1..2"], {}, "are the most"),
 }
 
@@ -93,6 +107,7 @@ def test_the_command_writes_a_plan_that_finds_its_files(bar, planned, capsys, mo
         ("../bar.off", "../bar.sel", "3")
     }
     assert len({row["motion"] for row in rows}) == 7
+    assert [row["motion"] for row in rows] == [f"twist {row['#twist']}deg" for row in rows]
     assert main(["study", "design", "--vary", "twist=1..2", "-o", "plans/other.csv"]) == 2
     assert "There is no mesh" in capsys.readouterr().err
     assert not (bar / "plans" / "other.csv").exists()

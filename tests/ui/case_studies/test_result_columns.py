@@ -54,6 +54,25 @@ def test_what_is_the_same_in_all_rows_is_left_out():
     assert [column.title for column in found] == ["Line", "Target area"]
 
 
+def test_a_note_that_repeats_a_quantity_is_left_out():
+    columns = ["motion", "area", "#twist", "#by", "#area", "#load"]
+    rows = [
+        (["twist 30deg; push -1e1%", "98%", "30", "-10", "98", "7"], {}),
+        (["twist 45deg; push -20%", "99%", "45", "-20", "99", "30"], {}),
+        (["fly 3", "99%", "60", "-30", "99", "45"], {}),
+    ]
+    assert [column.title for column in columns_of(table(columns, *rows))[1:]] == [
+        *("Twist", "Push", "Target area", "Load"),
+    ]
+
+
+def test_a_note_tells_what_a_motion_does_not_show():
+    rows = [([f"twist {a}deg; push 1%; twist {a}deg", str(a)], {}) for a in (30, 60)]
+    found = named(columns_of(table(["motion", "#twist"], *rows)))
+    assert set(found) == {"Line", "Motion", "Twist"}
+    assert found["Twist"].values == pytest.approx([30.0, 60.0])
+
+
 def test_a_target_and_a_reading_of_one_name_are_two_columns():
     found = columns_of(
         table(["volume"], (["60%"], {"volume": 300.0, "volume_error": -0.4}), (["70%"], {"volume": 350.0}))
