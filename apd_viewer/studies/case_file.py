@@ -116,7 +116,9 @@ def read_case(folder: Path, key: str, shape: bool = False) -> CaseResult:
 
 def case_sizes(folder: Path) -> dict[str, int]:
     """Size in bytes of each file of a finished case, by its key."""
-    sizes = {}
+    sizes: dict[str, int] = {}
+    if not (folder / "cases").is_dir():
+        return sizes
     with os.scandir(folder / "cases") as groups:
         folders = [group.path for group in groups if group.is_dir()]
     for each in folders:

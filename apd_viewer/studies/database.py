@@ -63,6 +63,15 @@ def _connected(path: Path) -> sqlite3.Connection:
     return base
 
 
+def unreadable(folder: Path, error: sqlite3.DatabaseError) -> InputError:
+    """Sentence on results and the error of reading them."""
+    return InputError(
+        tr("The results in {folder} cannot be read now ({reason}); try again.").format(
+            folder=folder, reason=error
+        )
+    )
+
+
 def reading(folder: Path) -> closing[sqlite3.Connection]:
     """The database of a study, for reading only, also while it runs.
 

@@ -7,12 +7,11 @@ import sqlite3
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.studies.case_file import DONE, FAILED, read_case
-from apd_viewer.studies.database import reading
+from apd_viewer.studies.database import reading, unreadable
 from apd_viewer.studies.run_case import FINAL
 
 if TYPE_CHECKING:
@@ -92,11 +91,7 @@ def read_results(folder: Path) -> ResultTable:
                 " from plan left join cases on plan.key = cases.key order by position"
             ).fetchall()
     except sqlite3.DatabaseError as error:
-        raise InputError(
-            tr("The results in {folder} cannot be read now ({reason}); try again.").format(
-                folder=folder, reason=error
-            )
-        ) from error
+        raise unreadable(folder, error) from error
     # Once the database is closed: as long as rows are read its writer has to wait.
     return ResultTable(tuple(json.loads(found[0])) if found else (), tuple(_row(*row) for row in rows))
 

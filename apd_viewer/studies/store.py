@@ -16,6 +16,7 @@ import time
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.atomic_folder import not_written
 from apd_viewer.files.storage.lock import Lock, take
 from apd_viewer.language import tr
 from apd_viewer.studies.case_file import CaseResult, case_path, case_sizes, unpacked, write_case
@@ -51,11 +52,7 @@ class StudyStore:
             (folder / "cases").mkdir(parents=True, exist_ok=True)
             self._lock = self._taken()
         except OSError as error:
-            raise InputError(
-                tr("The folder {folder} cannot be written ({reason}); choose another location.").format(
-                    folder=folder, reason=error.strerror or error
-                )
-            ) from error
+            raise not_written(folder, error) from error
         try:
             self._base = opened_database(folder)
         except BaseException:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections import defaultdict
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.studies.case_file import FAILED
@@ -28,28 +27,6 @@ if TYPE_CHECKING:
 
 # Seconds between two tables written on the way, and how many times longer than writing took that is at least.
 _TABLE, _TIMES = 20.0, 50.0
-
-
-class WorkLeft(NamedTuple):
-    """Work left of a study.
-
-    Attributes
-    ----------
-    cases : int
-        Different ones of the plan.
-    done, failed : int
-        Finished ones, and the failed among them.
-    wrong : int
-        Rows that no case can be made of.
-    seconds : float or None
-        That the rest takes one process, by what was measured so far; None if nothing was.
-    """
-
-    cases: int
-    done: int
-    failed: int
-    wrong: int
-    seconds: float | None
 
 
 class Study:
@@ -88,31 +65,9 @@ class Study:
         """Unfinished cases by their keys."""
         return {key: case for key, case in self._cases.items() if key not in self._done}
 
-    def forecast(self) -> WorkLeft:
-        """Work left, and its time."""
-        table = read_results(self.folder)
-        failed = self._failed(table)
-        wrong = sum(row.case is None for row in self.plan.rows)
-        return WorkLeft(len(self._cases), len(self._done), failed, wrong, self._seconds(table))
-
     def _failed(self, table: ResultTable) -> int:
         """Number of finished cases that failed."""
         return sum(row.status == FAILED and row.key in self._done for row in table.rows)
-
-    def _seconds(self, table: ResultTable) -> float | None:
-        """Seconds of the rest, from those of a step on the same mesh, or on any."""
-        measured: dict[object, list[float]] = defaultdict(list)
-        for row in table.rows:
-            seconds, case = row.readings.get("seconds"), self._cases.get(row.key)
-            if seconds is not None and case is not None:
-                for kind in (_kind(case), None):
-                    measured[kind].append(seconds / (case.steps + 1))
-        if not self.left:
-            return 0.0
-        if not measured:
-            return None
-        mean = {kind: sum(each) / len(each) for kind, each in measured.items()}
-        return sum(mean.get(_kind(case), mean[None]) * (case.steps + 1) for case in self.left.values())
 
     def run(
         self,
@@ -186,7 +141,3 @@ class Study:
     def close(self) -> None:
         """Let others write into the folder."""
         self._store.close()
-
-
-def _kind(case: StudyCase) -> tuple[str, object]:
-    return case.mesh.digest, dict(case.settings).get("method")

@@ -44,7 +44,7 @@ def test_a_study_is_planned_run_and_gone_on_with(bar, capsys):
         "line 3: Column “motion”: Nothing was entered; enter an angle such as 30 or 30deg.",
         "line 5: It asks for the same as line 2.",
     ]
-    assert not (bar / "out" / "results.csv").exists()
+    assert not (bar / "out").exists()
     assert main([*words, "--processes", "1", "--progress-lines"]) == 0
     *lines, last = capsys.readouterr().out.splitlines()
     assert last.endswith("results.csv: 2 done, 1 wrong, 1 duplicate")
@@ -61,8 +61,10 @@ def test_a_study_is_planned_run_and_gone_on_with(bar, capsys):
         (line, str(step), part) for line in ("2", "4") for step, part in enumerate(("0", "0.5", "1"))
     ]
     plan_of(bar, ["twist 30", "twist 60"])
+    before = {path: path.stat().st_mtime_ns for path in bar.rglob("*")}
     assert main([*words, "--dry-run"]) == 0
     assert "2 cases, 1 of them done, 1 to do" in capsys.readouterr().out
+    assert {path: path.stat().st_mtime_ns for path in bar.rglob("*")} == before
 
 
 def test_what_cannot_be_run_is_said(bar, capsys):
@@ -71,6 +73,8 @@ def test_what_cannot_be_run_is_said(bar, capsys):
         (["--limit", "0"], "greater than 0"),
         (["--processes", "0"], "--processes must be 1 to 1000"),
         (["--scheduler-file", str(bar / "gone.json")], "There is no file"),
+        (["-o", plan], f"The folder {plan}"),
+        (["-o", plan, "--dry-run"], f"The folder {plan} cannot be written (Not a directory)"),
     ):
         assert main(["study", plan, "-o", str(bar / "out"), *words]) == 2
         assert said in capsys.readouterr().err

@@ -10,6 +10,7 @@ from study_work import quick
 
 from apd_viewer.errors import InputError
 from apd_viewer.studies.case_file import case_path, packed
+from apd_viewer.studies.forecast import work_left
 from apd_viewer.studies.results import READINGS, read_results
 from apd_viewer.studies.run_case import failed
 from apd_viewer.studies.store import StudyStore
@@ -167,20 +168,32 @@ def test_the_table_has_what_it_promises(run, bar):
     assert set(READINGS) <= set(found[0])
 
 
-def test_the_rest_is_forecast_by_what_was_measured(written, bar):
+def test_the_rest_is_forecast_by_what_was_measured(written, planned, bar):
     study = Study(written(*ROWS), bar / "out")
-    assert study.forecast().seconds is None
+    assert work_left(study.plan, bar / "out").seconds is None
     case = next(iter(study.left.values()))
     study._store.add(quick(Task(case)).content)
     study._store.commit()
     study.close()
     more = {"motion": "twist 50deg", "steps": "5"}
-    study = Study(written(*ROWS, more, {"steps": "0"}), bar / "out")
-    left = study.forecast()
-    study.close()
+    left = work_left(planned(*ROWS, more, {"steps": "0"}), bar / "out")
     assert (left.cases, left.done, left.failed, left.wrong) == (5, 1, 0, 1)
     # Half a second for two steps and the shape before them.
     assert left.seconds == pytest.approx(3 * 0.5 + 0.5 / 3 * 6)
+
+
+def test_a_forecast_knows_which_files_it_can_rely_on(run, planned, bar):
+    run(*ROWS[:3])
+    plan = planned(*ROWS)
+    whole, damaged, lost = (case_path(bar / "out", key) for key in list(plan.cases)[:3])
+    damaged.write_bytes(damaged.read_bytes()[:-1])
+    lost.unlink()
+    assert work_left(plan, bar / "out").done == 1
+    (bar / "out" / "study.sqlite").unlink()  # as where it is lost: files are read
+    before = {path: path.stat().st_mtime_ns for path in bar.rglob("*")}
+    assert work_left(plan, bar / "out").done == 1
+    assert {path: path.stat().st_mtime_ns for path in bar.rglob("*")} == before
+    assert whole.exists()
 
 
 def test_keys_do_not_depend_on_the_place(written, bar, tmp_path_factory):

@@ -13,9 +13,13 @@ from apd_viewer.commands.studies.study_progress import StudyProgress
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.studies.case_session import INPUTS
 from apd_viewer.studies.cluster import connected, local_cluster
+from apd_viewer.studies.forecast import work_left
 from apd_viewer.studies.local_pool import LocalPool, cores
+from apd_viewer.studies.plans.plan import read_plan
 from apd_viewer.studies.plans.plan_columns import CASE_COLUMNS, SETTINGS
+from apd_viewer.studies.plans.sources import Sources
 from apd_viewer.studies.study import Study
 
 if TYPE_CHECKING:
@@ -81,13 +85,16 @@ def _study(options: argparse.Namespace) -> None:
         count = getattr(options, name)
         if count is not None and not 1 <= count <= 1000:
             raise InputError(tr("--{option} must be 1 to 1000.").format(option=name))
+    if options.dry_run:
+        plan = read_plan(options.plan, Sources(options.output / INPUTS, keep=False))
+        left = work_left(plan, options.output, options.retry_failed)
+        print(mistakes(plan), end="", file=sys.stderr)
+        print(planned(left, _processes(options)))
+        return
     study = Study(options.plan, options.output, options.retry_failed)
     try:
         print(mistakes(study.plan), end="", file=sys.stderr)
-        if options.dry_run:
-            print(planned(study.forecast(), _processes(options)))
-        else:
-            _run(study, options)
+        _run(study, options)
     finally:
         study.close()
 

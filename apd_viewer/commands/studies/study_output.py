@@ -13,9 +13,9 @@ from apd_viewer.studies.results import status_words
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from apd_viewer.studies.forecast import WorkLeft
     from apd_viewer.studies.plans.plan import Plan
     from apd_viewer.studies.results import ResultTable
-    from apd_viewer.studies.study import WorkLeft
 
 _MOST_SAID = 20  # sentences; the table has all of them
 

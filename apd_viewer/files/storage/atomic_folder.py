@@ -41,15 +41,27 @@ def filling(folder: Path) -> Iterator[Path]:
         yield scratch
         place(scratch, folder)
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(
-            tr("The folder {folder} cannot be written ({reason}); choose another location.").format(
-                folder=folder, reason=reason
-            )
-        ) from error
+        raise not_written(folder, error) from error
     finally:
         if scratch is not None:
             shutil.rmtree(scratch, ignore_errors=True)
+
+
+def not_written(folder: Path, error: OSError) -> InputError:
+    """Sentence on a folder and the error of writing it."""
+    return InputError(
+        tr("The folder {folder} cannot be written ({reason}); choose another location.").format(
+            folder=folder, reason=error.strerror or error
+        )
+    )
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder and all above it; raises InputError."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise not_written(folder, error) from error
 
 
 def place(scratch: Path, folder: Path) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
 from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_folder import make_folder
 from apd_viewer.files.storage.reading import content_of
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SUFFIX
@@ -31,10 +32,12 @@ class Sources:
     ----------
     folder : Path
         For the copies; made when the first is.
+    keep : bool
+        Whether copies are made; without, files are only read.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
+    def __init__(self, folder: Path, keep: bool = True) -> None:
+        self._folder, self._keep = folder, keep
         self._known: dict[tuple[str, Path], Source | str] = {}
 
     def mesh(self, path: Path) -> Source:
@@ -71,14 +74,15 @@ class Sources:
         if not source.path.exists():
             # With its mesh in it, which may be elsewhere.
             state, view = open_session(path)
-            source.path.parent.mkdir(parents=True, exist_ok=True)
-            save_session(source.path, state, view, embed=True)
+            if self._keep:
+                make_folder(source.path.parent)
+                save_session(source.path, state, view, embed=True)
         return source
 
     def _kept(self, content: bytes, path: Path) -> Source:
         source = self._source(content, path)
-        if not source.path.exists():
-            source.path.parent.mkdir(parents=True, exist_ok=True)
+        if self._keep and not source.path.exists():
+            make_folder(source.path.parent)
             with replacing(source.path) as scratch:
                 scratch.write_bytes(content)
         return source
