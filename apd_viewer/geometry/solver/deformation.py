@@ -368,7 +368,7 @@ class Deformation:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings about loose parts and a missing volume, a sentence each."""
-        why = self.rest.why_no_volume
+        why = None if self.rest.volume_capped else self.rest.why_no_volume
         said = self.loose.warning, tr("There is no volume: {why}.").format(why=why) if why else None
         return tuple(sentence for sentence in said if sentence)
 
