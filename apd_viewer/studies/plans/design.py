@@ -15,6 +15,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.posing.motion_text import WORDS
 from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE
+from apd_viewer.studies.plans.plan_row import value_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -55,6 +56,11 @@ class Varied:
     high: float = 0.0
     unit: str = ""
     by_factors: bool = False
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """All choices, or both ends of the range."""
+        return self.choices or (self.at(0.0), self.at(1.0))
 
     def at(self, share: float) -> str:
         """Text at a share of the range or among the choices, 0 to 1."""
@@ -109,7 +115,7 @@ def varied(text: str) -> Varied:
 
 
 def _unit(choices: Sequence[str]) -> str:
-    """The unit behind all of them; empty if they are not all numbers with the same one."""
+    """The common unit of all choices; empty without one."""
     found = [_AMOUNT.fullmatch(each) for each in choices]
     units = {each["unit"] if each else "" for each in found}
     return units.pop() if len(units) == 1 else ""
@@ -136,7 +142,7 @@ def designed(
     Raises
     ------
     InputError
-        If a name stands for nothing, or there are too many rows.
+        If a name stands for nothing, a column cannot say such a thing, or there are too many rows.
     """
     _check(given, vary)
     own = [each for each in vary if each.name in COLUMNS]
@@ -165,6 +171,7 @@ def _motion(template: str, said: dict[str, str]) -> str:
 
 
 def _check(given: dict[str, str], vary: Sequence[Varied]) -> None:
+    """Raise InputError for names without meaning and impossible cells."""
     names, motion = [each.name for each in vary], given.get("motion", "")
     if not names:
         raise InputError(tr("Nothing varies; give --vary, such as --vary twist=0..180deg."))
@@ -177,6 +184,9 @@ def _check(given: dict[str, str], vary: Sequence[Varied]) -> None:
                     name=name, words=", ".join(_ONE_NUMBER)
                 )
             )
+    for name, text in [*given.items(), *((each.name, end) for each in vary for end in each.ends)]:
+        if name in COLUMNS and text:
+            value_of(name, text)
 
 
 def _combinations(vary: Sequence[Varied], design: str, samples: int, seed: int) -> Iterator[tuple[str, ...]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
@@ -19,7 +20,7 @@ from apd_viewer.studies.plans.case import Setting, StudyCase
 from apd_viewer.studies.plans.plan_columns import SETTINGS, steps_of, unit_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
     from pathlib import Path
 
     from apd_viewer.studies.plans.sources import Sources
@@ -28,6 +29,11 @@ T = TypeVar("T")
 
 DEFAULT_STEPS = 10
 _NAMES = dict.fromkeys("XYZLD", 1.0)
+_READERS: dict[str, Callable[[str], Setting]] = {
+    "unit": unit_of,
+    "steps": steps_of,
+    **{name: column.read for name, column in SETTINGS.items()},
+}
 # Of a mesh: who writes down what is usual asks for the same as who does not.
 _USUAL = {each.name: each.default for each in fields(Document) if each.name in SETTINGS}
 # A session says its own unit; which, is of no account for what can be said in one.
@@ -46,8 +52,8 @@ def case_of(said: Mapping[str, str], folder: Path, sources: Sources) -> StudyCas
     sources : Sources
     """
     settings = _settings(said)
-    unit = _in_column("unit", unit_of, said["unit"]) if "unit" in said else ""
-    steps = _in_column("steps", steps_of, said["steps"]) if "steps" in said else DEFAULT_STEPS
+    unit = str(value_of("unit", said["unit"])) if "unit" in said else ""
+    steps = int(value_of("steps", said["steps"])) if "steps" in said else DEFAULT_STEPS
     name = said.get("mesh") or said.get("session")
     if not name or ("mesh" in said and "session" in said):
         raise InputError(tr("Give either a mesh or a session."))
@@ -77,10 +83,13 @@ def case_of(said: Mapping[str, str], folder: Path, sources: Sources) -> StudyCas
     return StudyCase(mesh, selection, motion, unit, steps, settings)
 
 
+def value_of(name: str, text: str) -> Setting:
+    """Value of a cell on its own; raises InputError."""
+    return _in_column(name, _READERS.get(name, str), text)
+
+
 def _settings(said: Mapping[str, str]) -> tuple[tuple[str, Setting], ...]:
-    found = {
-        name: _in_column(name, column.read, said[name]) for name, column in SETTINGS.items() if name in said
-    }
+    found = {name: value_of(name, said[name]) for name in SETTINGS if name in said}
     method = str(found.get("method", DEFAULT_METHOD))
     if found.get("contact") and not METHODS[method].may_touch:
         raise InputError(tr("“{method}” knows no contact; choose another method.").format(method=method))

@@ -82,6 +82,9 @@ WRONG = {
     "an unknown name": (["colour=1..2"], {}, "“colour” is no column"),
     "twice": (["push=1..2", "push=3..4"], {}, "given twice"),
     "given already": (["steps=1,2"], {"steps": "4"}, "given twice"),
+    "no number of steps": (["push=1..2"], {"steps": "x"}, "Column “steps”: "),
+    "an unknown method": (["method=arap,exakt"], {}, "Column “method”: .*exakt"),
+    "a range out of range": (["stiffness=-1..1"], {}, "Column “stiffness”: -1 is out of range"),
     "a note twice": (["push=1..2"], {"#push": "4"}, "given twice"),
     "too many": (["push=1..2", "twist=1..2"], {}, "are the most"),
 }
@@ -110,4 +113,7 @@ def test_the_command_writes_a_plan_that_finds_its_files(bar, planned, capsys, mo
     assert [row["motion"] for row in rows] == [f"twist {row['#twist']}deg" for row in rows]
     assert main(["study", "design", "--vary", "twist=1..2", "-o", "plans/other.csv"]) == 2
     assert "There is no mesh" in capsys.readouterr().err
+    words = "--mesh bar.off --vary twist=1..2 --set steps=x -o plans/other.csv"
+    assert main(["study", "design", *words.split()]) == 2
+    assert capsys.readouterr().err.startswith("error: Column “steps”: ")
     assert not (bar / "plans" / "other.csv").exists()
