@@ -95,7 +95,7 @@ def summary(found: Pressed, rest: RestMesh, output: Path, stiffness: float, wall
     lines += _curve_lines(found, newtons)
     lines += _wall_lines(wall, rest.area, stiffness, newtons)
     if last.crossings:
-        lines.append(tr("{count:,} triangles cross others").format(count=last.crossings))
+        lines.append(tr("{n:,} intersecting triangles").format(n=last.crossings))
     if found.stopped:
         lines.append(
             tr("Contact lets the plates come no nearer to each other than {distance:.4g}.").format(

@@ -32,7 +32,7 @@ def status_words(status: str) -> str:
     words = {
         DONE: tr("done"),
         FAILED: tr("failed"),
-        WAITING: tr("waiting"),
+        WAITING: tr("not done yet"),
         WRONG: tr("wrong"),
         DUPLICATE: tr("duplicate"),
     }

@@ -17,6 +17,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.pressing import plate_press
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
@@ -130,6 +131,12 @@ def test_progress_is_said_in_lines(ball, press, monkeypatch):
     assert done == sorted(done)
     assert 0.0 < done[0] < done[-1] <= 1.0
     assert {line["doing"] for line in lines} == {"pressing"}
+
+
+def test_crossings_are_counted_in_the_words_of_the_window(ball, press, monkeypatch):
+    monkeypatch.setattr(plate_press, "crossings", lambda *_: np.arange(12))
+    _, said, _, _ = press(ball, *QUICK)
+    assert "12 intersecting triangles" in said.splitlines()
 
 
 def test_steps_that_do_not_come_to_rest_are_named(ball, press, tmp_path):

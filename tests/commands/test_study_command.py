@@ -37,7 +37,7 @@ def test_a_study_is_planned_run_and_gone_on_with(bar, capsys):
     said = capsys.readouterr()
     assert said.out.splitlines() == [
         "2 cases, 0 of them done, 2 to do",
-        "1 rows are wrong and are left out",
+        "1 row is wrong and is left out",
         "No case was timed yet, so nobody knows how long they take.",
     ]
     assert said.err.splitlines() == [
@@ -65,6 +65,19 @@ def test_a_study_is_planned_run_and_gone_on_with(bar, capsys):
     assert main([*words, "--dry-run"]) == 0
     assert "2 cases, 1 of them done, 1 to do" in capsys.readouterr().out
     assert {path: path.stat().st_mtime_ns for path in bar.rglob("*")} == before
+
+
+def test_a_failed_case_is_counted_and_may_be_tried_again(bar, capsys):
+    words = ["study", plan_of(bar, ["twist 30"]), "-o", str(bar / "out")]
+    assert main([*words, "--processes", "1", "--limit", "1e-9"]) == 0
+    assert [row["status"] for row in rows_of(bar / "out")] == ["failed"]
+    capsys.readouterr()
+    for more, said in (
+        ([], ["1 case, 1 done, 0 to do", "failed so far: 1; --retry-failed tries again"]),
+        (["--retry-failed"], ["1 case, 0 done, 1 to do"]),
+    ):
+        assert main([*words, *more, "--dry-run"]) == 0
+        assert capsys.readouterr().out.splitlines()[: len(said)] == said
 
 
 def test_what_cannot_be_run_is_said(bar, capsys):
@@ -109,6 +122,6 @@ def test_an_interrupt_finishes_what_runs_and_a_second_ends_at_once(bar):
 
     once, out = interrupted(1)
     assert 0 < once < 399
-    assert f"{once} done, {399 - once} waiting" in out
+    assert f"{once} done, {399 - once} not done yet" in out
     twice, _ = interrupted(2)
     assert once < twice < 399

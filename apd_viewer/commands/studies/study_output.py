@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from apd_viewer.language import listed, tr
+from apd_viewer.language import listed, tr, trn
 from apd_viewer.presentation.time_left import duration
 from apd_viewer.studies.case_file import FAILED
 from apd_viewer.studies.results import status_words
@@ -29,14 +29,19 @@ def mistakes(plan: Plan) -> str:
 def planned(left: WorkLeft, processes: int) -> str:
     """Lines on the work left."""
     lines = [
-        tr("{cases:,} cases, {done:,} of them done, {left:,} to do").format(
-            cases=left.cases, done=left.done, left=left.cases - left.done
-        )
+        trn(
+            "{cases:,} case, {done:,} done, {left:,} to do",
+            "{cases:,} cases, {done:,} of them done, {left:,} to do",
+            left.cases,
+        ).format(cases=left.cases, done=left.done, left=left.cases - left.done)
     ]
     if left.failed:
-        lines.append(tr("{failed:,} have failed; --retry-failed runs them again").format(failed=left.failed))
+        lines.append(tr("failed so far: {failed:,}; --retry-failed tries again").format(failed=left.failed))
     if left.wrong:
-        lines.append(tr("{wrong:,} rows are wrong and are left out").format(wrong=left.wrong))
+        said = trn(
+            "{wrong:,} row is wrong and is left out", "{wrong:,} rows are wrong and are left out", left.wrong
+        )
+        lines.append(said.format(wrong=left.wrong))
     if left.seconds is None:
         lines.append(tr("No case was timed yet, so nobody knows how long they take."))
     elif left.cases > left.done:
