@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.commands.motion_options import add_moved_options, moved_from
 from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.unit_option import naming_the_option
 from apd_viewer.files.fe_deck import check_deck, write_deck
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
@@ -53,6 +54,7 @@ def _add_wall_options(parser: Parser) -> None:
         parser.add_argument(option, metavar=metavar, default="", help=what)
 
 
+@naming_the_option()
 def _deck(options: argparse.Namespace) -> None:
     output = check_deck(options.output)
     state, view, motion = moved_from(options)

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from apd_viewer.commands.terminal.unit_option import naming_the_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
@@ -127,6 +128,7 @@ def _posed(state: State, transforms: Sequence[str]) -> State:
     return state.at(document)
 
 
+@naming_the_option()
 def motion_from(options: argparse.Namespace, state: State, unit: str = "") -> tuple[MotionStep, ...]:
     """Motion of the options on a mesh; none without any.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from apd_viewer.commands.terminal.unit_option import naming_the_option
 from apd_viewer.errors import InputError
 from apd_viewer.language import listed, tr
 from apd_viewer.presentation.number_format import short
@@ -169,6 +170,7 @@ def add_wall_options(parser: Parser) -> None:
         parser.add_argument(option, metavar=metavar, help=what)
 
 
+@naming_the_option()
 def wall_of(options: argparse.Namespace, unit: Unit) -> PressWall:
     """Wall of a command line, for a mesh in a unit; raises InputError."""
     material = None if options.material is None else wall_material(options.material)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.unit_option import naming_the_option
 from apd_viewer.commands.volumes_output import report_of, written
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
@@ -49,6 +50,7 @@ def volumes_parser() -> Parser:
     return parser
 
 
+@naming_the_option()
 def _volumes(options: argparse.Namespace) -> None:
     unit = Unit(options.unit)
     litres = _bag(options.bag, unit)

@@ -67,7 +67,10 @@ WRONG = {
     "both": (["--twist", "9", "--transform", "gone.def"], "Give either --transform or a motion"),
     "more than half a turn at once": (["--twist", "400deg", "--iterations", "5"], "half a turn at most"),
     "a length for an angle": (["--twist", "9mm"], "unit of length"),
-    "a length without the mesh's unit": (["--push", "9mm"], "unit"),
+    "a length without the mesh's unit": (
+        ["--push", "9mm"],
+        "add --unit mm, cm, m, in or ft for",
+    ),
     "a handle that is not there": (["--handle", "3", "--twist", "9"], "There is no handle 3"),
     "an axis that is missing": (["--turn", "9"], "needs an axis"),
 }

@@ -223,7 +223,7 @@ WRONG = {
     "a modulus": (["--young", "hard", "--thickness", "0.01", "--unit", "cm"], "is not a unit of Young"),
     "a ratio": (["--poisson", "0.7", "--unit", "cm"], "from 0 to 0.5"),
     "a density": (["--density", "0"], "out of range"),
-    "a thickness in a unit": (["--thickness", "0.3mm"], "unit"),
+    "a thickness in a unit": (["--thickness", "0.3mm"], "add --unit"),
     "a letter that is no axis": (["--axis", "w"], "is no direction"),
     "two numbers": (["--axis", "1 0"], "is no direction"),
     "a direction without length": (["--axis", "0 0 0"], "is no direction"),

@@ -11,7 +11,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.quantities.functions import FUNCTIONS, called
 from apd_viewer.session.quantities.quantity import BARE, Quantity
 from apd_viewer.session.quantities.tokens import is_number, quoted
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import NoUnitError, Unit
 
 # Deeper than needed, and far below Python's own limit.
 _MOST_NESTED = 30
@@ -147,11 +147,7 @@ class ExpressionReader:
                 )
             )
         if self._unit is Unit.NONE:
-            raise InputError(
-                tr("The unit of the mesh is not set; choose it before entering a length in {word}.").format(
-                    word=word
-                )
-            )
+            raise NoUnitError(word)
         return Quantity(_MICROMETRES[word] / _MICROMETRES[self._unit.value], length=1.0)
 
     def _misplaced(self) -> InputError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
+from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
 # No-break space: a number is not separated from its unit.
@@ -85,3 +86,22 @@ def _largest(sizes: dict[str, float], amount: float) -> tuple[str, float]:
     fitting = [symbol for symbol, size in sizes.items() if amount >= size]
     symbol = fitting[-1] if fitting else next(iter(sizes))
     return symbol, 1.0 / sizes[symbol]
+
+
+class NoUnitError(InputError):
+    """A length in a unit, for a mesh without one.
+
+    Parameters
+    ----------
+    word : str
+        Unit of the length.
+    """
+
+    def __init__(self, word: str) -> None:
+        super().__init__(word)
+        self.word = word
+
+    def __str__(self) -> str:
+        return tr("The unit of the mesh is not set; choose it before entering a length in {word}.").format(
+            word=self.word
+        )

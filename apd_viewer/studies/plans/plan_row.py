@@ -15,7 +15,7 @@ from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.session.posing.motion_step import check_amounts
 from apd_viewer.session.posing.motion_text import parsed_motion
 from apd_viewer.session.quantities.expressions import length
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import NoUnitError, Unit
 from apd_viewer.studies.plans.case import Setting, StudyCase
 from apd_viewer.studies.plans.plan_columns import SETTINGS, steps_of, unit_of
 
@@ -116,5 +116,11 @@ def _in_column(name: str, read: Callable[[str], T], text: str) -> T:
     """Value of a cell; raises InputError with the column's name."""
     try:
         return read(text)
+    except NoUnitError as error:
+        raise InputError(
+            tr(
+                "Column “{name}”: The unit of the mesh is not set; fill in “unit” for a length in {word}."
+            ).format(name=name, word=error.word)
+        ) from error
     except InputError as error:
         raise InputError(tr("Column “{name}”: {sentence}").format(name=name, sentence=error)) from error

@@ -1,5 +1,7 @@
 """Motions in words: what they say, where they lead, and what is no motion."""
 
+import pickle
+
 import numpy as np
 import pytest
 from meshes import box, ends, rotation
@@ -130,5 +132,6 @@ def test_what_is_no_motion_is_said(text, state):
 
 
 def test_a_length_needs_the_unit_of_the_mesh(state):
-    with pytest.raises(InputError, match="unit of the mesh is not set"):
+    with pytest.raises(InputError, match="unit of the mesh is not set; choose it") as refused:
         check_amounts(parsed_motion("push 2mm"), Unit.NONE)
+    assert str(pickle.loads(pickle.dumps(refused.value))) == str(refused.value)

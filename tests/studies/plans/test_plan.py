@@ -18,7 +18,10 @@ MISTAKES = {
     "missing selection": ({"selection": "gone.sel"}, "There is no file"),
     "no selection": ({"selection": ""}, "needs a selection"),
     "wrong unit": ({"motion": "move 0 2kg 0"}, "“motion”.*kg"),
-    "a length without a unit of the mesh": ({"motion": "push 2cm"}, "unit of the mesh is not set"),
+    "a length without a unit of the mesh": (
+        {"motion": "push 2cm"},
+        "fill in “unit” for a length in cm",
+    ),
     "an unknown unit": ({"unit": "mile"}, "“unit”: “mile” is no unit"),
     "no motion": ({"motion": ""}, "Nothing moves"),
     "0 steps": ({"steps": "0"}, "“steps”: “0” is no whole number"),
