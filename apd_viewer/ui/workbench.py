@@ -131,7 +131,7 @@ class Workbench(QObject):
         self.poses = PoseController(self.panel.poses, session, self.editing.give_up)
         self.looks.cards.stand_above(self.editing.typed.cards)
         self.notice.stand_above(self.editing.typed.cards)
-        self.studies = Studies(shell, memory, self._studied, notice.fail, session.gestures.history)
+        self.studies = Studies(shell, memory, session, self.filing, self._studied, notice.fail)
         ghost, dock = self.preview.ghost, self.docks["study"]
         self.case_studies = CaseStudies(
             shell, dock, memory, session, self.filing, self._studied, notice, ghost

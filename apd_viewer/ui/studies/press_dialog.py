@@ -53,7 +53,8 @@ class PressDialog(StudyDialog):
     def __init__(self, window: QWidget, state: State, view: View, memory: Preferences) -> None:
         document, unit = state.document, Unit(view.unit)
         mesh = document.mesh
-        run = RunBar(tr("Press"), f"{mesh.stem}-press", memory)
+        self._pressed = f"pressed{suffix_for(mesh)}"
+        run = RunBar(tr("Press"), f"{mesh.stem}-press", memory, self._pressed)
         title = tr("Press between plates – {name}").format(name=mesh.name)
         super().__init__(window, title, run, "press.png", tr("Curves of load and volume"))
         run.asked.connect(self.begin)
@@ -178,7 +179,7 @@ class PressDialog(StudyDialog):
             else:
                 save_mesh(mesh, mesh.V, rest)
             files = {
-                "-o": f"pressed{rest.suffix}",
+                "-o": self._pressed,
                 "--curve": "curve.csv",
                 "--figure": "press.png",
                 "--report": "report.json",

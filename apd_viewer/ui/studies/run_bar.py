@@ -44,6 +44,8 @@ class RunBar(QWidget):
         Of the folder that the results are saved as.
     memory : Preferences
         Where files were opened and written last.
+    mesh : str
+        File name of the mesh among the results, if one can be opened in the window.
 
     Attributes
     ----------
@@ -51,18 +53,21 @@ class RunBar(QWidget):
         Whoever owns it then calls :meth:`begin`.
     ended : Signal(object, str)
         The folder of the results, and what the command said.
+    mesh_asked : Signal(object)
+        The file of the saved mesh, which is to be opened.
     busy : Signal(bool)
         Work has begun, or is over.
     """
 
     asked = Signal()
     ended = Signal(object, str)
+    mesh_asked = Signal(object)
     busy = Signal(bool)
     _delivered = Signal(object)
 
-    def __init__(self, start: str, name: str, memory: Preferences) -> None:
+    def __init__(self, start: str, name: str, memory: Preferences, mesh: str = "") -> None:
         super().__init__()
-        self._name = name
+        self._name, self._mesh = name, mesh
         self._memory = memory
         self._scratch: Path | None = None
         self._beside: Path | None = None
@@ -80,6 +85,8 @@ class RunBar(QWidget):
         self.words = QLabel(objectName="quiet", wordWrap=True)
         self.words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
+        tip = tr("Closes the dialog and opens the saved mesh in the window; undo returns to the mesh before")
+        self.open_mesh = QPushButton(tr("Open mesh"), toolTip=tip, clicked=self._ask_for_mesh)
         self.open = QPushButton(tr("Open folder"), clicked=self._open)
         self.save = QPushButton(tr("Save…"), clicked=self._ask_where)
         self.cancel = QPushButton(tr("Cancel"), clicked=self.stop)
@@ -92,7 +99,7 @@ class RunBar(QWidget):
         self.help = HelpButton()
         row.addWidget(self.help)
         row.addWidget(self.words, 1)
-        for button in (self.open, self.save, self.cancel, self.start):
+        for button in (self.open_mesh, self.open, self.save, self.cancel, self.start):
             row.addWidget(button)
         column.addLayout(row)
 
@@ -183,7 +190,9 @@ class RunBar(QWidget):
         self.cancel.setVisible(on)
         self.start.setVisible(not on)
         self.save.setVisible(there and self._saved is None)
-        self.open.setVisible(not on and self._saved is not None)
+        saved = not on and self._saved is not None
+        self.open.setVisible(saved)
+        self.open_mesh.setVisible(saved and bool(self._mesh))
         self.busy.emit(on)
 
     # Saving
@@ -212,6 +221,10 @@ class RunBar(QWidget):
         self.save.setEnabled(True)
         self.words.setText(tr("Saved as {folder}.").format(folder=folder))
         self._show_busy(False)
+
+    def _ask_for_mesh(self) -> None:
+        if self._saved is not None:
+            self.mesh_asked.emit(self._saved / self._mesh)
 
     def _open(self) -> None:
         if self._saved is not None:

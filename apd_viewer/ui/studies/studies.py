@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
@@ -10,6 +12,7 @@ from PySide6.QtWidgets import QDialog, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.session.posing.gesture_motion import gesture_motion
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.studies.animation_dialog import AnimationDialog
 from apd_viewer.ui.studies.paper_dialog import PaperDialog
 from apd_viewer.ui.studies.press_dialog import PressDialog
@@ -17,9 +20,10 @@ from apd_viewer.ui.studies.sweep_dialog import SweepDialog
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.history import History
     from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.filing.file_commands import Filing
     from apd_viewer.ui.preferences.preferences import Preferences
 
 
@@ -30,25 +34,29 @@ class Studies(QObject):
     ----------
     window : QWidget
     memory : Preferences
+    session : Session
+        Whose last step can be exported.
+    filing : Filing
+        Asks about unsaved work before another mesh is opened.
     opened : callable
         What is open, which handle is in the hand, and how the mesh is looked at; None before there is a mesh.
     failed : callable
         Says a sentence.
-    history : History
-        Whose last step can be exported.
     """
 
     def __init__(
         self,
         window: QWidget,
         memory: Preferences,
+        session: Session,
+        filing: Filing,
         opened: Callable[[], tuple[State, int, View] | None],
         failed: Callable[[str], object],
-        history: History,
     ) -> None:
         super().__init__(window)
         self._window, self._memory = window, memory
-        self._opened, self._failed, self._history = opened, failed, history
+        self._session, self._filing = session, filing
+        self._opened, self._failed = opened, failed
         self.dialogs: dict[str, QDialog] = {}
 
     def sweep(self) -> None:
@@ -77,7 +85,8 @@ class Studies(QObject):
 
     def _motions(self, state: State) -> list[tuple[str, Document]]:
         """Motions that can be exported, with their titles."""
-        document, latest, found = state.document, self._history.latest, []
+        document, found = state.document, []
+        latest = self._session.gestures.history.latest
         if document.posed:
             found.append((tr("current motion of the handles"), document))
         gesture = gesture_motion(latest.state, document) if latest is not None else None
@@ -90,7 +99,22 @@ class Studies(QObject):
         found = self._opened()
         if found is not None:
             state, _, view = found
-            self._show("press", lambda: PressDialog(self._window, state, view, self._memory))
+            self._show("press", lambda: self._press_dialog(state, view))
+
+    def _press_dialog(self, state: State, view: View) -> PressDialog:
+        dialog = PressDialog(self._window, state, view, self._memory)
+        unit = Unit(view.unit)
+        leave_for, show = self._filing.leave_for, self._show_pressed
+        dialog.run.mesh_asked.connect(lambda path: leave_for(partial(show, path, unit)))
+        return dialog
+
+    def _show_pressed(self, path: Path, unit: Unit) -> None:
+        """Close the dialog, and open a pressed mesh in the window behind it."""
+        if (dialog := self.dialogs.get("press")) is not None:
+            dialog.close()
+        if unit is not Unit.NONE:
+            self._memory.remember_unit(path, unit)
+        self._session.files.open(path)
 
     def paper(self) -> None:
         """Re-run the paper's tables."""

@@ -19,6 +19,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.filing import unsaved_question
+from apd_viewer.ui.filing.unsaved_question import Answer
 from apd_viewer.ui.studies.press_dialog import PressDialog
 
 
@@ -188,6 +190,56 @@ def test_a_press_is_drawn_and_saved_in_the_format_of_the_mesh(qtbot, window, tmp
     assert (report["mesh"], report["vertices"], report["stiffness"]) == ("ball.off", len(V), 0.001)
     assert report["distance"] == pytest.approx(1.0, abs=1e-9)
     assert np.ptp(trimesh.load(folder / "pressed.off", process=False).vertices[:, 2]) < 1.0
+
+
+def test_the_pressed_mesh_opens_in_the_window_once_saved(qtbot, window, ball, tmp_path, monkeypatch):
+    """It asks about unsaved work, keeps the unit and can be undone."""
+    window._choose_unit(Unit.CENTIMETRE)
+    ball.close()
+    window.actions_.pose.press.trigger()
+    dialog = window.studies.dialogs["press"]
+    dialog.to.setValue(80)
+    dialog.steps.setValue(2)
+    assert dialog.run.open_mesh.isHidden()
+    click(dialog.run.start)
+    finish(qtbot, dialog)
+    assert dialog.run.open_mesh.isHidden()
+    dialog.run.save_in(tmp_path)
+    finish(qtbot, dialog)
+    before = document(window).mesh
+    window.session.gestures.begin()
+    window.session.painting.paint(np.arange(3), 0)
+    window.session.painting.end_stroke("Paint")
+    assert window.session.saved_work.unsaved
+    with monkeypatch.context() as patch:
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.CANCEL)
+        click(dialog.run.open_mesh)
+        idle(qtbot, window)
+    assert document(window).mesh is before
+    assert dialog.isVisible()
+    click(dialog.run.open_mesh)
+    qtbot.waitUntil(lambda: document(window).mesh is not before)
+    assert window.studies.dialogs == {}
+    saved = tmp_path / "mesh-press" / "pressed.obj"
+    assert document(window).mesh.path == saved
+    assert np.ptp(document(window).mesh.V[:, 0]) < 0.9 * np.ptp(before.V[:, 0])
+    assert window.session.store.unit is Unit.CENTIMETRE
+    assert window.memory.recent[0] == saved
+    idle(qtbot, window)
+    window.session.gestures.undo()
+    assert document(window).mesh is before
+
+
+def test_a_mesh_that_is_gone_is_told_in_the_window(qtbot, window, ball, tmp_path):
+    click(ball.run.start)
+    finish(qtbot, ball)
+    ball.run.save_in(tmp_path)
+    finish(qtbot, ball)
+    (tmp_path / "mesh-press" / "pressed.obj").unlink()
+    before = document(window).mesh
+    click(ball.run.open_mesh)
+    qtbot.waitUntil(lambda: "pressed.obj" in window.notice.text)
+    assert document(window).mesh is before
 
 
 def test_cancel_leaves_nothing(qtbot, ball):

@@ -60,6 +60,7 @@ def test_a_sweep_is_drawn_and_saved_where_the_user_says(qtbot, bar, dialog, tmp_
     assert [float(line["degrees"]) for line in rows(folder / "sweep.csv")] == pytest.approx([0, 100, 200])
     opened = []
     monkeypatch.setattr(QDesktopServices, "openUrl", lambda url: opened.append(url.toLocalFile()))
+    assert dialog.run.open_mesh.isHidden()
     click(dialog.run.open)
     assert opened == [str(folder)]
 
