@@ -1,5 +1,7 @@
 """Vertices by ids and coordinates, against the arrays themselves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -44,10 +46,36 @@ def test_ids_and_ranges(text, ids):
         ("x < y", X < Y),
         ("3 > z", Z < 3),
         ("z > 99", np.zeros(N, dtype=bool)),
+        ("z > 80% Z - 1", Z > 3),
     ],
 )
 def test_conditions(text, holds):
     np.testing.assert_array_equal(chosen(text, STATE, Unit.NONE), np.flatnonzero(holds))
+
+
+@pytest.mark.parametrize("shift", [0.0, -2.5, 1e3 / 7])
+@pytest.mark.parametrize(
+    ("text", "holds"),
+    [
+        ("z > 70%", Z > 3.5),
+        ("30 % > z", Z < 1.5),
+        ("33,3% < y < 66.7% and x < .5%", (Y >= 1) & (Y <= 2) & (X == 0)),
+        ("z >= 100%", Z == 5),
+        ("z > 100%", Z > 5),
+        ("z <= 0%", Z == 0),
+        ("z > −10% and z < -10%", Z > 9),
+        ("x > −10% and z > -10%", Z > -1),
+        ("x < 51% < z", (X < 1.02) & (Z > 2.55)),
+    ],
+)
+def test_a_percentage_is_a_share_of_the_way_through_the_mesh_wherever_it_stands(text, holds, shift):
+    state = opened(Mesh(V + shift, STATE.document.mesh.F))
+    np.testing.assert_array_equal(chosen(text, state, Unit.NONE), np.flatnonzero(holds))
+
+
+def test_a_percentage_is_of_the_shape_on_screen():
+    state = STATE.at(frame=replace(STATE.frame, U=np.column_stack((X, Y, np.minimum(Z, 3.0)))))
+    np.testing.assert_array_equal(chosen("z > 50%", state, Unit.NONE), np.flatnonzero(Z > 1.5))
 
 
 def test_lengths_may_have_units():
@@ -67,6 +95,11 @@ def test_lengths_may_have_units():
         ("z > q", "q"),
         ("q > 1", "q"),
         ("z >", ""),
+        ("50% < 80%", "does not use"),
+        ("80% > 3 > z", "compare it with x, y or z"),
+        ("x < 20% < 80%", "compare it with x, y or z"),
+        ("z > 1,000%", "without the comma"),
+        ("z > 8.0.0%", "operator is missing"),
     ],
 )
 def test_what_cannot_be_read_is_said(text, words):
@@ -76,7 +109,7 @@ def test_what_cannot_be_read_is_said(text, words):
     assert "\n" not in str(refused.value)
 
 
-@given(st.text(alphabet="xyz0123456789 <>=&|andor-,;.()LXYZmk≤–", max_size=25))
+@given(st.text(alphabet="xyz0123456789 <>=&|andor-,;.()LXYZmk≤–%", max_size=25))
 def test_whatever_is_typed_is_read_or_refused(text):
     try:
         ids = chosen(text, STATE, Unit.NONE)

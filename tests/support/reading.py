@@ -336,10 +336,10 @@ def parts(driver):
     driver.scene("an empty region")
     window.editing.choose_by_numbers()
     card = window.editing.typed.vertices
-    for text in ("y > 0.9Y", "y > ", "9-2", "3-", "999999", "q", "z"):
+    for text in ("y > 90%", "y > ", "9-2", "3-", "999999", "q", "z"):
         card.text.setText(text)
         driver.scene("chosen by numbers", card, card._said)
-    card.text.setText("y > 0.9Y")
+    card.text.setText("y > 90%")
     driver.press(card.text, Qt.Key.Key_Return)
     card.close_card()
     session.settings.set_region_area(0, 100.0)

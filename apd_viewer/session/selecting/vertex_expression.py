@@ -21,15 +21,18 @@ _ID = re.compile(r"(\d+)(?:\s*[–-]\s*(\d+))?")
 _COMPARED = re.compile(r"<=|>=|≤|≥|<|>")
 _HOLDS = {"<": np.less, ">": np.greater, "<=": np.less_equal, ">=": np.greater_equal}
 _HOLDS |= {"≤": np.less_equal, "≥": np.greater_equal}
-_HOW = tr("enter IDs such as 3, 10-20, or conditions such as y > 0.5Y and x < 0")
+_SHARE = re.compile(r"[-+−]?[0-9.,]+\s*%")
+_AXES = "x", "y", "z"
+_HOW = tr("enter IDs such as 3, 10-20, or conditions such as y > 80% and x < 0")
 
 
 def chosen(text: str, state: State, unit: Unit) -> np.ndarray:
     """Vertices selected by a text, ascending ids.
 
     Either ids and ranges of ids, parted by commas or spaces, or conditions on the coordinates x, y, z of the
-    shape on screen, joined by "and" and "or"; lengths may be expressions with the names of
-    :func:`apd_viewer.session.posing.typed_motion.names_of`.
+    shape on screen, joined by "and" and "or". A coordinate is compared with another one, with a length, which
+    may be an expression with the names of :func:`apd_viewer.session.posing.typed_motion.names_of`, or with a
+    percentage: that share of the way from its least to its greatest value.
 
     Raises
     ------
@@ -69,25 +72,36 @@ def _by_ids(text: str, n: int) -> np.ndarray:
 
 def _where(condition: str, state: State, unit: Unit) -> np.ndarray:
     """Mask of a comparison such as ``y > 3`` or ``-1 < x < 1``, (n,) bool."""
-    signs, sides = _COMPARED.findall(condition), _COMPARED.split(condition)
+    signs, sides = _COMPARED.findall(condition), [side.strip() for side in _COMPARED.split(condition)]
     if not signs:
         raise InputError(tr("“{text}” is not a condition; {how}.").format(text=condition.strip(), how=_HOW))
-    values = [_side(side.strip(), state, unit) for side in sides]
-    if not any(isinstance(value, np.ndarray) for value in values):
+    if not any(side in _AXES for side in sides):
         raise InputError(
             tr("“{text}” does not use x, y or z; {how}.").format(text=condition.strip(), how=_HOW)
         )
     holds = np.ones(len(state.frame.U), dtype=bool)
-    for sign, left, right in zip(signs, values, values[1:], strict=False):
-        holds &= _HOLDS[sign](left, right)
+    for sign, left, right in zip(signs, sides, sides[1:], strict=False):
+        holds &= _HOLDS[sign](_side(left, right, state, unit), _side(right, left, state, unit))
     return holds
 
 
-def _side(text: str, state: State, unit: Unit) -> np.ndarray | float:
-    if text in ("x", "y", "z"):
-        column: np.ndarray = state.frame.U[:, "xyz".index(text)]
-        return column
-    return length(text, unit, names_of(state))
+def _side(text: str, other: str, state: State, unit: Unit) -> np.ndarray | float:
+    """Value of a side of a comparison; the other one is the axis of a percentage."""
+    if text in _AXES:
+        return _coordinates(text, state)
+    if not _SHARE.fullmatch(text):
+        return length(text, unit, names_of(state))
+    if other not in _AXES:
+        raise InputError(
+            tr("{text} is a share of the mesh along an axis; compare it with x, y or z.").format(text=text)
+        )
+    along, part = _coordinates(other, state), number(text, {})
+    return float((1.0 - part) * along.min() + part * along.max())  # exact at 0 % and 100 %
+
+
+def _coordinates(axis: str, state: State) -> np.ndarray:
+    column: np.ndarray = state.frame.U[:, _AXES.index(axis)]
+    return column
 
 
 def place(text: str, state: State, unit: Unit) -> np.ndarray:

@@ -45,7 +45,7 @@ class Typed:
             canvas.viewport,
             tr("Select by ID or expression"),
             tr("IDs or conditions of the vertices to select"),
-            tr("y > 0.3Y and x < 0      or IDs: 3, 10-20"),
+            tr("y > 80% and x < 0      or IDs: 3, 10-20"),
             tr("Enter adds, Alt+Enter removes, Ctrl+Enter replaces, Esc closes."),
         )
         self.brush = TypedCard(
