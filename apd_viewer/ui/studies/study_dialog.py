@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.ui.widgets.fields import Number
 from apd_viewer.ui.widgets.figure_list import FigureView
-from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.fit_to_screen import largest_on_screen, resize_on_screen
 
 if TYPE_CHECKING:
     from apd_viewer.ui.studies.run_bar import RunBar
@@ -97,8 +97,12 @@ class StudyDialog(QDialog):
         self._fit(max(self.width(), _WIDTH_WITH_FIGURE))
 
     def _fit(self, width: int) -> None:
-        """Set the width, and the height it needs."""
+        """Set the width, and the height it needs; on a low screen the figure gives way."""
         self._column.activate()
+        if self.figure is not None:
+            self.figure.shrink_by(0)
+            lacking = self._column.totalHeightForWidth(width) - largest_on_screen(self).height()
+            self.figure.shrink_by(max(0, lacking))
         resize_on_screen(self, QSize(width, self._column.totalHeightForWidth(width)))
 
     def done(self, result: int) -> None:

@@ -24,7 +24,7 @@ class FigureView(QWidget):
 
     def __init__(self, path: Path, words: str) -> None:
         super().__init__()
-        self._picture = QPixmap(str(path))
+        self._picture, self._less = QPixmap(str(path)), 0
         self.setAccessibleName(words)
         policy = QSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)
@@ -36,6 +36,11 @@ class FigureView(QWidget):
         """True if there is a picture."""
         return not self._picture.isNull()
 
+    def shrink_by(self, pixels: int) -> None:
+        """Ask for so much less height than the picture would fill."""
+        self._less = pixels
+        self.updateGeometry()
+
     def hasHeightForWidth(self) -> bool:
         """Keep the picture's aspect ratio."""
         return True
@@ -43,7 +48,8 @@ class FigureView(QWidget):
     def heightForWidth(self, width: int) -> int:
         """The picture, and the edge around it."""
         size = self._picture.size()
-        return 2 * _EDGE + round((width - 2 * _EDGE) * size.height() / max(1, size.width()))
+        full = 2 * _EDGE + round((width - 2 * _EDGE) * size.height() / max(1, size.width()))
+        return max(self.minimumHeight(), full - self._less)
 
     def sizeHint(self) -> QSize:
         """As wide as a dialog likes to be."""

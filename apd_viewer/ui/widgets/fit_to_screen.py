@@ -6,11 +6,16 @@ from PySide6.QtCore import QPoint, QSize
 from PySide6.QtWidgets import QWidget
 
 
+def largest_on_screen(window: QWidget) -> QSize:
+    """Size of a window that fills the screen with its frame."""
+    return window.screen().availableGeometry().size() - (window.frameGeometry().size() - window.size())
+
+
 def resize_on_screen(window: QWidget, size: QSize) -> None:
     """Resize a window within the screen, moving it as little as possible."""
     room, frame = window.screen().availableGeometry(), window.frameGeometry()
     border = frame.size() - window.size()
-    window.resize(size.boundedTo(room.size() - border))
+    window.resize(size.boundedTo(largest_on_screen(window)))
     frame.setSize(window.size() + border)
     x = max(min(frame.left(), room.right() + 1 - frame.width()), room.left())
     y = max(min(frame.top(), room.bottom() + 1 - frame.height()), room.top())

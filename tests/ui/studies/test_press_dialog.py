@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from driving import document, idle
 from meshes import box, sphere, tube
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QFileDialog
 from study_driving import click, finish
 
@@ -21,7 +21,9 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.studies import study_dialog
 from apd_viewer.ui.studies.press_dialog import PressDialog
+from apd_viewer.ui.widgets import fit_to_screen
 
 
 @pytest.fixture
@@ -228,6 +230,19 @@ def test_the_pressed_mesh_opens_in_the_window_once_saved(qtbot, window, ball, tm
     idle(qtbot, window)
     window.session.gestures.undo()
     assert document(window).mesh is before
+
+
+def test_on_a_low_screen_the_figure_gives_way_and_not_the_fields(qtbot, ball, monkeypatch):
+    low = QSize(1280, 760)
+    for module in (study_dialog, fit_to_screen):
+        monkeypatch.setattr(module, "largest_on_screen", lambda _: low)
+    click(ball.run.start)
+    finish(qtbot, ball)
+    qtbot.waitUntil(lambda: ball.height() <= low.height())
+    natural = ball.figure.heightForWidth(ball.figure.width()) + ball.figure._less
+    assert ball.figure.minimumHeight() < ball.figure.height() < natural
+    for field in (ball.to, ball.wall.thickness, ball.wall.young, ball.wall.radius):
+        assert field.height() >= field.minimumSizeHint().height()
 
 
 def test_a_mesh_that_is_gone_is_told_in_the_window(qtbot, window, ball, tmp_path):
