@@ -137,7 +137,7 @@ class ContactWords(NamedTuple):
 def contact(state: State, unit: Unit) -> ContactWords:
     """Contact of the shape with itself in words; dots while unknown."""
     touch = state.frame.contact
-    share = f"{math.floor(100.0 * state.frame.share_reached)} %"
+    share = NOTHING if state.is_at_rest else f"{math.floor(100.0 * state.frame.share_reached)} %"
     if touch is None and not state.is_at_rest:
         return ContactWords(LATER, LATER, LATER)
     if touch is None or touch.least_gap is None:

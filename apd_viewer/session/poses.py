@@ -46,6 +46,8 @@ class Poses:
         else:
             name = next_name(tr("Pose"), [pose.name for pose in document.poses])
             self._set(tr("Keep pose"), (*document.poses, NamedPose(name, placements(document))))
+            # The list of poses may be out of sight.
+            self._listener.told(tr("Kept as “{pose}”.").format(pose=name))
 
     def go(self, k: int) -> None:
         """Bring the handles to pose ``k``; any others stay where they are."""

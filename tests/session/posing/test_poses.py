@@ -36,6 +36,10 @@ def where(session) -> list[np.ndarray]:
     return [handle.pose for handle in document(session).handles]
 
 
+def test_a_pose_that_is_kept_is_said_by_name(kept):
+    assert kept.told[-1] == f"Kept as “{document(kept).poses[-1].name}”."
+
+
 def test_to_go_to_a_pose_is_one_step_that_the_shape_follows(kept):
     assert [each.name for each in document(kept).poses] == ["Pose 1", "Pose 2"]
     before, second = kept.store.state, where(kept)

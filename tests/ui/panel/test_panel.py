@@ -12,7 +12,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.presentation.readings import verdict
+from apd_viewer.presentation.readings import NOTHING, verdict
 from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.store import Activity
@@ -128,7 +128,10 @@ def test_a_twist_in_contact_ends_without_a_crossing(qtbot, bottle):
         found.append(len(crossings(state.frame.U, state.document.mesh.joined_F)))
         assert state.frame.share_reached == 1.0
         assert bottle.panel.volume.pairs.isVisible() is on
+        assert not on or bottle.panel.volume.share.text() == "100 %"
         bottle.session.gestures.undo()
+        idle(qtbot, bottle)
+        assert not on or bottle.panel.volume.share.text() == NOTHING, "nothing has moved"
     assert found[0] > 0
     assert found[1] == 0
 
@@ -153,11 +156,8 @@ def test_a_thickness_with_a_unit_counts_once_the_unit_of_the_mesh_is_known(bottl
 def test_contact_is_read_where_the_volume_is(qtbot, bottle):
     volume = bottle.panel.volume
     bottle.session.settings.keep_apart(True, 0.03)
-    assert [label.text() for label in (volume.pairs, volume.least_gap, volume.share)] == [
-        "none",
-        "–",
-        "100 %",
-    ]
+    said = [label.text() for label in (volume.pairs, volume.least_gap, volume.share)]
+    assert said == ["none", "–", "–"], "nothing has moved"
     bottle.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
     idle(qtbot, bottle)
     frame = bottle.session.store.state.frame
