@@ -176,11 +176,11 @@ def twice(number):
 """
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems have other folders")
+@pytest.mark.skipif(sys.platform != "linux", reason="the home of a test has its caches where Linux has them")
 def test_kernels_that_the_program_brings_are_not_compiled_again(launched, tmp_path, monkeypatch):
     """Compiled in one place, packed, and found by numba in another."""
     monkeypatch.syspath_prepend(str(FOLDER))
-    from kernels import numba_folder
+    from launch import numba_folder
 
     work = ("-c", "from pack.inner.module import twice; twice(21); print(len(twice.stats.cache_hits))")
     packed, program = tmp_path / "packed", tmp_path / "pack"

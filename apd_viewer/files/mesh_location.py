@@ -118,19 +118,18 @@ def find_mesh(told: Fields, session: Path, archive: Archive, prefix: str = "") -
     """
     name, digest = _file_name(told), told.text("digest")
     places, problems = _places(told, session, name), []
-    for path in places:
-        if os.path.isfile(path):  # noqa: PTH113  # it says no where Path raises
-            try:
-                mesh = open_mesh(path)
-            except InputError as error:
-                problems.append(str(error))
-                continue
-            if mesh.digest == digest:
-                return mesh
-            problems.append(_not_the_one(mesh, told, session))
+    there = [path for path in places if os.path.isfile(path)]  # noqa: PTH113  # it says no where Path raises
+    for path in there:
+        try:
+            mesh = open_mesh(path)
+        except InputError as error:
+            problems.append(str(error))
+            continue
+        if mesh.digest == digest:
+            return mesh
+        problems.append(_not_the_one(mesh, told, session))
     if told.says("embedded"):
-        own = next((path for path in places if os.path.isfile(path)), session.parent / name)  # noqa: PTH113
-        return _embedded(told, own, archive, prefix)
+        return _embedded(told, there[0] if there else session.parent / name, archive, prefix)
     if problems:
         raise InputError(problems[0])
     looked = tr(" and ").join(str(path) for path in places)

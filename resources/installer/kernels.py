@@ -9,13 +9,14 @@ compiled as ever.
 
 from __future__ import annotations
 
-import hashlib
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from launch import numba_folder
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "kernels"
@@ -55,11 +56,6 @@ def compile_kernels(python: list[str], package: Path, folder: Path) -> int:
             if compiled.is_dir():
                 shutil.copytree(compiled, folder / module_folder.relative_to(package.parent))
     return sum(path.is_file() for path in folder.rglob("*"))
-
-
-def numba_folder(module_folder: Path) -> str:
-    """Name of the folder below NUMBA_CACHE_DIR for the modules of a folder."""
-    return f"{module_folder.name}_{hashlib.sha1(str(module_folder).encode()).hexdigest()}"
 
 
 def main() -> None:

@@ -72,12 +72,8 @@ def keep_caches() -> None:
 
 
 def copy_kernels(program: Path, kernels: Path) -> None:
-    """Copy the kernels that the program brings to where numba looks for them.
-
-    They are in the folders of their modules; numba names folders by a hash of where the modules are.
-    """
+    """Copy the kernels of the program, in folders like those of modules, to where numba looks for them."""
     # Here: freeze_support comes before all else.
-    import hashlib
     import shutil
     import tempfile
 
@@ -85,12 +81,19 @@ def copy_kernels(program: Path, kernels: Path) -> None:
     with tempfile.TemporaryDirectory(dir=kernels.parent) as unfinished:
         copied = Path(unfinished) / "kernels"
         for file in (program / "kernels").rglob("*.nb?"):
-            folder = program / file.parent.relative_to(program / "kernels")
-            named = copied / f"{folder.name}_{hashlib.sha1(str(folder).encode()).hexdigest()}"
+            named = copied / numba_folder(program / file.parent.relative_to(program / "kernels"))
             named.mkdir(parents=True, exist_ok=True)
             shutil.copy(file, named)
         if copied.exists():
             copied.rename(kernels)
+
+
+def numba_folder(modules: Path) -> str:
+    """Name of the folder below NUMBA_CACHE_DIR for the modules of a folder, as numba builds it."""
+    # Here: freeze_support comes before all else.
+    import hashlib
+
+    return f"{modules.name}_{hashlib.sha1(str(modules).encode()).hexdigest()}"
 
 
 def run_code() -> int:

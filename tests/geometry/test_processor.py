@@ -17,7 +17,7 @@ print(*cpu_target.target_context.codegen().magic_tuple()[1:])
 OURS = "import apd_viewer.geometry\n"
 
 pytestmark = pytest.mark.skipif(
-    platform.machine() not in ("x86_64", "AMD64"), reason="other processors have no level"
+    platform.machine() not in ("x86_64", "AMD64"), reason="levels are those of x86-64"
 )
 
 
