@@ -68,9 +68,7 @@ class Reader:
         draw = QPainter.drawText
 
         def drawn(painter, *given):
-            text = given[-1] if isinstance(given[-1], str) else ""
-            # Elided, it may end in a piece of a word.
-            self.note(text[:-1].rpartition(" ")[0] if text.endswith("…") else text, "drawn")
+            self.note(given[-1] if isinstance(given[-1], str) else "", "drawn")
             return draw(painter, *given)
 
         QPainter.drawText = drawn

@@ -42,6 +42,11 @@ def words(text):
     return {word.lower() for word in re.findall(r"[A-Za-zÀ-ÿ]{2,}", NAMES.sub(" ", KEPT.sub(" ", text)))}
 
 
+def whole(text, where):
+    """A text without the piece of a word that it ends in where it was drawn elided."""
+    return text[:-1].rpartition(" ")[0] if where.endswith("drawn") and text.endswith("…") else text
+
+
 def only_english(language):
     """Words of the English texts that no translation has."""
     path = ROOT / "apd_viewer" / "languages" / language / "LC_MESSAGES" / "apd_viewer.po"
@@ -57,7 +62,7 @@ def only_english(language):
 def test_no_english_word_is_left(shown):
     foreign = only_english(shown["language"])
     assert len(foreign) > 500, "the test is blind"
-    wrong = {text: where for text, where in shown["said"].items() if words(text) & foreign}
+    wrong = {text: where for text, where in shown["said"].items() if words(whole(text, where)) & foreign}
     assert wrong == {}
     assert len(shown["said"]) > 700, "the window was not read"
 
