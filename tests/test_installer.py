@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 import apd_viewer
+from apd_viewer import installation
 from apd_viewer.commands.desktop import desktop
 from apd_viewer.errors import InputError
 from apd_viewer.figures import films
@@ -164,6 +165,7 @@ def test_caches_are_the_user_s_and_variables_the_system_s(launched, tmp_path):
     ]
     assert not old.exists()
     assert other.exists()
+    assert not (caches / "kernels-abc").exists(), "no kernel was needed"
 
 
 KERNEL = """
@@ -176,23 +178,31 @@ def twice(number):
 """
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="the home of a test has its caches where Linux has them")
-def test_kernels_that_the_program_brings_are_not_compiled_again(launched, tmp_path, monkeypatch):
-    """Compiled in one place, packed, and found by numba in another."""
-    monkeypatch.syspath_prepend(str(FOLDER))
-    from launch import numba_folder
+def test_kernels_that_the_program_brings_are_not_compiled_again(tmp_path, monkeypatch):
+    """Compiled in one place, packed, copied and found by numba in another."""
+    packed, program, cache, home = (
+        tmp_path / name for name in ("packed", "program", "cache", "home/kernels")
+    )
+    for place in (packed, program):
+        (place / "pack" / "inner").mkdir(parents=True)
+        (place / "pack" / "inner" / "module.py").write_text(KERNEL)
 
-    work = ("-c", "from pack.inner.module import twice; twice(21); print(len(twice.stats.cache_hits))")
-    packed, program = tmp_path / "packed", tmp_path / "pack"
-    for place in (packed / "pack", program):
-        (place / "inner").mkdir(parents=True)
-        (place / "inner" / "module.py").write_text(KERNEL)
-    cache = tmp_path / "cache"
-    first = launched(*work, PYTHONPATH=str(packed), NUMBA_CACHE_DIR=str(cache))
-    assert first.stdout == "0\n", first.stderr
-    brought = tmp_path / "kernels" / "pack" / "inner"
-    shutil.copytree(cache / numba_folder(packed / "pack" / "inner"), brought)
-    assert launched(*work, PYTHONPATH=str(tmp_path)).stdout == "1\n"
+    def hits(place, folder):
+        code = "from pack.inner.module import twice; twice(21); print(len(twice.stats.cache_hits))"
+        variables = {**os.environ, "PYTHONPATH": str(place), "NUMBA_CACHE_DIR": str(folder)}
+        return int(subprocess.check_output([sys.executable, "-c", code], env=variables, text=True))
+
+    assert hits(packed, cache) == 0
+    brought = program / "kernels" / "pack" / "inner"
+    shutil.copytree(cache / installation.numba_folder(packed / "pack" / "inner"), brought)
+    monkeypatch.setattr(installation, "__file__", str(program / "apd_viewer" / "installation.py"))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(home))
+    installation.bring_kernels()
+    assert not home.exists(), "this is no packaged program"
+    monkeypatch.setattr(sys, "frozen", True, raising=False)
+    installation.bring_kernels()
+    assert hits(program, home) == 1
+    assert [path.name for path in home.parent.iterdir()] == ["kernels"]
 
 
 def test_a_packaged_program_says_what_it_cannot_do(monkeypatch, tmp_path):

@@ -1,4 +1,4 @@
-"""Processor that kernels are compiled for."""
+"""Kind of processor for the kernels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Kernels compiled for a package, so that whoever installs it need not wait for them.
+"""Compile the kernels for a package, so that its users need not wait for them.
 
     python resources/installer/kernels.py
 
@@ -16,7 +16,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from launch import numba_folder
+from apd_viewer.installation import numba_folder
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "kernels"
@@ -34,7 +34,7 @@ if os.environ.get("NUMBA_CPU_NAME") == LEVEL:
 
 
 def compile_kernels(python: list[str], package: Path, folder: Path) -> int:
-    """Compile all kernels; the number of files, 0 on a processor that none can be shared with.
+    """Compile all kernels; the number of files, 0 on a processor unlike others.
 
     Parameters
     ----------

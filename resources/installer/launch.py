@@ -4,7 +4,6 @@ The program starts its other processes as ``sys.executable -c CODE ARGUMENTS``. 
 which therefore understands ``-c`` as Python does.
 """
 
-import contextlib
 import multiprocessing
 import os
 import sys
@@ -49,51 +48,22 @@ def name_console() -> None:
 def keep_caches() -> None:
     """Have libraries cache in the user's folder: that of the program cannot be written, or must not be.
 
-    Numba adds kernels that the program has not brought, or brought for another processor. Those of another
-    build of the program are removed, since numba knows the program's file, and not its sources.
+    Kernels of another build of the program are removed, since numba knows the program's file, and not its
+    sources.
     """
     # Here: freeze_support comes before all else.
     import shutil
 
     import platformdirs
 
-    program = Path(sys._MEIPASS)
-    build = (program / "build").read_text(encoding="ascii")
+    build = (Path(sys._MEIPASS) / "build").read_text(encoding="ascii")
     caches = Path(platformdirs.user_cache_dir("apd-viewer", appauthor=False))
     kernels = caches / f"kernels-{build}"
     if not kernels.exists():
         for other in caches.glob("kernels-*"):
             shutil.rmtree(other, ignore_errors=True)
-        # Without them the program compiles its kernels, which takes a minute and nothing else.
-        with contextlib.suppress(OSError):
-            copy_kernels(program, kernels)
     os.environ.setdefault("NUMBA_CACHE_DIR", str(kernels))
     os.environ["MPLCONFIGDIR"] = str(caches / "matplotlib")
-
-
-def copy_kernels(program: Path, kernels: Path) -> None:
-    """Copy the kernels of the program, in folders like those of modules, to where numba looks for them."""
-    # Here: freeze_support comes before all else.
-    import shutil
-    import tempfile
-
-    kernels.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=kernels.parent) as unfinished:
-        copied = Path(unfinished) / "kernels"
-        for file in (program / "kernels").rglob("*.nb?"):
-            named = copied / numba_folder(program / file.parent.relative_to(program / "kernels"))
-            named.mkdir(parents=True, exist_ok=True)
-            shutil.copy(file, named)
-        if copied.exists():
-            copied.rename(kernels)
-
-
-def numba_folder(modules: Path) -> str:
-    """Name of the folder below NUMBA_CACHE_DIR for the modules of a folder, as numba builds it."""
-    # Here: freeze_support comes before all else.
-    import hashlib
-
-    return f"{modules.name}_{hashlib.sha1(str(modules).encode()).hexdigest()}"
 
 
 def run_code() -> int:
