@@ -14,7 +14,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.posing.motion_text import WORDS
-from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE
+from apd_viewer.studies.plans.plan_columns import COLUMNS, COUNTS, NOTE
 from apd_viewer.studies.plans.plan_row import value_of
 
 if TYPE_CHECKING:
@@ -58,6 +58,11 @@ class Varied:
     by_factors: bool = False
 
     @property
+    def is_whole(self) -> bool:
+        """True for a range of counts, such as that of steps."""
+        return self.name in COUNTS and self.low.is_integer() and self.high.is_integer()
+
+    @property
     def ends(self) -> tuple[str, ...]:
         """All choices, or both ends of the range."""
         return self.choices or (self.at(0.0), self.at(1.0))
@@ -70,6 +75,8 @@ class Varied:
             value = self.low * (self.high / self.low) ** share
         else:
             value = self.low + (self.high - self.low) * share
+        if self.is_whole:
+            value = round(value)
         return f"{float(f'{value:.{_DIGITS}g}'):.{_DIGITS}g}{self.unit}"
 
     def number_of(self, text: str) -> str:
@@ -77,10 +84,11 @@ class Varied:
         return text.removesuffix(self.unit).rstrip()
 
     def levels(self, count: int) -> list[str]:
-        """All choices, or so many numbers from one end of the range to the other."""
+        """All choices, or so many numbers (or all counts, if fewer) from one end of the range to the other."""
         if self.choices:
             return list(self.choices)
-        return [self.at(share) for share in (np.linspace(0.0, 1.0, count) if count > 1 else [0.5])]
+        shares = np.linspace(0.0, 1.0, count) if count > 1 else [0.5]
+        return list(dict.fromkeys(self.at(share) for share in shares))
 
 
 def varied(text: str) -> Varied:

@@ -122,6 +122,7 @@ SETTINGS = {
     "thickness": PlanColumn(str, tr("length: distance that walls in contact keep")),
 }
 COLUMNS = (*CASE_COLUMNS, *SETTINGS)
+COUNTS = ("steps", "iterations")  # whole numbers
 
 
 def steps_of(text: str) -> int:

@@ -44,6 +44,14 @@ def test_a_grid_has_every_combination_once():
     assert [tuple(row[1:4]) for row in rows] == [(mesh, steps, turn) for mesh, turn, steps in expected]
 
 
+@pytest.mark.parametrize("design", [LATIN, SOBOL, GRID])
+def test_counts_are_whole_numbers(design):
+    names, rows = designed(GIVEN, [varied("steps=5..10"), varied("area=90..110")], design, 16, 0)
+    found = [row[names.index("steps")] for row in rows]
+    assert set(found) == {"5", "6", "7", "8", "9", "10"}
+    assert len({tuple(row) for row in rows}) == len(rows) == (96 if design == GRID else 16)
+
+
 def test_the_seed_decides():
     vary = [varied("twist=0..180deg"), varied("push=0..40%")]
     for design in (LATIN, SOBOL):
