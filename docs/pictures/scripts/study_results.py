@@ -9,11 +9,11 @@ from stage import Stage
 from apd_viewer.__main__ import main
 
 STUDY = Path(__file__).resolve().parents[2] / "studies" / "crushed-bottle"
-_CASES = 16
+_CASES, _CHOSEN = 16, 3
 
 
 def draw(stage: Stage) -> QImage:
-    """Compute some cases of the plan, show them, and open the one of least volume."""
+    """Compute some cases of the plan, choose those of least volume, and open the first."""
     plan, count = stage.folder / "plan.csv", 1 if stage.quick else _CASES
     with (STUDY / "plan.csv").open(encoding="utf-8", newline="") as stream:
         columns, *rows = csv.reader(stream)
@@ -33,13 +33,15 @@ def draw(stage: Stage) -> QImage:
     panel = stage.window.case_studies.panel
     stage.wait(lambda: len(panel.model.rows) == count)
     stage.pause(300)
-    stage.window.case_studies._open_case(_least(panel.model.rows))
+    least = _by_volume(panel.model.rows)[:_CHOSEN]
+    panel.table.choose(least)
+    stage.window.case_studies._open_case(least[0])
     stage.settle()
     stage.window.canvas.frame_mesh()
     stage.settle()
     return stage.picture()
 
 
-def _least(rows) -> int:
-    """The row with the least volume."""
-    return min(range(len(rows)), key=lambda k: rows[k].readings.get("volume", 0.0))
+def _by_volume(rows) -> list[int]:
+    """Rows by their volume, the least first."""
+    return sorted(range(len(rows)), key=lambda k: rows[k].readings.get("volume", 0.0))
