@@ -13,7 +13,13 @@ import numpy as np
 
 from apd_viewer.commands.motion_options import add_motion_options, motion_from, painted, way_points
 from apd_viewer.commands.result_output import progress_line, readings, summary, write_result
-from apd_viewer.commands.scalar_output import add_scalar_options, check_scalar_options, write_scalar_files
+from apd_viewer.commands.scalar_output import (
+    add_scalar_options,
+    check_scalar_options,
+    scalar_files,
+    write_scalar_files,
+)
+from apd_viewer.commands.terminal.output_names import check_names
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
@@ -239,6 +245,7 @@ def _deform(options: argparse.Namespace) -> None:
     if options.picture:
         check_picture(options.picture)
     check_scalar_options(options)
+    check_names([output, options.picture, options.report, *scalar_files(options)])
     if options.thickness is not None and not options.contact:
         raise InputError(tr("--thickness is the distance that walls keep in contact; add --contact."))
     mesh = open_mesh(options.mesh)

@@ -11,6 +11,7 @@ import numpy as np
 from apd_viewer.commands.press_output import report_of, summary
 from apd_viewer.commands.press_rows import rows_of
 from apd_viewer.commands.press_wall import add_wall_options, gas_of, wall_of
+from apd_viewer.commands.terminal.output_names import check_names
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
@@ -143,8 +144,10 @@ def distance_of(text: str, extent: float) -> float:
 
 def _press(options: argparse.Namespace) -> None:
     output = check_target(options.output)
-    for beside in filter(None, (options.curve, options.figure, options.report)):
-        check_folder(beside)
+    beside = options.curve, options.figure, options.report
+    check_names([output, *beside])
+    for path in filter(None, beside):
+        check_folder(path)
     axis = axis_of(options.axis)
     mesh, start, unit = _opened(options.mesh)
     wall = wall_of(options, Unit(options.unit or unit))

@@ -10,13 +10,18 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.commands.measurement_output import measurements_report
 from apd_viewer.commands.result_output import progress_line, summary, write_result
-from apd_viewer.commands.scalar_output import add_scalar_options, check_scalar_options, write_scalar_files
+from apd_viewer.commands.scalar_output import (
+    add_scalar_options,
+    check_scalar_options,
+    scalar_files,
+    write_scalar_files,
+)
 from apd_viewer.commands.terminal.animation_options import (
     add_animation_option,
     begun_beside,
-    check_names,
     is_film,
 )
+from apd_viewer.commands.terminal.output_names import check_names
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import ANIMATED, check_animation, write_animation
@@ -63,7 +68,7 @@ def _replay(options: argparse.Namespace) -> None:
     output = check_target(options.output)
     check_scalar_options(options)
     _check_animations(options.animation)
-    check_names([output, *options.animation])
+    check_names([output, options.report, *scalar_files(options), *options.animation])
     progress = progress_line(None) if sys.stderr.isatty() else None
     with replacing_series(options.animation), ExitStack() as beside:
         shapes = ShapeRecorder(_scratch(beside), _MOST) if options.animation else None

@@ -37,6 +37,11 @@ def add_scalar_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def scalar_files(options: argparse.Namespace) -> tuple[Path | None, Path | None]:
+    """Files of the values of vertices and of triangles, None where not asked for."""
+    return options.scalars, options.triangle_scalars
+
+
 def check_scalar_options(options: argparse.Namespace) -> None:
     """Raise InputError if a file cannot hold scalars."""
     if options.scalars:

@@ -493,6 +493,12 @@ def test_a_wrong_output(out, words, bar, refused):
     assert words in refused(out=bar.folder / out)
 
 
+@pytest.mark.parametrize("option", ["--report", "--scalars"])
+def test_a_file_to_be_written_twice(option, bar, refused):
+    out = bar.folder / "out.ply"
+    assert "out.ply would be written twice" in refused(option, bar.folder / "." / out.name, out=out)
+
+
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [

@@ -254,6 +254,15 @@ def test_what_is_wrong_is_said_in_a_line_and_nothing_is_written(case, ball, pres
     assert sorted(tmp_path.rglob("*")) == before
 
 
+def test_a_file_to_be_written_twice_is_named(ball, press, tmp_path):
+    same = tmp_path / "same.txt"
+    status, out, err, written = press(ball, *QUICK, "--curve", same, "--report", same)
+    assert (status, out) == (2, "")
+    assert err == "error: same.txt would be written twice; give each file a name of its own.\n"
+    assert not same.exists()
+    assert not written.exists()
+
+
 @pytest.mark.parametrize("option", ["--curve", "--figure", "--report"])
 def test_a_folder_that_is_not_there_is_named_at_once(option, ball, press, tmp_path, monkeypatch):
     before = sorted(tmp_path.rglob("*"))

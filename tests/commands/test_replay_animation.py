@@ -101,6 +101,16 @@ def test_what_is_wrong_is_said_and_nothing_is_written(name, words, run, tmp_path
     assert sorted(tmp_path.iterdir()) == before
 
 
+@pytest.mark.parametrize("option", ["--scalars", "--triangle-scalars", "--report"])
+def test_a_file_is_written_once(option, run, tmp_path):
+    before = sorted(tmp_path.iterdir())
+    name = "a.csv" if option == "--triangle-scalars" else "a.ply"
+    more = ["--scalars", tmp_path / "a.csv"] if option == "--triangle-scalars" else ["-o", tmp_path / "a.ply"]
+    status, err = run(*more, option, tmp_path / "." / name)
+    assert (status, err) == (2, f"error: {name} would be written twice; give each file a name of its own.\n")
+    assert sorted(tmp_path.iterdir()) == before
+
+
 def test_nothing_is_written_where_the_mesh_cannot_be(run, tmp_path):
     before = sorted(tmp_path.iterdir())
     status, _ = run("--animation", tmp_path / "a.pc2", "--report", tmp_path / "gone" / "r.json")

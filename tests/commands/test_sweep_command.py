@@ -216,7 +216,7 @@ WRONG = {
     ),
     "an animation twice": (
         lambda bar: [*bar, "--twist", "9", *["--animation", bar[0].parent / "a.pc2"] * 2],
-        "a name of its own",
+        "would be written twice; give each file a name of its own",
     ),
     "an animation by a method that is none": (
         lambda bar: [*bar, "--twist", "9", "--methods", "arap,x/y", "--animation", "a.pc2"],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.errors import InputError
+from apd_viewer.commands.terminal.output_names import check_names
 from apd_viewer.files.animations.animation_files import ANIMATED, check_animation
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.language import tr
@@ -41,12 +41,6 @@ def add_animation_option(parser: Parser, films: bool = True) -> None:
 def is_film(path: Path) -> bool:
     """True for the ending of a film, which is drawn."""
     return path.suffix.lower() not in ANIMATED
-
-
-def check_names(paths: Sequence[Path]) -> None:
-    """Raise InputError if one of the files to be written would replace another."""
-    if len({path.resolve() for path in paths}) < len(paths):
-        raise InputError(tr("Give each animation a name of its own."))
 
 
 class AnimationTargets:
