@@ -55,7 +55,7 @@ _COLA = tr("Coca-Cola Japan, press release on I LOHAS, 23 April 2009")
 PUBLISHED: dict[VolumeName, tuple[PublishedFigure, ...]] = {
     VolumeName.SIDES: (
         PublishedFigure(
-            tr("width after collapse, to be sorted: above 5 cm (bottles of 50 ml)"),
+            tr("width of a collapsed bottle that can be sorted: above 5 cm (bottles of 50 ml)"),
             _AMCOR,
             "cm",
             5.0,
