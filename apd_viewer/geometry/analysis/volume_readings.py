@@ -1,4 +1,4 @@
-"""Volumes of a shape, each of a name of its own."""
+"""Volumes of a shape, each by its own name."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class VolumeReadings(NamedTuple):
     hull : HullReadings
         Convex hull, smallest box and least width; bulk volume of one among many.
     material : float or None
-        Area times thickness: a lower bound of every other volume. None if the thickness is not known.
+        Area times thickness: nothing can be crushed to less. None if the thickness is not known.
 
     Examples
     --------

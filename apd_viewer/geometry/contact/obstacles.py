@@ -16,7 +16,7 @@ _ENDLESS = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Obstacle:
-    """Hull of one to three points, as thick as a radius around them.
+    """Convex hull of one to three points, thickened by a radius.
 
     Made by :func:`plate`, :func:`sphere` and :func:`capsule`.
 

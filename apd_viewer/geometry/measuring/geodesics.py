@@ -51,7 +51,7 @@ def geodesic_path(
     Raises
     ------
     InputError
-        If no path joins the points, the surface has one side only, or no triangle has the vertex.
+        If no path joins the points, the surface is not orientable, or no triangle has the vertex.
 
     Examples
     --------

@@ -63,9 +63,9 @@ class Mesh:
     F : (m, 3) int64 array
         Triangles, counter-clockwise seen from outside, read-only.
     path : Path or None
-        Where the mesh came from.
+        File that the mesh came from; None without one.
     origin : Origin or None
-        What came from there.
+        Contents of that file, to write it with other coordinates.
 
     Examples
     --------

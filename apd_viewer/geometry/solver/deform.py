@@ -36,10 +36,17 @@ class Result:
     ----------
     U : (n, 3) float array
         Deformed positions in the order of the file, mesh units.
+    area_error : float
+        ``area / area_rest - 1``.
+    volume_rest, volume : float or None
+        Enclosed volume; None if the surface is not closed.
     area_target, volume_target : float or None
         What was asked of the total area and the volume.
     volume_capped_rest, volume_capped : float or None
         Volumes of an open surface, with flat caps over its ``openings``.
+    handle_drift : float
+        Distance between the centroid of a handle where it was asked for and where it is; the largest of
+        several handles.
     regions : tuple of Reading
         What became of each region.
     local_change : float
@@ -125,7 +132,7 @@ def deform(
     convergence: Convergence = DEFAULT_CONVERGENCE,
     progress: Callable[[Frame], None] | bool | None = None,
 ) -> Result:
-    """Deform a mesh until the ``fixed`` vertices are at their ``targets``.
+    """Deform a mesh with its ``fixed`` vertices held at their ``targets``.
 
     Parameters
     ----------
@@ -140,7 +147,7 @@ def deform(
         A position for each of ``fixed``, mesh units; or a path of s way points that is walked in order. The
         ``share_reached`` of a path counts all ways between two points alike.
     iterations : int, optional
-        Do exactly so many plain iterations from the rest pose. Without it: until converged.
+        Do exactly so many plain iterations from the rest shape. Without it: until converged.
     progress : callable or bool, optional
         Called with every Frame. True shows a line of progress, in scripts and notebooks that call it as
         ``apd_viewer.deform``; by itself this function is quiet.

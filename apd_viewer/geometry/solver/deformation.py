@@ -60,7 +60,7 @@ class Deformation:
         triangle keeps its area), "paper" (Li & Hui: the total area kept to the tolerance, handles give
         way), "arap" (as rigid as possible) or "sr-arap" (with smooth rotations, as CGAL has it).
     handle : int array or sequence of int arrays, optional
-        Those of ``fixed`` that are handle, or those of each handle; "paper" and the drift need it.
+        Those of ``fixed`` that are handle, or those of each handle; "paper", calm parts and drift need it.
     tolerance : float
         Relative error of the total area that "paper" accepts.
     stiffness : float
@@ -87,11 +87,11 @@ class Deformation:
     convergence : Convergence
         What ends the iterations.
     calm : bool
-        "exact" keeps the area of calm parts too, those that the gesture does not reach.
+        "exact" keeps the area of calm parts too, those that the gesture hardly reaches.
     contact : bool
         No shape crosses itself more than at rest; held vertices may be stopped on their way.
     thickness : float, optional
-        Distance that walls in contact keep, mesh units; without it 1/1000 of the diagonal of the box.
+        Distance that walls in contact keep, mesh units; without it 1/1000 of the bounding box's diagonal.
     obstacles : sequence of Obstacle
         What no shape enters, where contact is on; it touches without friction. Nothing need be held then:
         what is held by nothing slides, and does not turn as a whole.
@@ -241,6 +241,8 @@ class Deformation:
     ) -> None:
         """Hold the fixed vertices at ``targets`` from now on.
 
+        Raises InputError, also if obstacles at their places intersect the shape at rest.
+
         Parameters
         ----------
         targets : (k, 3) float array
@@ -255,8 +257,6 @@ class Deformation:
         begin : (o, 3) float array, optional
             How far from its place each obstacle is at ``U``; without, where it goes. If it intersects ``U``
             there, it begins at its place; if it does so there too, at rest.
-
-        Raises InputError, also if obstacles at their places intersect the shape at rest.
         """
         U = None if U is None else start_of(U, self.rest)
         count = 0 if self.contact is None else len(self.contact.shifts)
