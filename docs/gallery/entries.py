@@ -21,7 +21,7 @@ BOTTLES = (
     Entry(
         "bottle_pushed",
         "Pushed from above",
-        "The cap is pushed down by a third of its way to the base; the shoulder sinks in around it.",
+        "The cap is pushed down by 30 % of its distance from the base; the shoulder sinks in around it.",
         "apd-viewer deform bottle.obj --selection bottle.sel --push 30% --stiffness 0.001 --contact -o pushed.obj",
     ),
     Entry(
@@ -54,7 +54,7 @@ BOTTLES = (
     Entry(
         "bottle_blown_up",
         "A target for the volume",
-        "An eighth more volume in a wall of the same area: the ribs unfold.",
+        "12 % more volume in a wall of the same area: the ribs unfold.",
         'apd-viewer deform bottle.obj --selection bottle.sel --move "0 0 0" --volume 112 -o full.obj',
     ),
     Entry(
@@ -67,7 +67,7 @@ BOTTLES = (
     Entry(
         "bottle_stiff",
         "Stiffness",
-        "The same bend as above in a stiffer wall: it spreads over the whole height.",
+        "The bend of “Bent by the neck” in a stiffer wall: it spreads over the whole height.",
         'apd-viewer deform bottle.obj --selection bottle.sel --bend "35deg about z" --stiffness 0.01 -o stiff.obj',
     ),
     Entry(
@@ -96,7 +96,7 @@ FABRICS = (
     Entry(
         "cushion_pressed",
         "A silk cushion, pressed",
-        "Every triangle of the cover keeps its area, so the silk wrinkles around the palm.",
+        "A palm presses the cushion. Every triangle of the cover keeps its area, so the silk wrinkles around it.",
         'apd-viewer deform cushion.obj --selection cushion.sel --move "0 -5 0" '
         "--method local --area 100 --area-stiffness 100 --stiffness 0.001 -o pressed.obj",
         files.cushion,
@@ -105,7 +105,7 @@ FABRICS = (
     Entry(
         "cushion_full",
         "The same cushion, full of air",
-        "With its volume kept the sides bulge: air goes where the palm is not.",
+        "With its volume kept, the sides bulge: the air goes where the palm is not.",
         'apd-viewer deform cushion.obj --selection cushion.sel --move "0 -5 0" '
         "--method local --area 100 --area-stiffness 100 --stiffness 0.001 --volume 100 -o bulging.obj",
         files.cushion,
@@ -114,7 +114,7 @@ FABRICS = (
     Entry(
         "cloth_folded",
         "A cloth, folded",
-        "Half a turn about a line lays one third of the cloth over the other; contact keeps the layers apart.",
+        "Half a turn about a line lays one end of the cloth over the other; contact keeps the layers apart.",
         "apd-viewer deform cloth.obj --selection cloth.sel --transform cloth-fold.def "
         "--method local --area-stiffness 300 --stiffness 0.0002 --contact -o folded.obj",
         files.cloth,
@@ -132,7 +132,7 @@ FABRICS = (
     Entry(
         "cloth_wrung",
         "A cloth, wrung",
-        "Half a turn of one end and a little nearer: the cloth between is a screw.",
+        "One end makes half a turn and comes a little nearer: the cloth between is wound like a screw.",
         'apd-viewer deform cloth.obj --selection cloth.sel --turn "180deg about z" --push 6% '
         "--method local --area-stiffness 300 --stiffness 0.0005 -o wrung.obj",
         files.cloth,
@@ -220,7 +220,7 @@ HARD_CASES = (
     Entry(
         "falloff",
         "Falloff",
-        "A single vertex raises a smooth bump, by springs that reach seven centimetres; the session says how far.",
+        "A single vertex raises a smooth bump, by springs that reach seven centimetres; the session has this falloff.",
         "apd-viewer replay falloff.apd --from-rest -o bump.obj",
         states.falloff_session,
         state=states.falloff,
@@ -239,7 +239,7 @@ HARD_CASES = (
     Entry(
         "large",
         "A large mesh",
-        "Ten times as many vertices as the others here; coarse copies lead the way. The session has few of them, to be small.",
+        "Ten times as many vertices as the others here; coarse copies lead the way. The session has a coarser mesh, to be small.",
         'apd-viewer deform animal.obj --selection animal.sel --turn "45deg about y" -o turned.obj',
         files.large,
         state=states.large_animal,
@@ -293,7 +293,7 @@ SCRIPTS = (
     Entry(
         "film",
         "A film",
-        "The same sweep as an animation; with .glb it is one of morph targets, with .pc2 a point cache for Blender.",
+        "A sweep as an animation: by its ending a GIF, morph targets (.glb) or a point cache for Blender (.pc2).",
         "apd-viewer sweep bottle.obj --selection bottle.sel --twist 120deg --steps 10 "
         "--methods arap,exact,local -o sweep --animation twist.gif",
         state=states.filmed_bottle,
