@@ -102,19 +102,23 @@ class Runner:
         """Run the cases; raises InputError if the engine is gone."""
         looked = time.monotonic()
         while True:
-            if not self._stopping:
-                self._fill()
+            self._fill()
             if not self._running and (self._stopping or not (self._waiting or self._suspects)):
                 return
             with contextlib.suppress(queue.Empty):
-                self._end(self._ended.get(timeout=_TICK))
+                future = self._ended.get(timeout=_TICK)
+                key = self._running.pop(future)
+                self._fill()  # a worker need not wait until its result is written
+                self._end(key, future)
             self._tick(self._engine.running())
             if time.monotonic() - looked > _TICK:
                 self._engine.look_after()
                 looked = time.monotonic()
 
     def _fill(self) -> None:
-        """Start as many as there is room for; suspects alone, when nothing else runs."""
+        """Start as many as there is room for, unless stopping; suspects alone."""
+        if self._stopping:
+            return
         while self._waiting and self._engine.room() > 0:
             self._start(self._waiting.popleft())
         if self._suspects and not self._running and self._engine.room() > 0:
@@ -127,8 +131,7 @@ class Runner:
         self._running[future] = key
         future.add_done_callback(self._ended.put)
 
-    def _end(self, future: Future[CaseAnswer]) -> None:
-        key = self._running.pop(future)
+    def _end(self, key: str, future: Future[CaseAnswer]) -> None:
         try:
             answer = future.result()
         except BrokenExecutor:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import glob
 import os
 import tempfile
 import time
@@ -66,10 +65,13 @@ def _prefix(path: Path) -> str:
 
 def _clear_away(path: Path) -> None:
     """Remove scratch files of writers killed long ago."""
-    for scratch in path.parent.glob(f"{glob.escape(_prefix(path))}*{_PART}{glob.escape(path.suffix)}"):
+    prefix, suffix = _prefix(path), _PART + path.suffix
+    with os.scandir(path.parent) as found:
+        left = [each for each in found if each.name.startswith(prefix) and each.name.endswith(suffix)]
+    for each in left:
         with contextlib.suppress(OSError):
-            if time.time() - scratch.stat().st_mtime > _LONG_AGO:
-                scratch.unlink()
+            if time.time() - each.stat().st_mtime > _LONG_AGO:
+                os.unlink(each)  # noqa: PTH108
 
 
 def flush_to_disk(path: Path) -> None:
