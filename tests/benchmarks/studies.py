@@ -23,14 +23,16 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
 
 from apd_viewer.studies.case_file import CaseResult, case_path, packed, read_case
 from apd_viewer.studies.cluster import connected
+from apd_viewer.studies.kernels import compile_once
 from apd_viewer.studies.local_pool import LocalPool
 from apd_viewer.studies.results import read_results
 from apd_viewer.studies.study import Study
@@ -180,22 +182,49 @@ def simulated(options):
         study.close()
 
 
+class Memory:
+    """Resident memory of the largest process below this one, least and most in each block of 50 cases.
+
+    At a single moment it is that of a case in its midst; so it is looked at all the time.
+    """
+
+    def __init__(self):
+        self.blocks, self.done, self.over = {}, 0, False
+        self._thread = threading.Thread(target=self._watch, daemon=True)
+
+    def _watch(self):
+        while not self.over:
+            with suppress(OSError, StopIteration):  # a process has ended meanwhile
+                found = max(map(memory_of, children_of(os.getpid())), default=0.0)
+                low, high = self.blocks.get(self.done // 50, (found, found))
+                self.blocks[self.done // 50] = min(low, found), max(high, found)
+            time.sleep(0.2)
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self.over = True
+        self._thread.join()
+
+    def tell(self, now):
+        """Note how many cases are done."""
+        self.done = now.done
+
+
 def bottles(options):
-    """Wall time by numbers of workers in turns, and memory of the workers."""
+    """Wall time by numbers of workers in turns, and memory of the workers; kernels are compiled before."""
+    compile_once()
     for workers in options.workers:
         with tempfile.TemporaryDirectory() as folder:
             folder = Path(folder)
             plan = design(folder, options.cases, "--set", "steps=2", "--set", "iterations=60")
-            study, sizes = Study(plan, folder / "out"), {}
-            with engine(options.pool, workers) as pool:
-
-                def told(now, sizes=sizes):
-                    if now.done % 50 == 0 and now.done not in sizes:
-                        sizes[now.done] = max(map(memory_of, children_of(os.getpid())), default=0.0)
-
+            study = Study(plan, folder / "out")
+            with engine(options.pool, workers) as pool, Memory() as memory:
                 before = resource.getrusage(resource.RUSAGE_CHILDREN)
                 started = time.perf_counter()
-                table = study.run(pool, told=told)
+                table = study.run(pool, told=memory.tell)
                 wall = time.perf_counter() - started
             own = sum(row.readings["seconds"] for row in table.rows)
             study.close()
@@ -206,7 +235,9 @@ def bottles(options):
                 flush=True,
             )
             print(f"  {own:.1f} s in the cases, {spent:.1f} s of the processors by all processes")
-            said = ", ".join(f"{done}: {size:.0f}" for done, size in sizes.items())
+            said = ", ".join(
+                f"from {50 * k}: {low:.0f} to {high:.0f}" for k, (low, high) in memory.blocks.items()
+            )
             print(f"  memory of the largest process, MiB: {said}", flush=True)
 
 
