@@ -79,7 +79,11 @@ def deck_wall(words: WallWords, unit: Unit, size: float) -> DeckWall:
         notes.append("No density was given: none is needed for this step.")
     else:
         heavy *= _KILOGRAMS * metre**4
-    return DeckWall(thickness, young, _poisson(words), heavy, tuple(notes))
+    ratio = _poisson(words)
+    if ratio is None:
+        ratio = DEFAULT_POISSON
+        notes.append(f"No Poisson's ratio was given: it is {ratio:g}.")
+    return DeckWall(thickness, young, ratio, heavy, tuple(notes))
 
 
 def _about(unit: Unit) -> str:
@@ -105,11 +109,10 @@ def _young(words: WallWords) -> float | None:
     return None if known is None else _GPA * known
 
 
-def _poisson(words: WallWords) -> float:
+def _poisson(words: WallWords) -> float | None:
     if words.poisson:
         return poisson_ratio(words.poisson)
-    known = words.material.poisson if words.material else None
-    return DEFAULT_POISSON if known is None else known
+    return words.material.poisson if words.material else None
 
 
 def _density(words: WallWords) -> float | None:

@@ -168,8 +168,8 @@ def test_defaults_say_that_they_are_defaults(written):
     assert deck.values["SHELL SECTION"] == [0.007]
     assert deck.values["ELASTIC"] == [1.0, 0.4]
     assert "DENSITY" not in deck.values
-    for words in ("No thickness was given", "No Young's modulus was given", "No density was given"):
-        assert words in deck.text
+    for quantity in ("thickness", "Young's modulus", "Poisson's ratio", "density"):
+        assert f"No {quantity} was given" in deck.text
     assert "which is not known" in deck.text
 
 
