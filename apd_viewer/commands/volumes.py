@@ -12,6 +12,7 @@ from apd_viewer.commands.volumes_output import report_of, written
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.volume_readings import volumes_of
 from apd_viewer.language import tr
 from apd_viewer.presentation.volume_words import BAG, volume_rows
@@ -69,6 +70,10 @@ def _volumes(options: argparse.Namespace) -> None:
             scratch.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     rows = tuple(volume_rows(rest or now, now, unit, heavy, litres))
     print(written(mesh.name, rows, rest is not None))
+    for each, found in ((mesh, now), (before, rest)):
+        if each is not None and found is not None and found.enclosed is None:
+            why = tr("There is no volume: {why}.").format(why=inspect(each).nothing_to_keep)
+            print(f"{each.name}: {why}")
 
 
 def _bag(text: str | None, unit: Unit) -> float:

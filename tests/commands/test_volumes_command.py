@@ -23,6 +23,17 @@ def files(tmp_path):
     return paths
 
 
+def test_a_missing_volume_has_its_reason(files, tmp_path, capsys):
+    rest, _ = files
+    mesh = apd_viewer.open_mesh(rest)
+    broken = apd_viewer.Mesh(mesh.V, [*mesh.F, mesh.F[0]])  # two triangles in one place
+    apd_viewer.save_mesh(broken, broken.V, tmp_path / "broken.obj")
+    assert main(["volumes", str(tmp_path / "broken.obj"), "--rest", str(rest)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1].startswith("broken.obj: There is no volume: the surface")
+    assert main(["volumes", str(rest)]) == 0
+    assert "There is no volume" not in capsys.readouterr().out
+
+
 def test_readings_of_both_shapes_are_written_and_said(files, tmp_path, capsys):
     rest, half = files
     words = ["--unit", "cm", "--bag", "45", "--thickness", "0.3mm", "--density", "1"]
