@@ -101,7 +101,7 @@ def view(mesh: Any = None) -> None:
     Examples
     --------
     >>> import apd_viewer
-    >>> apd_viewer.view("bottle.obj")  # doctest: +SKIP
+    >>> apd_viewer.view("bottle.obj")
     """
     show_window(mesh)
 
