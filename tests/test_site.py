@@ -85,7 +85,7 @@ def test_every_menu_entry_has_an_anchor_of_its_own(keys):
 
 def test_keys_named_in_the_pages_are_those_of_the_window(keys):
     """A menu entry in bold type with keys behind it: ``**Menu > Entry** (`Ctrl+X`)``."""
-    pattern = r"\*\*(?:\w+) > ([^*]+)\*\*\s+\(`([^`]+)`\)"
+    pattern = r"\*\*(?:\w+ > )+([^*>]+)\*\*\s+\(`([^`]+)`\)"
     named = [found for page in DOCS.rglob("*.md") for found in re.findall(pattern, page.read_text("utf-8"))]
     real = {entry.title.split(": ")[-1]: entry.keys.split("; ") for entry in keys}
     assert len(named) > 3
