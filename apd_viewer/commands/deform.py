@@ -19,7 +19,7 @@ from apd_viewer.commands.scalar_output import (
     scalar_files,
     write_scalar_files,
 )
-from apd_viewer.commands.terminal.output_names import check_names
+from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
@@ -100,7 +100,7 @@ def deform_parser() -> Parser:
         "--no-calm",
         dest="calm",
         action="store_false",
-        help=tr("let 'exact' change the area of calm parts, those that the handles do not reach"),
+        help=tr("let 'exact' change the area of calm parts, those that the handles hardly reach"),
     )
     parser.add_argument(
         "--contact",
@@ -245,8 +245,8 @@ def _deform(options: argparse.Namespace) -> None:
     if options.picture:
         check_picture(options.picture)
     check_scalar_options(options)
-    check_names([output, options.picture, options.report, *scalar_files(options)])
-    if options.thickness is not None and not options.contact:
+    check_files([output, options.picture, options.report, *scalar_files(options)])
+    if options.thickness is not None and not (options.contact or options.obstacles):
         raise InputError(tr("--thickness is the distance that walls keep in contact; add --contact."))
     mesh = open_mesh(options.mesh)
     obstacles = read_obstacles(options.obstacles) if options.obstacles else ()

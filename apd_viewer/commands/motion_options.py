@@ -1,4 +1,4 @@
-"""Command-line options for what is moved, and how: paint, matrices, motions."""
+"""Command-line options for motions: paint, matrices, motions in words."""
 
 from __future__ import annotations
 

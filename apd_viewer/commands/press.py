@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,13 +12,14 @@ import numpy as np
 from apd_viewer.commands.press_output import report_of, summary
 from apd_viewer.commands.press_rows import rows_of
 from apd_viewer.commands.press_wall import add_wall_options, gas_of, wall_of
-from apd_viewer.commands.terminal.output_names import check_names
+from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import check_folder, check_target, save_mesh
+from apd_viewer.files.mesh_writing import check_target, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
@@ -144,10 +146,7 @@ def distance_of(text: str, extent: float) -> float:
 
 def _press(options: argparse.Namespace) -> None:
     output = check_target(options.output)
-    beside = options.curve, options.figure, options.report
-    check_names([output, *beside])
-    for path in filter(None, beside):
-        check_folder(path)
+    check_files([output, options.curve, options.figure, options.report])
     axis = axis_of(options.axis)
     mesh, start, unit = _opened(options.mesh)
     wall = wall_of(options, Unit(options.unit or unit))
@@ -162,19 +161,21 @@ def _press(options: argparse.Namespace) -> None:
     found = press_with(plates, options.release, lambda done: progress.show(done, tr("pressing")))
     progress.end()
     newtons = wall.newtons(options.stiffness, rest.area)
-    save_mesh(mesh, found.U, output)
-    if options.curve:
-        rows = rows_of(found, newtons)
-        write_table(options.curve, list(rows[0]), [list(row.values()) for row in rows])
-    if options.figure:
-        # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
-        from apd_viewer.figures.press_curves import draw_press
+    with ExitStack() as beside:
+        if options.curve:
+            rows = rows_of(found, newtons)
+            table = beside.enter_context(replacing(options.curve))
+            write_table(table, list(rows[0]), [list(row.values()) for row in rows])
+        if options.figure:
+            # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
+            from apd_viewer.figures.press_curves import draw_press
 
-        draw_press(found, options.figure, newtons.per_load if newtons else None)
-    if options.report:
-        said = json.dumps(report_of(mesh, rest, found, asked, wall), indent=2)
-        with replacing(options.report) as scratch:
-            scratch.write_text(said + "\n", encoding="utf-8")
+            folder = beside.enter_context(filling(options.figure.parent))
+            draw_press(found, folder / options.figure.name, newtons.per_load if newtons else None)
+        if options.report:
+            said = json.dumps(report_of(mesh, rest, found, asked, wall), indent=2)
+            beside.enter_context(replacing(options.report)).write_text(said + "\n", encoding="utf-8")
+        save_mesh(mesh, found.U, output)
     print(summary(found, rest, output, options.stiffness, wall))
 
 

@@ -1,4 +1,4 @@
-"""The wall of a mesh to press: options, and what follows from them."""
+"""The wall of a mesh to press: its options and their consequences."""
 
 from __future__ import annotations
 

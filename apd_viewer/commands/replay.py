@@ -21,7 +21,7 @@ from apd_viewer.commands.terminal.animation_options import (
     begun_beside,
     is_film,
 )
-from apd_viewer.commands.terminal.output_names import check_names
+from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import ANIMATED, check_animation, write_animation
@@ -68,7 +68,7 @@ def _replay(options: argparse.Namespace) -> None:
     output = check_target(options.output)
     check_scalar_options(options)
     _check_animations(options.animation)
-    check_names([output, options.report, *scalar_files(options), *options.animation])
+    check_files([output, options.report, *scalar_files(options), *options.animation])
     progress = progress_line(None) if sys.stderr.isatty() else None
     with replacing_series(options.animation), ExitStack() as beside:
         shapes = ShapeRecorder(_scratch(beside), _MOST) if options.animation else None

@@ -38,7 +38,7 @@ def add_scalar_options(parser: argparse.ArgumentParser) -> None:
 
 
 def scalar_files(options: argparse.Namespace) -> tuple[Path | None, Path | None]:
-    """Files of the values of vertices and of triangles, None where not asked for."""
+    """Files of the values of vertices and of triangles; None if not asked for."""
     return options.scalars, options.triangle_scalars
 
 

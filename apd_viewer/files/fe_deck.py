@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import check_folder
+from apd_viewer.files.mesh_writing import check_place
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import tr
 
@@ -97,7 +97,7 @@ def check_deck(path: str | Path) -> Path:
     path = Path(path)
     if path.suffix.lower() != SUFFIX:
         raise InputError(tr("{name} is not an FE deck; use the ending .inp.").format(name=path.name))
-    check_folder(path)
+    check_place(path)
     return path
 
 

@@ -28,19 +28,19 @@ def check_target(path: str | Path) -> Path:
                 name=path.name, endings=", ".join(WRITTEN)
             )
         )
-    check_folder(path)
-    if os.path.isdir(path):  # noqa: PTH112
-        raise InputError(
-            tr("{path} cannot be written (it is a folder); choose another name.").format(path=path)
-        )
+    check_place(path)
     return path
 
 
-def check_folder(path: Path) -> None:
-    """Raise InputError unless the folder of ``path`` exists."""
+def check_place(path: Path) -> None:
+    """Raise InputError unless ``path`` is in a folder, and is none itself."""
     if not os.path.isdir(path.parent):  # noqa: PTH112
         raise InputError(
             tr("There is no folder {folder}; create it or choose another.").format(folder=path.parent)
+        )
+    if os.path.isdir(path):  # noqa: PTH112
+        raise InputError(
+            tr("{path} cannot be written (it is a folder); choose another name.").format(path=path)
         )
 
 

@@ -493,6 +493,12 @@ def test_a_wrong_output(out, words, bar, refused):
     assert words in refused(out=bar.folder / out)
 
 
+@pytest.mark.parametrize(("place", "words"), [(".", "it is a folder"), ("gone/r.json", "There is no folder")])
+def test_a_report_that_cannot_be_written_is_named_at_once(place, words, bar, refused, monkeypatch):
+    monkeypatch.setattr("apd_viewer.commands.deform.deform", None)  # nothing is deformed before
+    assert words in refused("--report", bar.folder / place)
+
+
 @pytest.mark.parametrize("option", ["--report", "--scalars"])
 def test_a_file_to_be_written_twice(option, bar, refused):
     out = bar.folder / "out.ply"

@@ -36,10 +36,10 @@ def command(*words):
     return main([str(word) for word in words])
 
 
-def deformed(mesh, obstacles, folder):
+def deformed(mesh, obstacles, folder, *more):
     (folder / "obstacles.json").write_text(json.dumps(obstacles))
     files = "--obstacles", folder / "obstacles.json", "-o", folder / "out.obj", "--report", folder / "r.json"
-    return command("deform", mesh.path, "--stiffness", 0.001, *files)
+    return command("deform", mesh.path, "--stiffness", 0.001, *files, *more)
 
 
 def test_plates_of_a_file_press_what_nothing_holds(mesh, tmp_path):
@@ -51,6 +51,11 @@ def test_plates_of_a_file_press_what_nothing_holds(mesh, tmp_path):
     assert high[0] > 1.0
     assert low[0] == pytest.approx(-high[0], rel=0.01)
     assert abs(said["area_error"]) <= 1e-9
+
+
+def test_obstacles_bring_the_contact_that_a_thickness_needs(mesh, tmp_path):
+    assert not deformed(mesh, PLATES, tmp_path, "--thickness", 0.02)
+    assert np.ptp(open_mesh(tmp_path / "out.obj").V[:, 0]) < 1.6  # between plates 1.62 apart
 
 
 @pytest.mark.parametrize(

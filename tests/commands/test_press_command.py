@@ -264,6 +264,16 @@ def test_a_file_to_be_written_twice_is_named(ball, press, tmp_path):
 
 
 @pytest.mark.parametrize("option", ["--curve", "--figure", "--report"])
+def test_a_folder_in_place_of_a_file_is_named_at_once(option, ball, press, tmp_path, monkeypatch):
+    monkeypatch.setattr(press_command, "PlatePress", None)  # nothing is pressed before
+    (tmp_path / "folder.png").mkdir()
+    status, out, err, written = press(ball, *QUICK, option, tmp_path / "folder.png")
+    assert (status, out) == (2, "")
+    assert "(it is a folder)" in err
+    assert not written.exists()
+
+
+@pytest.mark.parametrize("option", ["--curve", "--figure", "--report"])
 def test_a_folder_that_is_not_there_is_named_at_once(option, ball, press, tmp_path, monkeypatch):
     before = sorted(tmp_path.rglob("*"))
     monkeypatch.setattr(press_command, "PlatePress", None)  # nothing is pressed before

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import check_folder
+from apd_viewer.files.mesh_writing import check_place
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SUFFIX
@@ -78,7 +78,7 @@ def design_parser() -> Parser:
 
 
 def _design(options: argparse.Namespace) -> None:
-    check_folder(options.output)
+    check_place(options.output)
     given = _given(options)
     vary = [varied(text) for text in options.vary]
     if len(options.mesh) > 1:

@@ -1,11 +1,11 @@
-"""The option for animations, and the check of what it names."""
+"""The option for animations, and the check of its files."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.terminal.output_names import check_names
+from apd_viewer.commands.terminal.output_files import check_names
 from apd_viewer.files.animations.animation_files import ANIMATED, check_animation
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.language import tr

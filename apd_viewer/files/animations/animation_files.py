@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.morph_targets import write_morph_targets
 from apd_viewer.files.animations.point_cache import write_mdd, write_pc2
-from apd_viewer.files.mesh_writing import check_folder
+from apd_viewer.files.mesh_writing import check_place
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ ANIMATED = (*_WRITERS, _SERIES)
 
 def check_animation(path: Path) -> None:
     """Raise InputError unless an animation can be written to ``path``."""
-    check_folder(path)
+    check_place(path)
     if os.path.isdir(path):  # noqa: PTH112
         raise InputError(
             tr("{path} cannot be written (it is a folder); choose another name.").format(path=path)

@@ -48,7 +48,7 @@ def _length(data: bytes, place: int, length: int) -> tuple[int, int]:
 
 
 def _repeat(found: bytearray, back: int, length: int) -> None:
-    """Append what stands so far back, over and over."""
+    """Append the bytes from so far back, over and over."""
     if not 0 < back <= len(found):
         raise IndexError
     start = len(found) - back

@@ -1,10 +1,11 @@
-"""Names of the files that one command writes."""
+"""Files written by one command."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_writing import check_place
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -12,12 +13,18 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def check_names(paths: Iterable[Path | None]) -> None:
-    """Raise InputError if one of the files to be written would replace another; None is no file."""
+def check_files(paths: Iterable[Path | None]) -> None:
+    """Raise InputError unless each file has a place of its own; None is no file."""
+    asked = [path for path in paths if path is not None]
+    check_names(asked)
+    for path in asked:
+        check_place(path)
+
+
+def check_names(paths: Iterable[Path]) -> None:
+    """Raise InputError if two of the files are the same."""
     seen = set()
     for path in paths:
-        if path is None:
-            continue
         place = path.resolve()
         if place in seen:
             raise InputError(
