@@ -121,5 +121,5 @@ class SolveMesh:
         return float(arap_cells.energy(*self.graph, self.V, U, q))
 
     def identity(self) -> np.ndarray:
-        """Rotations of the rest pose, (n, 4) unit quaternions."""
+        """Rotations of the rest shape, (n, 4) unit quaternions."""
         return np.tile([1.0, 0.0, 0.0, 0.0], (len(self.V), 1))

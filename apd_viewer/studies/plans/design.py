@@ -84,7 +84,7 @@ class Varied:
         return text.removesuffix(self.unit).rstrip()
 
     def levels(self, count: int) -> list[str]:
-        """All choices, or so many numbers (fewer, if counts) from one end of the range to the other."""
+        """All choices, or so many numbers of the range; fewer if they are counts."""
         if self.choices:
             return list(self.choices)
         shares = np.linspace(0.0, 1.0, count) if count > 1 else [0.5]
