@@ -547,7 +547,7 @@ def test_contact_that_cannot_be_had(words, said, refused):
 
 @pytest.mark.parametrize("option", ["--report", "--picture"])
 def test_a_missing_folder_for_what_comes_beside_the_mesh(option, bar, refused):
-    assert "cannot be written" in refused("--iterations", "1", option, bar.folder / "gone" / "a.png")
+    assert "There is no folder" in refused("--iterations", "1", option, bar.folder / "gone" / "a.png")
 
 
 def test_a_mesh_that_cannot_be_written_leaves_no_report_either(bar, refused):
@@ -738,7 +738,7 @@ def test_a_wrong_session(case, bar, saved, refused_replay):
 def test_wrong_words_of_a_replay(bar, refused_replay):
     assert "does not have a supported ending" in refused_replay(out=bar.folder / "out.xyz")
     assert "There is no folder" in refused_replay(out=bar.folder / "gone" / "out.obj")
-    assert "cannot be written" in refused_replay("--report", bar.folder / "gone" / "r.json")
+    assert "There is no folder" in refused_replay("--report", bar.folder / "gone" / "r.json")
     assert "unrecognized arguments: --method" in refused_replay("--method", "arap")
 
 

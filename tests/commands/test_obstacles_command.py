@@ -55,7 +55,7 @@ def test_plates_of_a_file_press_what_nothing_holds(mesh, tmp_path):
 
 def test_obstacles_bring_the_contact_that_a_thickness_needs(mesh, tmp_path):
     assert not deformed(mesh, PLATES, tmp_path, "--thickness", 0.02)
-    assert np.ptp(open_mesh(tmp_path / "out.obj").V[:, 0]) < 1.6  # between plates 1.62 apart
+    assert np.ptp(open_mesh(tmp_path / "out.obj").V[:, 0]) < 1.61  # between plates 1.62 apart
 
 
 @pytest.mark.parametrize(
