@@ -1,5 +1,9 @@
 """The entries of the gallery run as they are printed, on coarse meshes, and their sessions open."""
 
+import json
+import zipfile
+from pathlib import Path
+
 import numpy as np
 import pytest
 from entries import ENTRIES, GROUPS
@@ -42,6 +46,12 @@ def in_place(state):
     return away.max() / diagonal(state.document.mesh.V)
 
 
+def place_of_mesh(session):
+    """Where a session says that its mesh is; in the gallery that names no folder."""
+    with zipfile.ZipFile(session) as archive:
+        return Path(json.loads(archive.read("session.json"))["mesh"]["path"])
+
+
 @pytest.mark.parametrize("name", ENTRIES)
 def test_the_lines_run_and_the_session_says_the_same(name, compiled, tmp_path):
     entry = ENTRIES[name]
@@ -52,12 +62,14 @@ def test_the_lines_run_and_the_session_says_the_same(name, compiled, tmp_path):
     if not document.problem and not document.has_obstacles:
         assert in_place(state) < (0.1 if document.traits.moves_handles else 1e-5)
     path = entry.save(state, tmp_path)
+    assert place_of_mesh(path) == Path(tmp_path.anchor) / document.mesh.name
     np.testing.assert_array_equal(open_session(path)[0].frame.U, state.frame.U)
 
 
 @pytest.mark.parametrize("name", ENTRIES)
 def test_the_session_to_download_opens(name):
     state, view = open_session(SESSIONS / f"{name}.apd")
+    assert place_of_mesh(SESSIONS / f"{name}.apd").as_posix() == f"/{state.document.mesh.name}"
     assert view.unit == ENTRIES[name].unit
     assert 500 < len(state.document.mesh.V) < 7000
     assert not np.array_equal(state.frame.U, state.document.mesh.V)

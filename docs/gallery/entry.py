@@ -7,7 +7,7 @@ import io
 import os
 import shlex
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +89,10 @@ class Entry:
     def save(self, state: State, folder: Path) -> Path:
         """Write the session, with its mesh in it."""
         path = folder / f"{self.name}.apd"
+        document = state.document
+        # In no folder of this machine.
+        mesh = replace(document.mesh, path=Path(path.anchor) / document.mesh.name)
+        state = replace(state, document=replace(document, mesh=mesh))
         save_session(path, state, View(unit=self.unit), embed=True)
         return path
 
