@@ -288,7 +288,6 @@ class Workbench(QObject):
         self.parts.follow(None if old is None else old.document, document)
         self.canvas.show_state(old, new, self.parts.handle, self.parts.region)
         self.looks.follow(new)
-        self.actions_.file.follow(document)
         if old is None or old.document.mesh is not document.mesh:
             self.health.show(new.inspection.findings)
             if old is None or old.document.mesh.F is not document.mesh.F:
@@ -297,6 +296,7 @@ class Workbench(QObject):
         self.symmetry.follow()
         if old is None or old.document is not document:
             self.poses.follow()
+            self.actions_.follow(document)
         self.measuring.follow(old, new)
         self.actions_.pose.show_symmetry(document.mirror is not None)
         self.plots.follow()
@@ -309,7 +309,6 @@ class Workbench(QObject):
         mesh = state.document.mesh
         self.notice.hide()
         self.actions_.view.follow()
-        self.actions_.looks.follow(mesh)
         self.tools.take(Tool.BASE if state.document.problem else Tool.MOVE)
         self.session.store.unit = self.panel.unit = self.units.of(mesh)
         self.panel.handles.motion.clear()

@@ -25,6 +25,7 @@ from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
     from apd_viewer.ui.actions.commands import Commands
     from apd_viewer.ui.actions.edit_commands import Editing
 
@@ -136,6 +137,11 @@ class Actions:
             action.setEnabled(is_open)
         for action in (self.reset, self.bake):
             action.setEnabled(is_open and not is_at_rest)
+
+    def follow(self, document: Document) -> None:
+        """Offer what a document and the file of its mesh have."""
+        self.file.follow(document)
+        self.looks.follow(document)
 
     def add_panels(self, actions: list[QAction]) -> None:
         """Add the switches of the panels to the View menu."""

@@ -12,13 +12,14 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.ui.preferences.shortcut_hints import name_keys
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.model.document import Document
     from apd_viewer.ui.actions.action_factory import ActionMaker
     from apd_viewer.ui.overlays.display_options import Looks
 
 
 _COLORS = tr("Show the vertex colours of the file under the paint")
 _TEXTURES = tr("Show the textures of the file under the paint")
+_TARGET = tr("Show the target shape as a transparent ghost")
 
 
 class LookActions:
@@ -83,7 +84,6 @@ class LookActions:
     def _make_switches(self, maker: ActionMaker) -> None:
         looks = self._looks
         ghost = tr("Show the rest shape as a transparent ghost")
-        target = tr("Show the target shape as a transparent ghost")
         compare = tr("Drag a slider to see the path from the rest shape")
         cut = tr("Cut the mesh with a plane to see inside")
         ground = tr("Show the axes and a ground grid in the unit of length")
@@ -95,7 +95,7 @@ class LookActions:
                 (
                     "target_ghost",
                     tr("Target s&hape"),
-                    target,
+                    _TARGET,
                     None,
                     looks.show_target,
                     looks.target_ghost.on,
@@ -116,11 +116,13 @@ class LookActions:
             )
         }
 
-    def follow(self, mesh: Mesh) -> None:
-        """Offer what the file of a mesh has."""
+    def follow(self, document: Document) -> None:
+        """Offer what a document and the file of its mesh have."""
+        mesh, compares = document.mesh, document.target is not None
         for name, has, tip, lack in (
             ("file_colors", mesh.colors is not None, _COLORS, tr("The file has no vertex colours")),
             ("textures", mesh.texture[0] is not None, _TEXTURES, tr("The file has no texture")),
+            ("target_ghost", compares, _TARGET, tr("There is no target shape")),
         ):
             switch, said = self.switches[name], tip if has else lack
             switch.setEnabled(has)

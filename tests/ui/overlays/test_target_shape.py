@@ -64,6 +64,7 @@ def test_without_a_target_nothing_of_it_is_offered(globe):
     assert shown(globe) == []
     assert not globe.panel.target.isVisible()
     assert not globe.actions_.file.clear_target.isEnabled()
+    assert not globe.actions_.looks.switches["target_ghost"].isEnabled()
     globe.looks.heat.choose(CLOSEST)
     assert globe.looks.heat.measure is None, "a session may say so whose target is missing"
 
@@ -104,8 +105,10 @@ def test_a_target_is_seen_measured_and_cleared(qtbot, globe, file, monkeypatch, 
     assert float(rows["RMS, same vertex"].split()[0]) == pytest.approx(0.1, abs=1e-4)
     assert "Largest, closest point of this shape" in rows
 
+    assert globe.actions_.looks.switches["target_ghost"].isEnabled()
     globe.actions_.file.clear_target.trigger()
     assert document(globe).target is None
+    assert not globe.actions_.looks.switches["target_ghost"].isEnabled()
     assert heat.measure is None
     assert not globe.looks.legend.isVisible()
     assert not section.isVisible()
