@@ -11,6 +11,8 @@ import numpy as np
 from driven_window import DrivenWindow, Point, as_point
 from picture_files import pixels
 from PySide6.QtCore import (
+    QCoreApplication,
+    QEvent,
     QPoint,
     QPointF,
     QRect,
@@ -159,6 +161,8 @@ class Stage(DrivenWindow):
         for label in widget.findChildren(QLabel):
             if _TIME.search(label.text()):
                 label.setText(_TIME.sub("", label.text()))
+        # What is beside a time moves up.
+        QCoreApplication.sendPostedEvents(None, QEvent.Type.LayoutRequest.value)
         return widget.grab().toImage().convertToFormat(QImage.Format.Format_ARGB32_Premultiplied)
 
 
