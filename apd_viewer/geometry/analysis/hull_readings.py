@@ -6,8 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.bounding_boxes import smallest_box
 from apd_viewer.geometry.analysis.convex_hull import convex_hull, minimum_width
+from apd_viewer.language import tr
 
 # Share of a container that convex bodies fill when they lie in it at random: equal spheres at their densest,
 # and the range from the loosest spheres [Onoda & Liniger 1990] to the densest spheroids [Donev et al. 2004].
@@ -46,7 +48,12 @@ class HullReadings(NamedTuple):
         return a * b * c
 
     def bulk(self, packing: float = PACKING) -> float:
-        """Volume that one of many takes in a container, lying at random."""
+        """Volume that one of many takes in a container, lying at random.
+
+        ``packing`` is the share of the container that they fill.
+        """
+        if not 0.0 < packing <= 1.0:
+            raise InputError(tr("The packing must be a share above 0 and at most 1, such as 0.64."))
         return self.volume / packing
 
     def count_in(self, container: float, packing: float = PACKING) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -80,7 +81,7 @@ def volume_readings(U: np.ndarray, F: np.ndarray, *, thickness: float | None = N
 
 def volumes_of(mesh: Mesh, thickness: float | None) -> VolumeReadings:
     """Volumes of a mesh at rest; raises InputError unless ``thickness`` is above 0."""
-    if thickness is not None and not 0.0 < thickness < np.inf:
+    if thickness is not None and not (isinstance(thickness, Real) and 0.0 < thickness < np.inf):
         raise InputError(tr("Enter a wall thickness greater than 0."))
     found, hull = inspect(mesh), hull_readings(mesh.V[np.unique(mesh.F)])
     enclosed = found.volume if found.volume_capped is None else found.volume_capped

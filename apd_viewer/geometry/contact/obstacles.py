@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.arrays import direction, place
 from apd_viewer.language import tr
 
 _PLATE, _CAPSULE = 3, 2  # by the number of their points
@@ -95,11 +96,13 @@ def plate(point: np.ndarray, normal: np.ndarray, size: float) -> Obstacle:
     >>> floor.points[:, 1].tolist()
     [0.0, 0.0, 0.0]
     """
-    normal = direction(normal)
+    point, normal = place(point), direction(normal)
+    if not 0.0 < size < np.inf:
+        raise InputError(tr("The size of a plate must be greater than 0."))
     across = direction(np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))]))
     other, r = np.cross(normal, across), _ENDLESS * size
     corners = [(np.cos(a), np.sin(a)) for a in 2.0 * np.pi / 3.0 * np.arange(3)]
-    return Obstacle(np.array([np.asarray(point) + r * (x * across + y * other) for x, y in corners]), 0.0)
+    return Obstacle(np.array([point + r * (x * across + y * other) for x, y in corners]), 0.0)
 
 
 def sphere(centre: np.ndarray, radius: float) -> Obstacle:
@@ -111,7 +114,7 @@ def sphere(centre: np.ndarray, radius: float) -> Obstacle:
     >>> apd_viewer.sphere((0, 0, 2), radius=0.5).radius
     0.5
     """
-    return Obstacle(np.array([centre], dtype=float), _checked(radius))
+    return Obstacle(np.array([place(centre)]), _checked(radius))
 
 
 def capsule(a: np.ndarray, b: np.ndarray, radius: float) -> Obstacle:
@@ -123,24 +126,16 @@ def capsule(a: np.ndarray, b: np.ndarray, radius: float) -> Obstacle:
     >>> apd_viewer.capsule((-1, 0, 0), (1, 0, 0), radius=0.3).points.tolist()
     [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
     """
-    if not np.linalg.norm(np.subtract(b, a)) > 0.0:
+    ends = np.array([place(a), place(b)])
+    if not np.linalg.norm(ends[1] - ends[0]) > 0.0:
         raise InputError(tr("The two ends of a cylinder must be apart."))
-    return Obstacle(np.array([a, b], dtype=float), _checked(radius))
+    return Obstacle(ends, _checked(radius))
 
 
 def _rows(of_surface: np.ndarray, of_obstacle: range | list[int], after: bool = False) -> np.ndarray:
     """Rows of vertices of the surface, with the same points of the obstacle in each."""
     own = np.broadcast_to(np.array(of_obstacle), (len(of_surface), len(of_obstacle)))
     return np.ascontiguousarray(np.hstack([of_surface, own] if after else [own, of_surface]), np.int32)
-
-
-def direction(x: np.ndarray) -> np.ndarray:
-    """``x`` (3,) with a length of 1; raises InputError unless it has a direction."""
-    x = np.asarray(x, dtype=float)
-    length = float(np.linalg.norm(x))
-    if x.shape != (3,) or not (np.isfinite(length) and length > 0.0):
-        raise InputError(tr("A direction must be three numbers, not all of them 0."))
-    return x / length
 
 
 def _checked(radius: float) -> float:

@@ -9,6 +9,8 @@ so that its pressure is ``p V0 / V``, and the surface feels that less ``p``.
 
 from __future__ import annotations
 
+from numbers import Real
+
 import numpy as np
 
 from apd_viewer.errors import InputError
@@ -32,7 +34,8 @@ class EnclosedGas:
     """
 
     def __init__(self, rest: RestMesh, amount: float) -> None:
-        if not amount > 0.0 or amount == np.inf:
+        given: object = amount  # of a script, perhaps in words
+        if not isinstance(given, Real) or not 0.0 < amount < np.inf:
             raise InputError(tr("The pressure of the gas must be greater than 0."))
         volume = rest.volume if rest.caps is None else rest.volume_capped
         if not volume:

@@ -51,7 +51,7 @@ def geodesic_path(
     Raises
     ------
     InputError
-        If no path joins the points, the surface is not orientable, or no triangle has the vertex.
+        If no path joins the points, the surface is not orientable, or no triangle has the point.
 
     Examples
     --------
@@ -63,6 +63,8 @@ def geodesic_path(
     '1.4142'
     """
     places = [p if isinstance(p, SurfacePoint) else SurfacePoint.at_vertex(F, p) for p in (start, end)]
+    for point in places:
+        point.check(F)
     ends = positions(places, V, F)
     faces = [place.face for place in places]
     if faces[0] == faces[1] or np.array_equal(*ends):

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from apd_viewer.geometry.mesh.arrays import direction, place
 from apd_viewer.geometry.mesh.components import pieces
 
 
@@ -55,6 +56,11 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
     PlaneSection
         Without segments where the plane misses the surface; its length and area are 0 there.
 
+    Raises
+    ------
+    InputError
+        If ``point`` is no place or ``normal`` no direction.
+
     Examples
     --------
     >>> import apd_viewer
@@ -63,8 +69,8 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
     >>> cut.contours, f"{cut.length:.2f}", f"{cut.area:.2f}"
     (1, '19.61', '30.59')
     """
-    normal = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
-    height = V @ normal - float(np.dot(point, normal))
+    normal = direction(normal)
+    height = V @ normal - float(np.dot(place(point), normal))
     faces = _met(height, F)
     above = (height >= 0.0)[F[faces]]
     if not len(faces):

@@ -10,6 +10,8 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
+_ROUNDING = 1e-6  # of weights that are typed or computed
+
 
 class SurfacePoint(NamedTuple):
     """A point of a triangle mesh: the same material point in every shape of it.
@@ -42,6 +44,14 @@ class SurfacePoint(NamedTuple):
         weights = [0.0, 0.0, 0.0]
         weights[corner] = 1.0
         return cls(face, (weights[0], weights[1], weights[2]))
+
+    def check(self, F: np.ndarray) -> None:
+        """Raise InputError unless it is a point of the triangles ``F`` (m, 3)."""
+        if not 0 <= self.face < len(F):
+            raise InputError(tr("There is no triangle {id}; choose another.").format(id=self.face))
+        weights = np.asarray(self.weights, dtype=float)
+        if not (len(weights) == 3 and weights.min() >= -_ROUNDING and abs(weights.sum() - 1.0) <= _ROUNDING):
+            raise InputError(tr("The weights of a point of the surface must be at least 0, with sum 1."))
 
 
 def positions(points: Sequence[SurfacePoint], U: np.ndarray, F: np.ndarray) -> np.ndarray:

@@ -32,8 +32,36 @@ def numbers(given: object, what: str) -> np.ndarray:
     return array.astype(np.float64)
 
 
+def place(given: object) -> np.ndarray:
+    """``given`` (3,) as floats; raises InputError unless it is a point."""
+    x = _three(given)
+    if x is None:
+        raise InputError(tr("A place must be three finite numbers."))
+    return x
+
+
+def direction(given: object) -> np.ndarray:
+    """``given`` (3,) with a length of 1; raises InputError unless it has a direction."""
+    x = _three(given)
+    length = 0.0 if x is None else float(np.linalg.norm(x))
+    if x is None or not 0.0 < length < np.inf:
+        raise InputError(tr("A direction must be three numbers, not all of them 0."))
+    return x / length
+
+
+def _three(given: object) -> np.ndarray | None:
+    try:
+        x = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        return None
+    return x if x.shape == (3,) and np.isfinite(x).all() else None
+
+
 def whole_numbers(given: object, what: str) -> np.ndarray:
     """Int64 copy of a caller's array; InputError if rounding would be needed."""
+    if isinstance(given, np.ndarray) and given.dtype.kind == "b":
+        said = tr("{what} must be vertex IDs, not a mask; give numpy.flatnonzero(mask).")
+        raise InputError(said.format(what=what))
     array = numbers(given, what)
     if not (np.abs(array) < 2.0**53).all() or (array != np.rint(array)).any():
         raise InputError(tr("{what} must be whole numbers: vertex IDs, counted from 0.").format(what=what))

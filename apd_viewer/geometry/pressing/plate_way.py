@@ -8,8 +8,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
-from apd_viewer.geometry.contact.obstacles import direction
-from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.arrays import diagonal, direction
 from apd_viewer.language import tr
 
 

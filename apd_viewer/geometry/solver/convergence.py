@@ -53,6 +53,8 @@ DEFAULT_CONVERGENCE = Convergence()
 
 def check_convergence(convergence: Convergence) -> None:
     """Raise InputError unless the criteria can be used."""
+    if not isinstance(convergence, Convergence):
+        raise InputError(tr("The convergence must be an apd_viewer.Convergence."))
     most = convergence.most_iterations
     if not isinstance(most, Integral) or not 1 <= most <= MOST_ITERATIONS:
         raise InputError(

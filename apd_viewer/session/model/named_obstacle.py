@@ -8,8 +8,8 @@ from enum import Enum
 
 import numpy as np
 
-from apd_viewer.geometry.contact.obstacles import Obstacle, capsule, direction, plate, sphere
-from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.contact.obstacles import Obstacle, capsule, plate, sphere
+from apd_viewer.geometry.mesh.arrays import diagonal, direction, frozen
 from apd_viewer.language import tr, trc
 
 MOST_OBSTACLES = 20

@@ -9,8 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.contact.clearance import clearance
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
-from apd_viewer.geometry.contact.obstacles import direction
-from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.mesh.arrays import diagonal, direction, frozen
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.names import next_name

@@ -9,7 +9,7 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.contact.obstacles import direction
+from apd_viewer.geometry.mesh.arrays import direction
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.ui.obstacles.obstacle_placer import ObstaclePlacer
 from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle, ObstacleScene

@@ -10,8 +10,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.contact.obstacles import direction
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import direction, frozen
 from apd_viewer.language import tr, trc
 from apd_viewer.presentation.obstacle_readings import coordinates
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind

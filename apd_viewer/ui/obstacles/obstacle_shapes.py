@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.contact.obstacles import direction
+from apd_viewer.geometry.mesh.arrays import direction
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 
 # A plate is endless; what is drawn of it covers the shadow of the mesh, with a margin in its diagonals.
