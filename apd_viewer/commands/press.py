@@ -151,12 +151,12 @@ def _press(options: argparse.Namespace) -> None:
     mesh, start, unit = _opened(options.mesh)
     wall = wall_of(options, Unit(options.unit or unit))
     rest, progress = RestMesh(mesh.V, mesh.F), Progress(options.progress_lines)
-    height = mesh.V[np.unique(mesh.F)] @ (axis / np.linalg.norm(axis))
+    extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ (axis / np.linalg.norm(axis))))
     moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
     gas = gas_of(options.gas, wall, options.stiffness, rest)
     goals = options.area, options.volume, wall.apart
     asked = PressOptions((), options.method, *moduli, *goals, wall.radius, start, gas)
-    to = distance_of(options.to, float(np.ptp(height)))
+    to = distance_of(options.to, extent)
     plates = PlatePress(rest, axis, to, options.steps, options.iterations, asked)
     found = press_with(plates, options.release, lambda done: progress.show(done, tr("pressing")))
     progress.end()
@@ -176,7 +176,7 @@ def _press(options: argparse.Namespace) -> None:
             said = json.dumps(report_of(mesh, rest, found, asked, wall), indent=2)
             beside.enter_context(replacing(options.report)).write_text(said + "\n", encoding="utf-8")
         save_mesh(mesh, found.U, output)
-    print(summary(found, rest, output, options.stiffness, wall))
+    print(summary(found, rest, output, options.stiffness, wall, extent))
 
 
 def _opened(path: str) -> tuple[Mesh, np.ndarray | None, str]:

@@ -78,13 +78,15 @@ def _newton_fields(found: Pressed, newtons: Newtons) -> dict[str, object]:
     return {"newtons_per_load": newtons.per_load, "stiffness_of_wall": newtons.stiffness, **scaled}
 
 
-def summary(found: Pressed, rest: RestMesh, output: Path, stiffness: float, wall: PressWall) -> str:
-    """Lines on a press, for the terminal."""
+def summary(
+    found: Pressed, rest: RestMesh, output: Path, stiffness: float, wall: PressWall, extent: float
+) -> str:
+    """Lines on a press of a mesh of ``extent`` between the plates, for the terminal."""
     last, first = found.steps[-1], found.steps[0]
     newtons = wall.newtons(stiffness, rest.area)
     lines = [
-        tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the first distance").format(
-            output=output, distance=last.distance, share=100 * last.distance / first.distance
+        tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the extent").format(
+            output=output, distance=last.distance, share=100 * last.distance / extent
         ),
         *_load_lines(last, newtons),
         *_volume_line(first.volume is None, last, rest, tr("volume"), ""),

@@ -68,7 +68,7 @@ def test_mesh_curve_figure_and_report_say_the_same(ball, press, tmp_path):
     for name, value in lines[-1].items():
         assert found[name] == pytest.approx(value), name
     assert found["area_rest"] == pytest.approx(trimesh.load(ball, process=False).area, rel=1e-9)
-    assert f"{out}: plates 1.6 apart" in said.splitlines()[0]
+    assert said.splitlines()[0] == f"{out}: plates 1.6 apart, 80.0 % of the extent"
     assert f"work {found['work']:.5g}" in said
     assert (tmp_path / "f.svg").exists()
     with Image.open(figure) as image:
