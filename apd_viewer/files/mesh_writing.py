@@ -25,7 +25,7 @@ def check_target(path: str | Path) -> Path:
     if path.suffix.lower() not in FORMATS:
         raise InputError(
             tr("{name} does not have a supported ending; use {endings}.").format(
-                name=path.name, endings=", ".join(WRITTEN)
+                name=path.name or path, endings=", ".join(WRITTEN)
             )
         )
     check_place(path)

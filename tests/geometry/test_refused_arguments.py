@@ -40,6 +40,14 @@ CASES = {
         "The convergence must be an apd_viewer.Convergence",
     ),
     "axis by its name": (lambda: press(axis="x"), DIRECTION),
+    "distance in words": (lambda: press(to="60%"), "enter a smaller distance"),
+    "start that is not a number": (lambda: press(start=V * np.nan), "Every coordinate of the shape"),
+    "one obstacle, no list": (
+        lambda: deform(contact=True, obstacles=apd_viewer.sphere((0, 0, 3), 1)),
+        "Obstacles must be a list",
+    ),
+    "obstacles in words": (lambda: deform(contact=True, obstacles=["plate"]), "Obstacles must be a list"),
+    "folder to write": (lambda: apd_viewer.save_mesh(apd_viewer.Mesh(V, F), V, "."), ". does not have"),
     "gas in words": (lambda: press(gas="1atm"), "The pressure of the gas"),
     "thickness in words": (lambda: apd_viewer.volume_readings(V, F, thickness="0.3mm"), "Enter a wall"),
     "packing of nothing": (lambda: hull().bulk(0), "The packing must be a share"),
@@ -72,3 +80,13 @@ def test_what_cannot_be_used_is_refused_in_a_sentence(name, compiled):
     call, said = CASES[name]
     with pytest.raises(InputError, match=re.escape(said)):
         call()
+
+
+def test_measures_take_lists(compiled):
+    point, normal = (0.0, 0.0, 0.1), (0.0, 0.0, 1.0)
+    cut, same = (
+        apd_viewer.plane_section(*mesh, point, normal) for mesh in ((V.tolist(), F.tolist()), (V, F))
+    )
+    assert cut.length == same.length > 0.0
+    path = apd_viewer.geodesic_path(V.tolist(), F.tolist(), 0, 100)
+    np.testing.assert_array_equal(path, apd_viewer.geodesic_path(V, F, 0, 100))

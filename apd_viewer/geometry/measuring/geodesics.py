@@ -62,6 +62,7 @@ def geodesic_path(
     >>> f"{np.linalg.norm(np.diff(path, axis=0), axis=1).sum():.4f}"
     '1.4142'
     """
+    V, F = np.asarray(V, dtype=float), np.asarray(F)
     places = [p if isinstance(p, SurfacePoint) else SurfacePoint.at_vertex(F, p) for p in (start, end)]
     for point in places:
         point.check(F)

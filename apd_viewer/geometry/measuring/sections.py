@@ -69,7 +69,7 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
     >>> cut.contours, f"{cut.length:.2f}", f"{cut.area:.2f}"
     (1, '19.61', '30.59')
     """
-    normal = direction(normal)
+    V, F, normal = np.asarray(V, dtype=float), np.asarray(F), direction(normal)
     height = V @ normal - float(np.dot(place(point), normal))
     faces = _met(height, F)
     above = (height >= 0.0)[F[faces]]

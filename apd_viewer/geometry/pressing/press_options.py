@@ -69,6 +69,8 @@ def start_of(rest: RestMesh, start: np.ndarray | None) -> np.ndarray:
                 count=len(rest.V)
             )
         )
+    if not np.isfinite(start).all():
+        raise InputError(tr("Every coordinate of the shape to begin from must be a number."))
     return np.ascontiguousarray(start[rest.weld.first])
 
 

@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import connected_components
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.mesh_contact import contact_of
+from apd_viewer.geometry.contact.obstacles import Obstacle
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.pose.frame import Frame
@@ -31,7 +32,6 @@ from apd_viewer.geometry.solver.touching_surface import TouchingSurface
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.contact.obstacles import Obstacle
     from apd_viewer.geometry.energy.elastic import Elastic
 
 # In sizes of the mesh: how far held vertices are moved at once, and steps before they are moved on.
@@ -52,7 +52,9 @@ def check_contact(method: Method, plain: bool) -> None:
 
 
 def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
-    """Raise InputError if there are obstacles without contact."""
+    """Raise InputError unless they are obstacles, and there is contact if there are any."""
+    if not isinstance(obstacles, Sequence) or not all(isinstance(each, Obstacle) for each in obstacles):
+        raise InputError(tr("Obstacles must be a list of what plate, sphere and capsule make."))
     if len(obstacles) and not contact:
         raise InputError(tr("Obstacles need contact; switch it on, or remove the obstacles."))
 
