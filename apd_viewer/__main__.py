@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import apd_viewer
@@ -67,7 +68,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parsed(words: list[str]) -> argparse.Namespace:
     """Options of the command line."""
     if not words or words[0] not in _COMMANDS:
-        return _view_parser().parse_args(words)
+        parser = _view_parser()
+        name = words[0] if len(words) > 1 else ""  # words that follow are those of a command
+        if name and not name.startswith("-") and not Path(name).suffix and not Path(name).exists():
+            parser.error(tr("“{name}” is neither a file nor a command").format(name=name))
+        return parser.parse_args(words)
     count = 2 if words[:2] == ["study", "design"] else 1
     return _command_parser(" ".join(words[:count])).parse_args(words[count:])
 

@@ -89,6 +89,20 @@ def test_commands_parse(page, line):
     command_line._parsed(shlex.split(line, comments=True)[1:])
 
 
+def test_lines_of_the_page_on_scripting_find_their_files():
+    """In resources, written by a line above, or named as the reader's own."""
+    page = TEXTS["docs/scripting.md"]
+    (own,) = re.findall(r"two files of your own\.\n(.*?)\n\n", page, re.DOTALL)
+    there = {path.name for path in (ROOT / "resources").iterdir()} | set(re.findall(r"`([\w.]+)`", own))
+    lines = [shlex.split(line) for where, line in COMMANDS if where == "docs/scripting.md"]
+    assert len(lines) > 12
+    for words in lines:
+        written = {words[k + 1] for k, word in enumerate(words) if word == "-o"}
+        read = {word for word in words if re.search(r"\.(obj|sel|def|txt|apd)$", word)}
+        assert read - written <= there, words
+        there |= written
+
+
 def test_commands_and_targets_of_make_exist():
     assert len(COMMANDS) > 8
     named = {name for _, (name,) in found(r"`apd-viewer ([a-z]+)")}

@@ -592,6 +592,7 @@ def test_an_interruption_writes_nothing(bar, command, monkeypatch):
         (["info", "a.obj", "b.obj"], "unrecognized arguments: b.obj"),
         (["--unknown"], "unrecognized arguments: --unknown; see apd-viewer --help"),
         (["a.obj", "b.obj"], "unrecognized arguments: b.obj"),
+        (["presss", "a.obj"], "“presss” is neither a file nor a command; see apd-viewer --help"),
         (["info", "two\nlines.obj"], "There is no file"),
     ],
 )
