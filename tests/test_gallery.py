@@ -67,6 +67,12 @@ def test_the_lines_run_and_the_session_says_the_same(name, compiled, tmp_path):
 
 
 @pytest.mark.parametrize("name", ENTRIES)
+def test_the_session_can_be_replayed_unless_it_is_pressed(name):
+    document = open_session(SESSIONS / f"{name}.apd")[0].document
+    assert bool(document.problem) == ENTRIES[name].code.startswith("apd-viewer press")
+
+
+@pytest.mark.parametrize("name", ENTRIES)
 def test_the_session_to_download_opens(name):
     state, view = open_session(SESSIONS / f"{name}.apd")
     assert place_of_mesh(SESSIONS / f"{name}.apd").as_posix() == f"/{state.document.mesh.name}"
