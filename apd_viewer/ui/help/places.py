@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from PySide6.QtCore import QPoint
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -42,6 +42,7 @@ _CONTROLS = (
 )
 _PATH = "manualPath"  # property of a widget that is no part of its owner
 _SHARED = "RunBar", "PartButtons"  # the same in several owners, so named by their class
+_PANEL = "panel"  # its sections are groups of their own
 _DEEPEST = 1  # of the objects without a widget of their own that hold controls
 
 
@@ -96,8 +97,41 @@ def place_of(widget: QWidget, at: QPoint | None = None) -> ManualPlace | None:
     setting = widget.property(SETTING)
     if setting:
         return of_setting(str(setting))
-    path = path_of(widget)
+    path = _explained_path(widget)
     return of_control(path) if path else None
+
+
+def _explained_path(widget: QWidget) -> tuple[str, ...]:
+    """Path of the control that has a widget or its caption, or else of its group."""
+    around = list(_with_owners(_control_beside(widget) or widget))
+    for one in around:
+        if is_named(one):
+            return path_of(one)
+    paths = [path_of(one) for one in around]
+    sections = [path[:2] for path in paths if len(path) > 1 and path[0] == _PANEL]
+    return next(iter(sections), () if (_PANEL,) in paths else paths[0][:1])
+
+
+def _with_owners(widget: QWidget) -> Iterator[QWidget]:
+    node: QWidget | None = widget
+    while node is not None:
+        yield node
+        node = node.parentWidget()
+
+
+def _control_beside(widget: QWidget) -> QWidget | None:
+    """Nearest control to the right of a caption, in its row."""
+    row = widget.parentWidget()
+    if row is None or not isinstance(widget, QLabel) or is_control(widget):
+        return None
+    place = widget.geometry()
+    beside = [
+        one
+        for one in row.findChildren(QWidget, options=Qt.FindChildOption.FindDirectChildrenOnly)
+        if is_named(one) and one.isVisible()
+        if one.x() > place.right() and one.y() <= place.center().y() <= one.geometry().bottom()
+    ]
+    return min(beside, key=QWidget.x, default=None)
 
 
 def place_of_action(action: QAction) -> ManualPlace | None:

@@ -71,6 +71,8 @@ def test_everything_in_the_window_has_its_place(qtbot, window, anchors):
     assert len(controls) > 300
     found = [(one, one.parentWidget(), places.place_of(one)) for one in controls]
     assert [str(each) for each in found if each[-1] not in anchors] == []
+    words = [each for each in window_tour.widgets() if window.panel.isAncestorOf(each)]
+    assert {places.place_of(each) for each in words} <= anchors | {None}
     paths = {places.path_of(widget)[:2] for widget in controls}
     sections = {name for name, part in vars(window.panel).items() if part in window.panel.sections}
     assert {f"panel/{name}" for name in sections} <= {"/".join(path) for path in paths}
@@ -98,6 +100,14 @@ def test_a_heading_stands_for_its_section(window):
     assert places.place_of(window.panel.volume.heading) == places.of_control(("panel", "volume"))
     folded = window.panel.method.convergence.findChild(Heading)
     assert places.place_of(folded) == places.of_control(("panel", "method", "convergence"))
+
+
+def test_a_caption_stands_for_its_field_and_a_gap_for_its_section(window):
+    handles = window.panel.handles
+    caption = next(label for label in handles.findChildren(QLabel) if label.text() == "Drift")
+    assert places.place_of(caption) == places.of_control(("panel", "handles", "drift"))
+    assert places.place_of(caption.parentWidget()) == places.of_control(("panel", "handles"))
+    assert places.place_of(window.panel) is None
 
 
 def test_f1_explains_what_is_under_the_mouse_in_use_or_in_the_hand(qtbot, active, opened):
