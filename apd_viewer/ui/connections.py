@@ -17,6 +17,7 @@ from apd_viewer.ui.tools.toolbox import Tool, Way
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.panel.panel import Panel
+    from apd_viewer.ui.panel.statusbar import StatusBar
     from apd_viewer.ui.part_lists.part_list import PartList
     from apd_viewer.ui.tools.active_parts import ActiveParts
     from apd_viewer.ui.tools.canvas import Canvas
@@ -96,6 +97,14 @@ def connect_hand(
     canvas.drag_ended.connect(lambda: session.handles.release(parts.handle))
     canvas.gesture_cancelled.connect(session.gestures.cancel)
     canvas.handle_chosen.connect(parts.choose_handle)
+
+
+def connect_wheel(canvas: Canvas, session: Session, status: StatusBar) -> None:
+    """Tell what the wheel changes while a tool paints."""
+    fill, brush = canvas.ways[Way.FILL], canvas.painter
+    assert isinstance(fill, ClickSelector)
+    fill.crease_changed.connect(status.say_crease)
+    brush.size.changed.connect(lambda: status.say_brush(brush.size, session.store.unit))
 
 
 def _begin_stroke(session: Session, canvas: Canvas, tell: Callable[[str], None]) -> None:

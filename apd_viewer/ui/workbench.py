@@ -20,7 +20,7 @@ from apd_viewer.ui.actions.edit_commands import Editing
 from apd_viewer.ui.actions.part_commands import PartCommands
 from apd_viewer.ui.case_studies.case_studies import CaseStudies
 from apd_viewer.ui.compare.compare_controller import Comparing
-from apd_viewer.ui.connections import connect_hand, connect_parts, connect_settings
+from apd_viewer.ui.connections import connect_hand, connect_parts, connect_settings, connect_wheel
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.filing.file_commands import Filing
 from apd_viewer.ui.filing.recovery_bar import RecoveryBar
@@ -226,9 +226,7 @@ class Workbench(QObject):
         canvas.drag_began.connect(self.next_step.moved)
         self.obstacles.moved.connect(self.next_step.moved)
         self.obstacles.placer.asks.connect(self.status.showMessage)
-        canvas.painter.size.changed.connect(
-            lambda: self.status.say_brush(canvas.painter.size, self.session.store.unit)
-        )
+        connect_wheel(canvas, self.session, self.status)
         self.tools.taken.connect(self._show_tool)
         self.tools.way_chosen.connect(lambda way: self.actions_.select.ways[way].setChecked(True))
         for change in (self.help.tour.began, self.help.tour.ended):

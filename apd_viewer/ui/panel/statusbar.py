@@ -107,6 +107,10 @@ class StatusBar(QStatusBar):
         size = f"{brush.radius:.0f} px" if brush.length is None else unit.length(short(brush.length))
         self.showMessage(tr("Brush {size}").format(size=size), 1500)
 
+    def say_crease(self, degrees: float) -> None:
+        """Tell for a moment at which edges a fill stops."""
+        self.showMessage(tr("Edge angle {angle:g}°").format(angle=degrees), 1500)
+
     def show_session(self, session: Session) -> None:
         """Show the session's jobs and the solver's activity."""
         job, state = session.jobs.current, session.store.state

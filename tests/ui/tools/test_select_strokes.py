@@ -358,6 +358,7 @@ def test_the_wheel_changes_the_crease_of_a_fill_and_what_is_previewed(scene):
     mouse.wheel(gesture.press, -100)
     assert fill.crease == 1
     assert heard == [7.5, 2.5, 17.5, 22.5, 180, 1]
+    assert scene.window.status.currentMessage() == "Edge angle 1°"
     assert scene.view.look.eye.key == scene.eye.key
     mouse.wheel(gesture.press, 1, ALT)
     assert fill.crease == 6
