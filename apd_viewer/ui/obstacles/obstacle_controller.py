@@ -166,6 +166,7 @@ class ObstacleController(QObject):
         return True
 
     def _may_begin(self) -> bool:
+        self.placer.cancel()  # what has waited for a click makes way
         return self._session.store.state is not None and not self._give_up()
 
     # Adding

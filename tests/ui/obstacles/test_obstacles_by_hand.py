@@ -122,6 +122,20 @@ def test_a_click_places_what_was_asked_for(qtbot, held):
     assert there(window) == (sphere,)
 
 
+def test_another_button_places_its_own_obstacle_instead(qtbot, held):
+    window, section, view = held, held.panel.obstacles, held.canvas.viewport
+    for kind in (CYLINDER, SPHERE):
+        section.kinds[kind].click()
+        assert window.obstacles.placer.kind is kind
+        assert "Click the surface" in window.status.currentMessage()
+    Mouse(view).move(middle(window))
+    (preview,) = window.obstacles.scene.shown
+    assert preview.obstacle.kind is SPHERE
+    section.floor.click()
+    assert window.obstacles.placer.kind is None
+    assert names(window) == ["Floor"]
+
+
 def test_esc_and_another_tool_give_up_placing(qtbot, held):
     window, view = held, held.canvas.viewport
     window.actions_.obstacles.kinds[CYLINDER].trigger()
