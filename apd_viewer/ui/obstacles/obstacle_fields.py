@@ -90,7 +90,7 @@ class ObstacleFields(QWidget):
     def _make_distance(self) -> None:
         self.distance = Entry(accessibleName=tr("Distance"), placeholderText="0.1L", toolTip=_BY)
         self._problem = ErrorBubble(self.distance)
-        self.distance.textEdited.connect(self._problem.hide)
+        self.distance.textChanged.connect(self._problem.hide)  # Esc restores the text too
         self.distance.left.connect(self._problem.leave)
         self.distance.returnPressed.connect(self._move)
         self.along = Choice(accessibleName=tr("Direction of the distance"), toolTip=_BY)

@@ -273,6 +273,12 @@ def test_typed_numbers_place_it_anew(qtbot, floored):
         assert document(window) is before
         qtbot.keyClick(field, Qt.Key.Key_Escape)
         assert field.text() != wrong
+        assert not field._error.isVisible()
+    fields.place.setFocus()
+    fields.place.show_text("0, -2, 0")  # as while it moves
+    QTest.keyClicks(fields.place, "1")
+    qtbot.keyClick(fields.place, Qt.Key.Key_Escape)
+    assert fields.place.text() == "0, -2, 0"
     assert len(steps(window)) == done
 
 
@@ -306,6 +312,8 @@ def test_a_typed_distance_moves_it(qtbot, floored):
     np.testing.assert_allclose(there(window)[0].shift, [0.5, -0.25, 0])
     type_into(qtbot, fields.distance, "half")
     assert fields._problem.isVisible()
+    qtbot.keyClick(fields.distance, Qt.Key.Key_Escape)
+    assert not fields._problem.isVisible()
     np.testing.assert_allclose(there(window)[0].shift, [0.5, -0.25, 0])
     fields.reset.click()
     assert not there(window)[0].shift.any()
