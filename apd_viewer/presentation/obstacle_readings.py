@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 # In longest sides of the mesh: an obstacle that is so little short of its place has reached it.
 _THERE = 1e-4
+# In longest sides, for a stiffness of 1: the far end of a barrier leaves so little, and presses nothing.
+_NO_LOAD = 1e-9
 _DIGITS = 8  # of numbers for repeating the deformation
 
 
@@ -36,9 +38,11 @@ def load(state: State, k: int) -> str:
     if not state.keeps_apart or len(loads) != len(state.document.obstacles):
         return ""
     force = float(np.linalg.norm(loads[k]))
+    if force <= _NO_LOAD * float(max(state.inspection.size)):
+        return ""
     if not state.frame.settled:  # of a shape under way it may be hundreds of times as much
-        return tr("touched") if force > 0.0 else ""
-    return tr("load {force}").format(force=significant(force, 3)) if force > 0.0 else ""
+        return tr("touched")
+    return tr("load {force}").format(force=significant(force, 3))
 
 
 def motion(state: State, k: int, unit: Unit) -> str:

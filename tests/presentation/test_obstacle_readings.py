@@ -33,6 +33,8 @@ def test_loads_are_said_where_something_presses_and_only_at_rest():
     assert [readings.load(state(loads=loads, settled=False), k) for k in (0, 1)] == ["touched", ""]
     assert readings.load(state(loads=loads, contact=False), 0) == ""
     assert readings.load(state(), 0) == ""
+    barely = np.array([[0.0, 0.0, -4e-23], [0.0, 0.0, 0.0]])
+    assert [readings.load(state(loads=barely, settled=settled), 0) for settled in (True, False)] == ["", ""]
 
 
 def test_a_motion_is_said_with_what_contact_has_not_let():
