@@ -185,6 +185,7 @@ class ObstacleController(QObject):
             self._take(Tool.MOVE)
             self._parts.choose_obstacle(k)
             self._section.reveal()
+            self._canvas.viewport.setFocus()  # where the arrow keys nudge it
 
     def _show_preview(self, obstacle: NamedObstacle | None) -> None:
         self._preview = obstacle

@@ -134,6 +134,7 @@ def test_another_button_places_its_own_obstacle_instead(qtbot, held):
     section.floor.click()
     assert window.obstacles.placer.kind is None
     assert names(window) == ["Floor"]
+    assert view.hasFocus()  # where the arrow keys nudge it
 
 
 def test_esc_and_another_tool_give_up_placing(qtbot, held):
