@@ -127,6 +127,7 @@ class Stage(DrivenWindow):
 
         ``crop`` leaves all but a part of it out, and its title bar.
         """
+        self.window.status.clearMessage()  # it would go in a moment
         image = self.grabbed(self.window.shell)
         with ink.begun(image) as painter:
             for draw in self._over:
