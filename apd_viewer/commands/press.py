@@ -22,6 +22,7 @@ from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.arrays import direction
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
 from apd_viewer.geometry.pressing.press import press_with
 from apd_viewer.geometry.pressing.press_options import PressOptions
@@ -151,7 +152,7 @@ def _press(options: argparse.Namespace) -> None:
     mesh, start, unit = _opened(options.mesh)
     wall = wall_of(options, Unit(options.unit or unit))
     rest, progress = RestMesh(mesh.V, mesh.F), Progress(options.progress_lines)
-    extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ (axis / np.linalg.norm(axis))))
+    extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ direction(axis)))
     moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
     gas = gas_of(options.gas, wall, options.stiffness, rest)
     goals = options.area, options.volume, wall.apart

@@ -10,7 +10,7 @@ from apd_viewer.ui.widgets.error_bubble import ErrorBubble
 from apd_viewer.ui.widgets.fields import Entry, return_keys
 
 if TYPE_CHECKING:
-    from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent
+    from PySide6.QtGui import QFocusEvent, QHideEvent
 
 
 class TypedField(Entry):
@@ -59,14 +59,10 @@ class TypedField(Entry):
             self.typed.emit()
         self._error.leave()
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Restore the value on Esc, and take back the error."""
-        if event.key() == Qt.Key.Key_Escape:
-            self.setText(self._shown)  # which may have changed since the field was entered
-            self._error.hide()
-            return_keys(self)
-        else:
-            super().keyPressEvent(event)
+    def restore(self) -> None:
+        """Show the present value, and take back the error."""
+        self.setText(self._shown)  # which may have changed since the field was entered
+        self._error.hide()
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Hide the error too."""

@@ -248,10 +248,14 @@ class Entry(QLineEdit):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Restore the text on Esc."""
         if event.key() == Qt.Key.Key_Escape:
-            self.setText(self._before)
+            self.restore()
             return_keys(self)
         else:
             super().keyPressEvent(event)
+
+    def restore(self) -> None:
+        """Show the text from before the keys were its own."""
+        self.setText(self._before)
 
 
 def percent_field(name: str, tip: str) -> Number:
