@@ -20,7 +20,7 @@ from apd_viewer.session.posing.motion_path import motion_paths, posed_along
 from apd_viewer.session.posing.motion_step import MotionStep, motion_of
 from apd_viewer.session.posing.motion_text import parsed_motion
 from apd_viewer.session.posing.typed_motion import names_of
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.storage.session_file import open_session
 
 if TYPE_CHECKING:
@@ -76,8 +76,7 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
         add(f"--{word}", f"{word} {{}}", metavar, what)
     add("--handle", "handle {}:", "N", tr("that the next ones move; at first the first one"))
     add("--motion", "{}", "WORDS", tr("all in words, as in a plan: “twist 120deg; push 30%%”"))
-    units = [unit.value for unit in Unit if unit.value]
-    group.add_argument("--unit", choices=units, default="", help=tr("of the mesh, for lengths such as 2cm"))
+    group.add_argument("--unit", choices=SYMBOLS, default="", help=tr("of the mesh, for lengths such as 2cm"))
 
 
 def painted(mesh: Mesh, selection: Selection) -> State:
@@ -111,7 +110,8 @@ def moved_from(options: argparse.Namespace) -> tuple[State, View, tuple[MotionSt
         raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
     mesh = open_mesh(path)
     state = _posed(painted(mesh, read_selection_file(options.selection, mesh)), options.transform)
-    return state, View(), motion_from(options, state)
+    view = View(unit=mesh.unit)
+    return state, view, motion_from(options, state, view.unit)
 
 
 def _posed(state: State, transforms: Sequence[str]) -> State:

@@ -183,6 +183,7 @@ def _press(options: argparse.Namespace) -> None:
 def _opened(path: str) -> tuple[Mesh, np.ndarray | None, str]:
     """Mesh at rest, the other shape (n, 3) that a session begins from, and the unit."""
     if Path(path).suffix.lower() != SUFFIX:
-        return open_mesh(path), None, ""
+        mesh = open_mesh(path)
+        return mesh, None, mesh.unit
     state, view = open_session(path)
     return state.document.mesh, None if state.is_at_rest else state.frame.U, view.unit

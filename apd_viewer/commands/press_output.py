@@ -54,7 +54,8 @@ def _wall_fields(wall: PressWall, area: float) -> dict[str, object]:
     """Fields of what is known of the wall."""
     elastic, material = wall.elastic, wall.material
     fields = {
-        "unit": wall.unit.value or None,
+        "unit": wall.unit.symbol or None,
+        "unit_is_guess": wall.unit.is_guess or None,
         "material": material and material.name,
         "material_source": material and material.source,
         "wall_thickness": wall.thickness,

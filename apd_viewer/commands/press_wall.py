@@ -18,7 +18,7 @@ from apd_viewer.session.quantities.elastic_wall import (
     young_modulus,
 )
 from apd_viewer.session.quantities.expressions import length, number
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall_mass import density, thickness_from
 from apd_viewer.session.quantities.wall_materials import (
     WALL_MATERIALS,
@@ -133,9 +133,8 @@ class Newtons:
 
 def add_wall_options(parser: Parser) -> None:
     """Options of the wall."""
-    units = [unit.value for unit in Unit if unit is not Unit.NONE]
     parser.add_argument(
-        "--unit", choices=units, default="", help=tr("unit of length of the mesh; of a session, its own")
+        "--unit", choices=SYMBOLS, default="", help=tr("unit of length of the mesh; of a session, its own")
     )
     parser.add_argument(
         "--material",

@@ -17,7 +17,7 @@ from apd_viewer.geometry.analysis.volume_readings import volumes_of
 from apd_viewer.language import tr
 from apd_viewer.presentation.volume_words import BAG, volume_rows
 from apd_viewer.session.quantities.expressions import number
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall_mass import density, thickness_from
 
 if TYPE_CHECKING:
@@ -35,8 +35,7 @@ def volumes_parser() -> Parser:
     )
     parser.add_argument("mesh", metavar="MESH")
     parser.add_argument("--rest", metavar="REST", help=tr("mesh of the shape at rest, for the change"))
-    units = [unit.value for unit in Unit if unit is not Unit.NONE]
-    parser.add_argument("--unit", choices=units, default="", help=tr("unit of length of both meshes"))
+    parser.add_argument("--unit", choices=SYMBOLS, default="", help=tr("unit of length of both meshes"))
     parser.add_argument(
         "--bag", metavar="LITRES", help=tr("count the objects in a bag of this size; default: 45")
     )

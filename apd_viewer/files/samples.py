@@ -28,12 +28,15 @@ class Sample:
         Fields of the document that begin otherwise than those of any mesh.
     pivot : (3,) tuple of floats or None
         What the handle turns about, mesh units; None is its centre.
+    unit : str
+        Symbol of the unit of length.
     """
 
     title: str
     tip: str
     settings: Mapping[str, object] = field(default_factory=dict)
     pivot: tuple[float, float, float] | None = None
+    unit: str = "cm"
 
 
 SAMPLES = {
@@ -62,5 +65,6 @@ def resource(name: str) -> Path:
 
 def open_sample(name: str) -> tuple[Mesh, np.ndarray]:
     """The sample's mesh and its painted labels (n,)."""
-    mesh = open_mesh(resource(f"{name}.obj"))
+    read = open_mesh(resource(f"{name}.obj"))
+    mesh = Mesh.trusted(read.V, read.F, read.path, read.origin, unit=SAMPLES[name].unit)
     return mesh, read_selection(resource(f"{name}.sel"), len(mesh.V))

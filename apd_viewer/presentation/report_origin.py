@@ -71,7 +71,7 @@ def mesh_blocks(state: State, unit: Unit, file: Fingerprint | None) -> Iterator[
         (tr("Faces"), f"{found.faces:,}", ""),
         (tr("Connected parts"), f"{found.pieces:,}", ""),
         (tr("Size at rest"), unit.length(" × ".join(short(side) for side in found.size)), ""),
-        (tr("Unit of length"), unit.title, ""),
+        (tr("Unit of length"), unit.title, tr("a guess that nobody confirmed") if unit.is_guess else ""),
     ]
     yield Table(tuple(rows))
 

@@ -40,7 +40,8 @@ class View:
     camera : Standpoint or None
         None where nobody has looked yet: the mesh is shown whole.
     unit : str
-        Symbol of the unit of length: the value of a :class:`apd_viewer.session.quantities.units.Unit`.
+        Value of a :class:`apd_viewer.session.quantities.units.Unit`: its symbol, with a question mark
+        where it is a guess.
     wall : Wall
         What the surface is made of, as it was typed.
     overlay : str or None

@@ -90,9 +90,10 @@ def _about(unit: Unit) -> str:
     """Comment on the units of the deck."""
     if unit is Unit.NONE:
         return "Lengths are in the unit of the mesh, which is not known. Keep the others consistent with it."
-    own = unit.value
+    own = unit.symbol
     usual = f"stress and Young's modulus N/{own}2, mass N s2/{own}, density N s2/{own}4"
-    return f"Units: length {own}, force N, time s; so {_KNOWN.get(unit, usual)}."
+    guess = " The unit of length is a guess that nobody confirmed." if unit.is_guess else ""
+    return f"Units: length {own}, force N, time s; so {_KNOWN.get(unit.confirmed, usual)}.{guess}"
 
 
 def _thickness(words: WallWords, unit: Unit) -> float | None:

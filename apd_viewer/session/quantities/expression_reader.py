@@ -148,7 +148,7 @@ class ExpressionReader:
             )
         if self._unit is Unit.NONE:
             raise NoUnitError(word)
-        return Quantity(_MICROMETRES[word] / _MICROMETRES[self._unit.value], length=1.0)
+        return Quantity(_MICROMETRES[word] / _MICROMETRES[self._unit.symbol], length=1.0)
 
     def _misplaced(self) -> InputError:
         if not self._token:

@@ -9,6 +9,7 @@ from apd_viewer.language import tr
 
 # No-break space: a number is not separated from its unit.
 _GAP = "\u00a0"
+_GUESS = "?"
 _DECIMETRES = {"mm": 0.01, "cm": 0.1, "m": 10.0, "in": 0.254, "ft": 3.048}
 # Litres and grams in a unit, smallest first; of the United States, where inches are used.
 _LITRES = {"ml": 1e-3, "l": 1.0}
@@ -20,7 +21,10 @@ _POWERS = {-1: "⁻¹", 1: "", 2: "²", 3: "³"}
 
 
 class Unit(Enum):
-    """A unit of length; its value is its symbol."""
+    """A unit of length, as known or as a guess; the value is a symbol.
+
+    A guess is a unit that nobody chose or stated. What is written in it ends with a question mark.
+    """
 
     NONE = ""
     MILLIMETRE = "mm"
@@ -28,6 +32,31 @@ class Unit(Enum):
     METRE = "m"
     INCH = "in"
     FOOT = "ft"
+    GUESSED_MILLIMETRE = "mm?"
+    GUESSED_CENTIMETRE = "cm?"
+    GUESSED_METRE = "m?"
+    GUESSED_INCH = "in?"
+    GUESSED_FOOT = "ft?"
+
+    @property
+    def symbol(self) -> str:
+        """The symbol alone, as it is typed."""
+        return self.value.removesuffix(_GUESS)
+
+    @property
+    def is_guess(self) -> bool:
+        """True if nobody chose or stated it."""
+        return self.value.endswith(_GUESS)
+
+    @property
+    def guessed(self) -> Unit:
+        """The same unit as a guess."""
+        return Unit(self.symbol + _GUESS) if self.symbol else self
+
+    @property
+    def confirmed(self) -> Unit:
+        """The same unit, no longer a guess."""
+        return Unit(self.symbol)
 
     @property
     def title(self) -> str:
@@ -52,30 +81,45 @@ class Unit(Enum):
 
     def legible(self, value: float, power: int) -> tuple[Unit, float]:
         """The unit in which an area or a volume is legible, and the factor into it."""
-        unit, factor = self, 1.0
+        unit, factor = self.confirmed, 1.0
         while abs(factor * value) >= _LEGIBLE and unit in _LARGER:
             larger = _LARGER[unit]
             factor *= (_DECIMETRES[unit.value] / _DECIMETRES[larger.value]) ** power
             unit = larger
-        return unit, factor
+        return unit.guessed if self.is_guess else unit, factor
 
     def litres(self, volume: float) -> float | None:
         """A volume in cubic mesh units as litres; None without a unit."""
-        side = _DECIMETRES.get(self.value)
+        side = _DECIMETRES.get(self.symbol)
         return None if side is None else volume * side**3
 
     def capacity(self, litres: float) -> tuple[str, float]:
         """The unit of capacity for a volume, and how many of it are a litre."""
-        if self in (Unit.INCH, Unit.FOOT):
-            return _largest(_LITRES_OF_INCHES, abs(litres))
-        return _largest(_LITRES, 10.0 * abs(litres))  # from a tenth on, litres are usual
+        if self._is_of_inches:
+            symbol, factor = _largest(_LITRES_OF_INCHES, abs(litres))
+        else:
+            symbol, factor = _largest(_LITRES, 10.0 * abs(litres))  # from a tenth on, litres are usual
+        return symbol + self._mark, factor
 
     def mass(self, grams: float) -> tuple[str, float]:
         """The unit of mass for so many grams, and how many of it are a gram."""
-        return _largest(_GRAMS_OF_INCHES if self in (Unit.INCH, Unit.FOOT) else _GRAMS, grams)
+        symbol, factor = _largest(_GRAMS_OF_INCHES if self._is_of_inches else _GRAMS, grams)
+        return symbol + self._mark, factor
+
+    @property
+    def _is_of_inches(self) -> bool:
+        return self.confirmed in (Unit.INCH, Unit.FOOT)
+
+    @property
+    def _mark(self) -> str:
+        return _GUESS if self.is_guess else ""
 
     def _written(self, number: str, power: int) -> str:
-        return f"{number}{_GAP}{self.value}{_POWERS[power]}" if self.value else number
+        return f"{number}{_GAP}{self.symbol}{_POWERS[power]}{self._mark}" if self.value else number
+
+
+UNITS = tuple(unit for unit in Unit if not unit.is_guess)  # what can be chosen
+SYMBOLS = tuple(unit.symbol for unit in UNITS if unit.symbol)
 
 
 _LARGER = {Unit.MILLIMETRE: Unit.CENTIMETRE, Unit.CENTIMETRE: Unit.METRE, Unit.INCH: Unit.FOOT}

@@ -29,7 +29,7 @@ from apd_viewer.session.model.state import State, rest_frame
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import Point, Standpoint, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.session.storage.measurements_json import measurements_of, measurements_said
 from apd_viewer.session.storage.obstacle_json import obstacle_of, obstacle_said, vectors_of
@@ -225,20 +225,20 @@ def view_said(view: View) -> dict[str, Any]:
         **{name: [float(x) for x in getattr(eye, name)] for name in _POINTS},
         "angle": float(eye.angle),
     }
-    said = {
+    said: dict[str, Any] = {
         "camera": camera,
-        "unit": view.unit or None,
+        "unit": Unit(view.unit).symbol or None,
         "wall": {name: text or None for name, text in view.wall._asdict().items()},
         "overlay": view.overlay if view.overlay is None else view.overlay or _NO_OVERLAY,
     }
+    if Unit(view.unit).is_guess:
+        said["unit_is_guess"] = True
     return said if view.up_axis is None else {**said, "up_axis": view.up_axis.value}
 
 
 def view_of(said: Fields) -> View:
     """The view again."""
-    unit = said.text("unit") if said.says("unit") else ""
-    if unit not in [each.value for each in Unit]:
-        raise ValueError(tr("its “unit” is unknown"))
+    unit = _unit(said)
     wall = _wall(said.part("wall")) if said.says("wall") else Wall()
     overlay = said.text("overlay") if said.says("overlay") else None
     overlay = "" if overlay == _NO_OVERLAY else overlay
@@ -252,6 +252,14 @@ def view_of(said: Fields) -> View:
         raise ValueError(tr("its “camera” has no direction"))
     angle = camera.number("angle", LEAST, np.pi - LEAST)
     return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit, wall, overlay, up_axis)
+
+
+def _unit(said: Fields) -> str:
+    symbol = said.text("unit") if said.says("unit") else ""
+    if symbol not in ("", *SYMBOLS):
+        raise ValueError(tr("its “unit” is unknown"))
+    is_guess = said.says("unit_is_guess") and said.flag("unit_is_guess")
+    return Unit(symbol).guessed.value if is_guess else symbol
 
 
 def _up_axis(name: str) -> UpAxis:

@@ -11,7 +11,7 @@ from apd_viewer.geometry.solver.convergence import LARGEST_TOLERANCE, MOST_ITERA
 from apd_viewer.geometry.solver.methods import method_named
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import number
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import SYMBOLS
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS
 from apd_viewer.studies.plans.case import Setting
 
@@ -83,11 +83,10 @@ def _method(text: str) -> str:
 
 def unit_of(text: str) -> str:
     """Symbol of a unit of length; raises InputError."""
-    symbols = [unit.value for unit in Unit if unit.value]
-    if text not in symbols:
+    if text not in SYMBOLS:
         raise InputError(
             tr("“{text}” is no unit of length; use {units}.").format(
-                text=text[:_SHOWN], units=", ".join(symbols)
+                text=text[:_SHOWN], units=", ".join(SYMBOLS)
             )
         )
     return text

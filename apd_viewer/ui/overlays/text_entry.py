@@ -116,7 +116,7 @@ class Typed:
     def open_brush(self) -> None:
         """Show the card of the brush with its present radius."""
         size = self._canvas.painter.size
-        length = None if size.length is None else f"{size.length:.4g}{self._session.store.unit.value}"
+        length = None if size.length is None else f"{size.length:.4g}{self._session.store.unit.symbol}"
         self.brush.text.setText(length or f"{size.radius:.0f}{_PIXELS}")
         self.open(self.brush)
 

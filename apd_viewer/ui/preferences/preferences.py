@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QMainWindow
 from apd_viewer.files.samples import resource
 from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import UpAxis
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import UNITS, Unit
 from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _MOST_RECENT = 8
 _MOST_UNITS = 64
 _UP_AXES = {axis.value for axis in UpAxis}
-_UNITS = {unit.value or "-": unit for unit in Unit}
+_UNITS = {unit.symbol or "-": unit for unit in UNITS}
 
 
 def own_file(mesh: Mesh) -> Path | None:
@@ -121,7 +121,7 @@ class Preferences:
         """Put the choice of ``unit`` for the file at ``path`` before all others."""
         path = path.resolve()
         units = {path: unit, **{other: old for other, old in self.units.items() if other != path}}
-        lines = [f"{unit.value or '-'} {other}" for other, unit in units.items()]
+        lines = [f"{unit.symbol or '-'} {other}" for other, unit in units.items()]
         self._settings.setValue("units", lines[:_MOST_UNITS])
 
     @property

@@ -32,6 +32,7 @@ UNIT_NAMES = {
 }
 _CHEVRON, _PADDING = 16, 6
 _TIP = tr("Unit of length of this file: measurements are shown in it, and nothing is scaled")
+_GUESS_TIP = tr("The unit of your last two files is a guess for this one: click to confirm or to change it")
 
 
 class UnitButton(QToolButton):
@@ -57,6 +58,8 @@ class UnitButton(QToolButton):
             action.setData(unit.value)
             action.triggered.connect(lambda _checked=False, unit=unit: self.chosen.emit(unit))
             group.addAction(action)
+        # Enter, or a second click, confirms a guess.
+        menu.aboutToShow.connect(lambda: menu.setActiveAction(group.checkedAction()))
         self.setMenu(menu)
         self.show_unit(Unit.NONE)
 
@@ -65,8 +68,9 @@ class UnitButton(QToolButton):
         self._unit = unit
         self.setText(unit.title)
         self.setAccessibleName(tr("Unit of length: {title}").format(title=unit.title))
+        self.setToolTip(_GUESS_TIP if unit.is_guess else _TIP)
         for action in self.menu().actions():
-            action.setChecked(action.data() == unit.value)
+            action.setChecked(action.data() == unit.symbol)
         self.updateGeometry()
 
     def set_theme(self, theme: Theme) -> None:
@@ -80,7 +84,7 @@ class UnitButton(QToolButton):
         return QSize(_PADDING + metrics.horizontalAdvance(self.text()) + 4 + _CHEVRON, metrics.height() + 6)
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw name and chevron, emphasised before the first choice."""
+        """Draw name and chevron, emphasised before a choice."""
         theme, room = self._theme, self.rect()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -88,7 +92,7 @@ class UnitButton(QToolButton):
             painter.setPen(theme.accent if self.hasFocus() else theme.accent_soft)
             painter.setBrush(theme.accent_soft)
             painter.drawRoundedRect(QRectF(room).adjusted(0.5, 0.5, -0.5, -0.5), 4, 4)
-        ink = theme.accent if self._unit is Unit.NONE else theme.ink
+        ink = theme.accent if self._unit is Unit.NONE else theme.warm if self._unit.is_guess else theme.ink
         painter.setPen(ink if self.isEnabled() else theme.faint)
         painter.drawText(room.adjusted(_PADDING, 0, 0, 0), Qt.AlignmentFlag.AlignVCenter, self.text())
         chevron = QRect(room.right() + 1 - _CHEVRON, (room.height() - _CHEVRON) // 2, _CHEVRON, _CHEVRON)
@@ -99,8 +103,8 @@ class UnitButton(QToolButton):
 class Units:
     """Unit of every mesh opened.
 
-    The files' units are remembered; those of samples, and of meshes that have no file, only as long as
-    the mesh is there.
+    The choice for a file is remembered; for a sample, or a mesh that has no file, it lasts as long as the
+    mesh is there. Without a choice it is the unit that the file states, else that of new files, else a guess.
 
     Parameters
     ----------
@@ -117,26 +121,24 @@ class Units:
     def of(self, mesh: Mesh) -> Unit:
         """Chosen unit of a mesh, or the most likely one."""
         if mesh not in self._chosen:
-            path = own_file(mesh)
-            self._chosen[mesh] = Unit.NONE if path is None else self._of_file(path)
+            self._chosen[mesh] = self._unchosen(mesh, own_file(mesh))
         return self._chosen[mesh]
 
     def choose(self, mesh: Mesh, unit: Unit) -> None:
         """Have a mesh measured in ``unit``, now and when its file is opened again."""
         self._chosen[mesh] = unit
         path = own_file(mesh)
-        if path is not None:
+        if path is not None and not unit.is_guess:
             self._memory.remember_unit(path, unit)
 
-    def _of_file(self, path: Path) -> Unit:
+    def _unchosen(self, mesh: Mesh, path: Path | None) -> Unit:
         units = self._memory.units
-        if path.resolve() in units:
+        if path is not None and path.resolve() in units:
             return units[path.resolve()]
+        if mesh.unit or path is None:
+            return Unit(mesh.unit)
         if (usual := self._usual()) is not None:
             return usual
         # One choice may be an exception; two in a row are a habit.
         latest = list(units.values())[:2]
-        unit = latest[0] if len(latest) == 2 and latest[0] is latest[1] else Unit.NONE
-        if unit is not Unit.NONE:
-            self._memory.remember_unit(path, unit)  # so that the next start finds the same one
-        return unit
+        return latest[0].guessed if len(latest) == 2 and latest[0] is latest[1] else Unit.NONE

@@ -112,7 +112,7 @@ class Studies(QObject):
         """Close the dialog, and open a pressed mesh in the window behind it."""
         if (dialog := self.dialogs.get("press")) is not None:
             dialog.close()
-        if unit is not Unit.NONE:
+        if unit is not Unit.NONE and not unit.is_guess:
             self._memory.remember_unit(path, unit)
         self._session.files.open(path)
 

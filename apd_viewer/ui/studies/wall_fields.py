@@ -114,7 +114,7 @@ class WallFields(QObject):
                 tr("Air inside needs the wall in newtons; choose a material or type its modulus.")
             )
         said = {
-            "--unit": self._unit.value,
+            "--unit": self._unit.symbol,
             "--thickness": "" if thickness is None else repr(thickness),
             "--yield-radius": "" if radius is None else repr(radius),
             "--young": self.young.text().strip() if elastic else "",

@@ -9,9 +9,10 @@ from driving import document, idle
 from PySide6.QtCore import QPoint, Qt, QTimer
 
 from apd_viewer.files.mesh_writing import save_mesh
-from apd_viewer.files.samples import resource
+from apd_viewer.files.samples import SAMPLES, resource
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.preferences import preferences
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.preferences.unit_button import Units
@@ -144,33 +145,100 @@ def test_a_file_keeps_its_unit_from_one_window_to_the_next(qtbot, window, files,
     assert Units(Preferences(settings)).of(Mesh(*meshes.sphere(1), path=files[0])) is CM
 
 
-def test_the_same_unit_twice_running_is_what_the_next_file_begins_with(settings, files):
+def test_the_same_unit_twice_running_is_a_guess_for_the_next_file(settings, files):
     V, F = meshes.sphere(1)
     a, b, c = (Mesh(V, F, path=path) for path in files)
     units = Units(Preferences(settings))
     units.choose(a, MM)
     assert units.of(b) is NONE
     units.choose(b, MM)
-    assert units.of(c) is MM
-    units.choose(a, CM)
-    assert Units(Preferences(settings)).of(c) is MM, "what a file began with it keeps"
-    assert units.of(Mesh(V, F, path=files[0].with_name("d.obj"))) is NONE
+    assert units.of(c) is MM.guessed
+    assert set(Preferences(settings).units) == {files[0].resolve(), files[1].resolve()}
+    units.choose(c, MM)
+    assert Units(Preferences(settings)).of(Mesh(V, F, path=files[2])) is MM, "a confirmed one is remembered"
 
 
-def test_samples_and_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, settings, files):
+def test_a_guess_never_confirms_itself(settings, files, tmp_path):
+    V, F = meshes.sphere(1)
+    units = Units(Preferences(settings))
+    units.choose(Mesh(V, F, path=files[0]), MM)
+    units.choose(Mesh(V, F, path=files[1]), CM)
+    units.choose(Mesh(V, F, path=files[2]), MM.guessed)  # as a session has it
+    assert units.of(Mesh(V, F, path=tmp_path / "d.obj")) is NONE
+
+
+def test_what_a_file_states_goes_before_a_guess_and_after_a_choice(settings, files, tmp_path):
+    V, F = meshes.sphere(1)
+    units = Units(Preferences(settings), lambda: CM)
+    for path in files[:2]:
+        units.choose(Mesh(V, F, path=path), MM)
+    stated = Mesh(V, F, path=files[2], unit="m")
+    assert units.of(stated) is M
+    assert units.of(stated.baked(stated.V)) is units.of(stated.homeless()) is M
+    units.choose(stated, MM)
+    assert units.of(Mesh(V, F, path=files[2], unit="m")) is MM
+    assert units.of(Mesh(V, F, path=tmp_path / "d.obj")) is CM, "that of new files, as set"
+
+
+def test_a_guess_is_marked_until_it_is_confirmed(qtbot, window, files, settings):
+    for path in files[:2]:
+        open_file(qtbot, window, path)
+        choose(window, CM)
+    open_file(qtbot, window, files[2])
+    button, panel = window.panel.area.unit, window.panel
+    assert (button.text(), panel.unit) == ("cm?", CM.guessed)
+    assert "guess" in button.toolTip()
+    assert panel.area.area.text().endswith("cm²?")
+    assert window.status._size.toolTip().split(" at rest")[0].endswith("cm?")
+    menu = button.menu()
+    QTimer.singleShot(100, lambda: qtbot.keyClick(menu, Qt.Key.Key_Return))
+    qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+    assert (button.text(), panel.unit) == ("cm", CM)
+    assert "guess" not in button.toolTip()
+    assert panel.area.area.text().endswith("cm²")
+    assert Preferences(settings).units[files[2].resolve()] is CM
+
+
+def test_a_session_keeps_a_guess_a_guess(qtbot, window, files, settings, tmp_path):
+    for path in files[:2]:
+        open_file(qtbot, window, path)
+        choose(window, CM)
+    open_file(qtbot, window, files[2])
+    session = window.session
+    session.files.save(tmp_path / "guessed.apd", window._view())
+    idle(qtbot, window)
+    _, view = open_session(tmp_path / "guessed.apd")
+    assert Unit(view.unit) is CM.guessed
+    choose(window, CM)
+    session.files.save(tmp_path / "confirmed.apd", window._view())
+    idle(qtbot, window)
+    _, view = open_session(tmp_path / "confirmed.apd")
+    assert Unit(view.unit) is CM
+
+
+def test_every_sample_has_the_unit_that_its_file_names(qtbot, window):
+    """Each says "unit: centimetre" in a comment."""
+    for name in SAMPLES:
+        assert "unit: centimetre" in resource(f"{name}.obj").read_text()[:200]
+        window.filing.open_sample(name)
+        idle(qtbot, window)
+        assert window.panel.unit is CM, name
+        assert window.panel.area.unit.text() == "cm"
+
+
+def test_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, settings, files):
     units = Units(Preferences(settings))
     V, F = meshes.sphere(1)
     for path in files[:2]:
         units.choose(Mesh(V, F, path=path), MM)
     assert units.of(Mesh(V, F)) is NONE
-    assert units.of(Mesh(V, F, path=resource("duck.obj"))) is NONE
     bottle.filing.open_sample("duck")
     idle(qtbot, bottle)
     choose(bottle, M)
-    assert set(Preferences(settings).units.values()) == {MM}
+    assert set(Preferences(settings).units.values()) == {MM}, "none is kept for a sample"
     bottle.filing.open_sample("bottle")
     idle(qtbot, bottle)
-    assert bottle.panel.unit is NONE
+    assert bottle.panel.unit is CM
     bottle.session.gestures.undo()
     assert bottle.panel.unit is M
 
