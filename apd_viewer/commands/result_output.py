@@ -87,7 +87,7 @@ def summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
                 kind=kept, things=listed(written.dropped)
             )
         )
-    return "\n".join([*lines, *result.warnings])
+    return "\n".join([*lines, *result.warnings, *mesh.remarks])
 
 
 def readings(result: Result) -> list[str]:

@@ -118,7 +118,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
 
     content = _content(mesh, U, path)
     try:
-        V, F, _ = parsed(content, path)
+        V, F, *_ = parsed(content, path)
     except InputError:  # a link to outside stands where it is written
         raise
     except ValueError:

@@ -55,6 +55,12 @@ def _found(kind: str, sentence: str, vertices: np.ndarray | tuple[()] = ()) -> F
     return Finding(kind, sentence, frozen(np.unique(np.asarray(vertices, dtype=np.int64))))
 
 
+def of_file(mesh: Mesh) -> Iterator[Finding]:
+    """Findings about the file of the mesh."""
+    for sentence in mesh.remarks:
+        yield _found("file", sentence)
+
+
 def of_vertices(mesh: Mesh) -> Iterator[Finding]:
     """Findings about coincident and unreferenced vertices, and cracks."""
     weld = mesh.weld

@@ -9,6 +9,7 @@ import numpy as np
 from apd_viewer.geometry.analysis.findings import (
     Finding,
     of_faces,
+    of_file,
     of_joints,
     of_orientation,
     of_pieces,
@@ -82,6 +83,7 @@ def inspect(mesh: Mesh) -> Inspection:
         openings=0 if caps is None or capped is None else caps.count,
         size=(dx, dy, dz),
         findings=(
+            *of_file(mesh),
             *of_vertices(mesh),
             *of_faces(mesh, areas),
             *of_joints(mesh, F),

@@ -66,6 +66,8 @@ class Mesh:
         File that the mesh came from; None without one.
     origin : Origin or None
         Contents of that file, to write it with other coordinates.
+    remarks : tuple of str
+        Sentences: what is strange about that file, and what it has that was not read.
     unit : str
         Symbol of the unit of length, such as ``mm``, where the file states it; else empty.
 
@@ -81,7 +83,8 @@ class Mesh:
     F: np.ndarray
     path: Path | None = field(default=None)
     origin: Origin | None = field(default=None)
-    unit: str = ""
+    remarks: tuple[str, ...] = field(default=())
+    unit: str = field(default="")
 
     def __post_init__(self) -> None:
         V, F = self.V, self.F
@@ -99,11 +102,12 @@ class Mesh:
         path: Path | None = None,
         origin: Origin | None = None,
         weld: tuple[np.ndarray, np.ndarray] | None = None,
+        remarks: tuple[str, ...] = (),
         unit: str = "",
     ) -> Mesh:
         """Mesh of read-only arrays already checked, with its weld if known."""
         mesh = cls.__new__(cls)
-        mesh.__dict__.update(V=V, F=F, path=path, origin=origin, unit=unit)
+        mesh.__dict__.update(V=V, F=F, path=path, origin=origin, remarks=remarks, unit=unit)
         if weld is not None:
             mesh.__dict__["weld"] = Weld.between(V, *weld)
         return mesh
@@ -115,14 +119,18 @@ class Mesh:
         """
         read = self.origin.mesh if isinstance(self.origin, Baked) else self
         origin = Baked(read, read.origin) if read.origin is not None else None
-        return Mesh.trusted(U, self.F, self.path, origin, (self.weld.first, self.weld.inverse), self.unit)
+        return Mesh.trusted(U, self.F, self.path, origin, self._welded, self.remarks, self.unit)
 
     def homeless(self) -> Mesh:
         """The mesh without its path."""
         origin = self.origin
         if isinstance(origin, Baked):
             origin = Baked(origin.mesh.homeless(), origin.origin)
-        return Mesh.trusted(self.V, self.F, None, origin, (self.weld.first, self.weld.inverse), self.unit)
+        return Mesh.trusted(self.V, self.F, None, origin, self._welded, self.remarks, self.unit)
+
+    @property
+    def _welded(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.weld.first, self.weld.inverse
 
     @cached_property
     def weld(self) -> Weld:

@@ -56,3 +56,12 @@ def test_a_surface_inside_out_is_said_to_be(openings):
     kinds = [finding.kind for finding in inspect(Mesh(V, F[:, ::-1])).findings]
     assert "inside out" in kinds
     assert "inside out" not in [finding.kind for finding in inspect(Mesh(V, F)).findings]
+
+
+def test_what_the_file_is_remarked_for_is_said_first_and_stays_with_the_mesh():
+    V, F = box(1, 1, 1)
+    mesh = Mesh(V, F[:-1], remarks=("Beams were not read.",))
+    for same in (mesh, mesh.baked(2 * mesh.V), mesh.homeless()):
+        first, border = inspect(same).findings
+        assert (first.kind, first.sentence, len(first.vertices)) == ("file", "Beams were not read.", 0)
+        assert border.kind == "open borders"
