@@ -57,6 +57,7 @@ ROOMS = [
     "files/animations",
     "files",
     "files/selections",
+    "files/gltf",
     "files/vtk",
     "files/formats",
     "files/storage",

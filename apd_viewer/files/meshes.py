@@ -9,12 +9,12 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.formats.foreign import read_3mf
-from apd_viewer.files.formats.gltf import read_gltf
 from apd_viewer.files.formats.obj import read_obj
 from apd_viewer.files.formats.off import read_off
 from apd_viewer.files.formats.parsed import Parsed
 from apd_viewer.files.formats.ply import read_ply
 from apd_viewer.files.formats.stl import read_stl
+from apd_viewer.files.gltf.gltf_reader import read_gltf
 from apd_viewer.files.storage.reading import in_one_line
 from apd_viewer.files.vtk.legacy import read_vtk
 from apd_viewer.files.vtk.xml_surface import read_vtp, read_vtu

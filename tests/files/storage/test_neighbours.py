@@ -264,7 +264,7 @@ def test_files_without_end_are_not_read(folder, kind, monkeypatch):
         else:  # each is small enough, but they are many
             (folder / "huge").write_bytes(content)
             document["buffers"] *= 3
-            monkeypatch.setattr("apd_viewer.files.formats.gltf_arrays.LARGEST", 2 * len(content))
+            monkeypatch.setattr("apd_viewer.files.gltf.containers.LARGEST", 2 * len(content))
         path.write_text(json.dumps(document), encoding="utf-8")
         with pytest.raises(InputError) as caught:
             open_mesh(path)
@@ -275,7 +275,7 @@ def test_files_without_end_are_not_read(folder, kind, monkeypatch):
 
 def test_embedded_content_is_bounded(tmp_path, monkeypatch):
     path = gltf(tmp_path)
-    monkeypatch.setattr("apd_viewer.files.formats.gltf_arrays.LARGEST", 100)
+    monkeypatch.setattr("apd_viewer.files.gltf.containers.LARGEST", 100)
     with pytest.raises(InputError, match="names or holds more than"):
         open_mesh(path)
 

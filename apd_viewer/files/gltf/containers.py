@@ -1,4 +1,4 @@
-"""Arrays of a glTF file: chunks, buffers and accessors."""
+"""Containers of a glTF file: chunks, JSON and buffers."""
 
 from __future__ import annotations
 
@@ -9,17 +9,10 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-import numpy as np
-
-from apd_viewer.files.formats.gltf_scene import a_list, one, whole
+from apd_viewer.errors import InputError
+from apd_viewer.files.gltf.scene import a_list, one, whole
 from apd_viewer.files.storage.neighbours import LARGEST, content_beside, too_large
 from apd_viewer.language import tr
-
-TRIANGLES, STRIP, FAN = 4, 5, 6  # the modes of a primitive
-_TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-
-
-_NAMES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 
 
 def document_of(said: bytes) -> tuple[str, dict[str, Any]]:
@@ -49,10 +42,10 @@ def chunks_of(content: bytes) -> tuple[bytes, bytes | None]:
     if len(content) < 20:
         raise ValueError(tr("it ends too early"))
     magic, version, _, length, kind = struct.unpack_from("<4sIII4s", content)
+    if magic == b"glTF" and version != 2:
+        raise ValueError(tr("it is version {version}; only version 2 is supported").format(version=version))
     if magic != b"glTF" or kind != b"JSON":
         raise ValueError(tr("it does not start with a GLB header"))
-    if version != 2:
-        raise ValueError(tr("it is version {version}; only version 2 is supported").format(version=version))
     begin = 20 + length
     if begin > len(content):
         raise ValueError(tr("it ends too early"))
@@ -90,6 +83,31 @@ def embedded(uri: str) -> bytes:
         raise ValueError(tr("its embedded coordinates are damaged")) from None
 
 
+def data_uri(before: str, buffer: bytearray) -> str:
+    """Data URI of a buffer; raises InputError if the one before was none."""
+    if not before.startswith("data:"):
+        raise InputError(
+            tr("The coordinates are in a separate file, {uri}; pack both into a GLB first.").format(
+                uri=before
+            )
+        )
+    return before.partition(",")[0] + "," + base64.b64encode(buffer).decode()
+
+
+def glb_with(content: bytes, text: str | None, buffer: bytearray | None) -> bytes:
+    """GLB file with another JSON and another binary buffer; None keeps them."""
+    head = struct.calcsize("<4sIII4s")
+    (length,) = struct.unpack_from("<I", content, 12)
+    said, rest = content[head : head + length], bytearray(content[head + length :])
+    if text is not None:
+        said = text.encode()
+        said += b" " * (-len(said) % 4)
+    if buffer is not None and rest:
+        rest[8 : 8 + len(buffer)] = buffer
+    start = struct.pack("<4sIII4s", b"glTF", 2, head + len(said) + len(rest), len(said), b"JSON")
+    return start + said + bytes(rest)
+
+
 def _buffer_of(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
     """Bytes of a buffer: the binary chunk, a data URI or a file beside."""
     uri = told.get("uri")
@@ -105,64 +123,3 @@ def _buffer_of(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
     if content is None:
         raise ValueError(tr("the file {uri} is missing from its folder").format(uri=uri))
     return content
-
-
-def positions_of(document: dict[str, Any], buffers: list[Any], accessor: object) -> np.ndarray:
-    """The positions (n, 3) of an accessor as they are meant, as doubles."""
-    array = array_of(document, buffers, accessor, 3)
-    if one(document, "accessors", accessor).get("normalized") and array.dtype.kind in "iu":
-        return np.maximum(array / np.iinfo(array.dtype).max, -1.0)
-    with np.errstate(invalid="ignore"):  # NaN is refused later
-        return array.astype(np.float64)
-
-
-def colors_of(document: dict[str, Any], buffers: list[Any], accessor: object) -> np.ndarray:
-    """Linear colours (n, 3) of an accessor, from 0 to 1."""
-    width = 4 if one(document, "accessors", accessor).get("type") == "VEC4" else 3
-    array = array_of(document, buffers, accessor, width)[:, :3]
-    return array / (np.iinfo(array.dtype).max if array.dtype.kind == "u" else 1.0)
-
-
-def array_of(document: dict[str, Any], buffers: list[Any], accessor: object, width: int) -> np.ndarray:
-    """The numbers of an accessor, (count, width): they lie in the buffer."""
-    told = one(document, "accessors", accessor)
-    if "sparse" in told or "bufferView" not in told:
-        raise ValueError(tr("it has sparse accessors, which are not supported"))
-    view = one(document, "bufferViews", told["bufferView"])
-    code = whole(told, "componentType")
-    if code not in _TYPES or told.get("type") != _NAMES[width]:
-        raise ValueError(tr("an accessor has the wrong type"))
-    one(document, "buffers", view.get("buffer"))
-    kind, count, buffer = np.dtype(_TYPES[code]), whole(told, "count"), buffers[view["buffer"]]
-    start = whole(view, "byteOffset", 0) + whole(told, "byteOffset", 0)
-    row = kind.itemsize * width
-    stride = whole(view, "byteStride", 0) or row
-    if stride < row or start + stride * max(count - 1, 0) + row * min(count, 1) > len(buffer):
-        raise ValueError(tr("it ends within an accessor"))
-    return np.ndarray((count, width), kind, buffer, start, (stride, kind.itemsize))
-
-
-def triangles_of(document: dict[str, Any], buffers: list[Any], part: dict[str, Any], mode: int) -> np.ndarray:
-    """Triangles (t, 3) of a primitive: a list, a strip or a fan."""
-    count = whole(one(document, "accessors", part["attributes"]["POSITION"]), "count")
-    corners = np.arange(count)
-    if "indices" in part:
-        indices = array_of(document, buffers, part["indices"], 1)
-        if indices.dtype.kind != "u":
-            raise ValueError(tr("its triangles have the wrong type"))
-        corners = indices[:, 0].astype(np.int64)
-        if len(corners) and corners.max() >= count:
-            raise ValueError(
-                tr("a triangle refers to vertex {vertex:,} of {count:,}").format(
-                    vertex=corners.max(), count=count
-                )
-            )
-    if mode == TRIANGLES:
-        if len(corners) % 3:
-            raise ValueError(tr("a triangle is incomplete"))
-        return corners.reshape(-1, 3)
-    k = np.arange(max(len(corners) - 2, 0))
-    if mode == FAN:
-        return corners[np.column_stack([np.zeros_like(k), k + 1, k + 2])].reshape(-1, 3)
-    odd = k % 2
-    return corners[np.column_stack([k, k + 1 + odd, k + 2 - odd])].reshape(-1, 3)

@@ -20,6 +20,15 @@ def spans(text: str, paths: Sequence[Path]) -> dict[Path, tuple[int, int]]:
     return found
 
 
+def replaced(text: str, changes: Sequence[tuple[Path, str]]) -> str:
+    """The text with other values at the paths of ``changes``."""
+    found = spans(text, [path for path, _ in changes])
+    for path, new in sorted(changes, key=lambda change: -found[change[0]][0]):
+        begin, end = found[path]
+        text = text[:begin] + new + text[end:]
+    return text
+
+
 def _find(text: str, at: int, wanted: set[Path], here: Path, found: dict[Path, tuple[int, int]]) -> int:
     """Search the value at ``at``; return its end."""
     if not any(path[: len(here)] == here for path in wanted):

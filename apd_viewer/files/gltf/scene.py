@@ -49,28 +49,35 @@ def parts(document: dict[str, Any], mesh: int) -> list[dict[str, Any]]:
     return found
 
 
-def placed(document: dict[str, Any]) -> dict[int, np.ndarray]:
-    """Nodes of the scene with a mesh, and their world matrices (4, 4)."""
+def world_of(document: dict[str, Any]) -> dict[int, np.ndarray]:
+    """World matrices (4, 4) of all nodes of the scene."""
+    return _below(document, _roots(document, document.get("scene", 0)))
+
+
+def has_other_scenes(document: dict[str, Any], world: dict[int, np.ndarray]) -> bool:
+    """True if a scene shows a mesh by a node outside of ``world``."""
+    others = (_below(document, _roots(document, k)) for k in range(len(a_list(document, "scenes"))))
+    return any("mesh" in document["nodes"][node] for other in others for node in other if node not in world)
+
+
+def _below(document: dict[str, Any], roots: list[Any]) -> dict[int, np.ndarray]:
+    """World matrices (4, 4) of the roots and all nodes below them."""
     found: dict[int, np.ndarray] = {}
-    seen: set[int] = set()
-    todo = [(root, np.eye(4)) for root in reversed(_roots(document))]
+    todo = [(root, np.eye(4)) for root in reversed(roots)]
     while todo:
         k, above = todo.pop()
         node = one(document, "nodes", k)
-        if k in seen:
+        if k in found:
             raise ValueError(tr("its nodes do not form a tree"))
-        seen.add(k)
         with np.errstate(all="ignore"):  # absurd positions are refused later
-            matrix = above @ _matrix(node)
-        if "mesh" in node:
-            found[k] = matrix
-        todo += [(child, matrix) for child in reversed(a_list(node, "children"))]
+            found[k] = above @ _matrix(node)
+        todo += [(child, found[k]) for child in reversed(a_list(node, "children"))]
     return found
 
 
-def _roots(document: dict[str, Any]) -> list[Any]:
+def _roots(document: dict[str, Any], scene: object) -> list[Any]:
     if document.get("scenes"):
-        return a_list(one(document, "scenes", document.get("scene", 0)), "nodes")
+        return a_list(one(document, "scenes", scene), "nodes")
     count = len(a_list(document, "nodes"))
     below = [a_list(one(document, "nodes", k), "children") for k in range(count)]
     children = {child for some in below for child in some if isinstance(child, int)}
@@ -81,8 +88,17 @@ def _matrix(node: dict[str, Any]) -> np.ndarray:
     """The matrix (4, 4) of a node to the one above."""
     if "matrix" in node:
         return _numbers(node, "matrix", np.eye(4).ravel()).reshape(4, 4).T
+    return matrix_of(
+        _numbers(node, "translation", [0, 0, 0]),
+        _numbers(node, "rotation", [0, 0, 0, 1]),
+        _numbers(node, "scale", [1, 1, 1]),
+    )
+
+
+def matrix_of(translation: np.ndarray, rotation: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Matrix (4, 4) of a translation (3,), a quaternion (x, y, z, w) and factors (3,)."""
     M = np.eye(4)
-    x, y, z, w = _numbers(node, "rotation", [0, 0, 0, 1])
+    x, y, z, w = rotation
     R = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
@@ -90,8 +106,8 @@ def _matrix(node: dict[str, Any]) -> np.ndarray:
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
-    M[:3, :3] = R * _numbers(node, "scale", [1, 1, 1])
-    M[:3, 3] = _numbers(node, "translation", [0, 0, 0])
+    M[:3, :3] = R * scale
+    M[:3, 3] = translation
     return M
 
 
@@ -112,6 +128,11 @@ def _is_sane(number: float) -> bool:
 
 
 def carried(matrix: np.ndarray, local: np.ndarray) -> np.ndarray:
-    """Positions (n, 3) transformed by the matrix."""
+    """Positions (n, 3) transformed by one matrix (4, 4), or each by its own (n, 4, 4)."""
     with np.errstate(all="ignore"):  # absurd positions are refused later
-        return local @ matrix[:3, :3].T + matrix[:3, 3]
+        return applied(matrix[..., :3, :3], local) + matrix[..., :3, 3]
+
+
+def applied(A: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """Products (n, 3) of the rows of ``X`` with one matrix, or one each (n, 3, 3)."""
+    return X @ A.T if A.ndim == 2 else np.einsum("nij,nj->ni", A, X)

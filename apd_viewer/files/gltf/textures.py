@@ -7,9 +7,10 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from apd_viewer.files.formats.gltf_arrays import array_of, embedded
-from apd_viewer.files.formats.gltf_scene import one, whole
 from apd_viewer.files.formats.texture_images import image_beside, read_image, textured
+from apd_viewer.files.gltf.accessors import array_of
+from apd_viewer.files.gltf.containers import embedded
+from apd_viewer.files.gltf.scene import one, whole
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
