@@ -139,7 +139,6 @@ def _add_targets(parser: Parser) -> None:
     parser.add_argument(
         "--area",
         metavar="PERCENT",
-        type=float,
         help=tr(
             "target of the total area, in percent of the rest area; default: 100 for 'exact' and 'paper'"
         ),
@@ -147,7 +146,6 @@ def _add_targets(parser: Parser) -> None:
     parser.add_argument(
         "--volume",
         metavar="PERCENT",
-        type=float,
         help=tr("target of the volume, in percent of the rest volume; default: free"),
     )
     parser.add_argument(
@@ -229,15 +227,7 @@ def _region(words: Sequence[str], vertices: int) -> Region:
     if len(words) not in (2, 3):
         raise InputError(tr("--region takes a name, a file and an optional target area in percent."))
     name, path, *percent = words
-    try:
-        area = float(percent[0]) if percent else None
-    except ValueError as error:
-        raise InputError(
-            tr("--region {name}: {percent} is not a percentage; enter a number.").format(
-                name=name, percent=percent[0]
-            )
-        ) from error
-    return Region(name, read_region(path, vertices), area)
+    return Region(name, read_region(path, vertices), percent[0] if percent else None)
 
 
 def _deform(options: argparse.Namespace) -> None:

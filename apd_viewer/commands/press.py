@@ -101,10 +101,8 @@ def press_parser() -> Parser:
         ),
     ):
         parser.add_argument(option, metavar="A", type=float, default=default, help=what)
-    parser.add_argument("--area", metavar="PERCENT", type=float, help=tr("target of the total area"))
-    parser.add_argument(
-        "--volume", metavar="PERCENT", type=float, help=tr("target of the volume; default: free")
-    )
+    parser.add_argument("--area", metavar="PERCENT", help=tr("target of the total area"))
+    parser.add_argument("--volume", metavar="PERCENT", help=tr("target of the volume; default: free"))
     add_wall_options(parser)
     parser.add_argument(
         "--release", action="store_true", help=tr("open the plates again in the end, and write what remains")

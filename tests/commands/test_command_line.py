@@ -322,7 +322,7 @@ def test_two_handles_each_with_its_motion(bar, deformed):
 
 
 def test_what_is_out_of_reach_is_said_and_written(bar, deformed):
-    report, mesh, out = deformed(bar, "--area", 5)
+    report, mesh, out = deformed(bar, "--area", "5%")
     assert report["converged"] is False
     assert "Out of reach in this pose: the area is at" in report["warnings"][-1]
     assert report["warnings"][-1] in out
@@ -523,6 +523,9 @@ def test_a_file_to_be_written_twice(option, bar, refused):
         ("--thickness", "thin", "invalid float value: 'thin'"),
         ("--area", "0", "The target of the area must be a percentage from 1 to 1000"),
         ("--volume", "-10", "The target of the volume must be a percentage from 1 to 1000"),
+        ("--area", "1.1", "1.1 can mean 110 % or 1.1 %; write 110% or 1.1%."),
+        ("--volume", "0.98", "The target of the volume must be a percentage from 1 to 1000"),
+        ("--volume", "2", "2 can mean 200 % or 2 %; write 200% or 2%."),
         ("--region", "lid", "--region takes a name, a file"),
         ("--unknown", "1", "unrecognized arguments: --unknown 1"),
         ("--picture", "picture.jpg", "use .png"),

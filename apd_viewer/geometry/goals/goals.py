@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -12,15 +11,11 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.goals.percentage import GOAL_WORDS, percentage
 from apd_viewer.geometry.mesh.arrays import whole_numbers
 from apd_viewer.geometry.mesh.measures import Patch, WeightedAreas, triangle_weights
 from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.language import tr
-
-# Targets beyond these are typing errors.
-_LEAST, _MOST = 1.0, 1000.0
-# Names of the goals; those of regions are the user's.
-_WORDS = {"the area": tr("the area"), "the volume": tr("the volume")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +27,9 @@ class Region:
     name : str
     vertices : int array
         Ids in the order of the file.
-    area : float or None
-        What its area should be, in percent of its area at rest; None only measures it.
+    area : float, str or None
+        What its area should be, in percent of its area at rest; None only measures it. Below 10 as text
+        with its sign, such as ``"5%"``.
 
     Examples
     --------
@@ -47,7 +43,7 @@ class Region:
 
     name: str
     vertices: np.ndarray
-    area: float | None = None
+    area: float | str | None = None
 
 
 @dataclass(frozen=True)
@@ -106,7 +102,7 @@ class Goal:
         # With enough digits to show the difference.
         digits = next((d for d in range(4, 17) if f"{reached:.{d}g}" != f"{wanted:.{d}g}"), 17)
         return tr("{name} is at {reached:.{digits}g} % instead of {wanted:.4g} %").format(
-            name=_WORDS.get(self.name, self.name), reached=reached, digits=digits, wanted=wanted
+            name=GOAL_WORDS.get(self.name, self.name), reached=reached, digits=digits, wanted=wanted
         )
 
 
@@ -188,8 +184,8 @@ def patch_of(rest: RestMesh, region: Region) -> Patch:
 
 def make_goals(
     rest: RestMesh,
-    area: float | None,
-    inside: float | None,
+    area: float | str | None,
+    inside: float | str | None,
     regions: Sequence[Region],
     calm: np.ndarray | None = None,
 ) -> tuple[Goal, ...]:
@@ -198,7 +194,7 @@ def make_goals(
     Parameters
     ----------
     rest : RestMesh
-    area, inside : float or None
+    area, inside : float, str or None
         Of the total area and the volume.
     regions : sequence of Region
     calm : (k, n) float array, optional
@@ -231,6 +227,7 @@ def make_goals(
 def _region_goal(shape: SolveMesh, region: Region, corners: np.ndarray) -> Goal:
     inside = np.zeros(len(shape.V))
     inside[corners] = 1.0
+    assert region.area is not None
     goal = _goal(f"“{region.name}”", shape, region.area, weight=inside)
     if goal.rest <= 0.0:
         raise InputError(
@@ -239,24 +236,16 @@ def _region_goal(shape: SolveMesh, region: Region, corners: np.ndarray) -> Goal:
     return goal
 
 
-def _calm_goals(shape: SolveMesh, area: float, levels: np.ndarray) -> list[Goal]:
+def _calm_goals(shape: SolveMesh, area: float | str, levels: np.ndarray) -> list[Goal]:
     goals = [
         _goal(f"calm parts {k}", shape, area, weight=levels[k], is_smooth=True) for k in range(len(levels))
     ]
     return [goal for goal in goals if goal.rest > 0.0]
 
 
-def _goal(
-    name: str, shape: SolveMesh, percent: float | None, value: float | None = None, **kind: Any
-) -> Goal:
+def _goal(name: str, shape: SolveMesh, percent: float | str, value: float | None = None, **kind: Any) -> Goal:
     """The goal of a percentage of its value at rest, measured if it is not known."""
-    if not isinstance(percent, Real) or isinstance(percent, bool) or not _LEAST <= percent <= _MOST:
-        raise InputError(
-            tr("The target of {name} must be a percentage from {least:g} to {most:g}, such as 100.").format(
-                name=_WORDS.get(name, name), least=_LEAST, most=_MOST
-            )
-        )
-    goal = Goal(name, shape.whole, 1.0, float(percent) / 100.0, **kind)
+    goal = Goal(name, shape.whole, 1.0, percentage(percent, name) / 100.0, **kind)
     return at_rest(goal, shape.V) if value is None else _scaled(goal, value)
 
 

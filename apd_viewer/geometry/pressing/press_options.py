@@ -47,8 +47,8 @@ class PressOptions:
     stiffness: float = 0.0
     area_stiffness: float = DEFAULT_AREA_STIFFNESS
     shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS
-    area: float | None = None
-    volume: float | None = None
+    area: float | str | None = None
+    volume: float | str | None = None
     thickness: float | None = None
     yield_radius: float | None = None
     start: np.ndarray | None = None

@@ -67,8 +67,9 @@ class Deformation:
         Weight of bending, 0 to about 0.1; for "sr-arap" CGAL's alpha.
     area_stiffness, shear_stiffness : float
         How firmly "local" keeps every triangle's area (area modulus) and shape (shear modulus).
-    area, volume : float, optional
-        What the total area and the enclosed volume should be, in percent of what they are at rest. Without,
+    area, volume : float or str, optional
+        What the total area and the enclosed volume should be, in percent of what they are at rest; below
+        10 as text with its sign, such as ``"5%"``, since 1.1 could be meant as 110 percent. Without,
         "exact" and "paper" keep the area; all else is free. "paper" cannot keep a volume.
     regions : sequence of Region, optional
         Parts that are measured, or that have an area to keep.
@@ -127,8 +128,8 @@ class Deformation:
         stiffness: float = 0.0,
         area_stiffness: float = DEFAULT_AREA_STIFFNESS,
         shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
-        area: float | None = None,
-        volume: float | None = None,
+        area: float | str | None = None,
+        volume: float | str | None = None,
         regions: Sequence[Region] = (),
         plain: bool = False,
         rest: RestMesh | None = None,
@@ -208,8 +209,8 @@ class Deformation:
 
     def keep(
         self,
-        area: float | None = None,
-        volume: float | None = None,
+        area: float | str | None = None,
+        volume: float | str | None = None,
         regions: Sequence[Region] = (),
         calm: bool = True,
     ) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.goals.goal_projection import MET
 from apd_viewer.geometry.goals.goals import Goal, Reading, Region, make_goals, patch_of
+from apd_viewer.geometry.goals.percentage import percentage
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.solver.methods import Method, check_tolerance
 from apd_viewer.language import listed, tr
@@ -56,7 +57,9 @@ class GoalSet:
         self._retries = 1
         self.regions: tuple[Region, ...] = ()
 
-    def ask(self, area: float | None, volume: float | None, regions: Sequence[Region], calm: bool) -> None:
+    def ask(
+        self, area: float | str | None, volume: float | str | None, regions: Sequence[Region], calm: bool
+    ) -> None:
         """Replace all goals by percentages of the values at rest.
 
         Parameters
@@ -110,7 +113,7 @@ class GoalSet:
         with cores_for(len(V)):
             at_rest = self.region_areas(V)
         return tuple(
-            Reading(region.name, rest, area, None if region.area is None else rest * region.area / 100.0)
+            Reading(region.name, rest, area, _target(region, rest))
             for region, rest, area in zip(self.regions, at_rest, areas, strict=True)
         )
 
@@ -173,3 +176,7 @@ class GoalSet:
             if abs(goal.miss(float(value))) > MET and not goal.is_smooth
         ]
         return listed(missed) or None
+
+
+def _target(region: Region, rest: float) -> float | None:
+    return None if region.area is None else rest * percentage(region.area, region.name) / 100.0

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from apd_viewer.geometry.goals.percentage import said_with_sign
+
 if TYPE_CHECKING:
     from apd_viewer.geometry.goals.goals import Region
     from apd_viewer.session.model.document import Document
@@ -14,8 +16,8 @@ if TYPE_CHECKING:
 class Targets(NamedTuple):
     """Arguments of :meth:`Deformation.keep`."""
 
-    area: float | None
-    volume: float | None
+    area: float | str | None
+    volume: float | str | None
     regions: tuple[Region, ...]
 
 
@@ -39,7 +41,7 @@ def targets_of(document: Document) -> Targets:
     # Here: it loads scipy and numba, and the panel of the first picture needs the percentages alone.
     from apd_viewer.geometry.goals.goals import Region
 
-    area, volume, *areas = kept_percentages(document)
+    area, volume, *areas = map(said_with_sign, kept_percentages(document))
     regions = tuple(
         Region(part.name, np.flatnonzero(document.member == k), percent)
         for k, (part, percent) in enumerate(zip(document.regions, areas, strict=True), start=1)

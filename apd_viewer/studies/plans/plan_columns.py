@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA
+from apd_viewer.geometry.goals.percentage import SIGN, check_no_factor
 from apd_viewer.geometry.solver.convergence import LARGEST_TOLERANCE, MOST_ITERATIONS
 from apd_viewer.geometry.solver.methods import method_named
 from apd_viewer.language import tr
@@ -18,6 +19,7 @@ from apd_viewer.studies.plans.case import Setting
 NOTE = "#"
 _YES, _NO = ("yes", "on", "true", "1"), ("no", "off", "false", "0")
 _LARGEST = 1e6
+_FACTORS_OF_MOTION = 2.0  # a part of a motion below can be a factor; from 2 on percents are usual
 _SHOWN = 40  # characters quoted from invalid input
 
 
@@ -51,11 +53,17 @@ def _number(least: float, most: float) -> Callable[[str], float]:
 
 
 def _percent(text: str) -> float:
-    return _number(LEAST_AREA, MOST_AREA)(text.removesuffix("%"))
+    value = _number(LEAST_AREA, MOST_AREA)(text.removesuffix(SIGN))
+    if not text.endswith(SIGN):
+        check_no_factor(value)
+    return value
 
 
 def _part(text: str) -> float:
-    return _number(0.01, 10_000.0)(text.removesuffix("%")) / 100.0
+    value = _number(0.01, 10_000.0)(text.removesuffix(SIGN))
+    if not text.endswith(SIGN):
+        check_no_factor(value, _FACTORS_OF_MOTION)
+    return value / 100.0
 
 
 def _count(most: int) -> Callable[[str], int]:

@@ -168,6 +168,8 @@ def _end(quantity: VariedQuantity, text: str, state: State, unit: Unit) -> str:
     if quantity.unit == PLAIN:
         return _written(number(text, {}))
     share = text.strip()
+    if not (share.endswith(PERCENT) or quantity.is_motion):
+        SETTINGS[quantity.name].read(share)  # asks about what could be a factor
     if share.endswith(PERCENT) or not quantity.is_motion:
         return _written(number(share.removesuffix(PERCENT), {})) + PERCENT
     return _written(length(text, unit, names_of(state)))

@@ -194,7 +194,7 @@ class PressDialog(StudyDialog):
         """Options of the command for the targets that the method keeps."""
         area, volume, *_ = kept_percentages(replace(self._document, method=self.method.currentData()))
         said = {"--area": area, "--volume": volume}
-        return {option: repr(value) for option, value in said.items() if value is not None}
+        return {option: f"{value!r}%" for option, value in said.items() if value is not None}
 
     @property
     def _options(self) -> dict[str, str]:

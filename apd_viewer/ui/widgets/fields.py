@@ -24,6 +24,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.goals.percentage import LEAST, MOST, SIGN, check_no_factor
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import short
 from apd_viewer.ui.widgets.error_bubble import ErrorBubble
@@ -110,12 +112,14 @@ class Number(QDoubleSpinBox):
     ----------
     brief : bool
         Whether zeros at the end are left out.
+    is_percentage : bool
+        Whether a small number, typed without a sign of its own, could be meant as a factor.
     properties
         Of the spin box.
     """
 
-    def __init__(self, brief: bool = False, **properties: Any) -> None:
-        self._brief = brief
+    def __init__(self, brief: bool = False, is_percentage: bool = False, **properties: Any) -> None:
+        self._brief, self._is_percentage = brief, is_percentage
         super().__init__(keyboardTracking=False, alignment=Qt.AlignmentFlag.AlignRight, **properties)
         self.setButtonSymbols(QDoubleSpinBox.ButtonSymbols.NoButtons)
         self.setFixedSize(84, max(28, self.fontMetrics().height() + 12))
@@ -162,16 +166,27 @@ class Number(QDoubleSpinBox):
 
     def _problem(self, text: str) -> str:
         """Sentence about an invalid text and what is allowed; empty for a number."""
+        if text == self.fixup(""):
+            return ""  # what stands there can stay
         digits = self._digits(text)
         try:
             if self.minimum() <= float(digits) <= self.maximum():
-                return ""
+                return self._doubt(text, float(digits))
             sentence = tr("“{text}” is out of range; enter a number {range}.")
         except ValueError:
             sentence = tr("“{text}” is not a number; enter one {range}.")
             if not digits:
                 sentence = tr("Enter a number {range}.")
         return sentence.format(text=digits[:_QUOTED], range=self._range)
+
+    def _doubt(self, text: str, value: float) -> str:
+        """Question about a percentage that could be a factor; empty if it could not."""
+        if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(SIGN):
+            try:
+                check_no_factor(value)
+            except InputError as error:
+                return str(error)
+        return ""
 
     @property
     def _range(self) -> str:
@@ -261,7 +276,14 @@ class Entry(QLineEdit):
 def percent_field(name: str, tip: str) -> Number:
     """Field for a target in percent of the rest value."""
     return Number(
-        accessibleName=name, toolTip=tip, minimum=1.0, maximum=1000.0, value=100.0, decimals=2, suffix=" %"
+        is_percentage=True,
+        accessibleName=name,
+        toolTip=tip,
+        minimum=LEAST,
+        maximum=MOST,
+        value=100.0,
+        decimals=2,
+        suffix=" %",
     )
 
 

@@ -125,3 +125,12 @@ def test_the_command_writes_a_plan_that_finds_its_files(bar, planned, capsys, mo
     assert main(["study", "design", *words.split()]) == 2
     assert capsys.readouterr().err.startswith("error: Column “steps”: ")
     assert not (bar / "plans" / "other.csv").exists()
+
+
+@pytest.mark.parametrize("said", ["area=1.0..1.1", "volume=0.5,1.5", "area=2..110", "area=1.1"])
+@pytest.mark.parametrize("design", [LATIN, SOBOL, GRID])
+def test_a_percentage_that_could_be_a_factor_is_refused(said, design):
+    with pytest.raises(InputError, match=r"write \d+% or|out of range"):
+        designed(GIVEN, [varied(said)], design, 4, 0)
+    if ".." in said:
+        designed(GIVEN, [varied(said + "%")], design, 4, 0)

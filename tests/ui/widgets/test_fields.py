@@ -127,3 +127,20 @@ def test_no_entry_of_a_choice_is_cut_off_where_it_is_smallest(qtbot):
     assert [picture.pixel(x, y) for x in inner for y in rows] == [
         other.pixel(x, y) for x in inner for y in rows
     ]
+
+
+def test_a_percentage_that_could_be_a_factor_is_asked_about(qtbot):
+    window, field = QWidget(), percent_field("Target", "")
+    field.setParent(window)
+    qtbot.addWidget(window)
+    window.show()
+    enter(qtbot, field, "1.1")
+    assert field.value() == 100.0
+    assert field._error.text() == "1.1 can mean 110 % or 1.1 %; write 110% or 1.1%."
+    enter(qtbot, field, "1.1%")
+    assert field.value() == 1.1
+    qtbot.keyClick(field, Qt.Key.Key_Return)
+    assert field.value() == 1.1, "what is shown can be entered again"
+    assert field._error.isHidden()
+    enter(qtbot, field, "110")
+    assert field.value() == 110.0

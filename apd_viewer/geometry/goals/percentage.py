@@ -1,0 +1,69 @@
+"""Percentages of targets, as a number or as text with its sign."""
+
+from __future__ import annotations
+
+from numbers import Real
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+
+# Targets beyond these are typing errors.
+LEAST, MOST = 1.0, 1000.0
+SIGN = "%"
+# A number below can be meant as a factor: so many times the value at rest is a target too.
+_FACTORS = MOST / 100.0
+# Names of the goals; those of regions are the user's.
+GOAL_WORDS = {"the area": tr("the area"), "the volume": tr("the volume")}
+
+
+def percentage(said: float | str, name: str) -> float:
+    """Percentage from a number such as 110, or from a text such as ``"1.1%"``.
+
+    Raises
+    ------
+    InputError
+        If it is none, or a number that could be meant as a factor.
+    """
+    value: object = said
+    is_signed = False
+    if isinstance(said, str):
+        value, is_signed = _number(said.strip().removesuffix(SIGN)), said.strip().endswith(SIGN)
+    if not isinstance(value, Real) or isinstance(value, bool) or not LEAST <= float(value) <= MOST:
+        raise InputError(
+            tr("The target of {name} must be a percentage from {least:g} to {most:g}, such as 100.").format(
+                name=GOAL_WORDS.get(name, name), least=LEAST, most=MOST
+            )
+        )
+    if not is_signed:
+        check_no_factor(float(value))
+    return float(value)
+
+
+def check_no_factor(value: float, factors: float = _FACTORS) -> None:
+    """Raise InputError where a percentage without its sign could be meant as a factor.
+
+    Parameters
+    ----------
+    value : float
+        Percent.
+    factors : float
+        Numbers below could be one.
+    """
+    if value < factors:
+        raise InputError(
+            tr("{value:g} can mean {percent:g} % or {value:g} %; write {percent:g}% or {value:g}%.").format(
+                value=value, percent=100.0 * value
+            )
+        )
+
+
+def said_with_sign(percent: float | None) -> float | str | None:
+    """The percentage as :func:`percentage` reads it: text where a number is not enough."""
+    return percent if percent is None or percent >= _FACTORS else f"{percent!r}{SIGN}"
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
