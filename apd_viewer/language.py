@@ -9,6 +9,7 @@ import gettext
 import os
 import sys
 from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
 
 import platformdirs
@@ -128,6 +129,16 @@ def languages() -> list[str]:
     """Names of the languages that there are, English first."""
     found = sorted(path.parents[1].name for path in _FOLDER.glob(f"*/LC_MESSAGES/{DOMAIN}.mo"))
     return ["en", *found]
+
+
+def translations(text: str) -> set[str]:
+    """An English text in all languages that there are."""
+    return {each.gettext(text) for each in _catalogues()}
+
+
+@cache
+def _catalogues() -> list[gettext.NullTranslations]:
+    return [catalogue(_FOLDER, [name])[1] for name in languages()]
 
 
 def tr(text: str) -> str:

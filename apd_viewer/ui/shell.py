@@ -73,6 +73,7 @@ class Shell(QMainWindow):
         self._add_docks()
         self.chrome = InertChrome(self, self.requests, self._take, self.canvas.frame_mesh, self.docks.toggles)
         self.memory.restore_layout(self)
+        self.docks["study"].hide()  # none is open yet
         values.follow(COLOR_SCHEME, lambda _: self._apply_theme())
         self.canvas.choose_way(values[SELECTION_MODE])
         self._take(FIRST_TOOL)

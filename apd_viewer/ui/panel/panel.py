@@ -8,7 +8,7 @@ from PySide6.QtCore import QEvent, QSize, Qt, QTimer
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.language import tr
+from apd_viewer.language import tr, translations
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.obstacles.obstacle_section import ObstacleSection
@@ -114,18 +114,19 @@ class Panel(QScrollArea):
         self.target = TargetSection()
         self.paint = PaintSection()
         # What is used all the time first: the handles are seen without scrolling in a small window.
-        self.sections: tuple[Section, ...] = (
-            self.volume,
-            self.measures,
-            self.handles,
-            self.obstacles,
-            self.poses,
-            self.method,
-            self.regions,
-            self.measure,
-            self.target,
-            self.paint,
-        )
+        # Each under the name that its state is kept by, which no language and no other title changes.
+        self._named: dict[str, Section] = {
+            "Volume": self.volume,
+            "Size and mass": self.measures,
+            "Handles": self.handles,
+            "Obstacles": self.obstacles,
+            "Poses": self.poses,
+            "Method": self.method,
+            "Regions": self.regions,
+            "Measure": self.measure,
+            "Target shape": self.target,
+            "Vertices": self.paint,
+        }
         body = QWidget(objectName="panel")
         column = QVBoxLayout(body, spacing=4)
         column.setContentsMargins(16, 12, 16, 12)
@@ -135,6 +136,11 @@ class Panel(QScrollArea):
         column.addStretch(1)
         self.setWidget(body)
         self.unit = Unit.NONE
+
+    @property
+    def sections(self) -> tuple[Section, ...]:
+        """All sections that can be folded, from top to bottom."""
+        return tuple(self._named.values())
 
     @property
     def dials(self) -> tuple[Dial, ...]:
@@ -232,13 +238,14 @@ class Panel(QScrollArea):
 
     @property
     def folded(self) -> list[str]:
-        """Titles of the folded sections."""
-        return [section.title for section in self.sections if section.folded]
+        """Names of the folded sections."""
+        return [name for name, section in self._named.items() if section.folded]
 
     @folded.setter
-    def folded(self, titles: list[str]) -> None:
-        for section in self.sections:
-            section.folded = section.title in titles
+    def folded(self, names: list[str]) -> None:
+        titles = set(names) - set(self._named)  # settings of before have them in the language of that time
+        for name, section in self._named.items():
+            section.folded = name in names or bool(titles and titles & translations(name))
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the parts beyond the style sheet's reach."""

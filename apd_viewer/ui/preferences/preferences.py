@@ -12,7 +12,6 @@ from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.files.samples import resource
-from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import UNITS, Unit
 from apd_viewer.session.quantities.wall_mass import Wall
@@ -69,12 +68,12 @@ class Preferences:
 
     @property
     def folded(self) -> list[str]:
-        """Titles of the folded panel sections."""
-        return self._lines("folded", [tr("Size and mass")])
+        """Names of the folded panel sections."""
+        return self._lines("folded", ["Size and mass"])
 
     @folded.setter
-    def folded(self, titles: list[str]) -> None:
-        self._settings.setValue("folded", titles)
+    def folded(self, names: list[str]) -> None:
+        self._settings.setValue("folded", names)
 
     @property
     def plots(self) -> list[str] | None:

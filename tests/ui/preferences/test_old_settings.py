@@ -10,6 +10,7 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME
+from apd_viewer.ui.shell import Shell
 
 OLD = Path(__file__).with_name("version-1.ini")
 PARTS = Path("/parts")
@@ -37,3 +38,31 @@ def test_all_that_was_kept_is_read(memory):
     assert memory.looks == {"overlay": "bending", "ghost": "on", "edges": "off", "area": "40 0"}
     assert memory.toured
     assert memory.values[COLOR_SCHEME] is Qt.ColorScheme.Dark
+
+
+@pytest.mark.parametrize(
+    "titles", [["Size and mass", "Method"], ["Größe und Masse", "Verfahren"], ["尺寸和质量", "方法"]]
+)
+def test_sections_folded_in_any_language_stay_folded(qtbot, settings, titles):
+    """The titles were kept as they were shown; from now on their names are."""
+    settings.setValue("folded", titles)
+    shell = Shell(settings)
+    qtbot.addWidget(shell)
+    assert shell.panel.folded == ["Size and mass", "Method"]
+    shell.close()
+    assert Preferences(settings).folded == ["Size and mass", "Method"]
+
+
+def test_a_dock_without_a_study_is_not_restored(qtbot, settings):
+    first = Shell(settings)
+    qtbot.addWidget(first)
+    first.show()
+    first.docks["study"].show()
+    first.docks["plots"].show()
+    first.close()
+    second = Shell(settings)
+    qtbot.addWidget(second)
+    second.show()
+    assert second.docks["plots"].isVisible()
+    assert not second.docks["study"].isVisible()
+    second.close()
