@@ -6,6 +6,9 @@ import numpy as np
 
 from apd_viewer.geometry.pose.transforms import linear_about, shifted
 
+# Width over length of points that tell no rotation about the line through them.
+_LINE = 1e-6
+
 
 def fitted_motion(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
     """Similarity transform (4, 4) from ``X`` (k, 3) to ``Y`` by least squares.
@@ -22,3 +25,15 @@ def fitted_motion(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
     linear = (left * signs) @ right
     fitted: np.ndarray = shifted(target - centre) @ linear_about(centre, (scale or 1.0) * linear)
     return fitted
+
+
+def fitted_rotation(X: np.ndarray, Y: np.ndarray) -> np.ndarray | None:
+    """Rotation (3, 3) from ``X`` (k, 3) to ``Y`` by least squares; None of a line, a point or nothing."""
+    if len(X) < 3:
+        return None
+    sizes = np.linalg.svd(X - X.mean(axis=0), compute_uv=False)
+    if sizes[1] <= _LINE * sizes[0]:
+        return None
+    linear = fitted_motion(X, Y)[:3, :3]
+    rotation: np.ndarray = linear / np.cbrt(np.linalg.det(linear))
+    return rotation

@@ -79,7 +79,7 @@ def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> RigidMotion:
     The axis of half a turn may be either of two.
     """
     start, R = np.asarray(centre, dtype=float), pose[:3, :3]
-    w, *xyz = _quaternion(R)
+    w, *xyz = quaternion(R)
     half = np.array(xyz)
     axis = _direction(half) if half.any() else np.array([0.0, 0.0, 1.0])
     # (R - I) c is small for small angles; R c is not, and its rounding would show as a displacement.
@@ -116,7 +116,7 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.eye(3) + np.sin(angle) * K + versine * (K @ K)
 
 
-def _quaternion(R: np.ndarray) -> np.ndarray:
+def quaternion(R: np.ndarray) -> np.ndarray:
     """The unit quaternion (w, x, y, z), w >= 0, of a rotation (3, 3).
 
     ``4 q q^T`` is linear in R. Its row with the largest entry on the diagonal has all digits, at half a turn

@@ -26,6 +26,8 @@ _FARTHEST = math.radians(115.0)
 _STRAIGHT = 1e-7
 # Radians: the part of a path that a piece without rotation takes.
 _LEAST_WEIGHT = 0.1
+# Between a rotation and the axis of a twist.
+_ALIGNED = math.cos(math.radians(1.0))
 # Closer to half a turn, rounding decides the sense of rotation.
 _HALF_TURN = math.pi - 1e-6
 # Relative to the coordinates: smaller differences are rounding.
@@ -61,7 +63,7 @@ def rotation_vector(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.nda
     minus full turns: as many as come nearest to the sum of the rotations from waypoint to waypoint.
     """
     made = summed_rotations(waypoints, pose)
-    turn, total = decomposed(_linear(_rotation(pose)), np.zeros(3)), float(np.linalg.norm(made))
+    turn, total = decomposed(pose_of(nearest_rotation(pose)), np.zeros(3)), float(np.linalg.norm(made))
     axis = made / total if turn.angle < _STRAIGHT and total > 0.0 else turn.axis
     turns = round((math.copysign(total, float(made @ axis)) - turn.angle) / (2.0 * math.pi))
     vector: np.ndarray = axis * (turn.angle + 2.0 * math.pi * turns)
@@ -73,7 +75,7 @@ def summed_rotations(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.nd
 
     About one axis it is the total rotation.
     """
-    rotations = [_rotation(each) for each in (np.eye(4), *waypoints, pose)]
+    rotations = [nearest_rotation(each) for each in (np.eye(4), *waypoints, pose)]
     made: np.ndarray = np.sum(
         [_vector(after @ before.T) for before, after in itertools.pairwise(rotations)], axis=0
     )
@@ -86,6 +88,16 @@ def signed_angle(vector: np.ndarray) -> float:
     So a turn about +y and its opposite differ in sign alone.
     """
     return math.copysign(float(np.linalg.norm(vector)), float(vector[np.argmax(np.abs(vector))]))
+
+
+def signed_about(vector: np.ndarray, line: np.ndarray) -> tuple[float, bool]:
+    """Angle of a rotation vector (3,), and whether it is a twist: about ``line`` (3,).
+
+    A twist has the sign of the rotation about the line.
+    """
+    angle, along = float(np.linalg.norm(vector)), float(vector @ line)
+    twists = abs(along) > _ALIGNED * angle * float(np.linalg.norm(line))
+    return (math.copysign(angle, along) if twists else signed_angle(vector)), twists
 
 
 def winds(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> bool:
@@ -182,17 +194,18 @@ def _pieces(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> Iterator[tuple
 
 def _angle(one: np.ndarray, other: np.ndarray) -> float:
     """Angle of the shortest rotation between two poses, radians."""
-    return decomposed(_linear(_rotation(other) @ _rotation(one).T), np.zeros(3)).angle
+    return decomposed(pose_of(nearest_rotation(other) @ nearest_rotation(one).T), np.zeros(3)).angle
 
 
-def _rotation(pose: np.ndarray) -> np.ndarray:
+def nearest_rotation(pose: np.ndarray) -> np.ndarray:
     """The rotation (3, 3) nearest to the linear part of a pose."""
     left, _, right = np.linalg.svd(pose[:3, :3])
     rotation: np.ndarray = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
     return rotation
 
 
-def _linear(R: np.ndarray) -> np.ndarray:
+def pose_of(R: np.ndarray) -> np.ndarray:
+    """Pose (4, 4) of a rotation (3, 3) about the origin."""
     pose = np.eye(4)
     pose[:3, :3] = R
     return pose
@@ -200,5 +213,5 @@ def _linear(R: np.ndarray) -> np.ndarray:
 
 def _vector(R: np.ndarray) -> np.ndarray:
     """Rotation vector (3,) of a rotation (3, 3) by at most half a turn."""
-    turn = decomposed(_linear(R), np.zeros(3))
+    turn = decomposed(pose_of(R), np.zeros(3))
     return turn.angle * turn.axis

@@ -10,11 +10,14 @@ from numbers import Integral
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.held_turns import HeldTurn, held_turns, turn_warnings, ways_of
 from apd_viewer.geometry.contact.obstacles import Obstacle
 from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.mesh.arrays import numbers
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
+from apd_viewer.geometry.solver.arguments import HeldVertices
 from apd_viewer.geometry.solver.contact_descent import whole_way
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -24,6 +27,7 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
+    method_named,
 )
 from apd_viewer.language import tr
 
@@ -67,6 +71,13 @@ class Result:
         Forces on the obstacles, energy per length: those of a material of stiffness 1.
     shifts : (o, 3) float array
         How far the obstacles have come from their places, mesh units.
+    turned : tuple of float
+        Turn that was asked of each handle against the base, degrees, with whole turns; positive about the
+        line from the base to the handle, or else about the largest coordinate of its axis.
+    turned_held : tuple of float or None
+        By how much the surface turns from the base to each handle, degrees. None where that was not looked
+        at: where less than 5 degrees were asked, no surface leads there, or handle or base is a line or a
+        point.
 
     Examples
     --------
@@ -105,6 +116,8 @@ class Result:
     pairs_in_contact: int
     loads: np.ndarray
     shifts: np.ndarray
+    turned: tuple[float, ...]
+    turned_held: tuple[float | None, ...]
 
 
 def deform(
@@ -199,12 +212,17 @@ def deform(
     targets = numbers(targets, tr("Targets"))
     if targets.ndim != 3 or not len(targets):
         solver.aim(targets, shifts=shifts)
-        return iterated(solver, started, iterations, told)
+        turns = _turns(solver, handle, targets[None])
+        return iterated(solver, started, iterations, told, turns=turns)
     if iterations is not None:
         raise InputError(tr("Plain iterations know of no path; give the last targets alone."))
     legs, leg = len(targets), _walk(solver, targets, shifts, told)
     return iterated(
-        solver, started, progress=told, last=lambda: whole_way(solver.frame(), leg, legs, solver.contact)
+        solver,
+        started,
+        progress=told,
+        last=lambda: whole_way(solver.frame(), leg, legs, solver.contact),
+        turns=_turns(solver, handle, targets),
     )
 
 
@@ -230,12 +248,25 @@ def _walk(
     return leg
 
 
+def _turns(
+    solver: Deformation, handle: np.ndarray | Sequence[np.ndarray] | None, places: np.ndarray
+) -> Callable[[np.ndarray], tuple[HeldTurn, ...]]:
+    """The turns in a shape (n, 3) of handles that go along ``places`` (s, k, 3)."""
+    rest, held = solver.rest, HeldVertices(solver.fixed, handle, solver.rest)
+    labels = np.full(len(rest.shape.V), FREE)
+    labels[held.ids] = np.where(held.handle_of > 0, HANDLE - 1 + held.handle_of, BASE)
+    own = labels[rest.weld.inverse[solver.fixed]]
+    ways = ways_of(rest.V[solver.fixed], places, own)
+    return lambda U: held_turns(rest.shape.V, U[rest.weld.first], rest.shape.F, labels, ways)
+
+
 def iterated(
     solver: Deformation,
     started: float,
     iterations: int | None = None,
     progress: Callable[[Frame], None] | None = None,
     last: Callable[[], Frame] | None = None,
+    turns: Callable[[np.ndarray], tuple[HeldTurn, ...]] = lambda _: (),
 ) -> Result:
     """Iterate until the shape has settled, or ``iterations`` times.
 
@@ -249,6 +280,8 @@ def iterated(
         See :func:`deform`.
     last : callable, optional
         Gives the last frame, where it is not simply the solver's.
+    turns : callable
+        Gives the turns of the handles in the last shape (n, 3).
     """
     iterating = time.perf_counter()
     count, most = 0, iterations or solver.convergence.most_iterations
@@ -259,11 +292,18 @@ def iterated(
             progress(solver.frame())
     frame = (last or solver.frame)()
     ended = time.perf_counter()
-    return result_of(solver, frame, ended - started, (ended - iterating) / frame.iteration)
+    each = (ended - iterating) / frame.iteration
+    return result_of(solver, frame, ended - started, each, turns(frame.U))
 
 
-def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_iteration: float) -> Result:
-    """Result of the iterations up to ``frame``."""
+def result_of(
+    solver: Deformation,
+    frame: Frame,
+    seconds: float,
+    seconds_per_iteration: float,
+    turns: Sequence[HeldTurn] = (),
+) -> Result:
+    """Result of the iterations up to ``frame``, with the turns of the handles there."""
     unsettled: tuple[str, ...] = ()
     if frame.unreached:
         unsettled = (frame.unreached,)
@@ -297,11 +337,20 @@ def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_ite
         seconds=seconds,
         factor_seconds=solver.factor_seconds,
         seconds_per_iteration=seconds_per_iteration,
-        warnings=solver.warnings + unsettled,
+        warnings=(*solver.warnings, *unsettled, *_lost(solver, frame, turns)),
         convergence=solver.convergence,
         share_reached=frame.share_reached,
         least_gap=None if frame.contact is None else frame.contact.least_gap,
         pairs_in_contact=0 if frame.contact is None else frame.contact.pairs,
         loads=frame.loads,
         shifts=frame.shifts,
+        turned=tuple(turn.degrees[0] for turn in turns),
+        turned_held=tuple(turn.degrees[1] for turn in turns),
     )
+
+
+def _lost(solver: Deformation, frame: Frame, turns: Sequence[HeldTurn]) -> tuple[str, ...]:
+    """Sentences on turns that the surface does not hold, unless contact has stopped the handles."""
+    if frame.share_reached < 1.0:
+        return ()
+    return turn_warnings(turns, solver.contact is not None, method_named(solver.method).may_touch)
