@@ -97,6 +97,7 @@ LIBRARIES = {
         "numpy",
         "scipy",
         "numba",
+        "threadpoolctl",
         "llvmlite",
         "cholespy",
         "fast_simplification",
@@ -139,7 +140,7 @@ CONFINED = {
     "distributed": {"studies/cluster.py"},
     "dask": {"studies/cluster.py"},
     "pyarrow": {"studies/results.py"},
-    "threadpoolctl": {"studies/worker.py"},
+    "threadpoolctl": {"geometry/linalg/threads.py", "studies/worker.py"},
     "qtpy": set(),  # the binding that pyvistaqt chooses is its own affair
 }
 MEANINGLESS = {"utils", "util", "common", "helpers", "helper", "manager", "base", "misc", "core"}

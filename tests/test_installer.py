@@ -71,7 +71,7 @@ def test_no_module_of_ours_is_left_out(contents):
     """A library that the sources import cannot be one that is never used; Dask is refused with a sentence."""
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "apd_viewer").rglob("*.py"))
     imported = set(re.findall(r"(?m)^\s*(?:from|import) ([\w.]+)", sources))
-    optional = {"distributed", "dask", "threadpoolctl", "pyarrow"}
+    optional = {"distributed", "dask", "pyarrow"}
     assert imported & set(contents.UNUSED) <= optional
 
 

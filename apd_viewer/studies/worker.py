@@ -11,6 +11,8 @@ from functools import cache
 from itertools import count
 from typing import TYPE_CHECKING, NamedTuple
 
+from threadpoolctl import threadpool_limits
+
 from apd_viewer.geometry.analysis.self_intersections import search_by_one_core
 from apd_viewer.geometry.linalg.threads import use_one_core
 from apd_viewer.session.jobs.freed_memory import give_back_freed_memory, keep_freed_memory
@@ -84,7 +86,7 @@ def work(task: Task) -> CaseAnswer:
 @cache
 def _prepare_process() -> None:
     keep_freed_memory()
-    _limit_blas()
+    threadpool_limits(1, user_api="blas")
     search_by_one_core()
     compile_once()
 
@@ -101,13 +103,3 @@ def _content(source: Source) -> bytes:
         return source.path.read_bytes()
     except OSError:
         raise MissingSourceError from None
-
-
-def _limit_blas() -> None:
-    """Limit BLAS to one core, if threadpoolctl is installed."""
-    try:
-        # Here: few runs of the program need it.
-        from threadpoolctl import threadpool_limits
-    except ImportError:
-        return
-    threadpool_limits(1, user_api="blas")

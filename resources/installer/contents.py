@@ -28,7 +28,7 @@ HIDDEN = (
 # Imported by libraries where it is there, and never used by the program; `vtk` imports all of VTK.
 UNUSED = (
     *("IPython", "certifi", "dask", "distributed", "fsspec", "ipywidgets", "jinja2", "numba.tests", "pandas"),
-    *("pip", "pyarrow", "pygments", "pytest", "readline", "requests", "rich", "setuptools", "threadpoolctl"),
+    *("pip", "pyarrow", "pygments", "pytest", "readline", "requests", "rich", "setuptools"),
     *(
         "tkinter",
         "trame",

@@ -19,6 +19,7 @@ from numba import njit
 from apd_viewer.geometry.linalg import multifrontal, row_ops
 from apd_viewer.geometry.linalg.nested_dissection import dissect
 from apd_viewer.geometry.linalg.supernodes import children_of, couplings
+from apd_viewer.geometry.linalg.threads import one_blas_thread
 
 
 class BlockPattern:
@@ -77,7 +78,8 @@ class BlockFactor:
         self._panels = np.empty(p.panel[-1], dtype=np.float32)
         groups = p.first, p.begin, p.later, p.child, p.sibling
         matrix = p.order, p.place, p.start, p.column, blocks
-        multifrontal.eliminate(*groups, *matrix, p.panel, np.empty(p.stack), p.widest, self._panels)
+        with one_blas_thread():
+            multifrontal.eliminate(*groups, *matrix, p.panel, np.empty(p.stack), p.widest, self._panels)
 
     def solve(self, B: np.ndarray) -> np.ndarray:
         """``A^-1 B`` to six digits or so, for ``B`` (n, 3)."""

@@ -7,6 +7,10 @@ Numba splits a sum over ``prange``, and an array's own ``sum()``, by the number 
 them. So kernels sum portions of a fixed length, and then the portions by :func:`total`: the bits are the same
 on any number of cores.
 
+Kernels that call BLAS have :func:`one_blas_thread`. Its threads wait for each other in loops that sleep for
+nothing: on a machine that does something else as well, a factor of 13,010 vertices took 16 s of the processor
+by two, and 0.5 s by one.
+
 A sum along an axis, and an array assigned to a part of another one, take a second to compile in each kernel:
 numba compiles them, and the message of their errors, with it. Loops do not.
 """
@@ -17,10 +21,13 @@ import functools
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
+import scipy.linalg.cython_blas  # noqa: F401  # what numba calls: it must be there to be limited
+from threadpoolctl import ThreadpoolController
 
 if TYPE_CHECKING:
     from typing import ParamSpec, TypeVar
@@ -86,6 +93,18 @@ def cores_for(n: int) -> Iterator[None]:
             yield
         finally:
             numba.set_num_threads(before)
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Limit BLAS to one thread within."""
+    with _ONE_AT_A_TIME, _libraries().limit(limits=1, user_api="blas"):
+        yield
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    return ThreadpoolController()
 
 
 def use_one_core() -> None:

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from meshes import box, grid, sphere, tube
+from threadpoolctl import threadpool_info, threadpool_limits
 
+from apd_viewer.geometry.linalg import multifrontal
 from apd_viewer.geometry.linalg.block_cholesky import BlockPattern
 from apd_viewer.geometry.linalg.nested_dissection import dissect
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
@@ -105,3 +107,25 @@ def test_positions_that_coincide_are_cut_all_the_same():
     b = np.ones((len(V), 3))
     x = BlockPattern(np.zeros_like(V), start, column).factor(blocks).solve(b)
     assert np.abs(A @ x.ravel() - b.ravel()).max() <= 1e-4
+
+
+def test_it_takes_one_thread_of_blas_and_gives_the_others_back(monkeypatch):
+    """Threads of BLAS that wait for each other take thirty times as long on a busy machine."""
+    seen, eliminate = [], multifrontal.eliminate
+
+    def threads():
+        return {found["num_threads"] for found in threadpool_info() if found["user_api"] == "blas"}
+
+    def watched(*arguments):
+        seen.append(threads())
+        eliminate(*arguments)
+
+    monkeypatch.setattr(multifrontal, "eliminate", watched)
+    V, F = tube(12, 20)
+    start, column = graph(F, len(V))
+    blocks = np.eye(3) * (np.repeat(np.arange(len(V)), np.diff(start)) == column)[:, None, None]
+    with threadpool_limits(2, user_api="blas"):
+        x = BlockPattern(V, start, column).factor(blocks).solve(V)
+        assert threads() == {2}
+    assert seen == [{1}]
+    assert np.abs(x - V).max() < 1e-6
