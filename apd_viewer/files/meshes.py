@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.foreign import read_3mf
 from apd_viewer.files.formats.obj import read_obj
 from apd_viewer.files.formats.off import read_off
+from apd_viewer.files.formats.package_3mf import read_3mf
 from apd_viewer.files.formats.parsed import Parsed
 from apd_viewer.files.formats.ply import read_ply
 from apd_viewer.files.formats.stl import read_stl

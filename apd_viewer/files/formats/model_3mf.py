@@ -1,0 +1,175 @@
+"""A model part of 3MF: its objects and its build, without those of other parts.
+
+Section 4 of the 3MF Core Specification 1.3, and the extensions for production, beam lattices and slices.
+"""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.files.formats.xml_3mf import read_xml
+from apd_viewer.language import tr
+
+_CORE = "http://schemas.microsoft.com/3dmanufacturing/core/"  # and the year
+_PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/"
+_BEAMS = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/"
+_SLICES = "http://schemas.microsoft.com/3dmanufacturing/slice/"
+# What a model may require: read, said not to be read, or about looks.
+_MAY_REQUIRE = (
+    _CORE,
+    _PRODUCTION,
+    _BEAMS,
+    _SLICES,
+    "http://schemas.microsoft.com/3dmanufacturing/material/",
+    "http://schemas.microsoft.com/3dmanufacturing/trianglesets/",
+)
+
+
+class Use(NamedTuple):
+    """An object shown by a component or by the build.
+
+    Attributes
+    ----------
+    path : str
+        Part of the object; empty is the same part.
+    number : str
+        Of the object in its part.
+    matrix : (4, 4) float array
+        To where it is shown.
+    """
+
+    path: str
+    number: str
+    matrix: np.ndarray
+
+
+@dataclass
+class Object:
+    """Vertices, triangles and components of one object."""
+
+    coordinates: array[float] = field(default_factory=lambda: array("d"))
+    corners: array[int] = field(default_factory=lambda: array("q"))
+    components: list[Use] = field(default_factory=list)
+    beams: bool = False
+    slices: bool = False
+
+    @cached_property
+    def V(self) -> np.ndarray:
+        """Positions (n, 3)."""
+        return np.array(self.coordinates, dtype=np.float64).reshape(-1, 3)
+
+    @cached_property
+    def F(self) -> np.ndarray:
+        """Triangles (m, 3); ValueError if one refers to a missing vertex."""
+        F = np.array(self.corners, dtype=np.int64).reshape(-1, 3)
+        count = len(self.coordinates) // 3
+        if len(F) and not 0 <= F.min() <= F.max() < count:
+            raise ValueError(
+                tr("a triangle refers to vertex {vertex:,} of {count:,}").format(
+                    vertex=int(F.max() if F.max() >= count else F.min()), count=count
+                )
+            )
+        return F
+
+
+class Model:
+    """A model part, read at once.
+
+    Attributes
+    ----------
+    unit : str
+        As the part names it.
+    objects : dict
+        By their numbers.
+    build : list of Use
+    """
+
+    def __init__(self, content: bytes) -> None:
+        self.unit = "millimeter"
+        self.objects: dict[str, Object] = {}
+        self.build: list[Use] = []
+        self._object = Object()  # takes what is outside of any
+        self._spaces: dict[str, str] = {}
+        read_xml(content, self._begin, self._declare)
+
+    def _declare(self, prefix: str | None, space: str | None) -> None:
+        self._spaces[prefix or ""] = space or ""
+
+    def _begin(self, name: str, told: dict[str, str]) -> None:
+        space, _, element = name.rpartition(" ")
+        if space.startswith(_CORE):
+            if element in _ELEMENTS:
+                _ELEMENTS[element](self, told)
+        elif space.startswith(_BEAMS) and element == "beam":
+            self._object.beams = True
+
+    def _read_model(self, told: dict[str, str]) -> None:
+        self.unit = told.get("unit", self.unit)
+        for prefix in told.get("requiredextensions", "").split():
+            space = self._spaces.get(prefix, prefix)
+            if not space.startswith(_MAY_REQUIRE):
+                raise ValueError(
+                    tr("it requires {extension}, which is not supported").format(extension=space)
+                )
+
+    def _read_object(self, told: dict[str, str]) -> None:
+        number = _text(told, "id")
+        if number in self.objects:
+            raise ValueError(tr("two objects of one part have the number {number}").format(number=number))
+        self._object = self.objects[number] = Object()
+        self._object.slices = any(name.startswith(_SLICES) for name in told)
+
+    def _read_vertex(self, told: dict[str, str]) -> None:
+        try:
+            self._object.coordinates.extend((float(told["x"]), float(told["y"]), float(told["z"])))
+        except (KeyError, ValueError):
+            raise ValueError(tr("a vertex has a coordinate that is not a number")) from None
+
+    def _read_triangle(self, told: dict[str, str]) -> None:
+        try:
+            self._object.corners.extend((int(told["v1"]), int(told["v2"]), int(told["v3"])))
+        except (KeyError, ValueError, OverflowError):
+            raise ValueError(tr("a triangle has a vertex that is not a number")) from None
+
+    def _read_component(self, told: dict[str, str]) -> None:
+        self._object.components.append(_use(told))
+
+    def _read_item(self, told: dict[str, str]) -> None:
+        self.build.append(_use(told))
+
+
+_ELEMENTS = {
+    "model": Model._read_model,
+    "object": Model._read_object,
+    "vertex": Model._read_vertex,
+    "triangle": Model._read_triangle,
+    "component": Model._read_component,
+    "item": Model._read_item,
+}
+
+
+def _use(told: dict[str, str]) -> Use:
+    paths = [path for name, path in told.items() if name.startswith(_PRODUCTION) and name.endswith(" path")]
+    return Use(paths[0] if paths else "", _text(told, "objectid"), _transform(told.get("transform")))
+
+
+def _transform(said: str | None) -> np.ndarray:
+    """Matrix (4, 4) of a transform: twelve numbers, four rows."""
+    M = np.eye(4)
+    if said is not None:
+        try:
+            M[:3] = np.array([float(word) for word in said.split()]).reshape(4, 3).T
+        except ValueError:
+            raise ValueError(tr("a transform does not have twelve numbers")) from None
+    return M
+
+
+def _text(told: dict[str, str], name: str) -> str:
+    if name not in told:
+        raise ValueError(tr("an object of it has no number"))
+    return told[name].strip()

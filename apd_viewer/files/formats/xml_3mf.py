@@ -1,0 +1,41 @@
+"""XML of a 3MF part, element by element."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from xml.parsers import expat
+
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+def read_xml(
+    content: bytes,
+    begin: Callable[[str, dict[str, str]], None],
+    declare: Callable[[str | None, str | None], None] | None = None,
+) -> None:
+    """Call ``begin(name, attributes)`` for each element; names are "namespace name".
+
+    Raises
+    ------
+    ValueError
+        If it is damaged, or declares entities.
+    """
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.StartElementHandler = begin
+    parser.StartNamespaceDeclHandler = declare
+    parser.StartDoctypeDeclHandler = _refuse_entities
+    try:
+        parser.Parse(content, True)
+    except expat.ExpatError as error:
+        raise ValueError(
+            tr("its XML is damaged at line {line:,}, column {column:,}").format(
+                line=error.lineno, column=error.offset + 1
+            )
+        ) from None
+
+
+def _refuse_entities(*_: object) -> None:
+    raise ValueError(tr("a part of it declares XML entities, which 3MF does not allow"))
