@@ -294,7 +294,7 @@ def _ways(options: argparse.Namespace, mesh: Mesh, selection: Selection) -> list
     if options.transform:
         raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
     state = painted(mesh, selection)
-    ways = way_points(state.document, motion_from(options, state))
+    ways = way_points(state.document, motion_from(options, state, mesh.unit))
     if options.iterations is not None and len(ways) > 1:
         raise InputError(tr("With --iterations handles turn by half a turn at most; enter less, or omit it."))
     return ways

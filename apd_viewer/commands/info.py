@@ -14,6 +14,7 @@ from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.language import tr
 from apd_viewer.session.model.status_text import about_caps, of_crossings, of_exempt
+from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
     import argparse
@@ -50,28 +51,27 @@ def _info(options: argparse.Namespace) -> None:
             }
             for finding in all_found
         ]
-        room = room_of(check)
-        report = {field.name: getattr(found, field.name) for field in fields(found)}
-        print(
-            json.dumps({"mesh": str(options.mesh), **report, **room, **apart, "findings": findings}, indent=2)
-        )
+        report = {"mesh": str(options.mesh), "unit": mesh.unit or None}
+        report |= {field.name: getattr(found, field.name) for field in fields(found)}
+        print(json.dumps({**report, **room_of(check), **apart, "findings": findings}, indent=2))
         return
-    size = " x ".join(f"{extent:.6g}" for extent in found.size)
+    unit = Unit(mesh.unit)
+    size = unit.length(" x ".join(f"{extent:.6g}" for extent in found.size))
     print(
         tr("{name}: {vertices:,} vertices, {faces:,} triangles, {pieces:,} connected part(s)").format(
             name=mesh.name, vertices=found.vertices, faces=found.faces, pieces=found.pieces
         )
     )
     print(tr("size    {size}").format(size=size))
-    print(tr("area    {reading}").format(reading=f"{found.area:.6g}"))
+    print(tr("area    {reading}").format(reading=unit.area(f"{found.area:.6g}")))
     volume = tr("none: {reason}").format(reason=found.why_no_volume)
     if found.volume is not None:
-        volume = f"{found.volume:.6g}"
+        volume = unit.volume(f"{found.volume:.6g}")
     print(tr("volume  {reading}").format(reading=volume))
     if found.volume_capped is not None:
-        print(f"        {found.volume_capped:.6g} {about_caps(found.openings)}")
+        print(f"        {unit.volume(f'{found.volume_capped:.6g}')} {about_caps(found.openings)}")
     packed = tr("box     {reading}, the volume of the smallest bounding box found")
-    print(packed.format(reading=f"{check.packed:.6g}"))
+    print(packed.format(reading=unit.volume(f"{check.packed:.6g}")))
     if apart:
         print(_said(apart))
     for sentence in [finding.sentence for finding in all_found] or [tr("No issues found.")]:

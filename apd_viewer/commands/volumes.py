@@ -52,13 +52,13 @@ def volumes_parser() -> Parser:
 
 @naming_the_option()
 def _volumes(options: argparse.Namespace) -> None:
-    unit = Unit(options.unit)
+    mesh = open_mesh(options.mesh)
+    unit = Unit(options.unit or mesh.unit)
     litres = _bag(options.bag, unit)
     if options.density is not None and options.thickness is None:
         raise InputError(tr("A bulk density needs the wall as well; add --thickness."))
     thickness = None if options.thickness is None else thickness_from(options.thickness, unit)
     heavy = None if options.density is None else density(options.density)
-    mesh = open_mesh(options.mesh)
     before = None if options.rest is None else open_mesh(options.rest)
     now = volumes_of(mesh, thickness)
     rest = None if before is None else volumes_of(before, thickness)

@@ -60,7 +60,7 @@ def open_mesh(path: str | Path) -> Mesh:
 def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     """Read the mesh in a file or ``content``; raises InputError like open_mesh."""
     try:
-        V, F, origin, remarks = parsed(_read(path) if content is None else content, path)
+        V, F, origin, remarks, unit = parsed(_read(path) if content is None else content, path)
     except OSError as error:
         raise InputError(
             tr("{name} cannot be read ({reason}); check the file.").format(
@@ -80,7 +80,7 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
             )
         ) from error
     try:
-        mesh = Mesh(V, F, path, origin, remarks)
+        mesh = Mesh(V, F, path, origin, remarks, unit)
     except InputError as error:
         raise InputError(f"{path.name}: {error}") from error
     size = largest(V)

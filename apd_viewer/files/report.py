@@ -37,7 +37,13 @@ def write_report(
     del readings["U"]
     readings["convergence"] = result.convergence._asdict()
     readings |= {"loads": result.loads.tolist(), "shifts": result.shifts.tolist()}
-    report = {"mesh": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), **readings}
+    report = {
+        "mesh": mesh.name,
+        "unit": mesh.unit or None,
+        "vertices": len(mesh.V),
+        "faces": len(mesh.F),
+        **readings,
+    }
     for U, suffix in ((mesh.V, "_rest"), (result.U, "")):
         room = room_of(check_shape(U, mesh.joined_F))
         report |= {f"{name}{suffix}": reading for name, reading in room.items()}

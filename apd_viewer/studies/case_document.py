@@ -75,7 +75,8 @@ class OpenedMeshes:
         state, selection = opened(mesh), case.selection
         assert selection is not None  # plans have one for each mesh
         read = _in_a_file(selection, self._content(selection), lambda path: read_selection_file(path, mesh))
-        return replace(state, document=with_selection(state.document, read)), View(unit=case.unit)
+        view = View(unit=case.unit or mesh.unit)
+        return replace(state, document=with_selection(state.document, read)), view
 
 
 def _in_a_file(source: Source, content: bytes, read: Callable[[Path], T]) -> T:

@@ -55,7 +55,7 @@ def read_3mf(content: bytes) -> Parsed:
     package = _Package(content)
     if package.main.unit not in _UNITS:
         raise ValueError(tr("its unit “{unit}” is unknown").format(unit=package.main.unit))
-    _, factor = _UNITS[package.main.unit]
+    unit, factor = _UNITS[package.main.unit]
     V, F, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
     shown: list[Object] = []
     for each, matrix in package.placed():
@@ -69,7 +69,7 @@ def read_3mf(content: bytes) -> Parsed:
             mirrors = np.linalg.det(matrix[:3, :3]) < 0.0
         F.append((each.F[:, [0, 2, 1]] if mirrors else each.F) + count)
         count += len(each.V)
-    return Parsed(np.vstack(V), np.vstack(F), None, tuple(_remarks(shown, count > 0)))
+    return Parsed(np.vstack(V), np.vstack(F), None, tuple(_remarks(shown, count > 0)), unit)
 
 
 def _remarks(shown: list[Object], has_triangles: bool) -> Iterator[str]:

@@ -15,13 +15,15 @@ _LONGEST = 1e30  # of a normal; the square of a longer one overflows
 class Parsed(NamedTuple):
     """Positions (n, 3), triangles (m, 3) and their file, with sentences on it.
 
-    The ``remarks`` say what is strange about the file, and what it has that was not read.
+    The ``remarks`` say what is strange about the file, and what it has that was not read. The ``unit`` of
+    length is the symbol of the one that the file states; without one it is empty.
     """
 
     V: np.ndarray
     F: np.ndarray
     origin: Origin | None
     remarks: tuple[str, ...] = ()
+    unit: str = ""
 
 
 def turned(V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray) -> np.ndarray:

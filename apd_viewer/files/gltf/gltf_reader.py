@@ -46,7 +46,7 @@ def read_gltf(content: bytes, path: Path) -> Parsed:
     remarks = [*_of_places(scene.blocks)]
     if has_other_scenes(document, world):
         remarks.append(tr("The file has several scenes; only the one that it opens with is read."))
-    return Parsed(np.vstack(scene.V), np.vstack(scene.F), file, tuple(remarks))
+    return Parsed(np.vstack(scene.V), np.vstack(scene.F), file, tuple(remarks), "m")
 
 
 def _of_places(blocks: list[Block]) -> Iterator[str]:

@@ -254,6 +254,19 @@ def test_parts_in_different_units_are_refused(opened):
         opened(model([ONE], ['objectid="1" p:path="/3D/Objects/one.model"']), parts=parts)
 
 
-def test_microns_are_read_in_millimetres(opened):
-    mesh = opened(model([ONE], ['objectid="1"'], 'unit="micron"'))
-    np.testing.assert_allclose(mesh.V, V / 1000)
+@pytest.mark.parametrize(
+    ("told", "unit", "factor"),
+    [
+        ("", "mm", 1.0),
+        ('unit="millimeter"', "mm", 1.0),
+        ('unit="micron"', "mm", 1e-3),
+        ('unit="centimeter"', "cm", 1.0),
+        ('unit="inch"', "in", 1.0),
+        ('unit="foot"', "ft", 1.0),
+        ('unit="meter"', "m", 1.0),
+    ],
+)
+def test_the_unit_is_the_stated_one(told, unit, factor, opened):
+    mesh = opened(model([ONE], ['objectid="1"'], told))
+    assert mesh.unit == unit
+    np.testing.assert_allclose(mesh.V, factor * V)

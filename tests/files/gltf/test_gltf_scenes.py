@@ -436,3 +436,10 @@ def test_rows_that_are_not_stored_cannot_be_moved(suffix, tmp_path):
     save_mesh(mesh, U, tmp_path / f"b{suffix}")
     with pytest.raises(InputError, match="only some of its positions"):
         save_mesh(mesh, U + 0.1, tmp_path / f"b{suffix}")
+
+
+def test_lengths_are_metres(suffix, tmp_path):
+    scene = GltfScene()
+    scene.node(mesh=scene.mesh(V, F))
+    mesh = open_mesh(scene.write(tmp_path / f"a{suffix}"))
+    assert (mesh.unit, mesh.baked(2 * mesh.V).unit) == ("m", "m")
