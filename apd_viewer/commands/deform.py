@@ -21,6 +21,7 @@ from apd_viewer.commands.scalar_output import (
 )
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.weld_option import add_weld_option, opened_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
 from apd_viewer.files.mesh_writing import check_target
@@ -120,6 +121,7 @@ def deform_parser() -> Parser:
         type=Path,
         help=tr("plates, spheres and cylinders that push, as a session lists them; turns --contact on"),
     )
+    add_weld_option(parser)
     _add_targets(parser)
     _add_convergence(parser)
     _add_stiffness(parser)
@@ -238,7 +240,7 @@ def _deform(options: argparse.Namespace) -> None:
     check_files([output, options.picture, options.report, *scalar_files(options)])
     if options.thickness is not None and not (options.contact or options.obstacles):
         raise InputError(tr("--thickness is the distance that walls keep in contact; add --contact."))
-    mesh = open_mesh(options.mesh)
+    mesh = opened_mesh(options.mesh, options.weld)
     obstacles = read_obstacles(options.obstacles) if options.obstacles else ()
     selection = _selection(options, mesh)
     regions = [_region(words, len(mesh.V)) for words in options.region]
@@ -273,6 +275,7 @@ def _deform(options: argparse.Namespace) -> None:
         shifts=np.array([each.shift for each in obstacles]).reshape(-1, 3),
         regions=regions,
         convergence=convergence,
+        weld=options.weld,
         progress=progress_line(*last) if sys.stderr.isatty() else None,
     )
     picture = _picture(mesh, selection, result) if options.picture else None

@@ -7,6 +7,7 @@ from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.weld_option import add_weld_option, opened_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import apart_of, room_of
 from apd_viewer.geometry.analysis.inspection import inspect
@@ -30,12 +31,13 @@ def info_parser() -> Parser:
     parser.add_argument(
         "--compare", metavar="OTHER", help=tr("measure the distance from the surface of another mesh")
     )
+    add_weld_option(parser)
     parser.set_defaults(run=_info)
     return parser
 
 
 def _info(options: argparse.Namespace) -> None:
-    mesh = open_mesh(options.mesh)
+    mesh = opened_mesh(options.mesh, options.weld)
     found, check = inspect(mesh), check_shape(mesh.V, mesh.joined_F)
     all_found = [*found.findings, *of_exempt(mesh, check.crossing), *of_crossings(mesh, check.crossing)]
     apart = {}

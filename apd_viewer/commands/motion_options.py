@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.unit_option import naming_the_option
+from apd_viewer.commands.terminal.weld_option import opened_mesh
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.handle_paths import on_the_way
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import opened, welded
 from apd_viewer.session.model.view import SUFFIX, View
 from apd_viewer.session.posing.motion_path import motion_paths, posed_along
 from apd_viewer.session.posing.motion_step import MotionStep, motion_of
@@ -85,8 +85,10 @@ def painted(mesh: Mesh, selection: Selection) -> State:
     return state.at(with_selection(state.document, selection))
 
 
-def moved_from(options: argparse.Namespace) -> tuple[State, View, tuple[MotionStep, ...]]:
+def moved_from(options: argparse.Namespace, weld: bool = False) -> tuple[State, View, tuple[MotionStep, ...]]:
     """Painted state, view, and the motion instead of its poses; none without any.
+
+    With ``weld`` the seams of the mesh are welded.
 
     Raises
     ------
@@ -98,6 +100,7 @@ def moved_from(options: argparse.Namespace) -> tuple[State, View, tuple[MotionSt
         if options.selection or options.transform:
             raise InputError(tr("A session has its own paint and motion; omit --selection and --transform."))
         state, view = open_session(path)
+        state = welded(state) if weld else state
         return state, view, motion_from(options, state, view.unit)
     if not options.selection or not (options.transform or options.motion):
         raise InputError(
@@ -108,7 +111,7 @@ def moved_from(options: argparse.Namespace) -> tuple[State, View, tuple[MotionSt
         )
     if options.transform and options.motion:
         raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
-    mesh = open_mesh(path)
+    mesh = opened_mesh(path, weld)
     state = _posed(painted(mesh, read_selection_file(options.selection, mesh)), options.transform)
     view = View(unit=mesh.unit)
     return state, view, motion_from(options, state, view.unit)

@@ -15,9 +15,9 @@ from apd_viewer.commands.press_wall import add_wall_options, gas_of, wall_of
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
+from apd_viewer.commands.terminal.weld_option import add_weld_option, opened_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_target, save_mesh
-from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
@@ -33,6 +33,7 @@ from apd_viewer.geometry.solver.methods import (
     METHODS,
 )
 from apd_viewer.language import tr
+from apd_viewer.session.model.state import welded
 from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.session.quantities.expressions import number
 from apd_viewer.session.quantities.units import Unit
@@ -117,6 +118,7 @@ def press_parser() -> Parser:
     parser.add_argument(
         "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
     )
+    add_weld_option(parser)
     parser.set_defaults(run=_press)
     return parser
 
@@ -147,9 +149,9 @@ def _press(options: argparse.Namespace) -> None:
     output = check_target(options.output)
     check_files([output, options.curve, options.figure, options.report])
     axis = axis_of(options.axis)
-    mesh, start, unit = _opened(options.mesh)
+    mesh, start, unit = _opened(options.mesh, options.weld)
     wall = wall_of(options, Unit(options.unit or unit))
-    rest, progress = RestMesh(mesh.V, mesh.F), Progress(options.progress_lines)
+    rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
     extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ direction(axis)))
     moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
     gas = gas_of(options.gas, wall, options.stiffness, rest)
@@ -178,10 +180,11 @@ def _press(options: argparse.Namespace) -> None:
     print(summary(found, rest, output, options.stiffness, wall, extent))
 
 
-def _opened(path: str) -> tuple[Mesh, np.ndarray | None, str]:
+def _opened(path: str, weld: bool) -> tuple[Mesh, np.ndarray | None, str]:
     """Mesh at rest, the other shape (n, 3) that a session begins from, and the unit."""
     if Path(path).suffix.lower() != SUFFIX:
-        mesh = open_mesh(path)
+        mesh = opened_mesh(path, weld)
         return mesh, None, mesh.unit
     state, view = open_session(path)
+    state = welded(state) if weld else state
     return state.document.mesh, None if state.is_at_rest else state.frame.U, view.unit

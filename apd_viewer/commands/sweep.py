@@ -22,6 +22,7 @@ from apd_viewer.commands.sweep_output import (
 from apd_viewer.commands.terminal.animation_options import AnimationTargets, add_animation_option
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
+from apd_viewer.commands.terminal.weld_option import add_weld_option
 from apd_viewer.figures.shapes import keep_shape, no_pictures
 from apd_viewer.files.animations.animation_files import write_animation
 from apd_viewer.files.animations.series_files import replacing_series
@@ -75,13 +76,14 @@ def sweep_parser() -> Parser:
     parser.add_argument(
         "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
     )
+    add_weld_option(parser)
     parser.set_defaults(run=_sweep)
     return parser
 
 
 def _sweep(options: argparse.Namespace) -> None:
     methods = [word.strip() for word in options.methods.split(",") if word.strip()]
-    state, view, motion = moved_from(options)
+    state, view, motion = moved_from(options, options.weld)
     sweep = sweep_of(state.document, options.steps, options.to, methods, options.iterations, motion)
     animations = AnimationTargets(options, sweep.methods)
     progress = Progress(options.progress_lines)

@@ -47,6 +47,8 @@ def settings_of(document: Document) -> str:
         words += [] if document.thickness is None else [f"thickness={document.thickness!r}"]
     if document.has_obstacles:
         words.append("obstacles=obstacles")
+    if document.mesh.has_welded_seams:
+        words.append("weld=True")
     if document.convergence != DEFAULT_CONVERGENCE:
         words.append(f"convergence=apd_viewer.{document.convergence!r}")
     return ", ".join([*words, "regions=regions"] if targets.regions else words)

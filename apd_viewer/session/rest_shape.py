@@ -1,4 +1,4 @@
-"""The rest shape: going back to it, and replacing it by the shape on screen."""
+"""The rest shape: going back to it, replacing it, and welding its seams."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
 from apd_viewer.session.model.baking import baked
-from apd_viewer.session.model.state import State, rest_frame
+from apd_viewer.session.model.state import State, rest_frame, welded
 from apd_viewer.session.model.status_text import about_baking
 from apd_viewer.session.posing.named_poses import rebased
 from apd_viewer.session.posing.obstacle_places import back_in_place
@@ -59,6 +59,20 @@ class RestShape:
             self._listener.told(about_baking(shown.frame.area, shown.inspection.area, self._store.unit))
 
         self._jobs.run(tr("Measuring the new rest shape"), lambda: _baked(shown), done)
+
+    def weld(self) -> None:
+        """Weld nearly meeting seams; the vertices of the file stay."""
+        shown = self._gestures.alone()
+
+        def done(state: State) -> None:
+            before = self._gestures.alone()
+            if before.document is not shown.document:
+                self._listener.failed(tr("The shape changed in the meantime; weld it again."))
+                return
+            self._gestures.record(tr("Weld seams"), before)
+            self._store.jump(state)
+
+        self._jobs.run(tr("Welding the seams"), lambda: welded(shown), done)
 
 
 def _baked(state: State) -> State:

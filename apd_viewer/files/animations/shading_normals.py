@@ -22,7 +22,7 @@ def shading_normals(mesh: Mesh, U: np.ndarray) -> np.ndarray:
     without any those of a smooth surface, the same on both sides of a seam.
     """
     if mesh.corner_normals is None:
-        N = vertex_normals(U, mesh.joined_F)[mesh.weld.first[mesh.weld.inverse]]
+        N = vertex_normals(U, mesh.joined_F)[mesh.weld.representative]
     else:
         N = _turned(mesh, mesh.corner_normals.local, U)
     N[~N.any(axis=1)] = _ANY

@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.geometry.analysis.defects import defects
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.weld import TOLERANCE
+from apd_viewer.geometry.mesh.weld import SEAM, TOLERANCE
 from apd_viewer.language import tr, trn
 
 # The kind of the finding about separate parts.
@@ -50,15 +50,16 @@ class Finding:
     sentence: str
     vertices: np.ndarray
 
-
-def _found(kind: str, sentence: str, vertices: np.ndarray | tuple[()] = ()) -> Finding:
-    return Finding(kind, sentence, frozen(np.unique(np.asarray(vertices, dtype=np.int64))))
+    @classmethod
+    def of(cls, kind: str, sentence: str, vertices: np.ndarray | tuple[()] = ()) -> Finding:
+        """Finding about vertices in any order, repeated or not."""
+        return cls(kind, sentence, frozen(np.unique(np.asarray(vertices, dtype=np.int64))))
 
 
 def of_file(mesh: Mesh) -> Iterator[Finding]:
     """Findings about the file of the mesh."""
     for sentence in mesh.remarks:
-        yield _found("file", sentence)
+        yield Finding.of("file", sentence)
 
 
 def of_vertices(mesh: Mesh) -> Iterator[Finding]:
@@ -73,15 +74,15 @@ def of_vertices(mesh: Mesh) -> Iterator[Finding]:
             "{n:,} vertices have the same position as another; they move together.",
             repeated,
         ).format(n=repeated)
-        yield _found("repeated vertices", said, np.flatnonzero(repeats))
+        yield Finding.of("repeated vertices", said, np.flatnonzero(repeats))
     if weld.offset is not None:
         near = np.flatnonzero(weld.offset.any(axis=1))
         said = trn(
             "{n:,} vertex is closer than {part:g} × the mesh size to another; they move together.",
             "{n:,} vertices are closer than {part:g} × the mesh size to another; they move together.",
             len(near),
-        ).format(n=len(near), part=TOLERANCE)
-        yield _found("cracks", said, near)
+        ).format(n=len(near), part=SEAM if mesh.has_welded_seams else TOLERANCE)
+        yield Finding.of("cracks", said, near)
     used = np.zeros(len(mesh.V), dtype=bool)
     used[mesh.F.ravel()] = True
     unused = np.flatnonzero(~used)
@@ -91,7 +92,7 @@ def of_vertices(mesh: Mesh) -> Iterator[Finding]:
             "{n:,} loose vertices without a face; they follow the nearest surface.",
             len(unused),
         ).format(n=len(unused))
-        yield _found("unreferenced vertices", said, unused)
+        yield Finding.of("unreferenced vertices", said, unused)
 
 
 def of_faces(mesh: Mesh, areas: np.ndarray) -> Iterator[Finding]:
@@ -103,7 +104,7 @@ def of_faces(mesh: Mesh, areas: np.ndarray) -> Iterator[Finding]:
             "{n:,} degenerate faces without area or stiffness.",
             n,
         ).format(n=n)
-        yield _found("faces without area", said, mesh.F[flat])
+        yield Finding.of("faces without area", said, mesh.F[flat])
     longest = np.zeros(len(mesh.F))
     for k in range(3):
         edge = mesh.V[mesh.F[:, k]] - mesh.V[mesh.F[:, k - 1]]
@@ -115,7 +116,7 @@ def of_faces(mesh: Mesh, areas: np.ndarray) -> Iterator[Finding]:
             "{n:,} sliver triangles (aspect ratio > {times:g}); the result may be poor there.",
             n,
         ).format(n=n, times=_NEEDLE)
-        yield _found("needles", said, mesh.F[needles])
+        yield Finding.of("needles", said, mesh.F[needles])
 
 
 def of_joints(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
@@ -129,44 +130,44 @@ def of_joints(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
             "{n:,} duplicate faces; their area counts twice.",
             n,
         ).format(n=n)
-        yield _found("doubled faces", said, mesh.F[proper[found.doubled]])
+        yield Finding.of("doubled faces", said, mesh.F[proper[found.doubled]])
     if n := len(found.crowded):
         said = trn(
             "{n:,} non-manifold edge with more than two faces.",
             "{n:,} non-manifold edges with more than two faces.",
             n,
         ).format(n=n)
-        yield _found("crowded edges", said, first[found.crowded])
+        yield Finding.of("crowded edges", said, first[found.crowded])
     if n := len(found.bow_ties):
         said = trn(
             "{n:,} non-manifold vertex; the surfaces there meet only at a point.",
             "{n:,} non-manifold vertices; the surfaces there meet only at a point.",
             n,
         ).format(n=n)
-        yield _found("bow ties", said, first[found.bow_ties])
+        yield Finding.of("bow ties", said, first[found.bow_ties])
     if n := len(found.flipped):
         said = trn(
             "{n:,} flipped face; there is no volume.",
             "{n:,} flipped faces; there is no volume.",
             n,
         ).format(n=n)
-        yield _found("flipped faces", said, mesh.F[proper[found.flipped]])
+        yield Finding.of("flipped faces", said, mesh.F[proper[found.flipped]])
     if found.one_sided:
-        yield _found("one side only", tr("The surface is not orientable, like a Möbius strip."))
+        yield Finding.of("one side only", tr("The surface is not orientable, like a Möbius strip."))
     if n := len(found.border):
         said = trn(
             "The surface is open: it has {n:,} boundary edge.",
             "The surface is open: it has {n:,} boundary edges.",
             n,
         ).format(n=n)
-        yield _found("open borders", said, first[found.border])
+        yield Finding.of("open borders", said, first[found.border])
 
 
 def of_orientation(inside: float | None, area: float) -> Iterator[Finding]:
     """Finding about a volume ``inside`` that is negative, if there is one."""
     if inside is not None and inside < -_ROUNDING * area**1.5:
         said = tr("The surface is inside out: its faces point inwards, and its volume is negative.")
-        yield _found("inside out", said)
+        yield Finding.of("inside out", said)
 
 
 def of_pieces(mesh: Mesh, F: np.ndarray, piece: np.ndarray) -> Iterator[Finding]:
@@ -176,7 +177,7 @@ def of_pieces(mesh: Mesh, F: np.ndarray, piece: np.ndarray) -> Iterator[Finding]
         others = np.setdiff1d(names, names[np.argmax(sizes)])
         vertices = mesh.F[np.isin(piece[F[:, 0]], others)]
         said = tr("{n:,} connected parts; those without base or handle go along with the nearest surface.")
-        yield _found(SEPARATE, said.format(n=len(names)), vertices)
+        yield Finding.of(SEPARATE, said.format(n=len(names)), vertices)
 
 
 def of_size(mesh: Mesh) -> Iterator[Finding]:
@@ -187,12 +188,12 @@ def of_size(mesh: Mesh) -> Iterator[Finding]:
     size = diagonal(used)
     away = float(np.linalg.norm(used.mean(axis=0)))
     if size < _TINY:
-        yield _found("tiny", tr("The mesh is only {size:.3g} across; check its unit.").format(size=size))
+        yield Finding.of("tiny", tr("The mesh is only {size:.3g} across; check its unit.").format(size=size))
     if size > _HUGE:
-        yield _found("huge", tr("The mesh is {size:.3g} across; check its unit.").format(size=size))
+        yield Finding.of("huge", tr("The mesh is {size:.3g} across; check its unit.").format(size=size))
     if away > _FAR * size > 0.0:
         said = tr(
             "The mesh is {away:.3g} from the origin, {times:,.0f} times its size; single-precision "
             "formats would round it."
         )
-        yield _found("far away", said.format(away=away, times=away / size))
+        yield Finding.of("far away", said.format(away=away, times=away / size))

@@ -16,6 +16,7 @@ from apd_viewer.geometry.analysis.findings import (
     of_size,
     of_vertices,
 )
+from apd_viewer.geometry.analysis.seam_findings import of_seams
 from apd_viewer.geometry.mesh.components import pieces
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -87,6 +88,7 @@ def inspect(mesh: Mesh) -> Inspection:
             *of_vertices(mesh),
             *of_faces(mesh, areas),
             *of_joints(mesh, F),
+            *of_seams(mesh),
             *of_orientation(capped if why else inside, float(areas.sum())),
             *of_pieces(mesh, F, piece),
             *of_size(mesh),

@@ -50,7 +50,7 @@ def scalars_of(
     target : TargetShape, optional
         Another mesh to compare with.
     """
-    joined = mesh.weld.first[mesh.weld.inverse]
+    joined = mesh.weld.representative
     deviation = Deviation(mesh.V, mesh.joined_F, joined, target)
     vertices = {
         LABEL: labels,

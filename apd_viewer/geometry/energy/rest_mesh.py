@@ -11,12 +11,13 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.arrays import check_mesh, diagonal, numbers, whole_numbers
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.measures import SLIVER, area_volume_change
 from apd_viewer.geometry.mesh.operators import face_areas, why_no_volume
-from apd_viewer.geometry.mesh.weld import Weld
+from apd_viewer.geometry.mesh.seams import Seams
+from apd_viewer.geometry.mesh.weld import SEAM, Weld
 from apd_viewer.language import tr
 
 
@@ -70,6 +71,18 @@ class RestMesh:
         used = np.zeros(len(V), dtype=bool)
         used[F.ravel()] = True
         self.diagonal = diagonal(V[used])
+
+    @classmethod
+    def of(cls, V: object, F: object, weld: bool = False) -> RestMesh:
+        """Rest mesh of a caller's arrays, checked; with ``weld`` its seams are welded."""
+        V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
+        check_mesh(V, F)
+        return cls(V, F, Weld.of(V, F, SEAM) if weld else None)
+
+    @cached_property
+    def seams(self) -> Seams:
+        """Boundary edges on others without being joined."""
+        return Seams.of(self.V, self.F, self.weld)
 
     @cached_property
     def why_no_volume(self) -> str | None:

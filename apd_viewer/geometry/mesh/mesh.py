@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, whole_numbers
+from apd_viewer.geometry.mesh.arrays import check_mesh, diagonal, frozen, numbers, whole_numbers
 from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.texture import Texture
-from apd_viewer.geometry.mesh.weld import Weld
+from apd_viewer.geometry.mesh.weld import TOLERANCE, Weld
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -121,6 +121,33 @@ class Mesh:
         origin = Baked(read, read.origin) if read.origin is not None else None
         return Mesh.trusted(U, self.F, self.path, origin, self._welded, self.remarks, self.unit)
 
+    def welded(self) -> Mesh:
+        """The mesh with nearly meeting seams welded; vertices and file are the same.
+
+        Boundary vertices within 1e-4 of the size of the mesh, and within half of the shorter boundary edge
+        there, move together from now on.
+
+        Examples
+        --------
+        >>> import apd_viewer
+        >>> V = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 1e-5], [0, 1, 1e-5], [1, 1, 0]]
+        >>> mesh = apd_viewer.Mesh(V, [[0, 1, 2], [3, 5, 4]])
+        >>> mesh.joined_F.tolist(), mesh.welded().joined_F.tolist()
+        ([[0, 1, 2], [3, 5, 4]], [[0, 1, 2], [1, 5, 2]])
+        """
+        return self.joined(self.weld.wider(self.V, self.F).representative)
+
+    def joined(self, representative: np.ndarray) -> Mesh:
+        """The mesh with each vertex welded to the one in ``representative`` (n,)."""
+        weld = Weld.to(self.V, representative)
+        joined = weld.first, weld.inverse
+        return Mesh.trusted(self.V, self.F, self.path, self.origin, joined, self.remarks, self.unit)
+
+    @property
+    def has_welded_seams(self) -> bool:
+        """True if more than coincident vertices and cracks of rounding is welded."""
+        return self.weld.slack > 4.0 * TOLERANCE * diagonal(self.V[self.F.ravel()])
+
     def homeless(self) -> Mesh:
         """The mesh without its path."""
         origin = self.origin
@@ -171,7 +198,7 @@ class Mesh:
     @cached_property
     def joined_F(self) -> np.ndarray:
         """Triangles with each vertex replaced by the first at its position."""
-        return self.weld.first[self.weld.inverse[self.F]]
+        return self.weld.representative[self.F]
 
     @cached_property
     def digest(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -11,6 +12,12 @@ from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 # Boundary vertices closer than this, in bounding-box diagonals, are welded.
 TOLERANCE = 1e-7
 
+# So are those closer than this on request: exporters round to four or five digits.
+SEAM = 1e-4
+
+# Of the shorter boundary edge at two vertices, how far apart they may be: nearer than to their neighbours.
+SHARE = 0.5
+
 
 @dataclass(frozen=True, eq=False)
 class Weld:
@@ -18,7 +25,8 @@ class Weld:
 
     Files repeat vertices at texture seams, and STL repeats all of them: without welding such a mesh falls
     apart into loose triangles. Equal positions are joined; at borders, where rounding leaves cracks, also
-    those within :data:`TOLERANCE` of each other.
+    those within a tolerance of each other, and within half of the shorter boundary edge there. The solve has
+    them at the place of the first; in the file they keep their offsets from it, which do not turn.
 
     Attributes
     ----------
@@ -26,17 +34,20 @@ class Weld:
         For every vertex of the solve the first file vertex at its position.
     inverse : (n,) int array
         For every file vertex its vertex of the solve.
-    offset : (n, 3) float array or None
-        How far every file vertex lies from the position that it is joined at; None if nowhere.
+    V : (n, 3) float array or None
+        Positions of the file; None if every vertex lies where it is joined.
     """
 
     first: np.ndarray
     inverse: np.ndarray
-    offset: np.ndarray | None = None
+    V: np.ndarray | None = None
 
     @classmethod
-    def of(cls, V: np.ndarray, F: np.ndarray | None = None) -> Weld:
-        """Weld positions ``V`` (n, 3) in file order; ``F`` (m, 3) gives borders."""
+    def of(cls, V: np.ndarray, F: np.ndarray | None = None, tolerance: float = TOLERANCE) -> Weld:
+        """Weld positions ``V`` (n, 3) in file order; ``F`` (m, 3) gives borders.
+
+        The ``tolerance`` is that of borders, in bounding-box diagonals.
+        """
         order = np.lexsort((np.arange(len(V)), V[:, 2], V[:, 1], V[:, 0]))
         new = np.ones(len(V), dtype=bool)
         new[1:] = (V[order[1:]] != V[order[:-1]]).any(axis=1)
@@ -44,9 +55,18 @@ class Weld:
         representative = np.empty(len(V), dtype=np.int64)
         representative[order] = leader
         if F is not None:
-            representative = _cracks_closed(V, F, representative)
+            representative = _cracks_closed(V, F, representative, tolerance)
+        return cls.to(V, representative)
+
+    @classmethod
+    def to(cls, V: np.ndarray, representative: np.ndarray) -> Weld:
+        """Weld each of the positions ``V`` (n, 3) to that of its representative."""
         first, inverse = np.unique(representative, return_inverse=True)
         return cls.between(V, first, inverse)
+
+    def wider(self, V: np.ndarray, F: np.ndarray, tolerance: float = SEAM) -> Weld:
+        """The weld with borders joined within a larger tolerance too."""
+        return Weld.to(V, _cracks_closed(V, F, self.representative, tolerance))
 
     @classmethod
     def between(cls, V: np.ndarray, first: np.ndarray, inverse: np.ndarray) -> Weld:
@@ -54,13 +74,22 @@ class Weld:
         first, inverse = frozen(first), frozen(inverse)
         if len(first) == len(inverse):
             return cls(first, inverse)
-        offset = V - V[first[inverse]]
-        return cls(first, inverse, frozen(offset) if offset.any() else None)
+        return cls(first, inverse, V if (V[first[inverse]] != V).any() else None)
 
     @property
+    def representative(self) -> np.ndarray:
+        """Representative of every file vertex: the first of those joined, (n,)."""
+        return self.first[self.inverse]
+
+    @cached_property
+    def offset(self) -> np.ndarray | None:
+        """Offset of every file vertex from its joined place, (n, 3); None without any."""
+        return None if self.V is None else frozen(self.V - self.V[self.representative])
+
+    @cached_property
     def slack(self) -> float:
-        """Tolerance between targets of welded vertices, in box diagonals."""
-        return 0.0 if self.offset is None else 4.0 * TOLERANCE
+        """Tolerance between targets of welded vertices, mesh units."""
+        return 0.0 if self.offset is None else 4.0 * float(np.linalg.norm(self.offset, axis=1).max())
 
     def offset_of(self, ids: np.ndarray) -> np.ndarray | float:
         """Offset of the file vertices ``ids`` from their welded positions."""
@@ -79,28 +108,70 @@ class Weld:
         if len(U) == len(self.inverse):
             return U.copy()
         spread = U[self.inverse]
-        return spread if self.offset is None else spread + self.offset
+        if self.V is not None and self.offset is not None:
+            apart = np.flatnonzero(self.offset.any(axis=1))
+            # In this order what has not moved is where it was, to the bit.
+            spread[apart] = self.V[apart] + (spread[apart] - self.V[self.representative[apart]])
+        return spread
 
 
-def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray) -> np.ndarray:
-    """Representatives joining border vertices across cracks; neighbours stay apart."""
-    corners = representative[F]
-    a, b = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
-    edge = a != b
-    key = np.minimum(a, b)[edge] * len(V) + np.maximum(a, b)[edge]
+def border_edges(corners: np.ndarray, n: int) -> np.ndarray:
+    """Edges (b, 2) of one triangle among ``corners`` (m, 3) below ``n``, each once."""
+    key = _edge_keys(corners, n)
     key.sort()
     alone = np.ones(len(key), dtype=bool)
     alone[1:] &= key[1:] != key[:-1]
     alone[:-1] &= key[:-1] != key[1:]
-    if not alone.any():
+    return np.column_stack([key[alone] // n, key[alone] % n])
+
+
+def _edge_keys(corners: np.ndarray, n: int) -> np.ndarray:
+    """A number for the edge of every half-edge, the same for both its sides."""
+    a, b = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+    edge = a != b
+    return np.minimum(a, b)[edge] * n + np.maximum(a, b)[edge]
+
+
+def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tolerance: float) -> np.ndarray:
+    """Representatives joining border vertices across cracks; neighbours stay apart."""
+    corners, n = representative[F], len(V)
+    edges = border_edges(corners, n)
+    if not len(edges):
         return representative
     from scipy.spatial import KDTree  # most meshes have no cracks, and the window opens before it is loaded
 
-    border = np.unique(np.concatenate([key[alone] // len(V), key[alone] % len(V)]))
-    near = TOLERANCE * diagonal(V[corners.ravel()])
-    pairs = border[np.sort(KDTree(V[border]).query_pairs(near, output_type="ndarray"), axis=1)]
-    pairs = pairs[~np.isin(pairs[:, 0] * len(V) + pairs[:, 1], key)]
-    joined = representative.copy()
-    for low, high in pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].tolist():
-        joined[high] = joined[low]
-    return joined[representative]
+    border = np.unique(edges)
+    pairs = border[KDTree(V[border]).query_pairs(tolerance * diagonal(V[F.ravel()]), output_type="ndarray")]
+    gap = np.linalg.norm(V[pairs[:, 0]] - V[pairs[:, 1]], axis=1)
+    room = SHARE * shortest_edges(V, edges)[pairs].min(axis=1)
+    pairs, gap = pairs[gap <= room], gap[gap <= room]
+    at_border = np.zeros(n, dtype=bool)
+    at_border[border] = True
+    between = _edge_keys(corners[at_border[corners].sum(axis=1) > 1], n)
+    return _clustered(pairs[np.argsort(gap, kind="stable")], set(between.tolist()), n)[representative]
+
+
+def shortest_edges(V: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Length of the shortest of the ``edges`` (b, 2) at every vertex, (n,)."""
+    shortest = np.full(len(V), np.inf)
+    length = np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1)
+    for end in edges.T:
+        np.minimum.at(shortest, end, length)
+    return shortest
+
+
+def _clustered(pairs: np.ndarray, edges: set[int], n: int) -> np.ndarray:
+    """Lowest vertex of the cluster of each of ``n`` vertices.
+
+    ``pairs`` (p, 2) are joined in their order, unless an edge would then lead from a cluster to itself: of a
+    chain of near vertices the two ends of an edge stay apart.
+    """
+    leader, members = np.arange(n), dict[int, list[int]]()
+    for a, b in pairs.tolist():
+        low, high = sorted((int(leader[a]), int(leader[b])))
+        one, other = members.get(low, [low]), members.get(high, [high])
+        if low == high or any(min(i, j) * n + max(i, j) in edges for i in one for j in other):
+            continue
+        members[low] = one + other
+        leader[other] = low
+    return leader

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import check_mesh, numbers, whole_numbers
 from apd_viewer.geometry.pressing.load_curve import LoadCurve, load_curve
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
 from apd_viewer.geometry.pressing.press_options import PressOptions
@@ -18,7 +17,6 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
 )
-from apd_viewer.language import tr
 
 # Share of the time that plates take to close, where they open again.
 _PRESSING = 0.7
@@ -85,6 +83,7 @@ def press(
     gas: float | None = None,
     release: bool = False,
     iterations: int = DEFAULT_ITERATIONS,
+    weld: bool = False,
     progress: Callable[[float], object] = lambda _: None,
 ) -> Pressed:
     """Press a mesh between two plates that close along ``axis``.
@@ -99,7 +98,7 @@ def press(
         The plates close in so many equal steps; after each the mesh comes to rest.
     fixed : (k,) ints
         Vertices that are held where they are; none need be.
-    method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness
+    method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness, weld
         See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
     yield_radius : float, optional
         Walls that are bent to a smaller radius than that from flat, mesh units, keep a crease; without it
@@ -135,11 +134,9 @@ def press(
     >>> [f"{step.distance:.2f}" for step in pressed.steps[1:]]  # the first is at the touch
     ['1.90', '1.80']
     """
-    V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
-    check_mesh(V, F)
     moduli = stiffness, area_stiffness, shear_stiffness
     options = PressOptions(fixed, method, *moduli, area, volume, thickness, yield_radius, start, gas)
-    plates = PlatePress(RestMesh(V, F), np.asarray(axis), to, steps, iterations, options)
+    plates = PlatePress(RestMesh.of(V, F, weld), np.asarray(axis), to, steps, iterations, options)
     return press_with(plates, release, progress)
 
 

@@ -143,6 +143,7 @@ def deform(
     obstacles: Sequence[Obstacle] = (),
     shifts: np.ndarray | None = None,
     convergence: Convergence = DEFAULT_CONVERGENCE,
+    weld: bool = False,
     progress: Callable[[Frame], None] | bool | None = None,
 ) -> Result:
     """Deform a mesh with its ``fixed`` vertices held at their ``targets``.
@@ -151,7 +152,7 @@ def deform(
     ----------
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness
         See :class:`Deformation`.
-    area, volume, regions, loose, calm, contact, thickness, obstacles, convergence
+    area, volume, regions, loose, calm, contact, thickness, obstacles, convergence, weld
         See there too.
     shifts : (o, 3) float array, optional
         How far each obstacle goes from its place, straight, together with the held vertices; an equal part of
@@ -207,6 +208,7 @@ def deform(
         thickness=thickness,
         obstacles=obstacles,
         convergence=convergence,
+        weld=weld,
         plain=iterations is not None,
     )
     targets = numbers(targets, tr("Targets"))

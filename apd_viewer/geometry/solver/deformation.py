@@ -17,7 +17,7 @@ from apd_viewer.geometry.goals.calm_parts import calm_levels
 from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, whole_numbers
+from apd_viewer.geometry.mesh.arrays import frozen, numbers
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.arguments import HeldVertices, shifts_of, soft_of, start_of
@@ -96,6 +96,8 @@ class Deformation:
     obstacles : sequence of Obstacle
         What no shape enters, where contact is on; it touches without friction. Nothing need be held then:
         what is held by nothing slides, and does not turn as a whole.
+    weld : bool
+        Weld the seams whose two sides nearly meet; see :meth:`apd_viewer.Mesh.welded`.
 
     Attributes
     ----------
@@ -141,12 +143,9 @@ class Deformation:
         contact: bool = False,
         thickness: float | None = None,
         obstacles: Sequence[Obstacle] = (),
+        weld: bool = False,
     ) -> None:
-        if rest is None:
-            V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
-            check_mesh(V, F)
-            rest = RestMesh(V, F)
-        self.rest = rest
+        self.rest = rest = rest or RestMesh.of(V, F, weld)
         self.method = method
         self._total = 0
         self._held = HeldVertices(fixed, handle, rest)
@@ -368,10 +367,10 @@ class Deformation:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings about loose parts and a missing volume, a sentence each."""
+        """Warnings about loose parts, a missing volume and open seams, a sentence each."""
         why = None if self.rest.volume_capped else self.rest.why_no_volume
         said = self.loose.warning, tr("There is no volume: {why}.").format(why=why) if why else None
-        return tuple(sentence for sentence in said if sentence)
+        return tuple(sentence for sentence in (*said, *self.rest.seams.sentences) if sentence)
 
     def readings(self, frame: Frame) -> tuple[Reading, ...]:
         """Readings of the regions in ``frame``."""

@@ -84,7 +84,7 @@ def _away(
     V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, label: int, reach: float
 ) -> np.ndarray:
     """Distance of every vertex from a label along the edges at rest, (n,)."""
-    joined = weld.first[weld.inverse]
+    joined = weld.representative
     start = np.unique(joined[labels == label])
     return frozen(distances(_graph(V, F), start, reach)[joined])
 

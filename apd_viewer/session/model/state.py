@@ -9,8 +9,11 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import numbered
 from apd_viewer.geometry.analysis.inspection import Inspection, inspect
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.geometry.pose.frame import MET, Frame
@@ -132,8 +135,12 @@ def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
         member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
         handles=tuple(Handle(numbered(tr("Handle"), k)) for k in range(1, count + 1)),
     )
-    skin = Skin.of(mesh.F, len(mesh.V), mesh.joined_F, mesh.V, mesh.corner_normals)
-    return State(document, inspection, skin, rest_frame(mesh, inspection))
+    return State(document, inspection, skin_of(mesh), rest_frame(mesh, inspection))
+
+
+def skin_of(mesh: Mesh) -> Skin:
+    """The part of a mesh to be drawn and touched."""
+    return Skin.of(mesh.F, len(mesh.V), mesh.joined_F, mesh.V, mesh.corner_normals)
 
 
 def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
@@ -149,3 +156,45 @@ def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
         converged=True,
         energy=0.0,
     )
+
+
+def shape_frame(mesh: Mesh, inspection: Inspection, U: np.ndarray) -> Frame:
+    """Another shape ``U`` (n, 3) of the mesh as a frame, measured, without regions."""
+    frame = rest_frame(mesh, inspection)
+    if U is mesh.V:
+        return frame
+    rest = RestMesh(mesh.V, mesh.F, mesh.weld)
+    with cores_for(len(mesh.weld.first)):
+        found = rest.measure(U[mesh.weld.first])
+    return replace(frame, U=U, area_error=found.area / rest.area - 1.0, **found._asdict())
+
+
+def welded(state: State) -> State:
+    """The state with welded seams, both sides painted alike and at one place."""
+    before, mesh = state.document, state.document.mesh.welded()
+
+    def beside(X: np.ndarray) -> np.ndarray:
+        """Positions ``X`` (n, 3) with the other side of a seam beside the first."""
+        return X if X is mesh.V else frozen(mesh.weld.spread(X[mesh.weld.first]))
+
+    document = replace(
+        before,
+        mesh=mesh,
+        labels=_alike(before.labels, mesh.weld, FREE),
+        member=_alike(before.member, mesh.weld, 0),
+        grip=beside(before.grip),
+    )
+    loose = {part.first for part in document.loose_parts}
+    document = replace(document, staying=tuple(sorted(loose.intersection(document.staying))))
+    inspection, U = inspect(mesh), beside(state.frame.U)
+    frame = replace(shape_frame(mesh, inspection, U), shifts=state.frame.shifts)
+    found = State(document, inspection, skin_of(mesh), state.frame).at(frame=frame)
+    return found if U is mesh.V else found.unsettled()
+
+
+def _alike(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
+    """Codes shared by both sides of a seam; ``none`` yields to the other side's."""
+    shared = np.full(len(weld.first), none, dtype=codes.dtype)
+    said = np.flatnonzero(codes != none)[::-1]  # of several the first one counts
+    shared[weld.inverse[said]] = codes[said]
+    return frozen(shared[weld.inverse])

@@ -110,7 +110,7 @@ def of_exempt(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
     from apd_viewer.geometry.contact.exempt_zones import near_crossing
 
     near = near_crossing(mesh.joined_F, crossing, len(mesh.V))
-    where = frozen(np.flatnonzero(near[mesh.weld.first[mesh.weld.inverse]]))
+    where = frozen(np.flatnonzero(near[mesh.weld.representative]))
     said = tr(
         "{n:,} triangles cross at rest; contact leaves the {vertices:,} vertices near them as they are."
     ).format(n=len(crossing), vertices=len(where))

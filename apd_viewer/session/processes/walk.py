@@ -87,7 +87,7 @@ class Walk:
         if come is not None and not np.array_equal(come, shifts):
             return False
         away = float(np.abs(U[held.fixed] - held.targets).max(initial=0.0))
-        return away <= (_IN_PLACE + self._solver.rest.weld.slack) * self._solver.rest.diagonal
+        return away <= _IN_PLACE * self._solver.rest.diagonal + self._solver.rest.weld.slack
 
     def _aim(self, goal: _Goal, U: np.ndarray | None = None, begin: np.ndarray | None = None) -> None:
         held, shifts = goal

@@ -40,6 +40,7 @@ from apd_viewer.session.storage.session_picture import PICTURE
 FORMAT, VERSION = "apd-session", 1
 _TEXT = "session.json"
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
+_WELD = "weld"  # for each vertex the one that it is welded to, where seams were welded
 # In bounding-box diagonals; positions farther away are no shape of this mesh.
 _FARTHEST = 1e8
 
@@ -90,6 +91,8 @@ def save_session(
     told, copy = mesh_said(mesh, path, embed)
     target, copy_of_target = target_said(document, path, embed)
     arrays = {"labels": document.labels, "member": document.member}
+    if mesh.has_welded_seams:
+        arrays[_WELD] = mesh.weld.representative
     positions = {"grip": document.grip, "shape": state.frame.U}
     # Rest positions are left out: once opened they are the mesh's own.
     arrays |= {name: X for name, X in positions.items() if X is not mesh.V}
@@ -135,7 +138,7 @@ def open_session(path: str | Path) -> tuple[State, View]:
         archive = Archive(_content(path))
         said = Fields.of(archive.content(_TEXT), _TEXT)
         _check_version(said, path)
-        mesh = find_mesh(said.part("mesh"), path, archive)
+        mesh = _welded(find_mesh(said.part("mesh"), path, archive), said, archive)
         state, arrays = opened(mesh), _arrays(said, archive, mesh)
         document = with_target(document_of(said.part("document"), mesh, arrays), said, path, archive)
         if document.volume is not None and not state.inspection.volume:
@@ -166,6 +169,17 @@ def _check_version(said: Fields, path: Path) -> None:
         )
     if version < 1:
         raise ValueError(tr("its “version” is damaged"))
+
+
+def _welded(mesh: Mesh, said: Fields, archive: Archive) -> Mesh:
+    """The mesh with its seams welded as they were."""
+    if _WELD not in said.texts("arrays", most=100):
+        return mesh
+    n = len(mesh.V)
+    to = archive.array(_WELD, "<i8", (n,))
+    if to.min() < 0 or (to > np.arange(n)).any() or (to[to] != to).any():
+        raise ValueError(tr("“{name}” in it refers to a vertex that does not exist").format(name=_WELD))
+    return mesh.joined(to)
 
 
 def _arrays(said: Fields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]:

@@ -14,8 +14,6 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.files.storage.json_fields import Fields
-from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame, Touch
@@ -25,7 +23,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle
 from apd_viewer.session.model.named_parts import MOST_POSES, NO_FLAGS
-from apd_viewer.session.model.state import State, rest_frame
+from apd_viewer.session.model.state import State, shape_frame
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import Point, Standpoint, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
@@ -189,13 +187,7 @@ def _of_obstacles(frame: Frame) -> dict[str, Any]:
 
 def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
     """The frame of a state again, measured anew on its shape ``U`` (n, 3)."""
-    mesh = state.document.mesh
-    frame = rest_frame(mesh, state.inspection)
-    if U is not mesh.V:
-        rest = RestMesh(mesh.V, mesh.F, mesh.weld)
-        with cores_for(len(mesh.weld.first)):
-            found = rest.measure(U[mesh.weld.first])
-        frame = replace(frame, U=U, area_error=found.area / rest.area - 1.0, **found._asdict())
+    frame = shape_frame(state.document.mesh, state.inspection, U)
     settled, count = said.flag("settled"), len(state.document.obstacles)
     return replace(
         frame,

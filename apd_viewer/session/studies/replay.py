@@ -96,7 +96,7 @@ def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
     if document.traits.moves_handles:
         kept = np.setdiff1d(kept, np.concatenate(held.handles))
     away = frame.U[kept] - held.targets[np.searchsorted(held.fixed, kept)]
-    within = (_IN_PLACE + solver.rest.weld.slack) * solver.rest.diagonal
+    within = _IN_PLACE * solver.rest.diagonal + solver.rest.weld.slack
     return bool(np.abs(away).max(initial=0.0) <= within)
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QScrollArea, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import MARK_COLOR
@@ -54,19 +54,24 @@ class FindingRow(QFrame):
         The arrow keys ask for the row above, -1, or below, 1.
     stay_chosen : Signal(bool)
         The parts of this row are to stay, or to go along.
+    weld_chosen : Signal()
+        What it is about is to be welded.
 
     Parameters
     ----------
     sentence : str
     parts : tuple of int
         The loose parts that it is about: each may stay.
+    weldable : bool
+        Whether it is about seams that can be welded.
     """
 
     chosen = Signal()
     stepped = Signal(int)
     stay_chosen = Signal(bool)
+    weld_chosen = Signal()
 
-    def __init__(self, sentence: str, parts: tuple[int, ...] = ()) -> None:
+    def __init__(self, sentence: str, parts: tuple[int, ...] = (), weldable: bool = False) -> None:
         super().__init__(objectName="finding", focusPolicy=Qt.FocusPolicy.StrongFocus)
         self.setToolTip(tr("Show where this is"))
         self._sentence, self._parts = sentence, parts
@@ -81,6 +86,10 @@ class FindingRow(QFrame):
         self.stay.setAccessibleName(tr("{sentence} Stays in place.").format(sentence=sentence))
         self.stay.clicked.connect(self.stay_chosen)
         row.addWidget(self.stay, 0, flags.AlignVCenter)
+        self.weld = QPushButton(tr("Weld"), visible=weldable)
+        self.weld.setToolTip(tr("Hold the seams together; the file keeps all its vertices"))
+        self.weld.clicked.connect(self.weld_chosen)
+        row.addWidget(self.weld, 0, flags.AlignVCenter)
         self.show_marked(False)
 
     def show_staying(self, staying: tuple[int, ...]) -> None:
@@ -121,6 +130,8 @@ class FindingList(QFrame):
         The row to be shown, by its number.
     stay_chosen : Signal(int, bool)
         The loose parts of a row, by its number, are to stay, or to go along.
+    weld_chosen : Signal()
+        The seams are to be welded.
     dismissed : Signal()
         Esc, or the cross.
     rows : list of FindingRow
@@ -128,6 +139,7 @@ class FindingList(QFrame):
 
     chosen = Signal(int)
     stay_chosen = Signal(int, bool)
+    weld_chosen = Signal()
     dismissed = Signal()
 
     def __init__(self, canvas: Viewport) -> None:
@@ -163,6 +175,7 @@ class FindingList(QFrame):
             row.chosen.connect(lambda k=k: self.chosen.emit(k))
             row.stepped.connect(lambda step, k=k: self._step(k + step))
             row.stay_chosen.connect(lambda on, k=k: self.stay_chosen.emit(k, on))
+            row.weld_chosen.connect(self.weld_chosen)
         column.addStretch(1)
         self._scroll.setWidget(body)
         self._title.setText(title)

@@ -8,6 +8,7 @@ from PySide6.QtCore import QObject, QPointF, QRectF
 from PySide6.QtWidgets import QApplication, QWidget
 
 from apd_viewer.geometry.analysis.findings import SEPARATE, Finding
+from apd_viewer.geometry.analysis.seam_findings import SEAMS
 from apd_viewer.session.model.loose_findings import of_loose_parts
 from apd_viewer.ui.overlays.findings import FindingList, FindingRow
 from apd_viewer.ui.overlays.findings_badge import Badge, counted
@@ -52,6 +53,7 @@ class Health(QObject):
         self.badge.toggled.connect(self._toggle)
         self.list.chosen.connect(self._show)
         self.list.stay_chosen.connect(lambda k, on: session.settings.let_stay(self._listed[k].parts, on))
+        self.list.weld_chosen.connect(session.rest_shape.weld)
         self.list.dismissed.connect(self._dismiss)
         canvas.viewport.clicked.connect(self._clicked)
         for begun in (canvas.strokes.began, canvas.drag_began):
@@ -94,7 +96,7 @@ class Health(QObject):
         assert isinstance(application, QApplication)
         if on:
             self._listed = self._all_listed()
-            rows = [FindingRow(finding.sentence, parts) for finding, parts in self._listed]
+            rows = [FindingRow(each.sentence, parts, each.kind == SEAMS) for each, parts in self._listed]
             self.list.open(counted(len(self._findings)), rows)
             self.follow()
             application.focusChanged.connect(self._follow_keys)

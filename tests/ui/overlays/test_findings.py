@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from driving import Mouse, document, idle, settle
 from PySide6.QtCore import QPointF, Qt
+from seams import halves
 
+from apd_viewer.geometry.analysis.seam_findings import SEAMS
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.presentation.palette import MARK_COLOR, label_colors
@@ -358,3 +360,21 @@ def test_before_anything_is_painted_the_largest_part_is_not_loose(qtbot, window)
     idle(qtbot, window)
     open_list(qtbot, window)
     assert len(stay_boxes(window)) == 1
+
+
+def test_seams_are_welded_at_a_click(qtbot, window):
+    window.filing.show_mesh(Mesh(*halves(1e-5)))
+    idle(qtbot, window)
+    before = document(window).mesh
+    open_list(qtbot, window)
+    weld = window.health.list.rows[number(window, SEAMS)].weld
+    assert [row.weld.isVisible() for row in window.health.list.rows].count(True) == 1
+    qtbot.mouseClick(weld, LEFT)
+    qtbot.waitUntil(lambda: document(window).mesh.has_welded_seams)
+    idle(qtbot, window)
+    assert SEAMS not in [finding.kind for finding in findings(window)]
+    assert window.health.badge.text() == f"{len(findings(window))} issues"
+    assert document(window).mesh.V is before.V
+    window.actions_.undo.trigger()
+    assert document(window).mesh is before
+    assert SEAMS in [finding.kind for finding in findings(window)]

@@ -1,0 +1,32 @@
+"""The option ``--weld``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    import argparse
+    from pathlib import Path
+
+    from apd_viewer.geometry.mesh.mesh import Mesh
+
+
+def add_weld_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option."""
+    parser.add_argument(
+        "--weld",
+        action="store_true",
+        help=tr(
+            "weld seams: boundary vertices within 1/10,000 of the size of the mesh move together; the file "
+            "written has all its vertices"
+        ),
+    )
+
+
+def opened_mesh(path: str | Path, weld: bool) -> Mesh:
+    """The mesh in a file, with its seams welded on request; raises InputError."""
+    mesh = open_mesh(path)
+    return mesh.welded() if weld else mesh

@@ -1,0 +1,115 @@
+"""Seams: boundary edges on others without being joined."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.weld import SEAM, SHARE, Weld, border_edges, shortest_edges
+from apd_viewer.language import trn
+
+
+class Seams(NamedTuple):
+    """Boundary edges of a mesh on others, within the tolerance :data:`SEAM`.
+
+    Attributes
+    ----------
+    edges : (e, 2) int array
+        Ends of those that a wider weld joins; vertices of the file.
+    gap : float
+        Largest distance that it joins across, mesh units.
+    joints : (j,) int array
+        Vertices inside boundary edges (T-joints): there is no vertex to weld them to.
+    """
+
+    edges: np.ndarray
+    gap: float
+    joints: np.ndarray
+
+    @classmethod
+    def of(cls, V: np.ndarray, F: np.ndarray, weld: Weld) -> Seams:
+        """Seams of positions ``V`` (n, 3) and triangles ``F`` (m, 3) with their ``weld``."""
+        corners, n = weld.representative[F], len(V)
+        edges = border_edges(corners, n)
+        if not len(edges):
+            return cls(edges, 0.0, edges[:, 0])
+        onto = weld.wider(V, F).representative
+        ends, corners = np.sort(onto[edges], axis=1), onto[corners]
+        left = border_edges(corners, n)
+        meets = ~np.isin(ends[:, 0] * n + ends[:, 1], left[:, 0] * n + left[:, 1])
+        moved = edges[meets].ravel()
+        gap = float(np.linalg.norm(V[moved] - V[onto[moved]], axis=1).max(initial=0.0))
+        return cls(edges[meets], gap, _joints(V, left, corners))
+
+    @property
+    def weldable(self) -> str | None:
+        """Sentence about the edges, if there are any."""
+        if not len(self.edges):
+            return None
+        said = trn(
+            "{n:,} boundary edge lies on another without being joined (up to {gap:.3g} apart): the surface "
+            "tears there; weld its seams.",
+            "{n:,} boundary edges lie on others without being joined (up to {gap:.3g} apart): the surface "
+            "tears there; weld its seams.",
+            len(self.edges),
+        )
+        return said.format(n=len(self.edges), gap=self.gap)
+
+    @property
+    def unweldable(self) -> str | None:
+        """Sentence about the T-joints, if there are any."""
+        if not len(self.joints):
+            return None
+        said = trn(
+            "{n:,} boundary vertex lies inside another boundary edge (T-joint): the surface tears there, and "
+            "there is no vertex to weld it to; export it with a vertex there.",
+            "{n:,} boundary vertices lie inside other boundary edges (T-joints): the surface tears there, "
+            "and there is no vertex to weld them to; export it with vertices there.",
+            len(self.joints),
+        )
+        return said.format(n=len(self.joints))
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Sentences about both, as far as there are any."""
+        return tuple(filter(None, (self.weldable, self.unweldable)))
+
+
+def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Vertices inside ``edges`` (b, 2), the boundary of the triangles ``corners``."""
+    border = np.unique(edges)
+    near = SEAM * diagonal(V[corners.ravel()])
+    room = np.minimum(near, SHARE * shortest_edges(V, edges)[border])
+    point, edge = _close(V, border, edges, near)
+    a, along = V[edges[edge, 0]], V[edges[edge, 1]] - V[edges[edge, 0]]
+    length = np.linalg.norm(along, axis=1)
+    at = np.einsum("ij,ij->i", V[border[point]] - a, along) / length
+    away = np.linalg.norm(V[border[point]] - a - (at / length)[:, None] * along, axis=1)
+    inside = (away <= room[point]) & (at > room[point]) & (at < length - room[point])
+    point, edge = point[inside], edge[inside]
+    triples = np.sort(np.column_stack([border[point], edges[edge]]), axis=1)
+    # A sliver of the mesh itself may end at an edge.
+    own = set(map(tuple, np.sort(corners[np.isin(corners, border[point]).any(axis=1)], axis=1).tolist()))
+    free = [tuple(three) not in own for three in triples.tolist()]
+    return np.unique(border[point[np.array(free, dtype=bool)]])
+
+
+def _close(
+    V: np.ndarray, border: np.ndarray, edges: np.ndarray, near: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Candidates (p,), (p,) of pairs of ``border`` and ``edges`` ``near`` each other."""
+    from scipy.spatial import KDTree  # most meshes have no boundary, and the window opens before it is loaded
+
+    ends, points = V[edges], KDTree(V[border])
+    half = 0.5 * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    size = np.frexp(half)[1]  # edges of about one length at a time: a ball around a long one holds many
+    pairs = []
+    for each in np.unique(size):
+        some = np.flatnonzero(size == each)
+        middles = KDTree(ends[some].mean(axis=1))
+        found = points.sparse_distance_matrix(middles, half[some].max() + near, output_type="ndarray")
+        pairs.append(np.column_stack([found["i"], some[found["j"]]]))
+    point, edge = np.concatenate(pairs).T
+    return point, edge

@@ -1,0 +1,137 @@
+"""Boundary edges that lie on others are said, and welded on request; the file keeps its vertices."""
+
+import numpy as np
+import pytest
+from meshes import box, grid, soup
+from seams import half, halves, twisted
+
+import apd_viewer
+from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.analysis.seam_findings import SEAMS
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.seams import Seams
+from apd_viewer.geometry.mesh.weld import SEAM, Weld
+
+ROWS = 12
+
+
+def seams(V, F):
+    return Seams.of(V, F, Weld.of(V, F))
+
+
+def kinds(mesh):
+    return [finding.kind for finding in inspect(mesh).findings]
+
+
+def torn(V, F, U):
+    """Distances of vertices in ``U`` that are copies of one place in ``V``."""
+    to = Mesh(V, F).welded().weld.representative
+    apart = np.flatnonzero(to != np.arange(len(V)))
+    return np.linalg.norm(U[apart] - U[to[apart]], axis=1)
+
+
+@pytest.mark.parametrize("by", [1e-6, 1e-5, 0.9 * SEAM])
+def test_a_seam_whose_sides_nearly_meet_is_said_and_welded(by):
+    V, F = halves(by)
+    mesh = Mesh(V, F)
+    assert SEAMS in kinds(mesh)
+    found = seams(V, F)
+    assert len(found.edges) == 4 * ROWS, "two seams, two sides each"
+    assert found.gap == pytest.approx(by * diagonal(V), rel=1e-3)
+    welded = mesh.welded()
+    assert len(welded.weld.first) == len(V) - 2 * (ROWS + 1)
+    assert SEAMS not in kinds(welded)
+    assert inspect(welded).pieces == 1
+    assert welded.V is mesh.V
+    assert welded.F is mesh.F
+
+
+@pytest.mark.parametrize("method", ["exact", "local", "arap"])
+def test_a_welded_tube_is_twisted_as_a_whole_one(method):
+    V, F = halves(1e-5)
+    whole, _ = halves(0.0)
+    fixed, handle, targets = twisted(V, 0.5 * np.pi)
+    open_ = apd_viewer.deform(V, F, fixed, targets, method, handle=handle)
+    assert torn(V, F, open_.U).max() > 0.1, "as the warning says"
+    assert any("weld" in sentence for sentence in open_.warnings)
+    result = apd_viewer.deform(V, F, fixed, targets, method, handle=handle, weld=True)
+    assert torn(V, F, result.U).max() < 1.1e-5 * diagonal(V)
+    assert not any("weld" in sentence for sentence in result.warnings)
+    fixed, handle, targets = twisted(whole, 0.5 * np.pi)
+    exact = apd_viewer.deform(whole, F, fixed, targets, method, handle=handle)
+    assert result.volume_capped == pytest.approx(exact.volume_capped, rel=1e-4)
+    assert np.abs(result.U - exact.U).max() < 1e-2
+
+
+def test_what_does_not_move_is_where_it_was_to_the_bit():
+    V, F = halves(3.3e-5)
+    weld = Mesh(V + [1e-4, 3e-5, 1e-3], F).welded().weld
+    assert np.array_equal(weld.spread(weld.V[weld.first]), weld.V)
+
+
+def test_beyond_the_tolerance_nothing_is_said_or_welded():
+    V, F = halves(1.5 * SEAM)
+    assert SEAMS not in kinds(Mesh(V, F))
+    assert len(Mesh(V, F).welded().weld.first) == len(V)
+
+
+def test_details_smaller_than_the_tolerance_are_left_alone():
+    """An open speck, far smaller than the tolerance of the mesh that it belongs to."""
+    V, F = halves(0.0)
+    small, G = grid(5, 5)
+    W = np.vstack([V, 1e-6 * small + 3.0])
+    welded = Mesh(W, np.vstack([F, G + len(V)])).welded()
+    corners = welded.joined_F[len(F) :]
+    assert len(np.unique(corners)) == len(small), "the speck keeps all its vertices"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_edge_collapses_wherever_vertices_are_near(seed):
+    """Chains a, b, c of near vertices: loose triangles of a fine grid, all within the tolerance."""
+    rng = np.random.default_rng(seed)
+    V, F = soup(*grid(6, 6, 2e-4, 2e-4))
+    V = V + 6e-5 * rng.normal(size=V.shape)
+    W, G = (
+        np.vstack([V, [[0, 0, 1], [4, 0, 1], [0, 4, 1]]]),
+        np.vstack([F, [[len(V), len(V) + 1, len(V) + 2]]]),
+    )
+    joined = Mesh(W, G).welded().joined_F
+    assert len(np.unique(joined)) < len(W), "some are welded"
+    assert (joined != np.roll(joined, 1, axis=1)).all()
+
+
+def test_vertices_inside_other_boundary_edges_are_said():
+    V, F = halves(0.0, along=(12, 8))
+    found = seams(V, F)
+    # Of 11 and 7 heights within each seam, 3 are common.
+    assert len(found.joints) == 2 * (8 + 4)
+    assert "T-joints" in kinds(Mesh(V, F))
+    assert "T-joints" not in kinds(Mesh(*halves(0.0)))
+
+
+def test_a_seam_of_which_a_part_lies_on_another_is_welded_there():
+    V, F = half(0.0, 6, 12)
+    W, G = half(np.pi, 6, 12)
+    W[:, 2] += 2.0  # four rows higher
+    V, F = np.vstack([V, W * (1.0 + 1e-5)]), np.vstack([F, G + len(V)])
+    assert len(seams(V, F).edges) == 4 * (ROWS - 4)
+
+
+def test_closed_parts_that_touch_have_no_seam():
+    V, F = box(2, 2, 4)
+    W = np.vstack([V, V + [2.0, 0.0, 1e-6]])
+    assert not seams(W, np.vstack([F, F + len(V)])).sentences
+
+
+def test_a_flat_sliver_at_the_boundary_is_no_joint():
+    V, F = grid(4, 4)
+    middle = np.append(0.5 * (V[0] + V[1]), 0.0)[:3]
+    G = np.vstack([F, [[1, 0, len(V)]]])
+    assert not len(seams(np.vstack([V, middle]), G).joints)
+
+
+def test_a_press_welds_too():
+    V, F = halves(1e-5)
+    args = {"axis": (1, 0, 0), "to": 1.6, "steps": 1, "stiffness": 0.02, "iterations": 40}
+    assert torn(V, F, apd_viewer.press(V, F, weld=True, **args).U).max() < 1.1e-5 * diagonal(V)
