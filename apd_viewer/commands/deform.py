@@ -24,7 +24,7 @@ from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.weld_option import add_weld_option, opened_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
-from apd_viewer.files.mesh_writing import check_target
+from apd_viewer.files.mesh_writing import check_shapes, check_target
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection import Selection, numbered
 from apd_viewer.files.selections.selection_files import read_selection_file
@@ -32,7 +32,7 @@ from apd_viewer.files.selections.survey_formats import read_region, read_transfo
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.goals.goals import Region
-from apd_viewer.geometry.pose.constraints import FREE, constraints
+from apd_viewer.geometry.pose.constraints import BASE, FREE, constraints
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deform import Result, deform
 from apd_viewer.geometry.solver.loose_parts import GO, STAY
@@ -240,9 +240,10 @@ def _deform(options: argparse.Namespace) -> None:
     check_files([output, options.picture, options.report, *scalar_files(options)])
     if options.thickness is not None and not (options.contact or options.obstacles):
         raise InputError(tr("--thickness is the distance that walls keep in contact; add --contact."))
-    mesh = opened_mesh(options.mesh, options.weld)
+    mesh = opened_mesh(options.mesh, options.weld, options.unit)
     obstacles = read_obstacles(options.obstacles) if options.obstacles else ()
     selection = _selection(options, mesh)
+    check_shapes(mesh, output, selection.labels != BASE)
     regions = [_region(words, len(mesh.V)) for words in options.region]
     ways = [
         constraints(selection.labels, mesh.V, poses, obstacles=bool(obstacles))

@@ -13,7 +13,7 @@ from apd_viewer.files.report import apart_of, room_of
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.analysis.target_shape import TargetShape
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr
 from apd_viewer.session.model.status_text import about_caps, of_crossings, of_exempt
 from apd_viewer.session.quantities.units import Unit
 
@@ -74,6 +74,9 @@ def _info(options: argparse.Namespace) -> None:
         print(f"        {unit.volume(f'{found.volume_capped:.6g}')} {about_caps(found.openings)}")
     packed = tr("box     {reading}, the volume of the smallest bounding box found")
     print(packed.format(reading=unit.volume(f"{check.packed:.6g}")))
+    if mesh.origin is not None and mesh.origin.extras:
+        also = tr("also    {things}; exporting in another format than {kind} loses them")
+        print(also.format(things=listed(mesh.origin.extras), kind=mesh.origin.suffix[1:].upper()))
     if apart:
         print(_said(apart))
     for sentence in [finding.sentence for finding in all_found] or [tr("No issues found.")]:

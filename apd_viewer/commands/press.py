@@ -17,7 +17,7 @@ from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.commands.terminal.weld_option import add_weld_option, opened_mesh
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import check_target, save_mesh
+from apd_viewer.files.mesh_writing import check_shapes, check_target, save_mesh
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
@@ -150,6 +150,7 @@ def _press(options: argparse.Namespace) -> None:
     check_files([output, options.curve, options.figure, options.report])
     axis = axis_of(options.axis)
     mesh, start, unit = _opened(options.mesh, options.weld)
+    check_shapes(mesh, output, np.ones(len(mesh.V), dtype=bool))
     wall = wall_of(options, Unit(options.unit or unit))
     rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
     extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ direction(axis)))
@@ -176,7 +177,7 @@ def _press(options: argparse.Namespace) -> None:
         if options.report:
             said = json.dumps(report_of(mesh, rest, found, asked, wall), indent=2)
             beside.enter_context(replacing(options.report)).write_text(said + "\n", encoding="utf-8")
-        save_mesh(mesh, found.U, output)
+        save_mesh(mesh, found.U, output, wall.unit.symbol)
     print(summary(found, rest, output, options.stiffness, wall, extent))
 
 

@@ -12,10 +12,11 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import FORMATS, LARGEST, VTK, WRITTEN, largest, parsed
 from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.files.storage.reading import in_one_line
+from apd_viewer.files.storage.reading import in_one_line, quietly
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
+_METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 _ROUNDING = 1e-4  # of the written shape, relative to its size: beyond it the shape is different
 
 
@@ -65,6 +66,17 @@ def suffix_for(mesh: Mesh) -> str:
     return own if own in (*WRITTEN, *VTK) else ".obj"
 
 
+def check_shapes(mesh: Mesh, path: Path, moves: np.ndarray) -> None:
+    """Raise InputError unless the file of ``mesh`` can take other shapes.
+
+    Before they are computed: what is written to ``path`` in the format of the mesh is its own file, which may
+    not hold a shape in which the vertices ``moves`` (n,) go each their own way.
+    """
+    if mesh.origin is not None and mesh.origin.suffix == path.suffix.lower():
+        ways = np.random.default_rng(0).uniform(0.0, 1e-3 * np.ptp(mesh.V, axis=0).max(), mesh.V.shape)
+        _content(mesh, np.where(moves[:, None], mesh.V + ways, mesh.V), path)
+
+
 def dropped(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
     """Losses of writing ``mesh`` to ``path``, in words; none in its own format."""
     origin, kind = mesh.origin, Path(path).suffix.lower()
@@ -73,12 +85,13 @@ def dropped(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
     return origin.extras
 
 
-def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
+def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = None) -> Written:
     """Write ``mesh`` with the positions ``U``; the format follows the name.
 
     In the format that the mesh was opened from it is the same file with other coordinates: what did not move
     stands there as it stood, digit by digit. In any other, positions and triangles are written anew: PLY, STL
-    and GLB hold single precision then, OBJ and OFF 15 significant digits.
+    and GLB hold single precision then, OBJ and OFF 15 significant digits. GLB is in metres: lengths in a unit
+    that is known are converted.
 
     Parameters
     ----------
@@ -87,6 +100,8 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
         Positions in the order of the file, mesh units.
     path : path
         Replaced only once the new file is whole.
+    unit : str or None
+        Unit of length: "mm", "cm", "m", "in" or "ft"; empty is none. By default the one of the mesh.
 
     Raises
     ------
@@ -116,9 +131,11 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
         )
     from apd_viewer.geometry.mesh.operators import area  # too slow to import for the first picture
 
-    content = _content(mesh, U, path)
+    metre = _metre(mesh, path, mesh.unit if unit is None else unit)
+    content = _content(mesh, metre * U, path)
     try:
         V, F, *_ = parsed(content, path)
+        V = V / metre
     except InputError:  # a link to outside stands where it is written
         raise
     except ValueError:
@@ -130,6 +147,12 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
     with replacing(path) as scratch:
         scratch.write_bytes(content)
     return Written(area(V, F), dropped(mesh, path))
+
+
+def _metre(mesh: Mesh, path: Path, unit: str) -> float:
+    """Metres in a unit, for a new file in metres; else 1."""
+    is_new = mesh.origin is None or mesh.origin.suffix != path.suffix.lower()
+    return _METRES.get(unit, 1.0) if is_new and path.suffix.lower() == ".glb" else 1.0
 
 
 def _holds(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:
@@ -167,5 +190,6 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
     decimals = min(300, max(0, 15 - math.ceil(math.log10(size)))) if size > 0 else 1
     digits = {"digits": decimals} if kind in (".obj", ".off") else {}
     # To memory first: trimesh leaves its file open when the disk is full.
-    content = trimesh.Trimesh(U, mesh.F, process=False).export(file_type=kind[1:], **digits)
+    with quietly():
+        content = trimesh.Trimesh(U, mesh.F, process=False).export(file_type=kind[1:], **digits)
     return content.encode() if isinstance(content, str) else content

@@ -15,7 +15,7 @@ from apd_viewer.files.formats.parsed import Parsed
 from apd_viewer.files.formats.ply import read_ply
 from apd_viewer.files.formats.stl import read_stl
 from apd_viewer.files.gltf.gltf_reader import read_gltf
-from apd_viewer.files.storage.reading import in_one_line
+from apd_viewer.files.storage.reading import in_one_line, quietly
 from apd_viewer.files.vtk.legacy import read_vtk
 from apd_viewer.files.vtk.xml_surface import read_vtp, read_vtu
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -60,7 +60,8 @@ def open_mesh(path: str | Path) -> Mesh:
 def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     """Read the mesh in a file or ``content``; raises InputError like open_mesh."""
     try:
-        V, F, origin, remarks, unit = parsed(_read(path) if content is None else content, path)
+        with quietly():
+            V, F, origin, remarks, unit = parsed(_read(path) if content is None else content, path)
     except OSError as error:
         raise InputError(
             tr("{name} cannot be read ({reason}); check the file.").format(

@@ -133,7 +133,8 @@ class Files:
         path, state, unit = Path(path), self._store.required(), self._store.unit
 
         def write() -> str:
-            file = save_mesh(state.document.mesh, state.frame.U, check_target(path))
+            known = "" if unit.is_guess else unit.symbol
+            file = save_mesh(state.document.mesh, state.frame.U, check_target(path), known)
             return about_export(path.name, file.area, state.inspection.area, unit)
 
         self._write(tr("Writing {name}").format(name=path.name), write, then)

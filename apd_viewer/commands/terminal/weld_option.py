@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from apd_viewer.files.meshes import open_mesh
@@ -26,7 +27,11 @@ def add_weld_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def opened_mesh(path: str | Path, weld: bool) -> Mesh:
-    """The mesh in a file, with its seams welded on request; raises InputError."""
+def opened_mesh(path: str | Path, weld: bool, unit: str = "") -> Mesh:
+    """The mesh in a file, with its seams welded on request; raises InputError.
+
+    Another ``unit`` than the file's counts, if it is given.
+    """
     mesh = open_mesh(path)
+    mesh = replace(mesh, unit=unit) if unit else mesh
     return mesh.welded() if weld else mesh

@@ -10,6 +10,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.neighbours import content_beside
+from apd_viewer.files.storage.reading import quietly
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
@@ -47,7 +48,7 @@ def read_image(content: bytes, name: str) -> np.ndarray:
     from PIL import Image  # only where a file has textures: it takes a tenth of a second to load
 
     try:
-        with Image.open(io.BytesIO(content)) as image:
+        with quietly(), Image.open(io.BytesIO(content)) as image:
             image.draft("RGB", (_LARGEST, _LARGEST))
             image.thumbnail((_LARGEST, _LARGEST))
             return np.array(image.convert("RGB"))

@@ -1,16 +1,33 @@
-"""Whole files read, with one sentence for those impossible to read."""
+"""Files read in silence, with one sentence for those impossible to read."""
 
 from __future__ import annotations
 
+import logging
+import warnings
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
 _LONGEST = 160  # characters of an error message
+# What they log goes to handlers of whoever set them up, and is not printed for want of any.
+for _library in ("PIL", "trimesh"):
+    logging.getLogger(_library).addHandler(logging.NullHandler())
+
+
+@contextmanager
+def quietly() -> Iterator[None]:
+    """Keep warnings of libraries off the terminal; errors are said in sentences."""
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        yield
 
 
 def content_of(path: Path) -> bytes:
