@@ -11,9 +11,10 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.formats.obj import read_obj
 from apd_viewer.files.formats.off import read_off
 from apd_viewer.files.formats.package_3mf import read_3mf
-from apd_viewer.files.formats.parsed import Parsed
+from apd_viewer.files.formats.parsed import Encoded, Parsed
 from apd_viewer.files.formats.ply import read_ply
 from apd_viewer.files.formats.stl import read_stl
+from apd_viewer.files.formats.text import decoded
 from apd_viewer.files.gltf.gltf_reader import read_gltf
 from apd_viewer.files.storage.reading import in_one_line, quietly
 from apd_viewer.files.vtk.legacy import read_vtk
@@ -129,7 +130,9 @@ def _read(path: Path) -> bytes:
 
 def parsed(content: bytes, path: Path) -> Parsed:
     """Read a mesh in the format of its suffix."""
+    text, encoding = decoded(content)
     kind = path.suffix.lower()
-    if kind in (".glb", ".gltf"):
-        return read_gltf(content, path)
-    return _READERS[kind](content)
+    found = read_gltf(text, path) if kind in (".glb", ".gltf") else _READERS[kind](text)
+    if encoding is None or found.origin is None:
+        return found
+    return found._replace(origin=Encoded(found.origin, encoding))

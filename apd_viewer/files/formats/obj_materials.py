@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.files.formats.obj_faces import Faces
-from apd_viewer.files.formats.text import plain
+from apd_viewer.files.formats.text import decoded, plain
 from apd_viewer.files.storage.neighbours import content_beside
 
 _LIBRARY = re.compile(rb"\n[ \t]*mtllib[ \t]+([^\n#]+)")
@@ -44,7 +44,7 @@ def _named_images(text: bytes, mesh: Path) -> dict[str, str]:
         content = content_beside(library, mesh)
         if content is None:
             continue
-        said = b"\n" + plain(content)
+        said = b"\n" + plain(decoded(content)[0])
         folder = posixpath.dirname(library.replace("\\", "/"))
         begins = [*_NEW.finditer(said)]
         for match, end in zip(begins, [*(m.start() for m in begins[1:]), len(said)], strict=True):

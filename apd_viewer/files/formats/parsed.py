@@ -1,13 +1,16 @@
-"""Result of a format reader, and normals turned with the surface."""
+"""Result of a format reader, in any encoding, and normals turned with the surface."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.mesh import Origin
+from apd_viewer.files.formats.text import Encoding
+from apd_viewer.geometry.mesh.mesh import Mesh, Origin
 from apd_viewer.geometry.mesh.normals import turned_normals
+from apd_viewer.geometry.mesh.texture import Texture
 
 _LONGEST = 1e30  # of a normal; the square of a longer one overflows
 
@@ -24,6 +27,49 @@ class Parsed(NamedTuple):
     origin: Origin | None
     remarks: tuple[str, ...] = ()
     unit: str = ""
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """Origin in another encoding than its reader's.
+
+    Attributes
+    ----------
+    origin : Origin
+        Of the text in UTF-8.
+    encoding : Encoding
+        Of the file.
+    """
+
+    origin: Origin
+    encoding: Encoding
+
+    @property
+    def suffix(self) -> str:
+        """Of the file's name."""
+        return self.origin.suffix
+
+    @property
+    def extras(self) -> tuple[str, ...]:
+        """Contents of the file besides positions and triangles."""
+        return self.origin.extras
+
+    @property
+    def colors(self) -> np.ndarray | None:
+        """Vertex colours of the file."""
+        return self.origin.colors
+
+    def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
+        """Normals of the file, and the one of each corner."""
+        return self.origin.normals(mesh)
+
+    def texture(self, mesh: Mesh) -> Texture | None:
+        """Texture of the file."""
+        return self.origin.texture(mesh)
+
+    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+        """File content with positions ``U`` (n, 3), in its own encoding."""
+        return self.encoding.of(self.origin.rewritten(mesh, U))
 
 
 def turned(V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray) -> np.ndarray:

@@ -1,22 +1,68 @@
-"""Numbers in text files: found by place and replaced in place."""
+"""Text files: their encodings, and numbers found and replaced in place."""
 
 from __future__ import annotations
 
+import codecs
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.language import tr
 
-_BOM = b"\xef\xbb\xbf"
 _LONGEST = 40  # characters quoted from a file
+_SAMPLE = 64  # bytes that tell UTF-16 without a mark: every second one of them is zero
+
+
+class Encoding(NamedTuple):
+    """Byte order mark of a file, and the codec of its text."""
+
+    mark: bytes
+    codec: str
+
+    def of(self, text: bytes) -> bytes:
+        """Content of the file for a text in UTF-8."""
+        return self.mark + (text if self.codec == "utf-8" else text.decode().encode(self.codec))
+
+
+_MARKED = (
+    Encoding(codecs.BOM_UTF8, "utf-8"),
+    Encoding(codecs.BOM_UTF32_LE, "utf-32-le"),  # begins with the mark of UTF-16
+    Encoding(codecs.BOM_UTF32_BE, "utf-32-be"),
+    Encoding(codecs.BOM_UTF16_LE, "utf-16-le"),
+    Encoding(codecs.BOM_UTF16_BE, "utf-16-be"),
+)
+
+
+def decoded(content: bytes) -> tuple[bytes, Encoding | None]:
+    """Text of a file in UTF-8, and its encoding; None for other content."""
+    encoding = next((each for each in _MARKED if content.startswith(each.mark)), None) or _unmarked(content)
+    if encoding is None:
+        return content, None
+    body = content[len(encoding.mark) :]
+    try:
+        # Whatever follows a mark of UTF-8 stays as it is, valid or not.
+        text = body if encoding.codec == "utf-8" else body.decode(encoding.codec).encode()
+    except UnicodeDecodeError:
+        return content, None
+    # Binary data may begin with the bytes of a mark, too.
+    return (content, None) if b"\0" in text else (text, encoding)
+
+
+def _unmarked(content: bytes) -> Encoding | None:
+    even, odd = content[:_SAMPLE:2], content[1:_SAMPLE:2]
+    if len(content) < _SAMPLE or any(even) == any(odd):
+        return None
+    if not all(even if any(even) else odd):
+        return None
+    return Encoding(b"", "utf-16-le" if any(even) else "utf-16-be")
 
 
 def plain(content: bytes) -> bytes:
-    """Content without byte order mark, every line end a line feed; same length."""
-    if content.startswith(_BOM):
-        content = b" " * len(_BOM) + content[len(_BOM) :]
-    return content if b"\n" in content else content.replace(b"\r", b"\n")
+    """Content of the same length with a line feed at the end of every line."""
+    alone = content.count(b"\r") - content.count(b"\r\n")
+    return re.sub(rb"\r(?!\n)", b"\n", content) if alone else content
 
 
 def lines(content: bytes) -> Iterator[tuple[int, bytes]]:

@@ -11,6 +11,7 @@ from apd_viewer.language import tr
 
 _TAG = re.compile(rb"""<(?:[^<>"']|"[^"]*"|'[^']*')*>""")
 _APPENDED = re.compile(rb"<AppendedData\b[^<>]{0,200}>\s{0,200}_")  # bounded: it is searched for
+_NAMES_UTF16 = re.compile(rb"<\?xml\b[^>]{0,200}\bencoding\s*=\s*.UTF-(?:16|32)", re.IGNORECASE)
 _MOST_DEEP = 100  # elements inside each other; VTK writes 7
 
 
@@ -107,7 +108,8 @@ class _Reader:
         self._content = content
         self._open: list[XmlElement] = []
         self.outermost: XmlElement | None = None
-        self._parser = expat.ParserCreate()
+        # Bytes that can be read so far are not in the encoding that they name: the file was, before.
+        self._parser = expat.ParserCreate("utf-8" if _NAMES_UTF16.match(content) else None)
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
         self._parser.StartDoctypeDeclHandler = self._refuse
