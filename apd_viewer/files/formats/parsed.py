@@ -11,6 +11,7 @@ from apd_viewer.files.formats.text import Encoding
 from apd_viewer.geometry.mesh.mesh import Mesh, Origin
 from apd_viewer.geometry.mesh.normals import turned_normals
 from apd_viewer.geometry.mesh.texture import Texture
+from apd_viewer.language import trn
 
 _LONGEST = 1e30  # of a normal; the square of a longer one overflows
 
@@ -70,6 +71,16 @@ class Encoded:
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3), in its own encoding."""
         return self.encoding.of(self.origin.rewritten(mesh, U))
+
+
+def of_rest(size: int) -> tuple[str, ...]:
+    """Remark on the bytes after the last face of a file, if there are any."""
+    said = trn(
+        "{n:,} byte after the last face that the file declares was not read.",
+        "{n:,} bytes after the last face that the file declares were not read.",
+        size,
+    )
+    return (said.format(n=size),) if size else ()
 
 
 def turned(V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray) -> np.ndarray:

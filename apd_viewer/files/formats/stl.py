@@ -7,32 +7,36 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed import Parsed
+from apd_viewer.files.formats.parsed import Parsed, of_rest
 from apd_viewer.files.formats.text import Edits, numbers, plain
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 _HEAD = 84  # bytes before the first facet of a binary file; the last four are the number of facets
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_LINE = rb"(?im)^[ \t]*"  # a solid may have any word as its name
-_VERTEX = re.compile(_LINE + rb"vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)")
-_NORMAL = re.compile(_LINE + rb"facet[ \t]+normal[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)")
-_FACETS, _VERTICES = (re.compile(_LINE + word + rb"\b") for word in (b"facet", b"vertex"))
+# A solid may have any words as its name, even these.
+_NAME = re.compile(rb"(?im)^([ \t]*(?:end[ \t_]*)?solid)([^\n]*?)(?=\bfacet\s+normal\s+[-+.\d]|$)")
+_VERTEX = re.compile(rb"(?i)\bvertex\s+(\S+)\s+(\S+)\s+(\S+)")
+_NORMAL = re.compile(rb"(?i)\bfacet\s+normal\s+(\S+)\s+(\S+)\s+(\S+)")
+_FACETS, _VERTICES = re.compile(rb"(?i)\bfacet(?<!end facet)\b"), re.compile(rb"(?i)\bvertex\b")
+_END = re.compile(rb"(?i)\bend[ \t_]*(loop|facet|solid)")
 
 
 @dataclass(frozen=True)
 class StlFile:
-    """The content of an STL file."""
+    """Content of an STL file, with the number of facets if it is binary."""
 
     content: bytes
-    is_binary: bool
+    facets: int | None
     suffix = ".stl"
 
     @property
     def extras(self) -> tuple[str, ...]:
         """Contents besides positions and triangles, in words."""
-        facets = np.frombuffer(self.content, _FACET, offset=_HEAD) if self.is_binary else None
-        return (tr("facet attributes"),) if facets is not None and facets["attribute"].any() else ()
+        if self.facets is None:
+            return ()
+        rows = np.frombuffer(self.content, _FACET, self.facets, _HEAD)
+        return (tr("facet attributes"),) if rows["attribute"].any() else ()
 
     @property
     def colors(self) -> None:
@@ -48,16 +52,16 @@ class StlFile:
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (3 m, 3) and updated normals."""
         moved = (mesh.V != U).any(axis=1).reshape(-1, 3).any(axis=1)
-        if self.is_binary:
+        if self.facets is not None:
             body = bytearray(self.content)
-            facets = np.frombuffer(body, _FACET, offset=_HEAD)
+            facets = np.frombuffer(body, _FACET, self.facets, _HEAD)
             corners = U.reshape(-1, 3, 3)
             facets["corners"][moved] = corners[moved]
             had = moved & facets["normal"].any(axis=1)
             # From the corners as written.
             facets["normal"][had] = _normals(facets["corners"][had].astype(np.float64))
             return bytes(body)
-        text, edits = plain(self.content), Edits(self.content)
+        text, edits = _nameless(self.content), Edits(self.content)
         edits.numbers(_spans(_VERTEX, text), mesh.V.ravel(), U.ravel())
         old = _numbers(_NORMAL, text)
         if len(old) == len(moved):
@@ -82,32 +86,58 @@ def _numbers(pattern: re.Pattern[bytes], content: bytes) -> np.ndarray:
     return numbers([word for words in pattern.findall(content) for word in words]).reshape(-1, 3)
 
 
+def is_binary_stl(content: bytes) -> bool:
+    """True if the size fits the declared number of binary facets."""
+    return len(content) >= _HEAD and len(content) == _HEAD + _declared(content) * _FACET.itemsize
+
+
+def _declared(content: bytes) -> int:
+    return int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
+
+
 def read_stl(content: bytes) -> Parsed:
     """Positions (3 m, 3) and triangles (m, 3) of all solids in an STL file.
 
     Raises
     ------
     ValueError
-        If the file cannot be understood or ends too early.
+        If the file cannot be understood, ends too early, or has more facets than it declares.
     """
-    # Some binary files begin with "solid" too, but only a binary one has this length.
-    m = int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
-    is_binary = len(content) >= _HEAD and len(content) == _HEAD + m * _FACET.itemsize
-    if is_binary:
+    # Some binary files begin with "solid" too, and no text has their zeros.
+    text = content.rstrip(b"\0")
+    if b"\0" in text or is_binary_stl(content):
+        m, remarks = _binary(content)
         V = np.empty((3 * m, 3))
         with np.errstate(invalid="ignore"):  # NaN is refused later
-            V.reshape(-1, 3, 3)[...] = np.frombuffer(content, _FACET, offset=_HEAD)["corners"]
-    else:
-        V = _text(plain(content))
-    return Parsed(V, np.arange(len(V)).reshape(-1, 3), StlFile(content, is_binary))
+            V.reshape(-1, 3, 3)[...] = np.frombuffer(content, _FACET, m, _HEAD)["corners"]
+        return Parsed(V, np.arange(3 * m).reshape(-1, 3), StlFile(content, m), remarks)
+    V, remarks = _text(_nameless(text))
+    return Parsed(V, np.arange(len(V)).reshape(-1, 3), StlFile(content, None), remarks)
 
 
-def _text(content: bytes) -> np.ndarray:
-    words = content.split(None, 1)
-    last = content.rstrip().rpartition(b"\n")[2].split(None, 1)
-    if not words or words[0].lower() != b"solid" or not last or last[0].lower() != b"endsolid":
-        raise ValueError(tr("it has no solid ... endsolid, and its size is not that of a binary STL file"))
-    V = _numbers(_VERTEX, content)
-    if len(V) != 3 * len(_FACETS.findall(content)) or len(V) != len(_VERTICES.findall(content)):
+def _binary(content: bytes) -> tuple[int, tuple[str, ...]]:
+    """Number of the facets, and remarks on the bytes behind them."""
+    m, size = _declared(content), _FACET.itemsize
+    there, more = divmod(max(len(content) - _HEAD, 0), size)
+    rest = content[_HEAD + m * size :]
+    is_count_wrong = bool(there) if m == 0 else not more and any(rest)  # zeros fill up; they are no facets
+    if there < m or is_count_wrong:
+        raise ValueError(
+            tr("it declares {declared:,} facets and has {there:,}").format(declared=m, there=there)
+        )
+    return m, of_rest(len(rest))
+
+
+def _nameless(content: bytes) -> bytes:
+    """Text of the same length without the names of its solids."""
+    return _NAME.sub(lambda match: match[1] + b" " * len(match[2]), plain(content))
+
+
+def _text(content: bytes) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Corners of the facets, and remarks on the end."""
+    V, facets = _numbers(_VERTEX, content), len(_FACETS.findall(content))
+    ends = {match[1].lower() for match in _END.finditer(content, content.lower().rfind(b"vertex"))}
+    if len(V) != 3 * facets or len(V) != len(_VERTICES.findall(content)) or (facets and not ends):
         raise ValueError(tr("a facet is incomplete"))
-    return V
+    said = tr("The file does not end as a solid does, with endsolid; if facets are missing, export it again.")
+    return V, () if b"solid" in ends or not facets else (said,)
