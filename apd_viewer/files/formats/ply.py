@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import re
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.parsed import Parsed, turned
-from apd_viewer.files.formats.ply_header import Element, read_header
+from apd_viewer.files.formats.parsed import Parsed, of_rest, turned
+from apd_viewer.files.formats.ply_header import AXES, Element, read_header
 from apd_viewer.files.formats.ply_rows import (
     CODES,
     INDICES,
     after_text,
     ends_within,
+    faces_of_strips,
+    one_row_a_line,
     read_faces,
     rows_alike,
     text_rows,
     walk_rows,
 )
-from apd_viewer.files.formats.polygons import Polygons
+from apd_viewer.files.formats.polygons import joined
 from apd_viewer.files.formats.text import Edits, numbers
 from apd_viewer.files.formats.texture_images import image_beside, textured
 from apd_viewer.files.formats.vertex_colors import eight_bit
@@ -29,21 +31,18 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
 
-_AXES, _NORMAL, _COLORS = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")
+_NORMAL, _COLORS = ("nx", "ny", "nz"), ("red", "green", "blue")
 _UV = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"))
-_EXTRAS = {
-    "red": tr("colours"),
-    "nx": tr("normals"),
-    "s": tr("texture coordinates"),
-    "alpha": tr("transparency"),
-}
+_EXTRAS = {"red": tr("colours"), "nx": tr("normals"), "s": tr("texture coordinates")}
+_EXTRAS |= {"alpha": tr("transparency")}
 
 
 @dataclass(frozen=True)
 class PlyFile:
-    """Content of a PLY file with its layout."""
+    """Content of a PLY file with its layout; a ``text`` has each row on a line."""
 
     content: bytes
+    text: bytes
     order: str
     elements: list[Element]
     starts: list[int]  # of the elements
@@ -54,45 +53,39 @@ class PlyFile:
         """Contents besides positions and triangles, in words."""
         names = {name for element in self.elements for name in element.names}
         found = [what for name, what in _EXTRAS.items() if name in names]
-        known = {*_AXES, *_NORMAL, *INDICES, *_EXTRAS, "green", "blue", "t"}
+        known = {*AXES, *_NORMAL, *INDICES, *_EXTRAS, "green", "blue", "t"}
         return (*found, *(f"“{name}”" for name in sorted(names - known)))
 
     @property
     def colors(self) -> np.ndarray | None:
         """Vertex colours, (n, 3) uint8, if it has any."""
-        at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")
-        kinds = {name: np.dtype(kind) for name, length, kind in self.elements[at].properties if not length}
-        if not set(_COLORS) <= set(kinds):
+        if not set(_COLORS) <= set(self._scalars):
             return None
-        kind = kinds[_COLORS[0]]
-        return eight_bit(self.columns(at, _COLORS), 1.0 if kind.kind == "f" else float(np.iinfo(kind).max))
+        kind = np.dtype(self._scalars[_COLORS[0]])
+        return eight_bit(
+            self.columns(self._at, _COLORS), 1.0 if kind.kind == "f" else float(np.iinfo(kind).max)
+        )
 
     def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
         """Normals (n, 3) of the vertices, and the vertex of each corner, (m, 3)."""
-        at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")
-        scalars = {name for name, length, _ in self.elements[at].properties if not length}
-        return (self.columns(at, _NORMAL), mesh.F) if set(_NORMAL) <= scalars else None
+        return (self.columns(self._at, _NORMAL), mesh.F) if set(_NORMAL) <= set(self._scalars) else None
 
     def texture(self, mesh: Mesh) -> Texture | None:
         """Texture of an image named in a comment, by vertex coordinates."""
         named = re.search(rb"[\r\n]comment TextureFile[ \t]+([^\r\n]+)", self.content[: self.starts[0]])
-        at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")
-        scalars = {name for name, length, _ in self.elements[at].properties if not length}
-        uv = next((names for names in _UV if set(names) <= scalars), None)
+        uv = next((names for names in _UV if set(names) <= set(self._scalars)), None)
         if named is None or uv is None or mesh.path is None:
             return None
         name = named[1].decode("utf-8", errors="replace").strip()
         image = image_beside(name, mesh.path)
-        return textured(self.columns(at, uv), mesh.F, np.zeros(len(mesh.F), dtype=np.int64), [image])
+        return textured(self.columns(self._at, uv), mesh.F, np.zeros(len(mesh.F), dtype=np.int64), [image])
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""
-        at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")
-        element, start = self.elements[at], self.starts[at]
-        kinds = {name: kind for name, length, kind in element.properties if length is None}
-        if any(kinds[axis][0] != "f" for axis in _AXES):
+        at, kinds = self._at, self._scalars
+        if any(kinds[axis][0] != "f" for axis in AXES):
             raise InputError(tr("The file stores integer coordinates only; choose another format."))
-        new: dict[tuple[str, ...], np.ndarray] = {_AXES: U}
+        new: dict[tuple[str, ...], np.ndarray] = {AXES: U}
         if all(kinds.get(name, "")[:1] == "f" for name in _NORMAL):
             N = self.columns(at, _NORMAL)
             new[_NORMAL] = turned(mesh.V, U, mesh.F, N, mesh.F)
@@ -102,30 +95,38 @@ class PlyFile:
         for names, values in new.items():
             old = self.columns(at, names)
             for axis, name in enumerate(names):
-                self._put(body, element, start, name, values[:, axis], values[:, axis] != old[:, axis])
+                self._put(body, name, values[:, axis], values[:, axis] != old[:, axis])
         return bytes(body)
 
-    def _put(
-        self, body: bytearray, element: Element, start: int, name: str, values: np.ndarray, which: np.ndarray
-    ) -> None:
-        kind = self.order + next(kind for other, _, kind in element.properties if other == name)
+    @property
+    def _at(self) -> int:
+        """Number of the element of the vertices."""
+        return next(k for k, element in enumerate(self.elements) if element.name == "vertex")
+
+    @property
+    def _scalars(self) -> dict[str, str]:
+        """Types of the properties of vertices but lists, by name."""
+        return {name: kind for name, length, kind in self.elements[self._at].properties if not length}
+
+    def _put(self, body: bytearray, name: str, values: np.ndarray, which: np.ndarray) -> None:
+        element, start, kind = self.elements[self._at], self.starts[self._at], self._scalars[name]
         if not element.has_lists:
             table = np.frombuffer(body, element.table(self.order), element.rows, start)
             table[name][which] = values[which]
             return
         for row, offsets in enumerate(walk_rows(self.content, start, element, self.order)):
             if which[row]:
-                struct.pack_into(kind[0] + CODES[kind[1:]], body, offsets[name], values[row])
+                struct.pack_into(self.order + CODES[kind], body, offsets[name], values[row])
 
     def columns(self, at: int, names: tuple[str, ...]) -> np.ndarray:
         """Columns of an element, (rows, len(names)) float array."""
         element, start = self.elements[at], self.starts[at]
         if not self.order:
             places = [element.names.index(name) for name in names]
-            words = None if element.has_lists else rows_alike(self.content, start, element)
+            words = None if element.has_lists else rows_alike(self.text, start, element)
             if words is not None and len(words[0]) >= len(element.names):
                 return numbers([row[c] for row in words for c in places]).reshape(-1, len(names))
-            rows = text_rows(self.content, start, element)
+            rows = text_rows(self.text, start, element)
             return numbers([row[c][0] for row in rows for c in places]).reshape(-1, len(names))
         if not element.has_lists:
             table = np.frombuffer(self.content, element.table(self.order), element.rows, start)
@@ -145,7 +146,7 @@ class PlyFile:
     def _text(self, at: int, new: dict[tuple[str, ...], np.ndarray]) -> bytes:
         element, start = self.elements[at], self.starts[at]
         edits = Edits(self.content)
-        rows = list(text_rows(self.content, start, element))
+        rows = list(text_rows(self.text, start, element))
         for names, values in new.items():
             columns = [element.names.index(name) for name in names]
             cells = [row[c] for row in rows for c in columns]
@@ -163,31 +164,34 @@ def read_ply(content: bytes) -> Parsed:
         If the file cannot be understood or ends too early.
     """
     order, elements, start = read_header(content)
-    starts: list[int] = []
-    polygons = Polygons.of([])
-    file = PlyFile(content, order, elements, starts)
-    for at, element in enumerate(elements):
-        if order and element.rows * element.least > len(content) - start:
+    file = PlyFile(content, content, order, elements, [])
+    try:
+        return _read(file, start)
+    except ValueError:
+        text = None if order else one_row_a_line(content, start, elements)
+        if text is None:
+            raise
+    return _read(replace(file, text=text, starts=[]), start)
+
+
+def _read(file: PlyFile, start: int) -> Parsed:
+    text, order, faces = file.text, file.order, []
+    V, origin = np.empty((0, 3)), None
+    for at, element in enumerate(file.elements):
+        if order and element.rows * element.least > len(text) - start:
             raise ValueError(ends_within(element))
-        starts.append(start)
+        file.starts.append(start)
         if element.name == "vertex":
-            missing = [axis for axis in _AXES if axis not in element.names]
-            if missing:
-                raise ValueError(tr("its vertices have no {axis} coordinate").format(axis=missing[0]))
-            if any(length and name in _AXES for name, length, _ in element.properties):
-                raise ValueError(tr("its vertices have lists of coordinates"))
-            V = file.columns(at, _AXES)
-            if not order:
-                start = after_text(content, start, element)
-        if element.name == "face" and element.rows:
-            polygons, start = read_faces(content, start, element, order)
-        elif order and not element.has_lists:
+            V, origin = file.columns(at, AXES), file
+        if element.name in ("face", "tristrips") and element.rows:
+            found, start = read_faces(text, start, element, order)
+            faces.append(found if element.name == "face" else faces_of_strips(found))
+        elif not order:
+            start = after_text(text, start, element)
+        elif not element.has_lists:
             start += element.rows * element.table(order).itemsize
-        elif order:
-            for offsets in walk_rows(content, start, element, order):
+        else:
+            for offsets in walk_rows(text, start, element, order):
                 start = offsets[""]
-        elif element.name != "vertex":
-            start = after_text(content, start, element)
-    if "vertex" not in [element.name for element in elements]:
-        return Parsed(np.empty((0, 3)), polygons.triangles(np.empty((0, 3))), None)
-    return Parsed(V, polygons.triangles(V), file)
+    rest = text[start:] if order else text[start:].strip()
+    return Parsed(V, joined(faces).triangles(V), origin, of_rest(len(rest)))

@@ -13,6 +13,7 @@ from apd_viewer.language import tr
 TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"}
 TYPES |= {"float": "f4", "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2"}
 TYPES |= {"int32": "i4", "uint32": "u4", "int64": "i8", "uint64": "u8", "float32": "f4", "float64": "f8"}
+AXES = ("x", "y", "z")
 LINE = re.compile(rb"[^\r\n]+")
 _ORDER = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
@@ -56,6 +57,8 @@ def read_header(content: bytes) -> tuple[str, list[Element], int]:
     head = re.search(rb"(?:^|[\r\n])end_header[ \t]*(\r\n|\n|\r)", content[: 1 << 20])
     if not content.startswith(b"ply") or head is None:
         raise ValueError(tr("it has no PLY header"))
+    # Where all lines end in \r alone, a \n behind the last one is the first byte of the rows.
+    is_of_rows = head[1] == b"\r\n" and b"\n" not in content[: head.start(1)]
     order: str | None = None
     elements: list[Element] = []
     for line in LINE.findall(content[: head.start()]):
@@ -72,11 +75,22 @@ def read_header(content: bytes) -> tuple[str, list[Element], int]:
                 raise ValueError(tr("its header has an invalid line: {text}").format(text=shown(line)))
     if order is None:
         raise ValueError(tr("its header does not say whether it is text or binary"))
+    _check(elements)
+    return order, elements, head.end() - is_of_rows
+
+
+def _check(elements: list[Element]) -> None:
+    """Raise ValueError on impossible elements."""
     for names in ([element.name for element in elements], *(element.names for element in elements)):
         if len(set(names)) < len(names):
             raise ValueError(tr("its header uses one name twice"))
+    for vertex in [element for element in elements if element.name == "vertex"]:
+        missing = [axis for axis in AXES if axis not in vertex.names]
+        if missing:
+            raise ValueError(tr("its vertices have no {axis} coordinate").format(axis=missing[0]))
+        if any(length and name in AXES for name, length, _ in vertex.properties):
+            raise ValueError(tr("its vertices have lists of coordinates"))
     if any(element.rows < 0 for element in elements):
         raise ValueError(tr("its header declares a negative count"))
     if any(length and length[0] == "f" for element in elements for _, length, _ in element.properties):
         raise ValueError(tr("its header declares lists of fractional lengths"))
-    return order, elements, head.end()

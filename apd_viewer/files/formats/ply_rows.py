@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from apd_viewer.files.formats.ply_header import LINE, Element
-from apd_viewer.files.formats.polygons import Polygons
+from apd_viewer.files.formats.polygons import Polygons, strip_triangles
 from apd_viewer.files.formats.text import whole_numbers
 from apd_viewer.language import tr
 
@@ -17,9 +17,7 @@ CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "i8":
 CODES |= {"f4": "f", "f8": "d"}
 INDICES = ("vertex_indices", "vertex_index")
 _WORD = re.compile(rb"\S+")
-
-
-_MOST_CORNERS = 1 << 16  # per face; more is a broken file
+_BLANK = bytes.maketrans(b"\r\n", b"  ")
 
 
 def read_faces(content: bytes, start: int, element: Element, order: str) -> tuple[Polygons, int]:
@@ -51,6 +49,12 @@ def read_faces(content: bytes, start: int, element: Element, order: str) -> tupl
         faces.append(list(struct.unpack_from(f"{order}{count}{code}", content, offsets[name])))
         end = offsets[""]
     return Polygons.of(faces), end
+
+
+def faces_of_strips(strips: Polygons) -> Polygons:
+    """Triangles of strips, without the degenerate ones between strips."""
+    T = strip_triangles(np.insert(strips.corner, strips.start[1:-1], -1))
+    return Polygons.alike(T[(np.roll(T, 1, axis=1) != T).all(axis=1)])
 
 
 def _faces_alike(
@@ -89,7 +93,7 @@ def walk_rows(content: bytes, start: int, element: Element, order: str) -> Itera
             for name, length, head, size in sizes:
                 if length:
                     (count,) = struct.unpack_from(length, content, start)
-                    if not 0 <= count <= _MOST_CORNERS:
+                    if not 0 <= count * size <= len(content):
                         raise ValueError(tr("a list length of {count:,} is out of range").format(count=count))
                     start += head
                     offsets[name] = start
@@ -155,6 +159,29 @@ def _row(words: list[tuple[bytes, int, int]], element: Element) -> list[tuple[by
         cells.append((b" ".join(word for word, _, _ in own), span))
         k += count
     return cells
+
+
+def one_row_a_line(content: bytes, start: int, elements: Sequence[Element]) -> bytes | None:
+    """Wrapped text of the same length with the words of each row on a line.
+
+    None if there are more words or fewer than the elements have.
+    """
+    body = bytearray(content[:start] + content[start:].translate(_BLANK))
+    words = _WORD.finditer(content, start)
+    for element in elements:
+        for _ in range(element.rows if element.properties else 0):
+            end = start
+            for _, length, _ in element.properties:
+                word = next(words, None)
+                for _ in range(whole_numbers([word[0]])[0] if word and length else 0):
+                    word = next(words, None)
+                    if word is None:
+                        break
+                if word is None:
+                    return None
+                end = word.end()
+            body[end : end + 1] = b"\n"
+    return bytes(body) if next(words, None) is None else None
 
 
 def after_text(content: bytes, start: int, element: Element) -> int:

@@ -68,6 +68,22 @@ class Polygons(NamedTuple):
         return T
 
 
+def joined(parts: Sequence[Polygons]) -> Polygons:
+    """Polygons of all parts, one after another."""
+    corner = np.concatenate([np.empty(0, dtype=np.int64), *(part.corner for part in parts)])
+    sizes = np.concatenate([np.empty(0, dtype=np.int64), *(np.diff(part.start) for part in parts)])
+    return Polygons(corner, np.concatenate([[0], np.cumsum(sizes)]))
+
+
+def strip_triangles(strips: np.ndarray) -> np.ndarray:
+    """Triangles (t, 3) of strips (k,) parted by -1, every other one turned round."""
+    place = np.arange(len(strips))
+    begin = np.maximum.accumulate(np.where(strips == -1, place + 1, 0))
+    k = np.flatnonzero(begin[2:] <= place[:-2])
+    odd = (k - begin[k]) % 2
+    return np.column_stack([strips[k], strips[k + 1 + odd], strips[k + 2 - odd]])
+
+
 def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
     """Triangles turned against the area vector of their face, (t,) bool."""
     with np.errstate(all="ignore"):  # absurd coordinates are refused later

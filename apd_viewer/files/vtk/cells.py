@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.polygons import Polygons
+from apd_viewer.files.formats.polygons import Polygons, strip_triangles
 from apd_viewer.language import tr
 
 # Numbers of VTK's cell types.
@@ -84,17 +84,3 @@ def _chosen(cells: Polygons, flat: np.ndarray, strips: np.ndarray) -> Polygons:
         sizes += [faces.shape[1]] * len(faces)
     corner = np.concatenate([np.empty(0, dtype=np.int64), *corners])
     return Polygons(corner, np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)]))
-
-
-def strip_triangles(strip: np.ndarray) -> np.ndarray:
-    """Triangles (k - 2, 3) of a strip (k,), every other one turned round."""
-    k = np.arange(max(len(strip) - 2, 0))
-    odd = k % 2
-    return np.column_stack([strip[k], strip[k + 1 + odd], strip[k + 2 - odd]])
-
-
-def joined(parts: list[Polygons]) -> Polygons:
-    """Polygons of all parts, one after another."""
-    corner = np.concatenate([np.empty(0, dtype=np.int64), *(part.corner for part in parts)])
-    sizes = np.concatenate([np.empty(0, dtype=np.int64), *(np.diff(part.start) for part in parts)])
-    return Polygons(corner, np.concatenate([[0], np.cumsum(sizes)]))

@@ -10,8 +10,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.formats.parsed import Parsed
-from apd_viewer.files.formats.polygons import Polygons
-from apd_viewer.files.vtk.cells import POLYGON, STRIP, cells_of, faces_of, joined, positions
+from apd_viewer.files.formats.polygons import Polygons, joined
+from apd_viewer.files.vtk.cells import POLYGON, STRIP, cells_of, faces_of, positions
 from apd_viewer.files.vtk.legacy_reader import LegacyReader, Numbers
 from apd_viewer.files.vtk.splices import Splice, spliced
 from apd_viewer.files.vtk.text_values import with_values
