@@ -7,14 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed import Parsed, turned
+from apd_viewer.files.formats.parsed import Parsed, of_rest, turned
+from apd_viewer.files.formats.ply_header import Element
+from apd_viewer.files.formats.ply_rows import one_row_a_line
 from apd_viewer.files.formats.polygons import Polygons
 from apd_viewer.files.formats.text import Edits, lines, numbers, plain, shown, whole_numbers
 from apd_viewer.files.formats.vertex_colors import guessed
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-_HEAD = re.compile(rb"((?:ST)?(C?)(N?)OFF)\b(.*)", re.DOTALL)
+# The numbers may follow without a blank, as in the files of ModelNet.
+_HEAD = re.compile(rb"(?:ST)?(C?)(N?)(4?n?)OFF(?![A-Za-z_])(.*)", re.DOTALL)
+_COMMENT = re.compile(rb"#[^\n]*")
 
 
 @dataclass(frozen=True)
@@ -75,30 +79,59 @@ def read_off(content: bytes) -> Parsed:
     ValueError
         If the file cannot be understood or ends too early.
     """
-    rows = list(lines(plain(content)))
-    head = _HEAD.fullmatch(rows[0][1].strip()) if rows else None
-    if head is None:
-        raise ValueError(tr("it does not start with OFF"))
-    if head[4].split()[:1] == [b"BINARY"]:
-        raise ValueError(tr("it is a binary OFF file, which is not supported"))
-    counts = head[4].split()
-    if not counts:
-        counts, rows = rows[1][1].split() if len(rows) > 1 else [], rows[1:]
-    if len(counts) < 2:
-        raise ValueError(tr("the numbers of vertices and faces are missing"))
-    n, m = whole_numbers(counts[:2])
-    if n < 0 or m < 0 or len(rows) < 1 + n + m:
+    text = plain(content)
+    try:
+        return _read(content, text)
+    except ValueError:
+        whole = _one_row_a_line(text)
+        if whole is None:
+            raise
+    return _read(content, whole)
+
+
+def _read(content: bytes, text: bytes) -> Parsed:
+    head, n, m, rows = _header(list(lines(text)))
+    if n < 0 or m < 0 or len(rows) < n + m:
         raise ValueError(
             tr("it ends before its last face: its header declares {n:,} vertices and {m:,} faces").format(
                 n=n, m=m
             )
         )
-    vertices, has_normals = rows[1 : 1 + n], bool(head[3])
+    vertices, has_normals = rows[:n], bool(head[2])
     if any(len(row.split()) < (6 if has_normals else 3) for _, row in vertices):
         raise ValueError(tr("a vertex has fewer than three coordinates"))
-    polygons = Polygons.of([_polygon(row) for _, row in rows[1 + n : 1 + n + m]])
+    polygons = Polygons.of([_polygon(row) for _, row in rows[n : n + m]])
     V = numbers([word for _, row in vertices for word in row.split()[:3]]).reshape(-1, 3)
-    return Parsed(V, polygons.triangles(V), OffFile(content, vertices, bool(head[2]), has_normals))
+    file = OffFile(content, vertices, bool(head[1]), has_normals)
+    return Parsed(V, polygons.triangles(V), file, of_rest(sum(len(row) for _, row in rows[n + m :])))
+
+
+def _one_row_a_line(text: bytes) -> bytes | None:
+    """Wrapped text of a file without colours, a row on each line again."""
+    text = _COMMENT.sub(lambda match: b" " * len(match[0]), text)
+    head, n, m, rows = _header(list(lines(text)))
+    numbers_of_a_row = ("x", "y", "z", "nx", "ny", "nz")[: 6 if head[2] else 3]
+    vertex = Element("vertex", n, [(name, None, "f8") for name in numbers_of_a_row])
+    elements = vertex, Element("face", m, [("vertices", "u4", "i8")])
+    return one_row_a_line(text, rows[0][0], elements) if rows else None
+
+
+def _header(rows: list[tuple[int, bytes]]) -> tuple[re.Match[bytes], int, int, list[tuple[int, bytes]]]:
+    """Header, numbers of vertices and faces, and their rows."""
+    head = _HEAD.fullmatch(rows[0][1].strip()) if rows else None
+    if head is None:
+        raise ValueError(tr("it does not start with OFF"))
+    counts = head[4].split()
+    if counts[:1] == [b"BINARY"]:
+        raise ValueError(tr("it is a binary OFF file, which is not supported"))
+    if head[3]:
+        raise ValueError(tr("its points have another number of coordinates than three"))
+    if not counts:
+        counts, rows = rows[1][1].split() if len(rows) > 1 else [], rows[1:]
+    if len(counts) < 2:
+        raise ValueError(tr("the numbers of vertices and faces are missing"))
+    n, m = whole_numbers(counts[:2])
+    return head, n, m, rows[1:]
 
 
 def _polygon(line: bytes) -> list[int]:
