@@ -16,6 +16,7 @@ from apd_viewer.files.formats.ply import read_ply
 from apd_viewer.files.formats.stl import read_stl
 from apd_viewer.files.formats.text import decoded
 from apd_viewer.files.gltf.gltf_reader import read_gltf
+from apd_viewer.files.other_content import about_content, about_no_vertices
 from apd_viewer.files.storage.reading import in_one_line, quietly
 from apd_viewer.files.vtk.legacy import read_vtk
 from apd_viewer.files.vtk.xml_surface import read_vtp, read_vtu
@@ -61,8 +62,9 @@ def open_mesh(path: str | Path) -> Mesh:
 def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     """Read the mesh in a file or ``content``; raises InputError like open_mesh."""
     try:
+        content = _read(path) if content is None else content
         with quietly():
-            V, F, origin, remarks, unit = parsed(_read(path) if content is None else content, path)
+            V, F, origin, remarks, unit = parsed(content, path)
     except OSError as error:
         raise InputError(
             tr("{name} cannot be read ({reason}); check the file.").format(
@@ -76,11 +78,9 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     except InputError:  # already a sentence
         raise
     except ValueError as error:
-        raise InputError(
-            tr("{name} is not a valid {kind} file ({reason}); export it again.").format(
-                name=path.name, kind=path.suffix[1:].upper(), reason=in_one_line(error)
-            )
-        ) from error
+        raise InputError(_about_invalid(content or b"", path, error)) from error
+    if not len(V):
+        raise InputError(about_no_vertices(decoded(content)[0], path))
     try:
         mesh = Mesh(V, F, path, origin, remarks, unit)
     except InputError as error:
@@ -93,6 +93,13 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
             )
         )
     return mesh
+
+
+def _about_invalid(content: bytes, path: Path, error: ValueError) -> str:
+    invalid = tr("{name} is not a valid {kind} file ({reason}); export it again.").format(
+        name=path.name, kind=path.suffix[1:].upper(), reason=in_one_line(error)
+    )
+    return about_content(decoded(content)[0], path) or invalid
 
 
 def largest(X: np.ndarray) -> float:

@@ -82,6 +82,8 @@ def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
                 shape=F.shape
             )
         )
+    if len(V) == 0:
+        raise InputError(tr("There are no vertices; export the mesh again."))
     if len(F) == 0:
         raise InputError(tr("No faces: this looks like a point cloud; reconstruct a surface first."))
     if not np.isfinite(V).all():

@@ -116,7 +116,7 @@ REFUSED = {
     "grid.vtu": (vtp(CUBE, QUADS), "give its name the ending .vtp"),
     "pieces.vtp": (b'<VTKFile type="PPolyData"><PPolyData/></VTKFile>', "holds no surface of its own"),
     "blocks.vtu": (b'<VTKFile type="vtkMultiBlockDataSet"></VTKFile>', "holds no surface of its own"),
-    "page.vtp": (b"<html><body>not found</body></html>", "not a VTK file"),
+    "page.vtp": (b"<html><body>not found</body></html>", "holds a web page and no mesh"),
     "letter.vtp": (b"To whom it may concern", "line 1 of its XML is damaged"),
     "letter.vtk": (b"To whom it may concern", "does not start as a VTK file does"),
     "image.vtk": (
