@@ -14,6 +14,7 @@ from apd_viewer.language import tr
 _FACE = re.compile(rb"\nf[ \t]([^\n]*)")
 _FACE_BEGINS = re.compile(rb"\n[ \t]*f[ \t]")
 _CORNER, _NUMBER = re.compile(rb"\d+(?:/\d*){0,2}"), re.compile(rb"\d+")
+_BEYOND = 1 << 62  # index of no normal
 
 
 class Faces(NamedTuple):
@@ -39,7 +40,10 @@ def faces_of(text: bytes) -> Faces:
     if alike is not None:
         return alike
     corners = list(_corners(text))
-    normal, texture = (np.array([k for face in corners for k in face[at]], dtype=np.int64) for at in (1, 2))
+    normal, texture = (
+        np.array([min(max(k, -1), _BEYOND) for face in corners for k in face[at]], dtype=np.int64)
+        for at in (1, 2)
+    )
     return Faces(Polygons.of([face[0] for face in corners]), normal, texture)
 
 

@@ -22,3 +22,13 @@ def test_a_normal_that_is_no_number_is_noticed_when_it_has_to_turn(tmp_path):
     mesh = open_mesh(tmp_path / "a.obj")
     with pytest.raises(InputError, match=r"normals that cannot be updated \(“zero” is not a number\)"):
         save_mesh(mesh, bent(mesh.V), tmp_path / "b.obj")
+
+
+@pytest.mark.parametrize("index", ["9" * 20, "-" + "9" * 20, "0"])
+def test_an_index_of_no_normal_is_none(index, tmp_path):
+    path = tmp_path / "a.obj"
+    path.write_text(f"v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1/{index}/1 2//{index} -1//-1\n")
+    mesh = open_mesh(path)
+    assert mesh.F.tolist() == [[0, 1, 2]]
+    _, normal_of = mesh.origin.normals(mesh)
+    assert normal_of.tolist() == [[0, -1, 0]]
