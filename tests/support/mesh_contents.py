@@ -161,6 +161,27 @@ end_header
     return head.encode() + body + struct.pack(sign + "B3f", 3, 0.1, 0.2, 0.3)
 
 
+def strips_ply(V, rows, kind="binary_little_endian", length="int", more=""):
+    """PLY with strips of triangles for faces, and ``more`` elements declared behind them."""
+    head = f"ply\nformat {kind} 1.0\nobj_info made by hand\nelement vertex {len(V)}\n"
+    head += "".join(f"property double {axis}\n" for axis in "xyz")
+    head += f"element tristrips {len(rows)}\nproperty list {length} int vertex_indices\n{more}end_header\n"
+    if kind == "ascii":
+        lines = [" ".join(map(repr, v)) for v in V.tolist()]
+        lines += [" ".join(map(str, [len(row), *row])) for row in rows]
+        return (head + "\n".join(lines) + "\n").encode()
+    order = "<" if kind == "binary_little_endian" else ">"
+    code = {"int": "i", "uchar": "B"}[length]
+    body = b"".join(struct.pack(f"{order}3d", *v) for v in V)
+    return head.encode() + body + b"".join(struct.pack(f"{order}{code}{len(r)}i", len(r), *r) for r in rows)
+
+
+def wrapped(content):
+    """PLY in text, one word a line."""
+    head, body = content.split(b"end_header\n")
+    return head + b"end_header\n" + b"\n".join(body.split()) + b"\n"
+
+
 def coff():
     lines = [f"{x!r} {y!r}  {z!r} 255 0 10 255" for x, y, z in CUBE.tolist()]
     faces = ["4 " + " ".join(map(str, q)) + " 0.1 0.2 0.3" for q in QUADS]
@@ -331,9 +352,14 @@ FILES = {
     "big.ply": rich_ply("binary_big_endian"),
     "float.ply": ply(CUBE, QUADS, "binary_little_endian", "float"),
     "mixed.ply": ply(CUBE, [*QUADS[:5], QUADS[5][:3], [7, 5, 1]], "binary_big_endian"),
+    "strips.ply": strips_ply(CUBE, [[0, 1, 2, 3, 6, 7, 4, 5, 0, 1, -1, 0, 2, 4, 6, -1, 1, 5, 3, 7]]),
+    "wrapped.ply": wrapped(rich_ply("ascii")),
     "text.stl": stl(*BOX).encode(),
+    "endless.stl": stl(*BOX).partition("endsolid")[0].encode(),
     "binary.stl": binary_stl(*BOX),
+    "tail.stl": binary_stl(*BOX) + b"written by hand",
     "plain.off": off(CUBE, QUADS).encode(),
+    "glued.off": off(CUBE, QUADS, "OFF").encode(),
     "colours.off": coff(),
     "normals.off": noff(),
     "parts.glb": glb([BOX, (BOX[0] * 0.5, BOX[1])], [[0, 0, 0], [9, 0, 0]]),

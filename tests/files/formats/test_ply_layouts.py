@@ -1,10 +1,8 @@
 """PLY as programs write it: strips of triangles, wrapped text, other elements, any line ends."""
 
-import struct
-
 import numpy as np
 import pytest
-from mesh_contents import CUBE, QUADS, ply
+from mesh_contents import CUBE, QUADS, ply, strips_ply
 from meshes import box, tube
 from opened_files import opened, said_of
 
@@ -36,20 +34,6 @@ def strips_of_a_tube(around=6, along=4):
         pairs = [(z * around + k % around, (z + 1) * around + k % around) for k in range(around + 1)]
         strips.append([k for below, above in pairs for k in (above, below)])
     return np.vstack(rings), strips
-
-
-def strips_ply(V, rows, kind="binary_little_endian", length="int", more=""):
-    head = f"ply\nformat {kind} 1.0\nobj_info made by hand\nelement vertex {len(V)}\n"
-    head += "".join(f"property double {axis}\n" for axis in "xyz")
-    head += f"element tristrips {len(rows)}\nproperty list {length} int vertex_indices\n{more}end_header\n"
-    if kind == "ascii":
-        lines = [" ".join(map(repr, v)) for v in V.tolist()]
-        lines += [" ".join(map(str, [len(row), *row])) for row in rows]
-        return (head + "\n".join(lines) + "\n").encode()
-    order = "<" if kind == "binary_little_endian" else ">"
-    code = {"int": "i", "uchar": "B"}[length]
-    body = b"".join(struct.pack(f"{order}3d", *v) for v in V)
-    return head.encode() + body + b"".join(struct.pack(f"{order}{code}{len(r)}i", len(r), *r) for r in rows)
 
 
 def restarted(strips):
