@@ -53,8 +53,9 @@ def _info(options: argparse.Namespace) -> None:
             }
             for finding in all_found
         ]
-        report = {"mesh": str(options.mesh), "unit": mesh.unit or None}
+        report: dict[str, object] = {"mesh": str(options.mesh), "unit": mesh.unit or None}
         report |= {field.name: getattr(found, field.name) for field in fields(found)}
+        report["double_wall"] = found.double_wall and found.double_wall._asdict()
         print(json.dumps({**report, **room_of(check), **apart, "findings": findings}, indent=2))
         return
     unit = Unit(mesh.unit)

@@ -89,6 +89,7 @@ def _fields(found: VolumeReadings, unit: Unit, density: float | None, bag: float
         "bulk_density": bulk_density(density, found),
         "bulk_density_range": densities,
         "material_volume": found.material,
+        "capacity": found.capacity,
     }
 
 

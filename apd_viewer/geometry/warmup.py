@@ -9,6 +9,7 @@ import numpy as np
 from numba.core import event
 
 from apd_viewer.geometry.analysis import area_change, deviation
+from apd_viewer.geometry.analysis.double_wall import double_wall
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
@@ -19,7 +20,7 @@ from apd_viewer.geometry.solver.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_S
 
 # So many are compiled by `warm_up`, kernels within kernels included, where others compile what PARTS has
 # besides the drag; fewer where they were first.
-_KERNELS = 226
+_KERNELS = 231
 
 
 def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
@@ -27,7 +28,7 @@ def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
 
     Between two steps ``enough()`` may end it. They come in the order in which a window needs them.
     """
-    for step in (_drag, _contact, supernodal_works, _methods, _membrane, deviation.warm_up):
+    for step in (_drag, _contact, supernodal_works, _methods, _membrane, deviation.warm_up, _double_wall):
         if enough():
             return
         step()
@@ -84,6 +85,12 @@ def _membrane() -> None:
     membrane = METHODS["local"].material(0.0, DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS)
     elastic = Elastic(SolveMesh(V, F), np.arange(200), membrane)
     elastic.hessian.factored_at(V).solve(V[elastic.free])
+
+
+def _double_wall() -> None:
+    V, F = _ball()
+    both, one = np.vstack([V, 0.95 * V]), np.ones(len(F))
+    double_wall(both, np.vstack([F, F + len(V)]), np.repeat([0, 1], len(V)), np.r_[one, one])
 
 
 def _contact() -> None:

@@ -177,6 +177,31 @@ def change_of(now: float, rest: float) -> str:
     return f"{signed(100.0 * (now / rest - 1.0), 1)} %"
 
 
+def material(state: State) -> float | None:
+    """Volume of the material of a double wall, cubic mesh units; None without one."""
+    wall = state.inspection.double_wall
+    return None if wall is None else wall.material
+
+
+def two_walls(state: State, unit: Unit) -> str:
+    """Material and capacity of a double wall in words; empty without one."""
+    wall = state.inspection.double_wall
+    if wall is None:
+        return ""
+    said = tr(
+        "At rest {material} of material between two walls, whatever thickness is entered; holds {capacity}"
+    )
+    return said.format(material=_capacity(wall.material, unit), capacity=_capacity(wall.capacity, unit))
+
+
+def _capacity(volume: float, unit: Unit) -> str:
+    litres = unit.litres(volume)
+    if litres is None:
+        return significant(volume, 4)
+    symbol, factor = unit.capacity(litres)
+    return f"{significant(factor * litres, 4)}\u00a0{symbol}"
+
+
 def weight(grams: float | None, unit: Unit) -> str:
     """Mass in a suitable unit."""
     if grams is None:

@@ -139,7 +139,10 @@ def _size(subject: Subject) -> Iterator[Block]:
     if found is None:  # a page is final: nothing is pending
         extent = box = packed = tr("not measured yet"), ""
     try:
-        grams, problem = mass(subject.wall, state.frame.area, unit), ""
+        grams, problem = (
+            mass(subject.wall, state.frame.area, unit, readings.material(state)),
+            readings.two_walls(state, unit),
+        )
     except InputError as error:
         grams, problem = None, str(error)
     yield Table(

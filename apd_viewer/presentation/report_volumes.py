@@ -28,10 +28,11 @@ def reduction_block(
     if math.isnan(found.packed) or math.isnan(at_rest.packed):  # the process that measures has died
         return Note(tr("Not measured; create the report again."))
     now, then = readings.volumes(state.frame, state.inspection)
+    wall_found = state.inspection.double_wall
     thickness, openings = thickness_of(wall, unit), state.inspection.openings
     rows = volume_rows(
-        VolumeReadings.of(state.inspection.area, then, openings, at_rest.hull, thickness),
-        VolumeReadings.of(state.frame.area, now, openings, found.hull, thickness),
+        VolumeReadings.of(state.inspection.area, then, openings, at_rest.hull, thickness, wall_found),
+        VolumeReadings.of(state.frame.area, now, openings, found.hull, thickness, wall_found),
         unit,
         density_of(wall),
     )

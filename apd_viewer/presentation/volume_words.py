@@ -63,6 +63,8 @@ def volume_rows(
         if lacks
         else tr("area × thickness; nothing can be crushed to less")
     )
+    if now.capacity is not None:
+        about = tr("between two walls; holds {capacity}").format(capacity=_volume(now.capacity, unit))
     yield _volumes(VolumeName.MATERIAL, tr("Material volume"), about, values, unit)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from apd_viewer.geometry.analysis.double_wall import DoubleWall, double_wall
 from apd_viewer.geometry.analysis.findings import (
     Finding,
     of_faces,
@@ -16,7 +17,7 @@ from apd_viewer.geometry.analysis.findings import (
     of_size,
     of_vertices,
 )
-from apd_viewer.geometry.analysis.seam_findings import of_seams
+from apd_viewer.geometry.analysis.shape_findings import of_double_wall, of_seams
 from apd_viewer.geometry.mesh.components import pieces
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -42,6 +43,8 @@ class Inspection:
         How many are capped.
     size : tuple of float
         Extent along x, y and z.
+    double_wall : DoubleWall or None
+        Of a vessel whose surface is around its wall, not around what it holds.
     findings : tuple of Finding
     """
 
@@ -54,6 +57,7 @@ class Inspection:
     volume_capped: float | None
     openings: int
     size: tuple[float, float, float]
+    double_wall: DoubleWall | None
     findings: tuple[Finding, ...]
 
     @property
@@ -72,6 +76,7 @@ def inspect(mesh: Mesh) -> Inspection:
     inside = None if why else volume(mesh.V, mesh.F)
     areas = face_areas(mesh.V, mesh.F)
     piece = pieces(F, len(first))
+    wall = None if why else double_wall(mesh.V[first], F, piece, areas)
     dx, dy, dz = (float(extent) for extent in np.ptp(mesh.V, axis=0))
     return Inspection(
         vertices=len(mesh.V),
@@ -83,12 +88,14 @@ def inspect(mesh: Mesh) -> Inspection:
         volume_capped=capped,
         openings=0 if caps is None or capped is None else caps.count,
         size=(dx, dy, dz),
+        double_wall=wall,
         findings=(
             *of_file(mesh),
             *of_vertices(mesh),
             *of_faces(mesh, areas),
             *of_joints(mesh, F),
             *of_seams(mesh),
+            *of_double_wall(wall),
             *of_orientation(capped if why else inside, float(areas.sum())),
             *of_pieces(mesh, F, piece),
             *of_size(mesh),

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.double_wall import DoubleWall
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.arrays import numbers, whole_numbers
@@ -27,7 +28,10 @@ class VolumeReadings(NamedTuple):
     hull : HullReadings
         Convex hull, smallest box and least width; bulk volume of one among many.
     material : float or None
-        Area times thickness: nothing can be crushed to less. None if the thickness is not known.
+        Area times thickness: nothing can be crushed to less. None if the thickness is not known. Of a
+        double-walled vessel the volume between its walls.
+    capacity : float or None
+        What a double-walled vessel holds; None for others.
 
     Examples
     --------
@@ -43,12 +47,21 @@ class VolumeReadings(NamedTuple):
     openings: int
     hull: HullReadings
     material: float | None
+    capacity: float | None = None
 
     @classmethod
     def of(
-        cls, area: float, enclosed: float | None, openings: int, hull: HullReadings, thickness: float | None
+        cls,
+        area: float,
+        enclosed: float | None,
+        openings: int,
+        hull: HullReadings,
+        thickness: float | None,
+        wall: DoubleWall | None = None,
     ) -> VolumeReadings:
-        """Readings with the material of a wall of ``thickness``, if known."""
+        """Readings with the material of a double wall, or of one of ``thickness``, if known."""
+        if wall is not None:
+            return cls(area, enclosed, openings, hull, wall.material, wall.capacity)
         return cls(area, enclosed, openings, hull, None if thickness is None else area * thickness)
 
 
@@ -85,4 +98,4 @@ def volumes_of(mesh: Mesh, thickness: float | None) -> VolumeReadings:
         raise InputError(tr("Enter a wall thickness greater than 0."))
     found, hull = inspect(mesh), hull_readings(mesh.V[np.unique(mesh.F)])
     enclosed = found.volume if found.volume_capped is None else found.volume_capped
-    return VolumeReadings.of(found.area, enclosed, found.openings, hull, thickness)
+    return VolumeReadings.of(found.area, enclosed, found.openings, hull, thickness, found.double_wall)

@@ -57,8 +57,10 @@ class Wall(NamedTuple):
 NO_WALL = Wall()
 
 
-def mass(wall: Wall, area: float, unit: Unit) -> float | None:
+def mass(wall: Wall, area: float, unit: Unit, material: float | None = None) -> float | None:
     """Mass of a wall of ``area`` square mesh units, grams; None if nothing was typed.
+
+    Of a double wall the ``material`` between its surfaces counts, cubic mesh units, and no thickness.
 
     Raises
     ------
@@ -69,12 +71,13 @@ def mass(wall: Wall, area: float, unit: Unit) -> float | None:
         return None
     if unit is Unit.NONE:
         raise InputError(tr("The mass needs the unit of the mesh; choose it next to the area."))
-    if not wall.thickness.strip():
-        raise InputError(tr("The mass needs a wall thickness; enter one such as 0.3mm."))
-    thickness = thickness_from(wall.thickness, unit)
+    if material is None:
+        if not wall.thickness.strip():
+            raise InputError(tr("The mass needs a wall thickness; enter one such as 0.3mm."))
+        material = area * thickness_from(wall.thickness, unit)
     if not wall.density.strip():
         raise InputError(tr("The mass needs a density; enter one such as 1.38 g/cm³."))
-    litres = unit.litres(area * thickness)
+    litres = unit.litres(material)
     assert litres is not None
     return 1000.0 * litres * density(wall.density)
 

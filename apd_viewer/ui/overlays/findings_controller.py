@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, QPointF, QRectF
 from PySide6.QtWidgets import QApplication, QWidget
 
 from apd_viewer.geometry.analysis.findings import SEPARATE, Finding
-from apd_viewer.geometry.analysis.seam_findings import SEAMS
+from apd_viewer.geometry.analysis.shape_findings import SEAMS
 from apd_viewer.session.model.loose_findings import of_loose_parts
 from apd_viewer.ui.overlays.findings import FindingList, FindingRow
 from apd_viewer.ui.overlays.findings_badge import Badge, counted

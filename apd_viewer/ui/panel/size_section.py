@@ -30,6 +30,7 @@ class SizeSection(Section):
     wall_typed : Signal(Wall)
     extent, box, packed, compact, mass : QLabel
     thickness, density : QLineEdit
+    two_walls : QLabel
     """
 
     wall_typed = Signal(object)
@@ -37,6 +38,7 @@ class SizeSection(Section):
     def __init__(self) -> None:
         super().__init__(tr("Size and mass"))
         self._unit, self._area, self._typed = Unit.NONE, 0.0, NO_WALL
+        self._material: float | None = None
         self._found: ShapeCheck | None = None
         self._at_rest: ShapeCheck | None = None
         self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
@@ -66,8 +68,10 @@ class SizeSection(Section):
         self.column.addSpacing(4)
         self._problem = quiet(tr("Why there is no mass"))
         self._problem.setObjectName("unreached")
-        self._problem.hide()
-        self.column.addWidget(self._problem)
+        self.two_walls = quiet(tr("What the mass is that of"))
+        for line in (self._problem, self.two_walls):
+            line.hide()
+            self.column.addWidget(line)
 
     def _row(self, title: str, tip: str, wide: bool = False) -> QLabel:
         row = self._grid.rowCount()
@@ -130,7 +134,10 @@ class SizeSection(Section):
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show compactness and mass of a frame."""
-        self._area = state.frame.area
+        self._area, self._material = state.frame.area, readings.material(state)
+        said = readings.two_walls(state, unit)
+        self.two_walls.setText(said)
+        self.two_walls.setVisible(bool(said))
         for label, text in zip((self.compact, self._compact_change), readings.compact(state), strict=True):
             label.setText(text)
         if unit is not self._unit:
@@ -158,7 +165,7 @@ class SizeSection(Section):
 
     def _show_mass(self) -> None:
         try:
-            grams, problem = mass(self._typed, self._area, self._unit), ""
+            grams, problem = mass(self._typed, self._area, self._unit, self._material), ""
         except InputError as error:
             grams, problem = None, str(error)
         self.mass.setText(readings.weight(grams, self._unit))

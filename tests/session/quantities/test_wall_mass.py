@@ -124,6 +124,11 @@ def test_a_mass_is_in_what_goes_with_the_unit_of_length(unit, grams, said):
     assert (grams * factor, symbol) == (pytest.approx(said[0]), said[1])
 
 
+@pytest.mark.parametrize("thickness", ["", "1mm"])
+def test_a_double_wall_weighs_what_is_between_its_surfaces(thickness):
+    assert mass(Wall(thickness, "1.36"), 35_000.0, MM, 17_400.0) == pytest.approx(17.4 * 1.36)
+
+
 def test_a_wall_in_inches_weighs_what_it_does_in_centimetres():
     inches = mass(Wall("1/100 in", "1.38"), 100.0, Unit.INCH)
     assert inches == pytest.approx(mass(Wall("0.254mm", "1.38"), 100.0 * 2.54**2, CM), rel=1e-12)

@@ -204,6 +204,23 @@ def test_a_wall_that_is_typed_weighs_area_times_thickness_times_density(qtbot, b
     assert "“thin” is unknown" in room._problem.text()
 
 
+def test_a_vessel_with_two_walls_weighs_its_material(qtbot, window):
+    V, F = meshes.cup(64)
+    window.filing.show_mesh(Mesh(V, F))
+    idle(qtbot, window)
+    room, wall = window.panel.measures, window.session.store.state.inspection.double_wall
+    room.folded = False
+    window._choose_unit(CM)
+    type_into(qtbot, room.thickness, "0.5mm")
+    type_into(qtbot, room.density, "1.36")
+    assert room.mass.text() == f"{1000 * 1.36 * wall.material:.4g}\u00a0mg"
+    assert room.two_walls.isVisible()
+    assert f"holds {wall.capacity:.4g}\u00a0ml" in room.two_walls.text()
+    window.filing.open_sample("bottle")
+    idle(qtbot, window)
+    assert room.two_walls.isHidden()
+
+
 def test_the_wall_is_remembered_with_the_file_and_kept_in_sessions(qtbot, window, settings, tmp_path):
     paths = [tmp_path / f"part, {name}.obj" for name in "ab"]
     for path in paths:

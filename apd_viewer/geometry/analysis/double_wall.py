@@ -1,0 +1,160 @@
+"""Double-walled vessels: closed surfaces around a thin wall, not around what it holds."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.analysis.double_wall_kernels import grown, sides_of, through
+from apd_viewer.geometry.mesh.adjacency import opposite_corners
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
+from apd_viewer.geometry.mesh.operators import volume, why_no_volume
+from apd_viewer.geometry.picking.picking import boxes
+
+# Thickness of a wall, in diagonals: 0.009 for a cup of 1 mm, 0.04 for thick glass, 0.12 for a bottle's body.
+_THIN = 0.05
+
+# The ray casts look at all boxes: 200,000 triangles take about a second.
+_MOST_TRIANGLES = 200_000
+
+# Share of the area whose opposite wall is near and parallel: 0.98 for a cup of 1 mm, with a flat rim.
+_FACING = 0.8
+_PARALLEL = -0.7  # cosine of the normals
+
+# Thickness of the tenth and the ninth tenth of the area, in medians.
+_SPREAD = 0.5, 2.0
+
+# Around the rim the way along the surface to the opposite wall is shorter than so many thicknesses.
+_AROUND = 4.0
+
+# How far a rim may leave its plane, in its own diagonals.
+_UNEVEN = 0.1
+
+# What the outer side holds more than the inner one is the material; rims that are no planes cost some.
+_UNACCOUNTED = 0.3
+
+
+class DoubleWall(NamedTuple):
+    """Wall of a vessel with an outer and an inner surface, mesh units.
+
+    Attributes
+    ----------
+    thickness : float
+        Mean distance of the surfaces.
+    material : float
+        Volume between them.
+    capacity : float
+        Volume inside the inner one, up to its rims.
+    openings : int
+        How many rims there are.
+    """
+
+    thickness: float
+    material: float
+    capacity: float
+    openings: int
+
+
+def double_wall(V: np.ndarray, F: np.ndarray, piece: np.ndarray, areas: np.ndarray) -> DoubleWall | None:
+    """Double wall of a closed surface; None without one.
+
+    Parameters
+    ----------
+    V : (k, 3) float array
+    F : (m, 3) int array
+        Welded triangles.
+    piece : (k,) int array
+        Connected piece of each vertex.
+    areas : (m,) float array
+        Of the triangles.
+    """
+    parts = _parts(V, F, piece[F[:, 0]])
+    material = abs(parts[0].inside) - sum(abs(part.inside) for part in parts[1:]) if parts else 0.0
+    area = float(areas.sum())
+    if not 0.0 < 2.0 * material <= _THIN * diagonal(V[F.ravel()]) * area:
+        return None
+    thickness = 2.0 * material / area
+    T = _facing_outward(F, parts)
+    inner = _inner_side(V, T, areas, thickness)
+    if inner is None:
+        return None
+    both = [_capped(V, T[inner]), _capped(V, T[~inner])]
+    (within, openings), (around, _) = both
+    if within > around:
+        (within, openings), (around, _) = both[::-1]
+    capacity = -within
+    if not capacity > material or abs(around - capacity - material) > _UNACCOUNTED * material:
+        return None
+    return DoubleWall(thickness, material, capacity, openings)
+
+
+class _Part(NamedTuple):
+    """A connected part: its triangles as a mask, and its signed volume."""
+
+    triangles: np.ndarray
+    inside: float
+
+
+def _parts(V: np.ndarray, F: np.ndarray, piece: np.ndarray) -> list[_Part]:
+    """One part, or two of which the second is in the first; none otherwise."""
+    names = np.unique(piece)
+    if len(names) > 2 or len(F) > _MOST_TRIANGLES:
+        return []
+    if len(names) == 1:
+        return [_Part(np.ones(len(F), dtype=bool), volume(V, F))]
+    parts = [_Part(piece == name, volume(V, F[piece == name])) for name in names]
+    parts.sort(key=lambda part: -abs(part.inside))
+    around, within = (V[F[part.triangles].ravel()] for part in parts)
+    nested = (around.min(axis=0) < within.min(axis=0)) & (within.max(axis=0) < around.max(axis=0))
+    return parts if nested.all() else []
+
+
+def _facing_outward(F: np.ndarray, parts: list[_Part]) -> np.ndarray:
+    """Triangles ``F`` (m, 3) with the wall behind them: an inner part faces inwards."""
+    T = F.copy()
+    for k, (triangles, inside) in enumerate(parts):
+        if (inside < 0.0) == (k == 0):
+            T[triangles] = T[triangles][:, ::-1]
+    return T
+
+
+def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: float) -> np.ndarray | None:
+    """One of the two sides of a wall, as a mask of ``T`` (m, 3); None if it is no wall."""
+    normals = np.cross(V[T[:, 1]] - V[T[:, 0]], V[T[:, 2]] - V[T[:, 0]])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
+    middles = V[T].mean(axis=1)
+    away, partner = through(V, T, middles, normals, boxes(V, T), 1e-3 * thickness)
+    facing = (partner >= 0) & (np.einsum("ij,ij->i", normals, normals[partner]) < _PARALLEL)
+    total, facing = float(areas.sum()), facing & (away < 3.0 * thickness)
+    if areas[facing].sum() < _FACING * total:
+        return None
+    order = np.argsort(away[facing])
+    share = np.cumsum(areas[facing][order]) / areas[facing].sum()
+    low, middle, high = away[facing][order][np.searchsorted(share, [0.1, 0.5, 0.9])]
+    if low < _SPREAD[0] * middle or high > _SPREAD[1] * middle:
+        return None
+    beside = opposite_corners(T.astype(np.int32), len(V)) // 3
+    side = sides_of(beside, middles, normals, partner, facing, _AROUND * middle)
+    size = np.bincount(side, areas, minlength=len(T))
+    first, second = np.argsort(-size)[:2]
+    if size[first] + size[second] < 0.5 * total or size[second] <= 0.0:
+        return None
+    start = np.where(side == first, 1, np.where(side == second, 2, 0))
+    return grown(beside, start) == 1
+
+
+def _capped(V: np.ndarray, T: np.ndarray) -> tuple[float, int]:
+    """Signed volume of one side up to its rims, and their number; NaN with an uneven one."""
+    if why_no_volume(T, len(V)) is None:
+        return volume(V, T), 0
+    caps = Caps.of(T, len(V))
+    inside = capped_volume(caps, V, T)
+    if caps is None or inside is None:
+        return np.nan, 0
+    for rim in np.split(V[caps.ends[:, 0]], caps.start[1:]):
+        deviations = np.linalg.svd(rim - rim.mean(axis=0), full_matrices=False)[2][-1]
+        if np.ptp(rim @ deviations) > _UNEVEN * diagonal(rim):
+            return np.nan, 0
+    return inside, caps.count
