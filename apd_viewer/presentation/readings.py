@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.geometry.analysis.bounding_boxes import compactness
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.frame import MET
-from apd_viewer.geometry.pose.winding import signed_about
+from apd_viewer.geometry.pose.winding import signed_angle
 from apd_viewer.language import listed, tr, trc
 from apd_viewer.presentation.number_format import length, short, signed, significant
 from apd_viewer.session.model.status_text import about_caps
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 NOTHING, LATER = "–", "…"
 DISTANCES = (tr("Largest"), "largest"), (tr("RMS"), "rms"), (tr("Mean"), "mean")
+_ALIGNED = math.cos(math.radians(1.0))  # between a rotation and the axis of a twist
 _KEPT = 1e-6  # tolerance of a region's target, in percent of its rest area
 
 
@@ -247,7 +248,9 @@ def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool
     axis = (
         centre - memo.centre(document.labels, document.grip, BASE) if document.counts[BASE] else np.zeros(3)
     )
-    angle, twists = signed_about(rotation, axis)
+    along = float(rotation @ axis)
+    twists = abs(along) > _ALIGNED * float(np.linalg.norm(rotation) * np.linalg.norm(axis))
+    angle = math.copysign(float(np.linalg.norm(rotation)), along) if twists else signed_angle(rotation)
     return signed(math.degrees(angle), 1), twists
 
 

@@ -37,6 +37,8 @@ FINAL = (
     "hull_volume",
     "iterations",
     "unsettled_steps",
+    "turned",
+    "turned_held",
 )
 
 
@@ -135,6 +137,8 @@ def _curves(steps: list[SweepStep]) -> dict[str, list[float | None]]:
         "local_change": [step.frame.local_change for step in steps],
         "handle_drift": [step.frame.handle_drift for step in steps],
         "share_reached": [step.frame.share_reached for step in steps],
+        "turned": [step.turned[0] for step in steps],
+        "turned_held": [step.turned[1] for step in steps],
     }
     return {name: [_number(value) for value in values] for name, values in curves.items()}
 
@@ -158,9 +162,12 @@ def _sentence(steps: list[SweepStep], sweep: Sweep) -> str:
     if last.share_reached < 1.0:
         share = 100.0 * last.share_reached
         return tr("Contact stopped the handle after {share:.3g} % of its way.").format(share=share)
+    said = list(sweep.lost_turns(steps[-1]))
     unsettled = sum(not step.frame.settled for step in steps)
     if unsettled:
-        return tr("{count} of {steps} shapes did not converge within {most} iterations.").format(
-            count=unsettled, steps=len(steps), most=sweep.iterations
+        said.append(
+            tr("{count} of {steps} shapes did not converge within {most} iterations.").format(
+                count=unsettled, steps=len(steps), most=sweep.iterations
+            )
         )
-    return ""
+    return " ".join(said)

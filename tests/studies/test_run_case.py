@@ -145,3 +145,13 @@ def test_a_part_of_a_motion_is_a_smaller_motion(run, bar):
     plan = {"mesh": "", "selection": "", "motion": "", "session": "part.apd", "steps": "2"}
     half = run(**plan, to="50")
     np.testing.assert_allclose(half.U, run(motion="twist 10deg").U, atol=1e-6)
+
+
+def test_a_lost_turn_is_said(run):
+    result = run(motion="twist 400deg", steps="5", iterations="100", method="arap", contact="off")
+    assert result.curves["turned"] == pytest.approx([0.0, 80.0, 160.0, 240.0, 320.0, 400.0])
+    assert (result.readings["turned"], result.readings["turned_held"]) == pytest.approx((400.0, 40.0))
+    assert "The surface holds 40 of the 400 degrees asked: without contact it passed" in result.sentence
+    kept = run(motion="twist 80deg", steps="1", iterations="100", method="arap", contact="off")
+    assert kept.readings["turned_held"] == pytest.approx(80.0)
+    assert "holds" not in kept.sentence

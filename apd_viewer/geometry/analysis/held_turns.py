@@ -8,53 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.geometry.analysis.surface_turns import SurfaceTurns, Way
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.fitted_motion import fitted_rotation
+from apd_viewer.geometry.pose.held_turn import LEAST_TURN, HeldTurn
 from apd_viewer.geometry.pose.winding import pose_of, signed_about
-from apd_viewer.language import tr
 
-# Radians: a handle that is asked for less is not looked at, nor is a smaller difference one.
-LEAST_TURN = math.radians(5.0)
 # Relative to the coordinates: between closer centres there is no line.
 _APART = 1e-9
-
-
-class HeldTurn(NamedTuple):
-    """Turn of a handle against the base.
-
-    Attributes
-    ----------
-    asked : float
-        With whole turns, radians; positive about the line from the base to the handle, or else about the
-        largest coordinate of its axis.
-    held : float or None
-        By how much the surface turns from the base to the handle. None where nobody looked: where less than 5
-        degrees were asked, no surface leads to the handle, or handle or base is a line or a point.
-    """
-
-    asked: float
-    held: float | None = None
-
-    @property
-    def lost(self) -> float:
-        """What is held less or more than was asked, radians; 0 where nobody looked."""
-        return 0.0 if self.held is None else abs(self.asked - self.held)
-
-    @property
-    def degrees(self) -> tuple[float, float | None]:
-        """Asked and held in degrees, without the rounding of radians."""
-        asked, held = (None if angle is None else round(math.degrees(angle), 9) + 0.0 for angle in self)
-        return asked or 0.0, held
-
-    @property
-    def passed_through(self) -> bool:
-        """True if whole turns are missing, which only a surface that passes through itself can lose."""
-        return self.lost > math.pi
 
 
 def held_turns(
@@ -106,49 +70,6 @@ def _rotations(X: np.ndarray, places: np.ndarray, part: np.ndarray) -> list[np.n
     """Rotation of a part at each place; none where its points do not tell any."""
     found = [fitted_rotation(X[part], there[part]) for there in places]
     return [R for R in found if R is not None]
-
-
-def turn_warnings(
-    turns: Sequence[HeldTurn], contact: bool, may_touch: bool = True, names: Sequence[str] = ()
-) -> tuple[str, ...]:
-    """A sentence for each handle whose turn the surface does not hold.
-
-    Parameters
-    ----------
-    turns : sequence of HeldTurn
-    contact, may_touch : bool
-        Whether contact was on, and whether the method knows it.
-    names : sequence of str, optional
-        Of the handles; without, they are numbered.
-    """
-    said = []
-    for k, turn in enumerate(turns):
-        if turn.lost < LEAST_TURN:
-            continue
-        sentence = _sentence(turn, contact, may_touch)
-        if len(turns) > 1:
-            name = names[k] if names else tr("Handle {n}").format(n=k + 1)
-            sentence = tr("{name}: {sentence}").format(name=name, sentence=sentence)
-        said.append(sentence)
-    return tuple(said)
-
-
-def _sentence(turn: HeldTurn, contact: bool, may_touch: bool) -> str:
-    said = tr("The surface holds {held} of the {asked} degrees asked.")
-    if turn.passed_through and not may_touch:
-        said = tr(
-            "The surface holds {held} of the {asked} degrees asked: it passed through itself, "
-            "as this method knows no contact."
-        )
-    elif turn.passed_through and not contact:
-        said = tr(
-            "The surface holds {held} of the {asked} degrees asked: without contact it passed through "
-            "itself; turn contact on."
-        )
-    elif turn.passed_through:
-        said = tr("The surface holds {held} of the {asked} degrees asked: it passed through itself.")
-    asked, held = (f"{round(angle or 0.0, 1) + 0.0:g}" for angle in turn.degrees)
-    return said.format(held=held, asked=asked)
 
 
 def _line(V: np.ndarray, labels: np.ndarray, k: int) -> np.ndarray:

@@ -10,13 +10,14 @@ from numbers import Integral
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.analysis.held_turns import HeldTurn, held_turns, turn_warnings, ways_of
+from apd_viewer.geometry.analysis.held_turns import held_turns, ways_of
 from apd_viewer.geometry.contact.obstacles import Obstacle
 from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.mesh.arrays import numbers
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
+from apd_viewer.geometry.pose.held_turn import HeldTurn, turn_warnings
 from apd_viewer.geometry.solver.arguments import HeldVertices
 from apd_viewer.geometry.solver.contact_descent import whole_way
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.processes.walk import Walk
 from apd_viewer.session.storage.session_file import open_session
+from apd_viewer.session.studies.turns import turns_in
 
 # Rounding of held vertices, in bounding-box diagonals.
 _IN_PLACE = 1e-9
@@ -60,7 +62,8 @@ def replay(
     if not from_rest and _has_settled(state, held, solver):
         solver.aim(held.targets, state.frame.U, held.soft_targets, shifts_of(document), _come(state))
         frame = replace(state.frame, iteration=0, handle_drift=_drift(held, state.frame.U))
-        return document, result_of(solver, frame, time.perf_counter() - started, 0.0)
+        turns = turns_in(document, frame.U)
+        return document, result_of(solver, frame, time.perf_counter() - started, 0.0, turns)
     walk = Walk(solver, document, None if from_rest else state.frame.U, begin=_come(state))
     if passed:
         passed(document.grip if from_rest else state.frame.U)
@@ -69,7 +72,8 @@ def replay(
         walk.iterate()
         if told:
             told(walk.frame())
-    return document, iterated(solver, started, progress=told, last=walk.frame)
+    turned = partial(turns_in, document)
+    return document, iterated(solver, started, progress=told, last=walk.frame, turns=turned)
 
 
 def _both(

@@ -10,12 +10,15 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.geometry.pose.held_turn import HeldTurn, most_lost, turn_warnings
 from apd_viewer.geometry.pose.screw_motion import Turn
 from apd_viewer.geometry.pose.winding import HandlePath, WaypointPath
+from apd_viewer.geometry.solver.methods import method_named
 from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import document_at
-from apd_viewer.session.posing.motion_path import MotionPath
+from apd_viewer.session.posing.motion_path import MotionPath, posed_along
 from apd_viewer.session.processes.deforming import deformation_of
+from apd_viewer.session.studies.turns import turns_in
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -55,6 +58,8 @@ class SweepStep(NamedTuple):
         ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations, whatever the method.
     loads : tuple of float
         Length of the force on each obstacle, energy per length: that of a material of stiffness 1.
+    turns : tuple of HeldTurn
+        Of the handles so far, as asked and as the surface holds them.
     """
 
     method: str
@@ -67,6 +72,12 @@ class SweepStep(NamedTuple):
     volume_capped_rest: float | None
     energy: float
     loads: tuple[float, ...] = ()
+    turns: tuple[HeldTurn, ...] = ()
+
+    @property
+    def turned(self) -> tuple[float, float | None]:
+        """Turn asked and held, degrees; of several handles that of which most is lost."""
+        return most_lost(self.turns).degrees
 
     @property
     def volume_error(self) -> float | None:
@@ -129,6 +140,13 @@ class Sweep:
     def _diagonal(self) -> float:
         return diagonal(self.document.mesh.V)
 
+    def lost_turns(self, step: SweepStep) -> tuple[str, ...]:
+        """Sentences on turns that the surface does not hold, unless contact has stopped the handles."""
+        if step.frame.share_reached < 1.0:
+            return ()
+        may_touch, names = method_named(step.method).may_touch, [each.name for each in self.document.handles]
+        return turn_warnings(step.turns, self.document.contact and may_touch, may_touch, names)
+
     def document_at(self, part: float) -> Document:
         """The document with its handles at a part of their motion."""
         return document_at(self.document, self.paths, part)
@@ -179,4 +197,5 @@ class Sweep:
             solver.rest.volume_capped,
             solver.rest.energy(frame.U),
             tuple(np.linalg.norm(frame.loads, axis=1).tolist()),
+            turns_in(posed_along(self.document, self.paths, part), frame.U),
         )

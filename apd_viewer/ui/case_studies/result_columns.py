@@ -95,6 +95,12 @@ READING_WORDS = {
     "unsettled_steps": ReadingWords(
         tr("Unsettled steps"), tr("Steps that stopped before they converged"), whole=True
     ),
+    "turned": ReadingWords(
+        tr("Turn asked"), tr("Of a handle against the base, degrees, whole turns counted")
+    ),
+    "turned_held": ReadingWords(
+        tr("Turn held"), tr("By the surface between base and handle, degrees, whole turns counted")
+    ),
     "seconds": ReadingWords(tr("Time (s)"), tr("Of the case, seconds")),
 }
 

@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from meshes import rotation
 
-from apd_viewer.geometry.analysis.held_turns import held_turns, turn_warnings, ways_of
+from apd_viewer.geometry.analysis.held_turns import held_turns, ways_of
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.pose.held_turn import turn_warnings
 from apd_viewer.geometry.pose.transforms import turned_about
 from apd_viewer.geometry.pose.winding import pose_of, rotation_vector
 

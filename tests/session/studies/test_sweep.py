@@ -1,5 +1,7 @@
 """Sweeps: where the handles are at each step, what is read there, and what cannot be swept."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -143,3 +145,16 @@ def test_what_cannot_be_swept_is_said(case, bar):
     run, words = WRONG[case]
     with pytest.raises(InputError, match=words):
         run(bar)
+
+
+def test_each_step_says_what_turn_is_held(bar):
+    turn = (MotionStep(0, "twist", (np.radians(-400.0),)),)
+    sweep = sweep_of(replace(bar, contact=False), 5, methods=["arap"], motion=turn)
+    steps = list(sweep.steps())
+    assert [step.turned[0] for step in steps] == pytest.approx([0.0, -80.0, -160.0, -240.0, -320.0, -400.0])
+    held = [step.turned[1] for step in steps]
+    assert held[0] is None
+    assert held[1:] == pytest.approx([-80.0, -160.0, 120.0, 40.0, -40.0], abs=1e-6)
+    (said,) = sweep.lost_turns(steps[-1])
+    assert said.startswith("The surface holds -40 of the -400 degrees asked: without contact")
+    assert sweep.lost_turns(steps[1]) == ()

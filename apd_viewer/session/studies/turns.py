@@ -1,0 +1,18 @@
+"""Turns of the handles of a document in a shape."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.geometry.analysis.held_turns import held_turns
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from apd_viewer.geometry.pose.held_turn import HeldTurn
+    from apd_viewer.session.model.document import Document
+
+
+def turns_in(document: Document, U: np.ndarray) -> tuple[HeldTurn, ...]:
+    """Turns of the handles, as asked and as the shape ``U`` (n, 3) holds them."""
+    return held_turns(document.grip, U, document.mesh.joined_F, document.labels, document.ways)
