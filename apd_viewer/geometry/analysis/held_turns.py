@@ -1,4 +1,4 @@
-"""Turns that a surface holds between its base and its handles.
+"""Turns held by a surface between its base and its handles.
 
 Places of a handle do not tell a turn by 400 degrees from one by 40; the surface between tells them apart. One
 that has passed through itself holds whole turns less than it was asked for.
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.surface_turns import SurfaceTurns, Way
+from apd_viewer.geometry.analysis.surface_turns import AskedTurn, SurfaceTurns
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.fitted_motion import fitted_rotation
 from apd_viewer.geometry.pose.held_turn import LEAST_TURN, HeldTurn
@@ -38,7 +38,7 @@ def held_turns(
         Of each handle: its poses against the base, one after another, and from one to the next by the
         shortest rotation; none where it is not known.
     """
-    asked = [Way.along(poses) for poses in ways]
+    asked = [AskedTurn.along(poses) for poses in ways]
     turned = any(way.angle >= LEAST_TURN for way in asked)
     looks = turned and (labels == BASE).any() and np.isfinite(U).all()
     surface = SurfaceTurns(V, U, F, labels) if looks else None
@@ -51,7 +51,7 @@ def held_turns(
 
 
 def ways_of(X: np.ndarray, places: np.ndarray, labels: np.ndarray) -> list[list[np.ndarray]]:
-    """Poses (4, 4) of each handle against the base, without their places; none where not told.
+    """Poses (4, 4) of each handle against the base, without their places; none if not told.
 
     Parameters
     ----------
@@ -67,13 +67,13 @@ def ways_of(X: np.ndarray, places: np.ndarray, labels: np.ndarray) -> list[list[
 
 
 def _rotations(X: np.ndarray, places: np.ndarray, part: np.ndarray) -> list[np.ndarray]:
-    """Rotation of a part at each place; none where its points do not tell any."""
+    """Rotation of a part at each place; none if its points tell none."""
     found = [fitted_rotation(X[part], there[part]) for there in places]
     return [R for R in found if R is not None]
 
 
 def _line(V: np.ndarray, labels: np.ndarray, k: int) -> np.ndarray:
-    """From the centre of the base to that of handle ``k``, (3,); zero without either."""
+    """Vector (3,) from the centre of the base to handle ``k``; zero without either."""
     base, handle = labels == BASE, labels == HANDLE + k
     if not (base.any() and handle.any()):
         return np.zeros(3)

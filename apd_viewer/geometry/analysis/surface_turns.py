@@ -1,9 +1,4 @@
-"""Rotations of a surface from triangle to triangle, counted with whole turns.
-
-A triangle turns about its neighbour by the change of the angle at their common edge, and in its plane by the
-changes of its own angles. Each of these is between whole turns of either sense, so that their sum over a way
-counts whole turns, however coarse or crumpled the surface is.
-"""
+"""Turn of a surface from its base to a handle, counted with whole turns."""
 
 from __future__ import annotations
 
@@ -15,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components, dijkstra
-from scipy.spatial.transform import Rotation
 
-from apd_viewer.geometry.mesh.adjacency import opposite_corners
+from apd_viewer.geometry.analysis.triangle_turns import TurningPairs, between, product, thickness
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.fitted_motion import fitted_rotation
 from apd_viewer.geometry.pose.transforms import quaternion
@@ -36,8 +30,8 @@ _THERE = math.radians(5.0)
 _AT_REST = np.array([1.0, 0.0, 0.0, 0.0])
 
 
-class Way(NamedTuple):
-    """Way of a handle: its turn with whole turns, and what it comes to.
+class AskedTurn(NamedTuple):
+    """Turn of a handle on its way, with whole turns, and its end.
 
     Attributes
     ----------
@@ -56,43 +50,16 @@ class Way(NamedTuple):
     one_axis: bool
 
     @classmethod
-    def along(cls, poses: Sequence[np.ndarray]) -> Way:
+    def along(cls, poses: Sequence[np.ndarray]) -> AskedTurn:
         """The way along poses (4, 4), from one to the next by the shortest rotation."""
         vector = rotation_vector(poses[:-1], poses[-1]) if poses else np.zeros(3)
         angle = float(np.linalg.norm(vector))
         axis, q, clear = vector / (angle or 1.0), _AT_REST, 1.0
         rotations = [np.eye(3), *(nearest_rotation(pose) for pose in poses)]
         for before, after in itertools.pairwise(rotations):
-            q = _product(quaternion(after @ before.T), q)
+            q = product(quaternion(after @ before.T), q)
             clear = min(clear, math.hypot(q[0], q[1:] @ axis))
         return cls(axis, angle, q, clear > 1.0 - _ONE_AXIS)
-
-
-class _Frames(NamedTuple):
-    """Frames of triangles: first edges and normals (m, 3), and the angles of their edges, (m, 3)."""
-
-    first: np.ndarray
-    normal: np.ndarray
-    angles: np.ndarray
-
-    @classmethod
-    def of(cls, X: np.ndarray, F: np.ndarray) -> _Frames:
-        edges = X[np.roll(F, -1, axis=1)] - X[F]
-        normal = _unit(np.cross(edges[:, 0], edges[:, 1]))
-        first = _unit(edges[:, 0])
-        across = np.cross(normal, first)
-        angles = np.arctan2(_dots(edges, across[:, None]), _dots(edges, first[:, None]))
-        return cls(first, normal, angles)
-
-    @property
-    def matrices(self) -> np.ndarray:
-        """Their axes as columns, (m, 3, 3)."""
-        return np.stack([self.first, np.cross(self.normal, self.first), self.normal], axis=2)
-
-    def edge(self, t: np.ndarray, c: np.ndarray) -> np.ndarray:
-        """Unit vectors along the edges ``c`` (k,) of triangles ``t`` (k,)."""
-        angle = self.angles[t, c][:, None]
-        return np.cos(angle) * self.first[t] + np.sin(angle) * np.cross(self.normal[t], self.first[t])
 
 
 class SurfaceTurns:
@@ -111,14 +78,14 @@ class SurfaceTurns:
     """
 
     def __init__(self, V: np.ndarray, U: np.ndarray, F: np.ndarray, labels: np.ndarray) -> None:
-        F = F[(_thickness(V, F) > _NO_AREA) & (_thickness(U, F) > _NO_AREA)].astype(np.int64)
+        F = F[(thickness(V, F) > _NO_AREA) & (thickness(U, F) > _NO_AREA)].astype(np.int64)
         self._held = labels[F]
         used = np.bincount(F.ravel(), minlength=len(V)) > 0
         parts = {k: np.flatnonzero(used & (labels == k)) for k in (BASE, *range(HANDLE, labels.max() + 1))}
         self._rotations = {k: fitted_rotation(V[part], U[part]) for k, part in parts.items()}
         if (base := self._rotations[BASE]) is None:
             return
-        self._pairs = _Pairs.of(V, U @ base, F, labels)
+        self._pairs = TurningPairs.of(V, U @ base, F, labels)
         inside = self._inside(BASE)
         for k in range(HANDLE, labels.max() + 1):
             inside |= self._inside(k)
@@ -131,11 +98,11 @@ class SurfaceTurns:
         return (self._held == label).all(axis=1)
 
     def _ends(self, label: int) -> np.ndarray:
-        """Triangles at which ways to a part end: all within it, or else those that share most with it."""
+        """Triangles at the ends of ways to a part: all within it, or else the nearest."""
         corners = (self._held == label).sum(axis=1)
         return np.flatnonzero((corners > 0) & (corners == corners.max(initial=0)))
 
-    def turn(self, k: int, way: Way) -> float | None:
+    def turn(self, k: int, way: AskedTurn) -> float | None:
         """Turn of handle ``k`` about the axis of its way, radians; None if it cannot be told."""
         base, end = self._rotations[BASE], self._rotations.get(HANDLE + k)
         if base is None or end is None:
@@ -146,8 +113,8 @@ class SurfaceTurns:
         known = [each for each in held if each is not None]
         return max(known, key=lambda each: abs(each - way.angle), default=None)
 
-    def _by_arm(self, way: Way, made: np.ndarray, jumps: np.ndarray, last: np.ndarray) -> float | None:
-        """What an arm holds, from the sums (a,) of turns and of jumps over it."""
+    def _by_arm(self, way: AskedTurn, made: np.ndarray, jumps: np.ndarray, last: np.ndarray) -> float | None:
+        """Turn held by an arm, from the sums (a,) of turns and of jumps over it."""
         if way.one_axis:
             held = float(np.median(made))
             return abs(held) if abs(way.angle - math.pi) < _EITHER_WAY else held
@@ -179,78 +146,13 @@ class SurfaceTurns:
         for a, b, sign in ((i, j, 1.0), (j, i, -1.0)):
             follows = before[b] == a
             values[b[follows]] = np.column_stack([sign * step, jump])[follows]
-        first = _between(np.broadcast_to(_AT_REST, (len(start), 4)), pairs.q[start], axis)
+        first = between(np.broadcast_to(_AT_REST, (len(start), 4)), pairs.q[start], axis)
         values[start] = np.column_stack(first)
         reached = ends[before[ends] >= 0]
         made, jumps = _summed(values, before)[reached].T
-        more, jumped = _between(pairs.q[reached], np.broadcast_to(last, (len(reached), 4)), axis)
+        more, jumped = between(pairs.q[reached], np.broadcast_to(last, (len(reached), 4)), axis)
         arm = np.where(self._arm[reached] < 0, self._arm[before[reached]], self._arm[reached])
         return made + more, jumps + jumped, arm
-
-
-class _Pairs(NamedTuple):
-    """Pairs of neighbouring triangles, with the rotations from the first to the second.
-
-    Attributes
-    ----------
-    q : (m, 4) float array
-        Rotation of each triangle, as a unit quaternion.
-    faces : (p, 2) int array
-    ends : (p, 2) int array
-        Labels of the ends of their common edges.
-    on_the_way : tuple of four (p, 4) float arrays
-        Quaternions from that of the first triangle to that of the second, without a jump.
-    jump : (p,) bool array
-        Whether the last of them is the other one of the second triangle.
-    """
-
-    q: np.ndarray
-    faces: np.ndarray
-    ends: np.ndarray
-    on_the_way: tuple[np.ndarray, ...]
-    jump: np.ndarray
-
-    @classmethod
-    def of(cls, V: np.ndarray, U: np.ndarray, F: np.ndarray, labels: np.ndarray) -> _Pairs:
-        rest, now = _Frames.of(V, F), _Frames.of(U, F)
-        R = np.einsum("mij,mkj->mik", now.matrices, rest.matrices)
-        q = np.roll(Rotation.from_matrix(R).as_quat(), 1, axis=1) if len(F) else np.zeros((0, 4))
-        opposite = opposite_corners(F, len(V)).ravel()
-        h = np.flatnonzero(opposite > np.arange(len(opposite)))
-        (s, c), (t, d) = np.divmod(h, 3), np.divmod(opposite[h], 3)
-        in_plane = now.angles - rest.angles
-        way = [q[s]]
-        way.append(_products(_turning(now.normal[s], in_plane[s, c]), way[-1]))
-        same = F[s, c] == F[t, d]
-        edge, bent = now.edge(s, c), _hinge(now, s, c, t, same) - _hinge(rest, s, c, t, same)
-        way.append(_products(_turning(edge, bent), way[-1]))
-        way.append(_products(_turning(now.normal[t], -in_plane[t, d]), way[-1]))
-        ends = labels[np.column_stack([F[s, c], F[s, (c + 1) % 3]])]
-        return cls(q, np.column_stack([s, t]), ends, tuple(way), _dots(way[-1], q[t]) < 0.0)
-
-    def turns(self, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Turn about ``axis`` (3,) from the first to the second, (p,), and how clearly it is told, (p,)."""
-        points = [(q[:, 0], q[:, 1:] @ axis) for q in self.on_the_way]
-        angles = [np.arctan2(along, w) for w, along in points]
-        # A turn by less than a whole one is half as much of an ellipse: less than a half of it.
-        steps = [_wrapped(after - before) for before, after in itertools.pairwise(angles)]
-        clear = np.min([np.hypot(w, along) for w, along in points], axis=0)
-        return 2.0 * np.sum(steps, axis=0), clear
-
-
-def _hinge(frames: _Frames, s: np.ndarray, c: np.ndarray, t: np.ndarray, same: np.ndarray) -> np.ndarray:
-    """Angle at the edge ``c`` (k,) from the triangle ``s`` to ``t``, which may look the other way."""
-    n, other = frames.normal[s], np.where(same[:, None], -1.0, 1.0) * frames.normal[t]
-    angle: np.ndarray = np.arctan2(_dots(frames.edge(s, c), np.cross(n, other)), _dots(n, other))
-    return angle
-
-
-def _between(p: np.ndarray, q: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Turn about an axis by the shortest rotation from ``p`` (k, 4) to ``q``, and whether it jumps."""
-    jump = _dots(p, q) < 0.0
-    q = np.where(jump[:, None], -q, q)
-    before, after = (np.arctan2(each[:, 1:] @ axis, each[:, 0]) for each in (p, q))
-    return 2.0 * _wrapped(after - before), jump
 
 
 def _summed(values: np.ndarray, before: np.ndarray) -> np.ndarray:
@@ -262,40 +164,3 @@ def _summed(values: np.ndarray, before: np.ndarray) -> np.ndarray:
         sums += sums[last]
         last = last[last]
     return sums[:n]
-
-
-def _thickness(X: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Doubled area of the triangles over the sum of their squared edges, (m,)."""
-    edges = X[np.roll(F, -1, axis=1)] - X[F]
-    area, squares = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1), (edges**2).sum(axis=(1, 2))
-    return np.divide(area, squares, out=np.zeros(len(F)), where=squares > 0.0)
-
-
-def _turning(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Unit quaternions (k, 4) of rotations about axes (k, 3)."""
-    return np.column_stack([np.cos(angle / 2), np.sin(angle / 2)[:, None] * axis])
-
-
-def _products(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Quaternions (k, 4) of the rotations ``q`` and after them ``p``."""
-    w = p[:, 0] * q[:, 0] - _dots(p[:, 1:], q[:, 1:])
-    return np.column_stack([w, p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])])
-
-
-def _product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    found: np.ndarray = _products(p[None], q[None])[0]
-    return found
-
-
-def _wrapped(angle: np.ndarray) -> np.ndarray:
-    """The angle from -pi to pi."""
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi
-
-
-def _unit(X: np.ndarray) -> np.ndarray:
-    return X / np.linalg.norm(X, axis=1)[:, None]
-
-
-def _dots(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
-    found: np.ndarray = np.einsum("...i,...i->...", X, Y)
-    return found

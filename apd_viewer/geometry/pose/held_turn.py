@@ -32,7 +32,7 @@ class HeldTurn(NamedTuple):
 
     @property
     def lost(self) -> float:
-        """What is held less or more than was asked, radians; 0 where nobody looked."""
+        """Difference of asked and held, radians; 0 where nobody looked."""
         return 0.0 if self.held is None else abs(self.asked - self.held)
 
     @property
@@ -43,20 +43,23 @@ class HeldTurn(NamedTuple):
 
     @property
     def passed_through(self) -> bool:
-        """True if whole turns are missing, which only a surface that passes through itself can lose."""
+        """True if whole turns are missing.
+
+        Only a surface that passes through itself can lose them.
+        """
         turns = round(self.lost / (2.0 * math.pi))
         return turns > 0 and abs(self.lost - 2.0 * math.pi * turns) < _WHOLE
 
 
 def most_lost(turns: Sequence[HeldTurn]) -> HeldTurn:
-    """The turn of which most is lost; of those the largest."""
+    """Turn with the largest loss; of those the largest."""
     return max(turns, key=lambda turn: (turn.lost if turn.lost >= LEAST_TURN else 0.0, abs(turn.asked)))
 
 
 def turn_warnings(
     turns: Sequence[HeldTurn], contact: bool, may_touch: bool = True, names: Sequence[str] = ()
 ) -> tuple[str, ...]:
-    """A sentence for each handle whose turn the surface does not hold.
+    """Sentences on lost turns, one for each handle.
 
     Parameters
     ----------

@@ -254,7 +254,7 @@ def _walk(
 def _turns(
     solver: Deformation, handle: np.ndarray | Sequence[np.ndarray] | None, places: np.ndarray
 ) -> Callable[[np.ndarray], tuple[HeldTurn, ...]]:
-    """The turns in a shape (n, 3) of handles that go along ``places`` (s, k, 3)."""
+    """The turns in a shape (n, 3) after a way along ``places`` (s, k, 3)."""
     rest, held = solver.rest, HeldVertices(solver.fixed, handle, solver.rest)
     labels = np.full(len(rest.shape.V), FREE)
     labels[held.ids] = np.where(held.handle_of > 0, HANDLE - 1 + held.handle_of, BASE)
@@ -353,7 +353,7 @@ def result_of(
 
 
 def _lost(solver: Deformation, frame: Frame, turns: Sequence[HeldTurn]) -> tuple[str, ...]:
-    """Sentences on turns that the surface does not hold, unless contact has stopped the handles."""
+    """Sentences on lost turns, unless contact has stopped the handles."""
     if frame.share_reached < 1.0:
         return ()
     return turn_warnings(turns, solver.contact is not None, method_named(solver.method).may_touch)

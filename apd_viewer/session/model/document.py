@@ -183,11 +183,6 @@ class Document:
         return any(handle.winds for handle in self.handles)
 
     @property
-    def ways(self) -> tuple[tuple[np.ndarray, ...], ...]:
-        """Poses (4, 4) of each handle on its way from the grip, the present one last."""
-        return tuple((*handle.waypoints, handle.pose) for handle in self.handles)
-
-    @property
     def percentages(self) -> tuple[float | None, ...]:
         """Percentages asked for: of the area, the volume and each region."""
         return self.area, self.volume, *(part.area for part in self.regions)

@@ -35,6 +35,11 @@ def paths_of(document: Document) -> tuple[HandlePath, ...]:
     )
 
 
+def ways_of(document: Document) -> tuple[tuple[np.ndarray, ...], ...]:
+    """Poses (4, 4) of each handle on its way from the grip, the present one last."""
+    return tuple((*handle.waypoints, handle.pose) for handle in document.handles)
+
+
 def document_at(document: Document, paths: Sequence[PosePath], part: float) -> Document:
     """The document with its handles and obstacles at a part of their ways."""
     there = tuple(each.shifted(part * each.shift) for each in document.obstacles)

@@ -76,7 +76,7 @@ class SweepStep(NamedTuple):
 
     @property
     def turned(self) -> tuple[float, float | None]:
-        """Turn asked and held, degrees; of several handles that of which most is lost."""
+        """Turn asked and held, degrees; of several handles the one with the largest loss."""
         return most_lost(self.turns).degrees
 
     @property
@@ -141,11 +141,10 @@ class Sweep:
         return diagonal(self.document.mesh.V)
 
     def lost_turns(self, step: SweepStep) -> tuple[str, ...]:
-        """Sentences on turns that the surface does not hold, unless contact has stopped the handles."""
-        if step.frame.share_reached < 1.0:
-            return ()
+        """Sentences on lost turns, unless contact has stopped the handles."""
         may_touch, names = method_named(step.method).may_touch, [each.name for each in self.document.handles]
-        return turn_warnings(step.turns, self.document.contact and may_touch, may_touch, names)
+        turns = step.turns if step.frame.share_reached == 1.0 else ()
+        return turn_warnings(turns, self.document.contact and may_touch, may_touch, names)
 
     def document_at(self, part: float) -> Document:
         """The document with its handles at a part of their motion."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.analysis.held_turns import held_turns
+from apd_viewer.session.model.handle_paths import ways_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -15,4 +16,4 @@ if TYPE_CHECKING:
 
 def turns_in(document: Document, U: np.ndarray) -> tuple[HeldTurn, ...]:
     """Turns of the handles, as asked and as the shape ``U`` (n, 3) holds them."""
-    return held_turns(document.grip, U, document.mesh.joined_F, document.labels, document.ways)
+    return held_turns(document.grip, U, document.mesh.joined_F, document.labels, ways_of(document))
