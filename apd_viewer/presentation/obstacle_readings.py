@@ -52,11 +52,15 @@ def motion(state: State, k: int, unit: Unit) -> str:
     if way == "0":
         return tr("where it was put")
     short_of = float(np.linalg.norm(obstacle.shift - state.shifts[k]))
-    if state.keeps_apart and state.frame.settled and short_of > _THERE * size:
+    moved = tr("moved {length}").format(length=unit.length(way))
+    if not state.keeps_apart or short_of <= _THERE * size:
+        return moved
+    if state.frame.settled:
         missing = unit.length(length(short_of, size))
         said = tr("asked for {length}, stopped {missing} short")
         return said.format(length=unit.length(way), missing=missing)
-    return tr("moved {length}").format(length=unit.length(way))
+    reached = unit.length(length(float(np.linalg.norm(state.shifts[k])), size))
+    return tr("{motion}, reached {amount}").format(motion=moved, amount=reached)
 
 
 def coordinates(x: np.ndarray, size: float = 1.0, digits: int = _DIGITS) -> str:

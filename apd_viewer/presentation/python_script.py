@@ -64,6 +64,7 @@ def python_script(document: Document) -> str:
         If the document cannot be deformed, or the public names cannot say it.
     """
     _check(document)
+    document = document.from_rest
     handles = [k for k in range(len(document.handles)) if document.counts[HANDLE + k]]
     lines = [
         "import numpy as np",

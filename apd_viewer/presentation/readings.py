@@ -218,23 +218,58 @@ def drift(state: State, unit: Unit) -> str:
     return unit.length(length(state.frame.handle_drift, max(state.inspection.size)))
 
 
-def motion(document: Document, k: int, unit: Unit, size: float) -> str:
-    """Displacement, rotation and scale of a handle, those that it has."""
-    centre = document.centre(k)
-    if centre is None:
+def motion(state: State, k: int, unit: Unit) -> str:
+    """Displacement, rotation and scale of a handle from rest, those that it has.
+
+    While contact lets it lag behind, what it was asked for and what it has reached.
+    """
+    document, frame = state.document, state.frame
+    if not document.counts[HANDLE + k]:
         return tr("Paint it with Paint handle")
-    handle = document.handles[k]
-    now = handle.pose[:3, :3] @ centre + handle.pose[:3, 3]
-    way = length(float(np.linalg.norm(now - centre)), size)
-    angle, twists = _rotation(document, k, now)
-    rotated = tr("twisted {angle}°") if twists else tr("rotated {angle}°")
-    scale = f"{np.cbrt(np.linalg.det(handle.pose[:3, :3])):.2f}"
+    size, reached = float(max(state.inspection.size)), None
+    asked = _amounts(document, k, unit, size)
+    if frame.share_reached < 1.0:
+        from apd_viewer.session.model.regripping import come  # Here: SciPy comes with it, as below.
+
+        reached = _amounts(document.with_handle(k, come(document, k, frame)), k, unit, size)
+    way, scale = tr("moved {length}"), tr("scaled by {factors}")
+    rotated = tr("twisted {angle}°") if asked.twists else tr("rotated {angle}°")
     parts = (
-        (way != "0", tr("moved {length}").format(length=unit.length(way))),
-        (angle != signed(0.0, 1), rotated.format(angle=angle)),
-        (scale != "1.00", tr("scaled by {factors}").format(factors=scale)),
+        _asked_and_reached(way, "length", unit.length("0"), asked.way, reached and reached.way),
+        _asked_and_reached(rotated, "angle", signed(0.0, 1), asked.angle, reached and reached.angle),
+        _asked_and_reached(scale, "factors", "1.00", asked.scale, reached and reached.scale),
     )
-    return listed(text for has, text in parts if has) or tr("at rest")
+    still = document.is_away(k) and not document.from_rest.handles[k].is_moved
+    unmoved = tr("not moved since it was painted") if still else tr("at rest")
+    return listed(text for text in parts if text) or unmoved
+
+
+def _asked_and_reached(words: str, name: str, none: str, asked: str, reached: str | None) -> str:
+    """A part of a motion; empty where nothing of it is asked for or has been made."""
+    said = words.format(**{name: asked})
+    if reached in (None, asked):
+        return said if asked != none else ""
+    return tr("{motion}, reached {amount}").format(motion=said, amount=reached)
+
+
+class _Amounts(NamedTuple):
+    """Amounts of a motion in words, and whether it twists."""
+
+    way: str
+    angle: str
+    scale: str
+    twists: bool
+
+
+def _amounts(document: Document, k: int, unit: Unit, size: float) -> _Amounts:
+    document = document.from_rest
+    handle, centre = document.handles[k], document.centre(k)
+    assert centre is not None
+    now = handle.pose[:3, :3] @ centre + handle.pose[:3, 3]
+    way = unit.length(length(float(np.linalg.norm(now - centre)), size))
+    scale = f"{np.cbrt(np.linalg.det(handle.pose[:3, :3])):.2f}"
+    angle, twists = _rotation(document, k, now)
+    return _Amounts(way, angle, scale, twists)
 
 
 def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool]:
@@ -244,14 +279,15 @@ def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool
     """
     from apd_viewer.session.model import memo  # Here: SciPy comes with it, and the first picture needs none.
 
-    rotation = document.handles[k].rotation
-    axis = (
-        centre - memo.centre(document.labels, document.grip, BASE) if document.counts[BASE] else np.zeros(3)
-    )
-    along = float(rotation @ axis)
-    twists = abs(along) > _ALIGNED * float(np.linalg.norm(rotation) * np.linalg.norm(axis))
-    angle = math.copysign(float(np.linalg.norm(rotation)), along) if twists else signed_angle(rotation)
-    return signed(math.degrees(angle), 1), twists
+    handle = document.handles[k]
+    rotation, lines = handle.rotation, [] if handle.line is None else [handle.line]
+    if document.counts[BASE]:
+        lines.append(centre - memo.centre(document.labels, document.grip, BASE))
+    for axis in lines:
+        along = float(rotation @ axis)
+        if abs(along) > _ALIGNED * float(np.linalg.norm(rotation) * np.linalg.norm(axis)):
+            return signed(math.degrees(math.copysign(float(np.linalg.norm(rotation)), along)), 1), True
+    return signed(math.degrees(signed_angle(rotation)), 1), False
 
 
 def regions(state: State, unit: Unit) -> list[tuple[str, str]]:

@@ -60,7 +60,7 @@ def settings_blocks(state: State, unit: Unit) -> Iterator[Block]:
 
 def handle_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
     """Rows of the handles with their motions."""
-    document, size = state.document, max(state.inspection.size)
+    document, size = state.document.from_rest, max(state.inspection.size)
     for k, handle in enumerate(document.handles):
         count, centre = int(document.counts[HANDLE + k]), document.centre(k)
         if centre is None:
@@ -73,7 +73,7 @@ def handle_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
             said.append(tr("pivot {point}").format(point=unit.length(_vector(pivot, size))))
         if handle.falloff:
             said.append(tr("falloff {length}").format(length=unit.length(significant(handle.falloff, 4))))
-        yield handle.name, readings.motion(document, k, unit, size), "; ".join(said)
+        yield handle.name, readings.motion(state, k, unit), "; ".join(said)
     yield tr("Drift"), readings.drift(state, unit), ""
     counts = document.counts
     painted = {tr("Base"): counts[BASE], tr("Free"): counts[FREE]}

@@ -11,10 +11,9 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 from apd_viewer.session.model.handle_paths import without_last_digits
-from apd_viewer.session.model.named_parts import IDENTITY
 from apd_viewer.session.posing.motion_plan import MotionPlan, planned
 from apd_viewer.session.posing.motion_titles import title_between
-from apd_viewer.session.posing.symmetry import moved, placed
+from apd_viewer.session.posing.symmetry import moved, put_back
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -82,9 +81,10 @@ class Handles:
         self.go(end, plan.title(end, self._store.unit))
 
     def reset(self, which: int) -> None:
-        """Reset one handle to its grip; the mesh follows."""
+        """Bring one handle back to where it is at rest; the mesh follows."""
         document = self._gestures.alone().document
-        self.go(placed(document, which, document.handles[which].at(IDENTITY)), tr("Reset handle"))
+        if document.problem or document.is_away(which):
+            self.go(put_back(document, which), tr("Reset handle"))
 
     def go(self, document: Document, gesture: str, repeats: bool = False) -> None:
         """Go on to a document with other poses of its handles, as one step."""
@@ -92,13 +92,18 @@ class Handles:
         pairs = zip(state.document.handles, document.handles, strict=True)
         if state.document.problem:
             self._listener.failed(state.document.problem)
-        elif any(_differ(before, after) for before, after in pairs):
+        elif document.grip is not state.document.grip or any(_differ(*pair) for pair in pairs):
             self._gestures.record(gesture, state, repeats)
             self.advance(document)
 
     def advance(self, document: Document) -> None:
-        """Solve a document, along the paths of its handles if they wind."""
-        if document.winds:
+        """Solve a document, along the paths of its handles if they wind.
+
+        Anew too if they wound before: the shortest way back would leave the shape wound by a full turn.
+        """
+        before = self._store.required().document
+        regripped = document.grip is not before.grip
+        if document.winds or before.winds or (regripped and before.from_rest.winds):
             self._walk(document)
         else:
             self._store.solve(document)
@@ -106,7 +111,7 @@ class Handles:
     def _walk(self, document: Document) -> None:
         """Solve a document along its winding paths, and say once what may come of it."""
         kept_apart = document.contact and document.traits.may_touch
-        if not kept_apart and document.mesh is not self._warned:
+        if document.winds and not kept_apart and document.mesh is not self._warned:
             self._warned = document.mesh
             self._listener.told(
                 tr(

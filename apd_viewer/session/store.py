@@ -9,8 +9,11 @@ from __future__ import annotations
 from dataclasses import replace
 from enum import Enum
 
+import numpy as np
+
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.regripping import regripped
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.trace import Trace
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
@@ -84,8 +87,11 @@ class Store:
         old, self.state = self.state, state
         self._listener.changed(old, state)
 
-    def jump(self, state: State) -> None:
-        """Go to ``state``; frames of the time before are no longer wanted."""
+    def jump(self, state: State, anew: bool = False) -> None:
+        """Go to ``state``; frames of the time before are no longer wanted.
+
+        What is left to iterate begins with its shape, or ``anew`` with that at the grip.
+        """
         if self.state is None or state.document.mesh is not self.state.document.mesh:
             self._warned = None
         self._generation += 1
@@ -93,7 +99,7 @@ class Store:
             self.begin_trace()
         else:
             self.trace.begin(state)
-        self._ask_and_show(state, iterate=not state.frame.settled)
+        self._ask_and_show(state, not state.frame.settled, anew)
 
     def set_document(self, document: Document) -> None:
         """Replace the document by one with the same shape."""
@@ -108,7 +114,7 @@ class Store:
 
     def walk(self, document: Document) -> None:
         """Replace the document and solve it from the grip, along the paths of its handles."""
-        self.jump(self.required().at(document).unsettled())
+        self.jump(self.required().at(document).unsettled(), anew=True)
 
     def pause_or_resume(self) -> None:
         """Stop the solver where it is, or let it go on; so does the next change."""
@@ -131,7 +137,7 @@ class Store:
     def regrip(self, before: Document, document: Document) -> None:
         """Replace the document, with base and handles gripped at the shape on screen."""
         state = self.required()
-        state = state.at(document.regripped(state.frame.U))
+        state = state.at(regripped(before, document, state.frame))
         lacks = state.lacks
         # An unfinished pose is given up with the jump; nothing else is pending.
         goes_on = lacks and (before.problem is not None or not before.posed)
@@ -178,13 +184,15 @@ class Store:
             return replace(state, frame=reply.frame)
         return state.at(frame=reply.frame)
 
-    def _ask_and_show(self, state: State, iterate: bool) -> None:
+    def _ask_and_show(self, state: State, iterate: bool, anew: bool = False) -> None:
         """Ask the solver first: it works while the listener repaints."""
         old, self.state = self.state, state
         iterate = iterate and state.document.problem is None
         self.activity = Activity.REFINING if iterate else Activity.IDLE
         self._asked = state.document
-        frame = state.frame
-        self._worker.ask(Request(state.document, self._generation, frame.U, iterate, shifts=frame.shifts))
+        U, shifts = state.frame.U, state.frame.shifts
+        if anew and not state.document.winds:  # a path is walked from the grip in any case
+            U, shifts = state.document.grip, np.zeros_like(shifts)
+        self._worker.ask(Request(state.document, self._generation, U, iterate, shifts=shifts))
         self._listener.changed(old, state)
         self._listener.status_changed()

@@ -53,7 +53,7 @@ class SymmetricPosing:
     def paint_partner(self, k: int) -> None:
         """Paint a handle on the mirror image of handle ``k``, in the mirrored pose."""
         state = self._gestures.alone()
-        document = state.document
+        document = state.document.from_rest
         ids = _unpainted_image(state, k)
         if len(document.handles) >= MOST_HANDLES:
             sentence = tr("The limit is {most} handles; remove one first.").format(most=MOST_HANDLES)

@@ -41,7 +41,7 @@ def test_a_motion_is_said_with_what_contact_has_not_let():
     short = np.array([[0.0, 0.0, 0.2], [0.0, 0.0, 0.0]])
     asked = "asked for 0.5000\u00a0mm, stopped 0.3000\u00a0mm short"
     assert readings.motion(state(shifts=short), 0, Unit.MILLIMETRE) == asked
-    assert readings.motion(state(shifts=short, settled=False), 0, Unit.NONE) == "moved 0.5000"
+    assert readings.motion(state(shifts=short, settled=False), 0, Unit.NONE) == "moved 0.5000, reached 0.2000"
     assert readings.motion(state(shifts=short, contact=False), 0, Unit.NONE) == "moved 0.5000"
     assert readings.motion(state(), 1, Unit.NONE) == "where it was put"
 

@@ -139,9 +139,23 @@ class Use(RuleBasedStateMachine):
             assert self.session.U is now.frame.U
             assert self.session.store.state.document.grip is now.frame.U
             assert not self.session.store.state.document.posed
+            self._motions_are_kept(before.document, now.frame.U)
         if before.document is not now.document:
             self._recorded(before)
         self.gesture = None
+
+    def _motions_are_kept(self, before, U) -> None:
+        """A handle that was in place, and keeps a vertex, has the motion from rest that it had."""
+        document = self.session.store.state.document
+        for k, handle in enumerate(before.handles):
+            mine = before.labels == HANDLE + k
+            held = before.grip[mine] @ handle.pose[:3, :3].T + handle.pose[:3, 3]
+            whole, now = before.from_rest.handles[k], document.from_rest.handles[k]
+            if not (mine & (document.labels == HANDLE + k)).any():
+                assert np.array_equal(now.pose, np.eye(4))
+            elif np.allclose(U[mine], held, rtol=0, atol=1e-12):
+                assert np.allclose(now.pose, whole.pose, rtol=0, atol=1e-9)
+                assert np.allclose(now.rotation, whole.rotation, rtol=0, atol=1e-9)
 
     @precondition(lambda machine: machine.gesture in ("drag", "sweep"))
     @rule()
@@ -268,9 +282,15 @@ class Use(RuleBasedStateMachine):
     @rule(k=NUMBERS)
     def put_back(self, k) -> None:
         before = self._before_act()
-        self.session.handles.reset(k % len(before.document.handles))
+        k %= len(before.document.handles)
+        self.session.handles.reset(k)
         self._problem_was_said(before)
         self._acted(before)
+        now = self.session.store.state.document
+        if now.problem is None:
+            assert not now.is_away(k)
+            held, mine = now.constraints(), np.flatnonzero(now.labels == HANDLE + k)
+            assert np.array_equal(held.targets[np.isin(held.fixed, mine)], now.mesh.V[mine])
 
     def _problem_was_said(self, before) -> None:
         if self.session.store.state.document.problem:

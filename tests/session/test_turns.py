@@ -35,8 +35,7 @@ def twisted(session: Driven, degrees: float) -> np.ndarray:
 
 
 def reading(session: Driven) -> str:
-    state = session.store.state
-    return readings.motion(state.document, 0, Unit.NONE, max(state.inspection.size)).split(" ")[-1]
+    return readings.motion(session.store.state, 0, Unit.NONE).split(" ")[-1]
 
 
 def diagonal(session: Driven) -> float:

@@ -9,15 +9,17 @@ from typing import TypeVar
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.components import part_of_triangles
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.mesh.region_areas import region_areas
 from apd_viewer.geometry.mesh.weld import Weld
-from apd_viewer.geometry.pose.constraints import FREE, HANDLE, Soft, what_is_missing
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, Soft, transform, what_is_missing
 from apd_viewer.geometry.pose.falloff import Graph, distances, edge_graph, softened, strengths
 
 T = TypeVar("T")
+# Rounding of held vertices, in bounding-box diagonals.
+_IN_PLACE = 1e-9
 
 
 def once(find: Callable[..., T]) -> Callable[..., T]:
@@ -53,6 +55,49 @@ def centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
     """Mean of the points of ``X`` (n, 3) with a label, (3,); there must be one."""
     # One axis at a time: ten times faster than all at once.
     return frozen(np.array([x.mean() for x in X[labels == label].T]))
+
+
+@once
+def in_place(V: np.ndarray, weld: Weld) -> float:
+    """How far held vertices in place may be from where they are held, mesh units."""
+    return (_IN_PLACE + weld.slack) * diagonal(V)
+
+
+@once
+def rest_grip(
+    V: np.ndarray, grip: np.ndarray, labels: np.ndarray, weld: Weld, *starts: np.ndarray
+) -> np.ndarray | None:
+    """Where what is held would be had no handle moved before it was gripped, (n, 3).
+
+    Parameters
+    ----------
+    V : (n, 3) float array
+        At rest: free vertices stay there.
+    grip, labels : (n, 3), (n,) arrays
+    weld : Weld
+    starts : (4, 4) float arrays
+        Pose of each handle at its grip.
+
+    Returns
+    -------
+    (n, 3) float array or None
+        None where that is the rest shape: to return that itself would keep it in memory.
+    """
+    found = V.copy()
+    found[labels == BASE] = grip[labels == BASE]
+    for label, start in enumerate(starts, HANDLE):
+        mine = labels == label
+        found[mine] = transform(np.linalg.inv(start), grip[mine])
+    near = np.abs(found - V).max(axis=1) <= in_place(V, weld)
+    found[near] = V[near]
+    return None if near.all() else frozen(found)
+
+
+@once
+def is_displaced(V: np.ndarray, X: np.ndarray, labels: np.ndarray, label: int) -> bool:
+    """True if vertices of a label are elsewhere in ``X`` (n, 3) than in ``V`` (n, 3)."""
+    mine = labels == label
+    return not np.array_equal(V[mine], X[mine])
 
 
 @once

@@ -82,6 +82,11 @@ class Handle:
     falloff : float
         How far along the surface it draws free vertices along, mesh units.
     flags : PartFlags
+    earlier : tuple of (4, 4) float arrays
+        Poses from rest on its way until it was gripped, the last one that at its grip; read-only. None where
+        it was gripped at rest, or on a shape that it had not moved.
+    line : (3,) float array or None
+        From the base to it when it was first gripped anew: another base does not make a twist something else.
     """
 
     name: str = field(metadata=NOT_FACTORED)
@@ -90,6 +95,8 @@ class Handle:
     falloff: float = field(default=0.0, metadata=FACTORED)
     waypoints: tuple[np.ndarray, ...] = field(default=(), metadata=NOT_FACTORED)
     flags: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
+    earlier: tuple[np.ndarray, ...] = field(default=(), metadata=NOT_FACTORED)
+    line: np.ndarray | None = field(default=None, metadata=NOT_FACTORED)
 
     def at(self, pose: np.ndarray, waypoints: tuple[np.ndarray, ...] = ()) -> Handle:
         """The handle at ``pose`` (4, 4), reached along waypoints."""
@@ -109,10 +116,45 @@ class Handle:
         """True if it has turned by half a turn or more, which its pose does not tell."""
         return winds(self.waypoints, self.pose)
 
+    @property
+    def is_moved(self) -> bool:
+        """True if it has been moved since it was gripped, by full turns too."""
+        return bool(self.waypoints) or not np.array_equal(self.pose, IDENTITY)
+
     def gripped(self) -> Handle:
-        """The handle gripped at its current pose."""
-        pivot = None if self.pivot is None else frozen(transform(self.pose, self.pivot[None])[0])
-        return replace(self, pose=IDENTITY, waypoints=(), pivot=pivot)
+        """The handle gripped at its current pose; its motion from rest is kept."""
+        whole = self.from_rest
+        earlier = (*whole.waypoints, whole.pose) if whole.is_moved else ()
+        return replace(self.at(IDENTITY), pivot=_carried(self.pivot, self.pose), earlier=earlier)
+
+    @property
+    def from_rest(self) -> Handle:
+        """The handle as if gripped at rest: with its whole motion, and its pivot there."""
+        if not self.earlier:
+            return self
+        *passed, start = self.earlier
+        whole = replace(self.at(start, tuple(passed)), earlier=())
+        for pose in (*self.waypoints, self.pose) if self.is_moved else ():
+            whole = whole.moved(pose @ start)
+        return replace(whole, pivot=_carried(self.pivot, np.linalg.inv(start)))
+
+    def placed(self, pose: np.ndarray, waypoints: tuple[np.ndarray, ...] = ()) -> Handle:
+        """The handle at ``pose`` (4, 4) from rest, reached along waypoints from there.
+
+        Back along the way that it has come, and on from rest: what is the same on both is taken off.
+        """
+        if not self.earlier:
+            return self.at(pose, waypoints)
+        *passed, start = self.earlier
+        handle, back = self.at(IDENTITY), np.linalg.inv(start)
+        for each in (*reversed(passed), IDENTITY, *waypoints, pose):
+            handle = handle.moved(each @ back)
+        return handle
+
+
+def _carried(point: np.ndarray | None, pose: np.ndarray) -> np.ndarray | None:
+    """The point (3,) after a motion; None is none."""
+    return None if point is None else frozen(transform(pose, point[None])[0])
 
 
 class Placement(NamedTuple):

@@ -48,9 +48,10 @@ def about_deck(name: str, deck: Deck) -> str:
 
 def about_baking(area: float, before: float, unit: Unit) -> str:
     """Sentence about a new rest area, and its share of the one before."""
-    return tr("New rest shape: 100 % is now {area}, {percent} % of before. Undo to go back.").format(
-        area=unit.area(f"{area:.6g}"), percent=f"{100.0 * area / before:.3f}"
-    )
+    return tr(
+        "New rest shape: 100 % is now {area}, {percent} % of before, and motions count from here. "
+        "Undo to go back."
+    ).format(area=unit.area(f"{area:.6g}"), percent=f"{100.0 * area / before:.3f}")
 
 
 def about_session(name: str, embedded: bool) -> str:

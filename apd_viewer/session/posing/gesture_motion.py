@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,7 +44,7 @@ def gesture_motion(before: State, document: Document) -> Document | None:
     pairs = list(zip(start.handles, document.handles, strict=True))
     if not any(_moved(*pair) for pair in pairs):
         return None
-    motion = document.regripped(before.frame.U)
+    motion = replace(document, grip=before.frame.U)
     for k, pair in enumerate(pairs):
         motion = motion.with_handle(k, _rest_of_way(*pair))
     return motion
@@ -58,7 +59,7 @@ def _rest_of_way(before: Handle, after: Handle) -> Handle:
 
     Back to where both ways part, and on from there: what is gone back along is taken off again.
     """
-    gripped = before.gripped()
+    gripped = replace(before.gripped(), earlier=(), line=None)
     if not _moved(before, after):
         return gripped
     shared, origin = _shared(before, after), np.linalg.inv(before.pose)

@@ -93,7 +93,7 @@ def motion_of(
     InputError
         If an amount is none, or there is no such handle.
     """
-    found = []
+    document, found = document.from_rest, []
     for step in steps:
         k = step.handle
         if k >= len(document.handles):

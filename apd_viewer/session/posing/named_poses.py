@@ -40,21 +40,21 @@ def _size(V: np.ndarray) -> float:
     return diagonal(V)
 
 
-def _gripped(document: Document, k: int) -> np.ndarray:
-    return _grip_motion(document.mesh.V, document.grip, document.labels, HANDLE + k)
+def _gripped(document: Document, k: int) -> Handle:
+    """Handle ``k`` with its motion until it was gripped, as nearly as can be known."""
+    handle = document.handles[k]
+    if not handle.earlier:
+        motion = _grip_motion(document.mesh.V, document.grip, document.labels, HANDLE + k)
+        handle = replace(handle, earlier=() if motion is IDENTITY else (motion,))
+    return handle
 
 
 def placements(document: Document) -> tuple[Placement, ...]:
     """Present places of all handles with vertices."""
-    return tuple(
-        Placement(
-            handle.name,
-            frozen(handle.pose @ _gripped(document, k)),
-            tuple(frozen(waypoint @ _gripped(document, k)) for waypoint in handle.waypoints),
-        )
-        for k, handle in enumerate(document.handles)
-        if document.counts[HANDLE + k]
-    )
+    found = [
+        _gripped(document, k).from_rest for k in range(len(document.handles)) if document.counts[HANDLE + k]
+    ]
+    return tuple(Placement(handle.name, handle.pose, handle.waypoints) for handle in found)
 
 
 def _targets(document: Document, pose: NamedPose) -> Iterator[tuple[int, Handle]]:
@@ -63,9 +63,8 @@ def _targets(document: Document, pose: NamedPose) -> Iterator[tuple[int, Handle]
     for placement in pose.placements:
         k = numbers.get(placement.handle)
         if k is not None:
-            back = np.linalg.inv(_gripped(document, k))
-            waypoints = tuple(frozen(waypoint @ back) for waypoint in placement.waypoints)
-            yield k, document.handles[k].at(placement.pose @ back, waypoints)
+            there = _gripped(document, k).placed(placement.pose, placement.waypoints)
+            yield k, document.handles[k].at(there.pose, there.waypoints)
 
 
 def posed(document: Document, pose: NamedPose) -> Document:
@@ -125,8 +124,6 @@ def rebased(document: Document) -> tuple[NamedPose, ...]:
 
 def _rebased(placement: Placement, present: Placement) -> Placement:
     """Placement from another one: back along its path, then along its own."""
-    back = np.linalg.inv(present.pose)
-    handle = Handle(placement.handle)
-    for pose in (*reversed(present.waypoints), IDENTITY, *placement.waypoints, placement.pose):
-        handle = handle.moved(pose @ back)
-    return Placement(handle.name, handle.pose, handle.waypoints)
+    handle = Handle(placement.handle, earlier=(*present.waypoints, present.pose))
+    there = handle.placed(placement.pose, placement.waypoints)
+    return Placement(there.name, there.pose, there.waypoints)

@@ -112,8 +112,15 @@ def placed(document: Document, k: int, handle: Handle) -> Document:
     return document.with_handle(partner.number, mirrored)
 
 
+def put_back(document: Document, k: int) -> Document:
+    """The document with handle ``k`` and its partner back at rest."""
+    partner = partner_of(document, k)
+    return document.put_back(k) if partner is None else document.put_back(k, partner.number)
+
+
 def mirror_image(document: Document, handle: Handle, other: Handle) -> Handle:
     """The ``other`` handle in the mirrored place, reached on the mirrored path."""
     assert document.mirror is not None
     plane = mirror_plane(document.mesh, document.mirror)
-    return other.at(plane.mirrored(handle.pose), tuple(map(plane.mirrored, handle.waypoints)))
+    whole = handle.from_rest
+    return other.placed(plane.mirrored(whole.pose), tuple(map(plane.mirrored, whole.waypoints)))

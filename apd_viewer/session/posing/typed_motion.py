@@ -59,10 +59,11 @@ def poses_along(
 def still_to_go(
     document: Document, k: int, motion: TypedMotion, amount: float, line: np.ndarray | None = None
 ) -> float:
-    """Amount of a motion left to a total since the handle was gripped.
+    """Amount of a motion left to a total from rest.
 
     The total of a rotation is its part about the axis of the motion.
     """
+    document = document.from_rest
     handle, gripped = document.handles[k], document.centre(k)
     if gripped is None:
         return amount

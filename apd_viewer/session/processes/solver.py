@@ -197,7 +197,8 @@ class Solver:
         key = *factored_for(document), kept_apart
         names = tuple(region.name for region in document.regions)
         goals = (document.percentages, document.hold_area, document.member, names, document.calm)
-        poses = *(handle.pose for handle in document.handles), *(each.shift for each in document.obstacles)
+        moved = *(handle.pose for handle in document.handles), *(each.shift for each in document.obstacles)
+        poses = document.grip, *moved
         around = placed(document)
         fresh = self._solver is None or not alike(key, self._key)
         if self._solver is None or fresh:

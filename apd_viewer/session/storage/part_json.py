@@ -24,6 +24,10 @@ def handle_said(handle: Handle) -> dict[str, Any]:
     said = {"name": handle.name, "pose": handle.pose.tolist(), "pivot": pivot, **flags_said(handle.flags)}
     if handle.waypoints:
         said["waypoints"] = [each.tolist() for each in handle.waypoints]
+    if handle.earlier:
+        said["earlier"] = [each.tolist() for each in handle.earlier]
+    if handle.line is not None:
+        said["line"] = handle.line.tolist()
     return {**said, "falloff": number_said(handle.falloff)} if handle.falloff else said
 
 
@@ -62,7 +66,8 @@ def handle_of(said: Fields) -> Handle:
     pose, waypoints = _path(said)
     pivot = frozen(said.numbers("pivot", 3)) if said.says("pivot") else None
     falloff = said.number("falloff", 0.0, MOST) if said.says("falloff") else 0.0
-    return Handle(said.text("name"), pose, pivot, falloff, waypoints, flags_of(said))
+    line = frozen(said.numbers("line", 3)) if said.says("line") else None
+    return Handle(said.text("name"), pose, pivot, falloff, waypoints, flags_of(said), _earlier(said), line)
 
 
 def pose_of(said: Fields) -> NamedPose:
@@ -75,11 +80,24 @@ def _path(said: Fields) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
     """Pose of a handle, and the waypoints to it."""
     pose = frozen(said.numbers("pose", 4, 4))
     waypoints = tuple(map(frozen, said.stack("waypoints", _MOST_WAYPOINTS, 4, 4)))
-    if any(not np.array_equal(each[3], _MOTIONLESS) for each in (pose, *waypoints)):
+    _check_affine(pose, *waypoints)
+    return pose, waypoints
+
+
+def _check_affine(*poses: np.ndarray) -> None:
+    if any(not np.array_equal(each[3], _MOTIONLESS) for each in poses):
         raise ValueError(
             tr("the “pose” of a handle is not an affine transform: its last row must be 0 0 0 1")
         )
-    return pose, waypoints
+
+
+def _earlier(said: Fields) -> tuple[np.ndarray, ...]:
+    """Poses of a handle on its way until it was gripped."""
+    poses = tuple(map(frozen, said.stack("earlier", _MOST_WAYPOINTS, 4, 4)))
+    _check_affine(*poses)
+    if any(not np.linalg.det(each) for each in poses):
+        raise ValueError(tr("an “earlier” pose of a handle flattens it"))
+    return poses
 
 
 def region_of(said: Fields) -> NamedRegion:

@@ -113,7 +113,7 @@ class Comparison:
             return
         self.under_way = self.waiting[0]
         self.outcomes[self.under_way] = MethodOutcome()
-        self._asked = replace(self.document, method=self.under_way)
+        self._asked = replace(self.document.from_rest, method=self.under_way)
         self._generation += 1
         if self._worker is None:
             self._worker = Worker(self._wake)

@@ -49,6 +49,7 @@ def deck_of(
     """
     if steps is not None and not 1 <= steps <= MOST_STEPS:
         raise InputError(tr("A deck has 1 to {most} steps; enter another number.").format(most=MOST_STEPS))
+    document = document.from_rest
     stages = _stages(document, steps, motion)
     document.constraints()  # refuses what has no base or handle
     mesh = document.mesh

@@ -64,9 +64,10 @@ def replay(
         frame = replace(state.frame, iteration=0, handle_drift=_drift(held, state.frame.U))
         turns = turns_in(document, frame.U)
         return document, result_of(solver, frame, time.perf_counter() - started, 0.0, turns)
-    walk = Walk(solver, document, None if from_rest else state.frame.U, begin=_come(state))
+    way = document.from_rest if from_rest else document
+    walk = Walk(solver, way, None if from_rest else state.frame.U, begin=_come(state))
     if passed:
-        passed(document.grip if from_rest else state.frame.U)
+        passed(way.grip if from_rest else state.frame.U)
     told = _both(progress, passed)
     while not walk.arrived:
         walk.iterate()

@@ -43,7 +43,7 @@ def sweep_of(
     iterations : int
         At most so many for each step; without, as many as are usual, and more where there are obstacles.
     motion : sequence of MotionStep
-        Instead: typed motions of the handles from their grips.
+        Instead: typed motions of the handles from rest.
 
     Raises
     ------
@@ -71,6 +71,7 @@ def sweep_of(
         raise InputError(tr("Give at least one method, and each method only once."))
     if document.problem:
         raise InputError(document.problem)
+    document = document.from_rest
     paths: tuple[SweepPath, ...] = motion_paths(document, motion) if motion else paths_of(document)
     if not any(path.moves for path in paths) and not shifts_of(document).any():
         raise InputError(

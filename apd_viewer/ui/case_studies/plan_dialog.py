@@ -276,7 +276,7 @@ class PlanDialog(QDialog):
             raise InputError(tr("Enter a new folder for the plan and the results."))
         if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
             raise InputError(tr("This folder is in use; enter a new one."))
-        if not design.moves and not self._state.document.posed:
+        if not design.moves and not self._state.document.from_rest.posed:
             raise InputError(tr("No handle moves; tick a motion as well, with one end or with both."))
 
     def done(self, result: int) -> None:

@@ -84,7 +84,7 @@ def offered(state: State) -> list[VariedQuantity]:
     """Quantities that can be varied on a document, in the order of their rows."""
     document = state.document
     found = []
-    if document.posed:
+    if document.from_rest.posed:
         found.append(_as_it_stands())
     if document.problem is None:
         found += _typed_motions()

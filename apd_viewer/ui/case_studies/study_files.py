@@ -154,7 +154,7 @@ def document_of(state: State, unit: Unit, handle: int, said: Mapping[str, str]) 
     """
     settings = {name: SETTINGS[name].read(text) for name, text in said.items() if name in SETTINGS}
     part = float(settings.pop(TO, 1.0))
-    document = replace(state.document, **settings)  # type: ignore[arg-type]
+    document = replace(state.document.from_rest, **settings)  # type: ignore[arg-type]
     words = [f"{name} {text}" for name, text in said.items() if name not in SETTINGS]
     if words:
         typed = parsed_motion(f"handle {handle + 1}: " + "; ".join(words))

@@ -73,7 +73,7 @@ class NextStep:
             )
         if tool is Tool.REGION and not document.member.any():
             return tr("Paint a part to measure its area or keep it")
-        if self._moved or document.posed:
+        if self._moved or document.from_rest.posed:
             return ""
         return _TWIST if tool is Tool.MOVE else with_keys(tr("Now move the handle"), self._tools[Tool.MOVE])
 
@@ -88,4 +88,4 @@ class NextStep:
 def leads_on(before: Document, after: Document) -> bool:
     """True if a change may lead to another next step."""
     same = before.labels is after.labels and before.obstacles is after.obstacles
-    return not same or before.posed != after.posed
+    return not same or before.from_rest.posed != after.from_rest.posed

@@ -177,14 +177,15 @@ class Panel(QScrollArea):
             self.paint.show_settings(new.document)
         if asked_anew or old is None or old.frame is not new.frame:
             targets = old is None or old.document.percentages != new.document.percentages
-            self._show_readings(new, targets or old is None or old.document.method != new.document.method)
+            anew = targets or old is None or old.document.method != new.document.method
+            self._show_readings(new, handle, anew)
 
-    def _show_readings(self, state: State, asked_anew: bool) -> None:
+    def _show_readings(self, state: State, handle: int, asked_anew: bool) -> None:
         self.area.show_readings(state, self.unit, asked_anew)
         self.volume.show_readings(state, self.unit)
         self.measures.show_readings(state, self.unit)
         self.target.show_readings(state, self.unit)
-        self.handles.show_readings(state, self.unit)
+        self.handles.show_readings(state, self.unit, handle)
         self.regions.show_readings(state, self.unit)
 
     @property
@@ -201,7 +202,7 @@ class Panel(QScrollArea):
         """Show the readings of the state in another unit."""
         self.unit = unit
         self.show_parts(state, handle, region)
-        self._show_readings(state, asked_anew=False)
+        self._show_readings(state, handle, asked_anew=False)
 
     def show_parts(self, state: State, handle: int, region: int) -> None:
         """Show the handles and regions, and the active ones."""

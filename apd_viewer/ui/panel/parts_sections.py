@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
@@ -104,17 +103,21 @@ class HandleSection(Section):
             row.reading.setToolTip(tr("Vertices of the handle"))
             row.remove.setVisible(len(document.handles) > 1)
             row.show_flags(document.handles[k].flags, bool(count))
-        self.back.setEnabled(not np.array_equal(document.handles[active].pose, np.eye(4)))
+        self.back.setEnabled(bool(document.counts[HANDLE + active]) and document.is_away(active))
         self.falloff.show_value(100.0 * document.handles[active].falloff / max(state.inspection.size))
         self.motion.setEnabled(document.problem is None and bool(document.counts[HANDLE + active]))
-        details = self.list.rows[active].details
-        if isinstance(details, QLabel):
-            details.setText(readings.motion(document, active, unit, max(state.inspection.size)))
+        self._show_motion(state, unit, active)
         self.heading.say(f"{len(document.handles)}", only_folded=True)
 
-    def show_readings(self, state: State, unit: Unit) -> None:
-        """Show the handles' drift from their targets."""
+    def show_readings(self, state: State, unit: Unit, active: int) -> None:
+        """Show the handles' drift from their targets, and how far the active one has come."""
         self.drift.setText(readings.drift(state, unit))
+        self._show_motion(state, unit, active)
+
+    def _show_motion(self, state: State, unit: Unit, active: int) -> None:
+        details = self.list.rows[active].details
+        if isinstance(details, QLabel):
+            details.setText(readings.motion(state, active, unit))
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""

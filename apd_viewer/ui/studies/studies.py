@@ -87,7 +87,7 @@ class Studies(QObject):
         """Motions that can be exported, with their titles."""
         document, found = state.document, []
         latest = self._session.gestures.history.latest
-        if document.posed:
+        if document.from_rest.posed:
             found.append((tr("current motion of the handles"), document))
         gesture = gesture_motion(latest.state, document) if latest is not None else None
         if latest is not None and gesture is not None:

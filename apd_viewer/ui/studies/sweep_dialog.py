@@ -69,7 +69,7 @@ class SweepDialog(StudyDialog):
         self.motion = Choice()
         self.motion.setAccessibleName(tr("Motion to sweep"))
         pushed = self._pushed
-        if document.posed or pushed:
+        if document.from_rest.posed or pushed:
             words = tr("current motion of the handles and obstacles")
             self.motion.addItem(words if pushed else tr("current motion of the handles"), _POSED)
         self.motion.setMinimumWidth(260)

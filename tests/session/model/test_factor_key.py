@@ -65,6 +65,8 @@ OF_HANDLE = {
     "waypoints": lambda said: of_handle(said, waypoints=(frozen(BENT.copy()),)),
     "falloff": lambda said: of_handle(said, falloff=2.0),
     "flags": lambda said: of_handle(said, flags=PartFlags(locked=True)),
+    "line": lambda said: of_handle(said, line=frozen(np.ones(3))),
+    "earlier": lambda said: of_handle(said, earlier=(frozen(BENT.copy()),)),
 }
 CHANGES = OF_DOCUMENT | OF_HANDLE
 

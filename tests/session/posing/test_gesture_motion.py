@@ -76,6 +76,6 @@ def test_what_is_no_motion_of_handles_alone_has_none(state):
     assert gesture_motion(before, document) is None
     assert gesture_motion(before, replace(document, stiffness=0.1)) is None
     assert gesture_motion(before, moved.painted(np.array([0]), 1)) is None
-    assert gesture_motion(before, moved.regripped(V)) is None
+    assert gesture_motion(before, replace(moved, grip=frozen(V.copy()))) is None
     pushed = NamedObstacle("Ball", ObstacleKind.SPHERE, np.full(3, 9.0), radius=1.0, shift=np.ones(3))
     assert gesture_motion(before, replace(moved, obstacles=(pushed,))) is None

@@ -19,7 +19,7 @@ from apd_viewer.session.processes.walk import Walk
 def twisted_tube(degrees: int) -> Document:
     mesh = Mesh(*tube(10, 10))
     base, top = ends(mesh.V)
-    document = opened(mesh).document.painted(base, BASE).painted(top, HANDLE).regripped(mesh.V)
+    document = opened(mesh).document.painted(base, BASE).painted(top, HANDLE)
     middles = mesh.V[base].mean(axis=0), mesh.V[top].mean(axis=0)
     for angle in range(0, degrees + 1, 20):
         document = document.moved(0, twist(*middles, np.deg2rad(angle)))

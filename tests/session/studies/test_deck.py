@@ -1,5 +1,6 @@
 """FE decks: what is in them is the mesh, its paint and its poses, whoever reads them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -110,7 +111,7 @@ def test_steps_keep_what_is_held_and_no_more():
 def test_a_base_that_was_gripped_elsewhere_goes_there(written):
     state = painted()
     U = V + [0.0, 0.25, 0.0]
-    ends = written(state.document.regripped(U)).ends()
+    ends = written(replace(state.document, grip=U)).ends()
     assert np.abs([ends[k + 1] - U[k] for k in BASE]).max() < 1e-12
 
 

@@ -308,7 +308,7 @@ def test_a_ring_dragged_around_more_than_once_is_remembered_and_undone_at_once(q
     mouse(bottle.canvas.viewport).drag(*way)
     document = bottle.session.store.state.document
     assert np.rad2deg(np.linalg.norm(document.handles[0].rotation)) == pytest.approx(400, abs=1.0)
-    said = readings.motion(document, 0, Unit.NONE, max(at_rest.inspection.size))
+    said = readings.motion(bottle.session.store.state, 0, Unit.NONE)
     assert re.search(r"twisted \+(399|400|401)\.\d°", said)
     qtbot.waitUntil(lambda: bottle.session.store.state.frame.settled, timeout=60_000)
     held = document.constraints()
