@@ -15,7 +15,7 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.geometry.solver.deform import Result
-from apd_viewer.language import listed, tr
+from apd_viewer.language import in_quotes, listed, tr
 from apd_viewer.presentation.notebooks.progress_line import frame_line
 from apd_viewer.session.model.status_text import about_caps, of_crossings
 
@@ -71,7 +71,7 @@ def summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
         state = tr("{output}: {method}, not converged after {effort}")
     lines = [state.format(output=output, method=result.method, effort=effort), *readings(result)]
     lines += [found.sentence for found in of_crossings(mesh, crossings(result.U, mesh.joined_F))]
-    lines += [f"“{part.name}”  {_reading(part.area, part.area_rest)}" for part in result.regions]
+    lines += [f"{in_quotes(part.name)}  {_reading(part.area, part.area_rest)}" for part in result.regions]
     lines.append(tr("largest local area change {change:.3g} %").format(change=100 * result.local_change))
     lines.append(tr("handle drift {drift:.4g}").format(drift=result.handle_drift))
     if abs(written.area / result.area - 1.0) > _ROUNDED:

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from apd_viewer.figures.fonts import families
 from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.language import written
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -69,9 +71,23 @@ def draw(fill: Callable[[Figure], None], size: tuple[float, float], folder: Path
         figure = Figure(figsize=size, layout="constrained", facecolor="white")
         FigureCanvasAgg(figure)
         fill(figure)
+        _write_numbers(figure)
         for kind, about in (("svg", {"Date": None}), ("png", {"Software": None})):
             with replacing(folder / f"{name}.{kind}") as scratch:
                 figure.savefig(scratch, dpi=_DPI, metadata=about)
+
+
+def _write_numbers(figure: Figure) -> None:
+    """Have the numbers of linear axes written in the notation in use."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if type(axis.get_major_formatter()) is ScalarFormatter:
+                axis.set_major_formatter(_ShownNumbers())
+
+
+class _ShownNumbers(ScalarFormatter):
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return written(super().__call__(x, pos))
 
 
 def zero_line(axes: Axes) -> None:

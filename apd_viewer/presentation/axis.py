@@ -78,7 +78,7 @@ def magnitudes(low: float, high: float, suffix: str = "") -> Axis:
 def power(exponent: int) -> str:
     """Power of ten, in digits if short."""
     if -3 <= exponent <= 3:
-        return f"{10.0**exponent:.{max(0, -exponent)}f}"
+        return grouped(10.0**exponent, max(0, -exponent))
     return f"10{raised(exponent)}"
 
 
@@ -109,4 +109,4 @@ def _factors(high: float, most: int) -> Ticks:
     every = max(1, math.ceil(2.0 * high / max(1, most)))
     count = math.floor(high / every + 1e-9)
     steps = [k * every for k in range(-count, count + 1)]
-    return [(float(k), "1" if k == 0 else f"{'×' if k > 0 else '÷'}{2 ** abs(k):,}") for k in steps]
+    return [(float(k), "1" if k == 0 else f"{'×' if k > 0 else '÷'}{grouped(2 ** abs(k), 0)}") for k in steps]

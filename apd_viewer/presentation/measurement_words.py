@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import signed, significant
+from apd_viewer.presentation.number_format import grouped, signed, significant
 from apd_viewer.presentation.readings import LATER, NOTHING
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def value(number: float | None, power: int, unit: Unit) -> str:
     if math.isnan(number):
         return NOTHING
     if power == 0:
-        return f"{math.degrees(number):.2f}°"
+        return f"{grouped(math.degrees(number), 2)}°"
     if power == 1:
         return unit.length(significant(number, _DIGITS))
     larger, factor = unit.legible(number, power)

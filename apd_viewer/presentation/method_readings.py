@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import length, raised, signed, significant
+from apd_viewer.presentation.number_format import exact, grouped, length, raised, signed, significant
 from apd_viewer.presentation.readings import volumes
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Column(NamedTuple):
 def columns(state: State, unit: Unit) -> list[Column]:
     """Columns of the table for a document, with lengths in a unit."""
     size = float(max(state.inspection.size))
-    asked = f"{state.document.area:g}"
+    asked = exact(state.document.area)
     energy = tr(
         "Deviation from rigidity: Eq. 1 of the paper for every method, each edge counted twice,"
         " whichever energy the method minimises"
@@ -70,7 +70,7 @@ def columns(state: State, unit: Unit) -> list[Column]:
         Column(
             tr("Area"),
             tr("Total area in percent of the rest area"),
-            lambda x: f"{100.0 * x['area'] / x['area_rest']:.4f}\u00a0%",
+            lambda x: f"{grouped(100.0 * x['area'] / x['area_rest'], 4)}\u00a0%",
         ),
         Column(
             tr("Area error"),
@@ -80,7 +80,7 @@ def columns(state: State, unit: Unit) -> list[Column]:
         Column(
             tr("Volume"),
             _about_volume(state),
-            lambda x: _known(x["volume"] / x["volume_rest"], lambda v: f"{100.0 * v:.3f}\u00a0%"),
+            lambda x: _known(x["volume"] / x["volume_rest"], lambda v: f"{grouped(100.0 * v, 3)}\u00a0%"),
         ),
         Column(tr("Energy"), energy, lambda x: _known(x["energy"], lambda v: unit.area(significant(v, 5)))),
         Column(
@@ -91,17 +91,17 @@ def columns(state: State, unit: Unit) -> list[Column]:
         Column(
             tr("Local change"),
             tr("Largest area change of any triangle, up or down"),
-            lambda x: f"{100.0 * x['local_change']:,.2f}\u00a0%",
+            lambda x: f"{grouped(100.0 * x['local_change'], 2)}\u00a0%",
         ),
         Column(
             tr("Iterations"),
             tr("Iterations from the rest shape to convergence"),
-            lambda x: f"{x['iterations']:,.0f}",
+            lambda x: grouped(x["iterations"], 0),
         ),
         Column(
             tr("Time"),
             tr("Time for factoring and iterations on this computer"),
-            lambda x: _known(x["seconds"], lambda v: f"{v:,.2f}\u00a0s"),
+            lambda x: _known(x["seconds"], lambda v: f"{grouped(v, 2)}\u00a0s"),
         ),
     ]
 

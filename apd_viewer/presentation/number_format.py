@@ -1,8 +1,10 @@
-"""Number formats of the panel: true minus signs, no negative zero."""
+"""Number formats of the panel: signs of the language, true minus signs, no negative zero."""
 
 from __future__ import annotations
 
 import math
+
+from apd_viewer.language import typed, written
 
 _NOTHING = 1e-7
 _POWERS = 999_999.5  # from here on as a power of ten
@@ -13,8 +15,8 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 def significant(value: float, digits: int = 6) -> str:
     """The number with the given significant digits, or all before the point."""
     if 10.0**digits - 0.5 <= abs(value) < _POWERS:
-        return f"{value:,.0f}".replace("-", "−")
-    return _with_power(f"{value:#,.{digits}g}".rstrip(".")).replace("-", "−") if value else "0"
+        return _shown(f"{value:,.0f}")
+    return _shown(_with_power(f"{value:#,.{digits}g}".rstrip("."))) if value else "0"
 
 
 def length(value: float, size: float) -> str:
@@ -25,18 +27,29 @@ def length(value: float, size: float) -> str:
 def grouped(value: float, decimals: int) -> str:
     """Number with grouped thousands."""
     text = f"{value:,.{decimals}f}"
-    return text.lstrip("-") if float(text.replace(",", "")) == 0 else text.replace("-", "−")
+    return _shown(text.lstrip("-") if float(text.replace(",", "")) == 0 else text)
 
 
-def signed(value: float, decimals: int) -> str:
-    """The number with its sign; no sign if it rounds to zero."""
+def signed(value: float, decimals: int, brief: bool = False) -> str:
+    """The number with its sign, and without zeros at the end if ``brief``; no sign if it rounds to zero."""
     text = f"{value:+.{decimals}f}"
-    return f"{0:.{decimals}f}" if float(text) == 0 else text.replace("-", "−")
+    text = f"{0:.{decimals}f}" if float(text) == 0 else text
+    return _shown(text.rstrip("0").rstrip(".") if brief else text)
 
 
 def short(value: float) -> str:
     """The number without trailing zeros: 0.1, 20, 0.00025, 1,190, 2·10⁻⁶."""
-    return _with_power(f"{value:.3g}") if abs(value) < _GROUPED else f"{value:,.0f}"
+    return written(_with_power(f"{value:.3g}") if abs(value) < _GROUPED else f"{value:,.0f}")
+
+
+def exact(value: float, digits: int = 6) -> str:
+    """The number without trailing zeros, ungrouped."""
+    return written(f"{value:.{digits}g}")
+
+
+def to_type(value: float, digits: int = 6) -> str:
+    """The number for a field, as it can be typed there."""
+    return typed(f"{value:.{digits}g}")
 
 
 def place(value: float, step: float) -> str:
@@ -45,7 +58,7 @@ def place(value: float, step: float) -> str:
         return "0"
     decimals = max(0, -math.floor(math.log10(step)))
     near = abs(float(f"{value:.3g}") - value) <= 0.1 * step
-    return (short(value) if near else f"{value:,.{decimals}f}").replace("-", "−")
+    return short(value).replace("-", "−") if near else _shown(f"{value:,.{decimals}f}")
 
 
 def round_step(least: float) -> float:
@@ -60,6 +73,11 @@ def round_step(least: float) -> float:
 def raised(exponent: int) -> str:
     """Exponent in superscript digits."""
     return str(exponent).translate(_RAISED)
+
+
+def _shown(text: str) -> str:
+    """In the notation in use, with a true minus sign."""
+    return written(text).replace("-", "−")
 
 
 def _with_power(text: str) -> str:

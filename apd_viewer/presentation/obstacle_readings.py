@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import length, significant
+from apd_viewer.language import notation, tr
+from apd_viewer.presentation.number_format import exact, length, significant, to_type
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -65,7 +65,8 @@ def motion(state: State, k: int, unit: Unit) -> str:
 
 def coordinates(x: np.ndarray, size: float = 1.0, digits: int = _DIGITS) -> str:
     """Three numbers as they are typed; rounding errors of a ``size`` become zero."""
-    return ", ".join(f"{c:.{digits}g}" if abs(c) > 10.0**-digits * size else "0" for c in x)
+    between = "; " if notation().point == "," else ", "
+    return between.join(to_type(c, digits) if abs(c) > 10.0**-digits * size else "0" for c in x)
 
 
 def report_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
@@ -85,7 +86,7 @@ def _shape(obstacle: NamedObstacle, unit: Unit, size: float) -> Iterator[str]:
     if not obstacle.radius:
         yield tr("normal {vector}").format(vector=f"({coordinates(obstacle.axis)})")
         return
-    yield tr("radius {length}").format(length=unit.length(f"{obstacle.radius:.{_DIGITS}g}"))
+    yield tr("radius {length}").format(length=unit.length(exact(obstacle.radius, _DIGITS)))
     if obstacle.length:
-        yield tr("length {length}").format(length=unit.length(f"{obstacle.length:.{_DIGITS}g}"))
+        yield tr("length {length}").format(length=unit.length(exact(obstacle.length, _DIGITS)))
         yield tr("axis {vector}").format(vector=f"({coordinates(obstacle.axis)})")

@@ -12,7 +12,7 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.frame import MET
 from apd_viewer.geometry.pose.winding import signed_angle
 from apd_viewer.language import listed, tr, trc
-from apd_viewer.presentation.number_format import length, short, signed, significant
+from apd_viewer.presentation.number_format import grouped, length, short, signed, significant
 from apd_viewer.session.model.status_text import about_caps
 from apd_viewer.session.model.targets import kept_percentages
 
@@ -33,7 +33,7 @@ _KEPT = 1e-6  # tolerance of a region's target, in percent of its rest area
 
 def area_percent(state: State) -> str:
     """Area in percent of the rest area."""
-    return f"{100 * (1 + state.frame.area_error):.3f} %"
+    return f"{grouped(100 * (1 + state.frame.area_error), 3)} %"
 
 
 def area(state: State, unit: Unit) -> str:
@@ -67,7 +67,7 @@ def verdict(state: State) -> str:
         return said.format(change=change, tolerance=tolerance, asked=short(asked))
     if miss > MET * wanted:
         return tr("{change} %, target {asked} %").format(
-            change=change, asked=signed(asked - 100.0, 3).rstrip("0").rstrip(".")
+            change=change, asked=signed(asked - 100.0, 3, brief=True)
         )
     return (
         tr("{change} %, exact").format(change=change)
@@ -112,7 +112,7 @@ def volume(state: State, unit: Unit) -> Volume:
         why = inspection.nothing_to_keep
         return Volume(trc("volume", "none"), tr("{reason}.").format(reason=why[0].upper() + why[1:]))
     change = signed(100 * (now / rest - 1), 2)
-    said = tr("unchanged") if float(change.replace("−", "-")) == 0 else f"{change} %"
+    said = tr("unchanged") if change == signed(0.0, 2) else f"{change} %"
     lines = [about_caps(inspection.openings)] if capped else []  # never without a word
     litres, at_rest = unit.litres(now), unit.litres(rest)
     if litres is not None and at_rest is not None:
@@ -143,7 +143,7 @@ def contact(state: State, unit: Unit) -> ContactWords:
     if touch is None or touch.least_gap is None:
         return ContactWords(trc("pairs in contact", "none"), NOTHING, share)
     gap = unit.length(length(touch.least_gap, max(state.inspection.size)))
-    return ContactWords(f"{touch.pairs:,}", gap, share)
+    return ContactWords(grouped(touch.pairs, 0), gap, share)
 
 
 def compact(state: State) -> tuple[str, str]:
@@ -152,7 +152,7 @@ def compact(state: State) -> tuple[str, str]:
     if not rest.volume or now.volume is None or not now.area > 0.0:
         return NOTHING, ""
     value = compactness(now.volume, now.area)
-    return f"{value:.3f}", change_of(value, compactness(rest.volume, rest.area))
+    return grouped(value, 3), change_of(value, compactness(rest.volume, rest.area))
 
 
 def extent(found: ShapeCheck | None, unit: Unit) -> str:
@@ -237,7 +237,7 @@ def motion(state: State, k: int, unit: Unit) -> str:
     parts = (
         _asked_and_reached(way, "length", unit.length("0"), asked.way, reached and reached.way),
         _asked_and_reached(rotated, "angle", signed(0.0, 1), asked.angle, reached and reached.angle),
-        _asked_and_reached(scale, "factors", "1.00", asked.scale, reached and reached.scale),
+        _asked_and_reached(scale, "factors", grouped(1.0, 2), asked.scale, reached and reached.scale),
     )
     still = document.is_away(k) and not document.from_rest.handles[k].is_moved
     unmoved = tr("not moved since it was painted") if still else tr("at rest")
@@ -267,7 +267,7 @@ def _amounts(document: Document, k: int, unit: Unit, size: float) -> _Amounts:
     assert centre is not None
     now = handle.pose[:3, :3] @ centre + handle.pose[:3, 3]
     way = unit.length(length(float(np.linalg.norm(now - centre)), size))
-    scale = f"{np.cbrt(np.linalg.det(handle.pose[:3, :3])):.2f}"
+    scale = grouped(float(np.cbrt(np.linalg.det(handle.pose[:3, :3]))), 2)
     angle, twists = _rotation(document, k, now)
     return _Amounts(way, angle, scale, twists)
 
@@ -295,7 +295,7 @@ def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
     document, said = state.document, []
     rest, targets = document.rest_areas, [region.area for region in document.regions]
     for at_rest, now, target in zip(rest, state.frame.regions, targets, strict=False):
-        part = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else tr("empty")
+        part = f"{grouped(100 * now / at_rest, 2)} %" if at_rest > 0.0 else tr("empty")
         kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
         if kept and not document.traits.keeps_only_total_area:
             part = tr("{area}, kept").format(area=part)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.files.html_page import Attached, Block, Command, Note, Table
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
-from apd_viewer.presentation.number_format import short
+from apd_viewer.presentation.number_format import grouped, short
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
@@ -67,9 +67,9 @@ def mesh_blocks(state: State, unit: Unit, file: Fingerprint | None) -> Iterator[
         rows.append((tr("SHA-256 of the file"), file.sha256, ""))
     rows += [
         (tr("Mesh digest"), mesh.digest, tr("SHA-256 of positions and triangles at rest")),
-        (tr("Vertices"), f"{found.vertices:,}", ""),
-        (tr("Faces"), f"{found.faces:,}", ""),
-        (tr("Connected parts"), f"{found.pieces:,}", ""),
+        (tr("Vertices"), grouped(found.vertices, 0), ""),
+        (tr("Faces"), grouped(found.faces, 0), ""),
+        (tr("Connected parts"), grouped(found.pieces, 0), ""),
         (tr("Size at rest"), unit.length(" × ".join(short(side) for side in found.size)), ""),
         (tr("Unit of length"), unit.title, tr("a guess that nobody confirmed") if unit.is_guess else ""),
     ]

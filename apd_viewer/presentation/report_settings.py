@@ -10,9 +10,9 @@ import numpy as np
 
 from apd_viewer.files.html_page import Block, Note, Table
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.language import tr, trn
+from apd_viewer.language import tr, trn, written
 from apd_viewer.presentation import obstacle_readings, readings
-from apd_viewer.presentation.number_format import short, significant
+from apd_viewer.presentation.number_format import exact, grouped, short, significant
 from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.quantities.units import Unit
 
@@ -30,8 +30,8 @@ def settings_blocks(state: State, unit: Unit) -> Iterator[Block]:
     method = document.traits
     rows = [(tr("Method"), method.title, method.about)]
     area, volume, *_ = kept_percentages(document)
-    rows.append((tr("Area target"), tr("free") if area is None else f"{area:g} %", ""))
-    rows.append((tr("Volume target"), tr("free") if volume is None else f"{volume:g} %", ""))
+    rows.append((tr("Area target"), tr("free") if area is None else f"{exact(area)} %", ""))
+    rows.append((tr("Volume target"), tr("free") if volume is None else f"{exact(volume)} %", ""))
     if method.keeps_calm_parts:
         rows.append((tr("Calm parts"), tr("kept") if document.calm else tr("not kept"), ""))
     if method.may_touch:
@@ -41,11 +41,11 @@ def settings_blocks(state: State, unit: Unit) -> Iterator[Block]:
     if method.has_tolerance:
         rows.append((tr("Tolerance"), f"{short(100 * document.tolerance)} %", ""))
     if method.has_moduli:
-        rows.append((tr("Area stiffness"), f"{document.area_stiffness:g}", ""))
-        rows.append((tr("Shear stiffness"), f"{document.shear_stiffness:g}", ""))
-    rows.append((tr("Stiffness"), f"{document.stiffness:g}", ""))
+        rows.append((tr("Area stiffness"), exact(document.area_stiffness), ""))
+        rows.append((tr("Shear stiffness"), exact(document.shear_stiffness), ""))
+    rows.append((tr("Stiffness"), exact(document.stiffness), ""))
     criteria = document.convergence
-    rows.append((tr("Most iterations"), f"{criteria.most_iterations:,}", ""))
+    rows.append((tr("Most iterations"), grouped(criteria.most_iterations, 0), ""))
     if method.plain_only:
         rows.append((tr("Step tolerance"), short(criteria.step_tolerance), ""))
     else:
@@ -90,11 +90,11 @@ def _motion(handle: Handle, centre: np.ndarray, unit: Unit, size: float) -> Iter
     displacement = (pose[:3, :3] - np.eye(3)) @ centre + pose[:3, 3]
     yield tr("displacement {vector}").format(vector=unit.length(_vector(displacement, size)))
     if turned > 0.0:
-        angle = f"{math.degrees(turned):.6f}".rstrip("0").rstrip(".")
+        angle = written(f"{math.degrees(turned):.6f}".rstrip("0").rstrip("."))
         yield tr("axis {vector}, angle {angle}°").format(vector=_vector(rotation / turned), angle=angle)
     if np.abs(scale - 1.0).max() > _RIGID:
         factors = scale[:1] if np.ptp(scale) <= _RIGID else scale
-        yield tr("scaled by {factors}").format(factors=" × ".join(f"{factor:.6g}" for factor in factors))
+        yield tr("scaled by {factors}").format(factors=" × ".join(map(exact, factors)))
 
 
 def _vector(x: np.ndarray, size: float = 1.0) -> str:
@@ -122,6 +122,6 @@ def region_blocks(state: State, unit: Unit) -> Iterator[Block]:
     for region, (area, sizes) in zip(regions, readings.regions(state, unit), strict=False):
         more = sizes
         if region.area is not None and not state.document.traits.keeps_only_total_area:
-            more = tr("{sizes}; target {percent} %").format(sizes=sizes, percent=f"{region.area:g}")
+            more = tr("{sizes}; target {percent} %").format(sizes=sizes, percent=exact(region.area))
         rows.append((region.name, area, more))
     yield Table(tuple(rows))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, PACKING
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import short, significant
+from apd_viewer.presentation.number_format import exact, grouped, short, significant
 from apd_viewer.presentation.published_volumes import PUBLISHED, PublishedFigure, VolumeName
 from apd_viewer.presentation.readings import NOTHING, change_of
 from apd_viewer.session.model.status_text import about_caps
@@ -96,12 +96,16 @@ def _of_many(
     counts = [[objects_in(bag, found, unit, packing) for packing in _PACKINGS] for found in pair]
     title = tr("Objects in a bag of {litres} l").format(litres=short(bag))
     about = tr("needs the unit of length") if unit.litres(1.0) is None else ""
-    yield _row(VolumeName.COUNT, title, about, _spreads(counts, "{:,}".format), _first(counts))
+    yield _row(VolumeName.COUNT, title, about, _spreads(counts, lambda n: grouped(n, 0)), _first(counts))
     densities = [[bulk_density(density, found, packing) for packing in _PACKINGS] for found in pair]
     about = tr("needs thickness and density of the wall") if densities[1][0] is None else ""
     title = tr("Bulk density")
     yield _row(
-        VolumeName.DENSITY, title, about, _spreads(densities, "{:.3g}\u00a0kg/m³".format), _first(densities)
+        VolumeName.DENSITY,
+        title,
+        about,
+        _spreads(densities, lambda x: f"{exact(x, 3)}\u00a0kg/m³"),
+        _first(densities),
     )
 
 

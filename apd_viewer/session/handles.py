@@ -14,6 +14,7 @@ from apd_viewer.session.model.handle_paths import without_last_digits
 from apd_viewer.session.posing.motion_plan import MotionPlan, planned
 from apd_viewer.session.posing.motion_titles import title_between
 from apd_viewer.session.posing.symmetry import moved, put_back
+from apd_viewer.session.quantities.clear_numbers import as_typed
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -69,7 +70,7 @@ class Handles:
 
         ``line`` (2, 3) is the axis of a bend about a line. Raises InputError if the text is none.
         """
-        return planned(self._store.required(), which, motion, text, self._store.unit, line, to)
+        return planned(self._store.required(), which, motion, as_typed(text), self._store.unit, line, to)
 
     def move_by(
         self, motion: TypedMotion, text: str, which: int, line: np.ndarray | None = None, to: bool = False

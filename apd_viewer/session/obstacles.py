@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
-from apd_viewer.language import tr
+from apd_viewer.language import listed, tr, written
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
 from apd_viewer.session.model.names import new_name, next_name
 from apd_viewer.session.posing.obstacle_places import (
@@ -221,7 +221,7 @@ def _title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Uni
     straight = aside <= _SAME * diagonal(document.mesh.V)
     distance = along if straight else float(np.linalg.norm(by))
     return tr("Move {name} by {distance}").format(
-        name=new.name, distance=unit.length(f"{distance:.4g}".replace("-", "−"))
+        name=new.name, distance=unit.length(written(f"{distance:.4g}").replace("-", "−"))
     )
 
 
@@ -229,5 +229,5 @@ def _stands_in(obstacle: NamedObstacle, state: State, apart: float, unit: Unit) 
     """Sentence about an obstacle in the shape, with the nearest clear place."""
     free = pushed_back(obstacle, state, apart).place
     return tr("The {kind} would stand in the shape; the nearest place behind is {place}.").format(
-        kind=obstacle.kind.word, place=", ".join(unit.length(f"{x:.5g}") for x in free)
+        kind=obstacle.kind.word, place=listed(unit.length(written(f"{x:.5g}")) for x in free)
     )

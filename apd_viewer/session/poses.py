@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from apd_viewer.language import listed, tr
+from apd_viewer.language import in_quotes, listed, tr
 from apd_viewer.session.model.named_parts import MOST_POSES, NamedPose
 from apd_viewer.session.model.names import new_name, next_name
 from apd_viewer.session.posing.named_poses import is_at, missing, placements, posed
@@ -66,7 +66,7 @@ class Poses:
         if gone:
             self._listener.told(
                 tr("“{pose}” also places {handles}, which is gone or empty; the others are there.").format(
-                    pose=pose.name, handles=listed(f"“{name}”" for name in gone)
+                    pose=pose.name, handles=listed(map(in_quotes, gone))
                 )
             )
 

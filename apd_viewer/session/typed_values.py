@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.session.posing.typed_motion import names_of
+from apd_viewer.session.quantities.clear_numbers import as_typed
 from apd_viewer.session.quantities.expressions import length
 from apd_viewer.session.selecting.vertex_expression import chosen, place, vector
 
@@ -27,16 +28,16 @@ class TypedValues:
 
     def vertices(self, text: str) -> np.ndarray:
         """The vertices named by ids or by conditions on their coordinates, ascending ids."""
-        return chosen(text, self._store.required(), self._store.unit)
+        return chosen(as_typed(text), self._store.required(), self._store.unit)
 
     def length(self, text: str) -> float:
         """A length, mesh units."""
-        return length(text, self._store.unit, names_of(self._store.required()))
+        return length(as_typed(text), self._store.unit, names_of(self._store.required()))
 
     def point(self, text: str) -> np.ndarray:
         """A point (3,) by its coordinates."""
-        return place(text, self._store.required(), self._store.unit)
+        return place(as_typed(text), self._store.required(), self._store.unit)
 
     def vector(self, text: str) -> np.ndarray:
         """A direction (3,) by three numbers, of any length."""
-        return vector(text, self._store.required())
+        return vector(as_typed(text), self._store.required())

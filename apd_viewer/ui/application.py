@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.language import LANGUAGE, tr
+from apd_viewer.language import LANGUAGE, show_numbers, tr
 from apd_viewer.session.jobs.freed_memory import keep_freed_memory
 
 # pyvistaqt takes the first binding that it finds, and PyQt5 comes first.
@@ -82,8 +82,8 @@ def make_application(argv: list[str]) -> QApplication:
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
     QSurfaceFormat.setDefaultFormat(_surface_format())
     qInstallMessageHandler(_report)
-    # Numbers have a decimal point everywhere, and are typed as they are shown.
-    QLocale.setDefault(QLocale.c())
+    QLocale.setDefault(QLocale.c())  # the program formats numbers by itself
+    show_numbers()
     application = QApplication(argv)
     application.setApplicationName("apd-viewer")
     application.setApplicationDisplayName("APD Viewer")

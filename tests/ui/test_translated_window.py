@@ -86,6 +86,21 @@ def test_every_language_can_be_chosen_by_its_own_name(shown):
     assert {"English", *(NATIVE[name] for name in names)} <= set(shown["said"])
 
 
-def test_numbers_are_shown_as_they_are_typed(shown):
-    """On a system with a decimal comma too."""
-    assert {"100.00 %", "100.000 %"} <= set(shown["said"])
+def test_numbers_are_shown_as_the_language_writes_them(shown):
+    """In words, in readings and in fields; German has a decimal comma, and Chinese has not."""
+    signs = {"de": (",", "."), "zh_CN": (".", ",")}
+    point, group = signs[shown["language"]]
+    texts = set(shown["said"])
+    assert {f"100{point}00 %", f"100{point}000 %"} <= texts
+    assert any(f"13{group}010" in text for text in texts)
+    assert not any(f"13{point}010" in text for text in texts)
+    if point == ",":
+        # A point stands between groups of three digits, and nowhere else.
+        wrong = re.compile(r"(?<![\w.])\d+\.(?!\d{3}(?!\d))\d+|(?<!\d)0\.\d|(?<![\w.,])\d{1,3},\d{3}\.")
+        assert [text for text in texts if wrong.search(NAMES.sub("", text))] == []
+
+
+def test_quotation_marks_are_those_of_the_language(shown):
+    if shown["language"] == "de":
+        assert [text for text in shown["said"] if "”" in text or re.search(r"“\w", text)] == []
+        assert any("„" in text for text in shown["said"])

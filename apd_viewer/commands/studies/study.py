@@ -12,7 +12,7 @@ from apd_viewer.commands.studies.study_output import mistakes, planned, summary
 from apd_viewer.commands.studies.study_progress import StudyProgress
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
-from apd_viewer.language import tr
+from apd_viewer.language import show_numbers, tr
 from apd_viewer.studies.case_session import INPUTS
 from apd_viewer.studies.cluster import connected, local_cluster
 from apd_viewer.studies.forecast import work_left
@@ -79,6 +79,7 @@ def _columns() -> str:
 
 
 def _study(options: argparse.Namespace) -> None:
+    show_numbers(False)  # its sentences stand in files, which are the same however it is run
     if options.limit is not None and not options.limit > 0.0:
         raise InputError(tr("--limit must be greater than 0 seconds."))
     for name in ("processes", "workers"):

@@ -29,7 +29,7 @@ from apd_viewer.files.formats.texture_images import image_beside, textured
 from apd_viewer.files.formats.vertex_colors import eight_bit
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.texture import Texture
-from apd_viewer.language import tr
+from apd_viewer.language import in_quotes, tr
 
 _NORMAL, _COLORS = ("nx", "ny", "nz"), ("red", "green", "blue")
 _UV = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"))
@@ -54,7 +54,7 @@ class PlyFile:
         names = {name for element in self.elements for name in element.names}
         found = [what for name, what in _EXTRAS.items() if name in names]
         known = {*AXES, *_NORMAL, *INDICES, *_EXTRAS, "green", "blue", "t"}
-        return (*found, *(f"“{name}”" for name in sorted(names - known)))
+        return (*found, *map(in_quotes, sorted(names - known)))
 
     @property
     def colors(self) -> np.ndarray | None:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.language import tr
+from apd_viewer.language import in_quotes, tr
 
 _LONGEST = 40  # characters quoted from a file
 _SAMPLE = 64  # bytes that tell UTF-16 without a mark: every second one of them is zero
@@ -95,7 +95,7 @@ def whole_numbers(words: Sequence[bytes]) -> list[int]:
 
 def shown(said: bytes) -> str:
     """The beginning of a part of a file, within a sentence."""
-    return "“" + said.strip().decode(errors="replace")[:_LONGEST] + "”"
+    return in_quotes(said.strip().decode(errors="replace")[:_LONGEST])
 
 
 def _names(kind: Callable[[bytes], object], word: bytes) -> bool:

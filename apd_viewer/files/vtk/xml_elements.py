@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from apd_viewer.language import tr
+from apd_viewer.language import in_quotes, tr
 
 _TAG = re.compile(rb"""<(?:[^<>"']|"[^"]*"|'[^']*')*>""")
 _APPENDED = re.compile(rb"<AppendedData\b[^<>]{0,200}>\s{0,200}_")  # bounded: it is searched for
@@ -70,7 +70,7 @@ class XmlElement:
         try:
             return max(0, int(self.attributes.get(name, "0")))
         except ValueError:
-            said = f"“{self.attributes[name][:40]}”"
+            said = in_quotes(self.attributes[name][:40])
             raise ValueError(tr("{text} is not a whole number").format(text=said)) from None
 
     def attribute_span(self, content: bytes, name: str) -> tuple[int, int] | None:

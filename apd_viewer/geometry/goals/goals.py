@@ -15,7 +15,7 @@ from apd_viewer.geometry.goals.percentage import GOAL_WORDS, percentage
 from apd_viewer.geometry.mesh.arrays import whole_numbers
 from apd_viewer.geometry.mesh.measures import Patch, WeightedAreas, triangle_weights
 from apd_viewer.geometry.mesh.operators import volume
-from apd_viewer.language import tr
+from apd_viewer.language import in_quotes, tr
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,7 +228,7 @@ def _region_goal(shape: SolveMesh, region: Region, corners: np.ndarray) -> Goal:
     inside = np.zeros(len(shape.V))
     inside[corners] = 1.0
     assert region.area is not None
-    goal = _goal(f"“{region.name}”", shape, region.area, weight=inside)
+    goal = _goal(in_quotes(region.name), shape, region.area, weight=inside)
     if goal.rest <= 0.0:
         raise InputError(
             tr("The region “{name}” contains no complete triangle; make it larger.").format(name=region.name)

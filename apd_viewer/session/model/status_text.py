@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.language import tr, trn
+from apd_viewer.language import tr, trn, written
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def about_findings(findings: Sequence[Finding]) -> str | None:
 def about_export(name: str, area: float, at_rest: float, unit: Unit) -> str:
     """Sentence about an exported mesh: the area measured on the file."""
     return tr("Exported {name}: area {area}, {percent:.3f} % of the rest area.").format(
-        name=name, area=unit.area(f"{area:.6g}"), percent=100.0 * area / at_rest
+        name=name, area=unit.area(written(f"{area:.6g}")), percent=100.0 * area / at_rest
     )
 
 
@@ -51,7 +51,7 @@ def about_baking(area: float, before: float, unit: Unit) -> str:
     return tr(
         "New rest shape: 100 % is now {area}, {percent} % of before, and motions count from here. "
         "Undo to go back."
-    ).format(area=unit.area(f"{area:.6g}"), percent=f"{100.0 * area / before:.3f}")
+    ).format(area=unit.area(written(f"{area:.6g}")), percent=written(f"{100.0 * area / before:.3f}"))
 
 
 def about_session(name: str, embedded: bool) -> str:
@@ -88,7 +88,7 @@ def about_target(target: TargetShape, mesh: Mesh) -> str:
         return tr("Comparing with {name}.").format(name=name)
     return tr(
         "{name} is {factor} times as large as {mesh}; check its unit of length and scale its file."
-    ).format(name=name, factor=f"{factor:.3g}", mesh=mesh.name)
+    ).format(name=name, factor=written(f"{factor:.3g}"), mesh=mesh.name)
 
 
 def about_lock(name: str) -> str:

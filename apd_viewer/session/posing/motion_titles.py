@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.transforms import decomposed
 from apd_viewer.geometry.pose.winding import summed_rotations
-from apd_viewer.language import listed, tr
+from apd_viewer.language import listed, tr, written
 from apd_viewer.session.model.motions import TypedMotion
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def _title_of_way(way: np.ndarray, names: str, unit: Unit) -> str:
     along = _axis(way)
     if along is None:
         length = float(np.linalg.norm(way))
-        return _titled(tr("Move"), unit.length(f"{length:.4g}"), names)
+        return _titled(tr("Move"), unit.length(written(f"{length:.4g}")), names)
     return title_of(TypedMotion[f"MOVE_{'XYZ'[along]}"], float(way[along]), names, unit)
 
 
@@ -84,10 +84,10 @@ def _axis(way: np.ndarray) -> int | None:
 
 def _said(motion: TypedMotion, amount: float, unit: Unit) -> str:
     if motion is TypedMotion.SCALE:
-        return f"×{amount:.4g}"
+        return written(f"×{amount:.4g}")
     if motion.kind == "MOVE":
-        return unit.length(f"{amount:+.4g}")
-    return f"{math.degrees(amount):+.4g}°"
+        return unit.length(written(f"{amount:+.4g}"))
+    return written(f"{math.degrees(amount):+.4g}°")
 
 
 def _titled(motion: str, said: str, handles: str) -> str:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.quantities.clear_numbers import check_clear
 from apd_viewer.session.quantities.functions import FUNCTIONS, called
 from apd_viewer.session.quantities.quantity import BARE, Quantity
 from apd_viewer.session.quantities.tokens import is_number, quoted
@@ -15,8 +15,6 @@ from apd_viewer.session.quantities.units import NoUnitError, Unit
 
 # Deeper than needed, and far below Python's own limit.
 _MOST_NESTED = 30
-# In many countries this is one thousand and more.
-_THOUSANDS = re.compile(r"[1-9][0-9]{0,2},[0-9]{3}")
 _MICROMETRES = {"mm": 1e3, "cm": 1e4, "m": 1e6, "um": 1.0, "in": 25_400.0, "ft": 304_800.0}
 _DEGREES = {"deg": 1.0, "rad": math.degrees(1.0), "turn": 360.0}
 
@@ -167,11 +165,5 @@ class ExpressionReader:
 
 
 def _number(token: str) -> Quantity:
-    point = token.replace(",", ".")
-    if _THOUSANDS.fullmatch(token):
-        raise InputError(
-            tr("“{token}” could mean {point} or {other}; enter it without the comma.").format(
-                token=token, point=point, other=token.replace(",", "")
-            )
-        )
-    return Quantity(float(point))
+    check_clear(token, ",")
+    return Quantity(float(token.replace(",", ".")))

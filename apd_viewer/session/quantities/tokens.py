@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import tr
+from apd_viewer.language import in_quotes, tr
 from apd_viewer.session.quantities.functions import OF_MANY
 
 SPELLINGS = str.maketrans(
@@ -49,4 +49,8 @@ def is_number(token: str) -> bool:
 def quoted(said: str) -> str:
     """Typed text for a sentence: shortened, invisible characters as codes."""
     short = said if len(said) <= 20 else f"{said[:19]}…"
-    return f"“{short}”" if short.isprintable() else tr("The character U+{code:04X}").format(code=ord(said[0]))
+    return (
+        in_quotes(short)
+        if short.isprintable()
+        else tr("The character U+{code:04X}").format(code=ord(said[0]))
+    )

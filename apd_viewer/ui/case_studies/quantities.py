@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import short
+from apd_viewer.presentation.number_format import to_type
 from apd_viewer.session.posing.typed_motion import names_of
+from apd_viewer.session.quantities.clear_numbers import as_typed
 from apd_viewer.session.quantities.expressions import angle, length, number
 from apd_viewer.studies.plans.design import Varied, varied
 from apd_viewer.studies.plans.plan_columns import SETTINGS
@@ -96,8 +97,8 @@ def offered(state: State) -> list[VariedQuantity]:
             tr("from 0.0001 (cloth) to 0.1 (sheet metal)"),
             tr("Bending stiffness; its range is divided into equal factors"),
             PLAIN,
-            short(stiffness / 10.0),
-            short(stiffness * 10.0),
+            to_type(stiffness / 10.0, 3),
+            to_type(stiffness * 10.0, 3),
             by_factors=True,
         )
     )
@@ -145,8 +146,8 @@ def span_of(quantity: VariedQuantity, low: str, high: str, state: State, unit: U
         If an end is none, or they are of two kinds; a sentence names the quantity.
     """
     try:
-        first = _end(quantity, low, state, unit)
-        last = _end(quantity, high, state, unit) if high.strip() else None
+        first = _end(quantity, as_typed(low), state, unit)
+        last = _end(quantity, as_typed(high), state, unit) if high.strip() else None
         if last is not None and first.endswith(PERCENT) != last.endswith(PERCENT):
             raise InputError(tr("Give both ends in percent, or both as lengths."))
         if not quantity.is_motion:  # what a plan would refuse in each of its rows

@@ -11,7 +11,8 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import direction, frozen
-from apd_viewer.language import tr, trc
+from apd_viewer.language import tr, trc, typed
+from apd_viewer.presentation.number_format import to_type
 from apd_viewer.presentation.obstacle_readings import coordinates
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.ui.obstacles.typed_field import TypedField
@@ -88,7 +89,7 @@ class ObstacleFields(QWidget):
         self.setLayout(grid)
 
     def _make_distance(self) -> None:
-        self.distance = Entry(accessibleName=tr("Distance"), placeholderText="0.1L", toolTip=_BY)
+        self.distance = Entry(accessibleName=tr("Distance"), placeholderText=typed("0.1") + "L", toolTip=_BY)
         self._problem = ErrorBubble(self.distance)
         self.distance.textChanged.connect(self._problem.hide)  # Esc restores the text too
         self.distance.left.connect(self._problem.leave)
@@ -112,8 +113,8 @@ class ObstacleFields(QWidget):
             self.along.setItemText(0, tr("in direction"))
         self.place.show_text(coordinates(self._shown.place, size, _DIGITS))
         self.axis.show_text(coordinates(obstacle.axis, digits=_DIGITS - 1))
-        self.radius.show_text(f"{obstacle.radius:.{_DIGITS}g}")
-        self.length.show_text(f"{obstacle.length:.{_DIGITS}g}")
+        self.radius.show_text(to_type(obstacle.radius, _DIGITS))
+        self.length.show_text(to_type(obstacle.length, _DIGITS))
         for part in (self._labels[2], self.radius):
             part.setVisible(kind is not ObstacleKind.PLATE)
         for part in (self._labels[3], self.length):

@@ -9,6 +9,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr, trn
+from apd_viewer.presentation.number_format import to_type
 from apd_viewer.ui.overlays.text_entry_card import TypedCard
 
 if TYPE_CHECKING:
@@ -116,7 +117,9 @@ class Typed:
     def open_brush(self) -> None:
         """Show the card of the brush with its present radius."""
         size = self._canvas.painter.size
-        length = None if size.length is None else f"{size.length:.4g}{self._session.store.unit.symbol}"
+        length = (
+            None if size.length is None else f"{to_type(size.length, 4)}{self._session.store.unit.symbol}"
+        )
         self.brush.text.setText(length or f"{size.radius:.0f}{_PIXELS}")
         self.open(self.brush)
 
@@ -127,7 +130,7 @@ class Typed:
             radius = self._session.typed.length(text)
         else:
             try:
-                radius = float(text.strip()[: -len(_PIXELS)])
+                radius = float(text.strip()[: -len(_PIXELS)].replace(",", "."))
             except ValueError:
                 problem = tr("“{text}” is not a number of pixels; enter one such as 24px.")
                 raise InputError(problem.format(text=text)) from None

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QStackedLayout, 
 
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
+from apd_viewer.presentation.number_format import grouped
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.unit_button import UnitButton
 from apd_viewer.ui.widgets.fields import Check, percent_field
@@ -105,7 +106,7 @@ class AreaSection(QWidget):
         font.setPointSizeF(font.pointSizeF() * 2.5)
         font.setWeight(QFont.Weight.DemiBold)
         self.percent.setFont(font)
-        self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100.000 %"))
+        self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance(f"{grouped(100.0, 3)} %"))
         column.addWidget(self.percent)
         self.verdict = quiet(tr("Area change"))
         self.area = quiet(tr("Area, and rest area"))

@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QObject
 
+from apd_viewer.presentation.number_format import to_type
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.status_text import of_crossings, of_exempt
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, thickness_of
@@ -85,7 +86,7 @@ class Measuring(QObject):
         thickness, wall = new.document.thickness, self._panel.measures.wall
         is_typed = thickness == thickness_of(wall, self._session.store.unit)
         if new.document.contact and thickness != old.document.thickness and not is_typed:
-            bare = "" if thickness is None else f"{thickness:.12g}"
+            bare = "" if thickness is None else to_type(thickness, 12)
             wall = wall._replace(thickness=self._texts.get(thickness, bare))
             self._panel.measures.show_wall(wall)
             self._type(wall)

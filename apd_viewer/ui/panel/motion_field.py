@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
-from apd_viewer.language import tr, trc
+from apd_viewer.language import tr, trc, typed
 from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.ui.widgets.fields import Choice, Entry, return_keys
 from apd_viewer.ui.widgets.folding_section import quiet
@@ -131,6 +131,6 @@ class MotionField(QWidget):
         self.pick.setVisible(self.about_line)
         self.amount.setToolTip(_TIPS[kind])
         self.choice.setToolTip(_TIPS[kind])
-        examples = {"MOVE": "0.15L", "SCALE": "1.2"}
+        examples = {"MOVE": typed("0.15") + "L", "SCALE": typed("1.2")}
         self.amount.setPlaceholderText(examples.get(kind, "60deg"))
         self._problem.hide()

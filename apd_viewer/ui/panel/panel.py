@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QScrollArea, QSi
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr, translations
+from apd_viewer.presentation.number_format import grouped
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.obstacles.obstacle_section import ObstacleSection
@@ -78,7 +79,7 @@ class PaintSection(Section):
         for field, count in zip(
             self._counts, (counts[BASE], counts[HANDLE:].sum(), counts[FREE]), strict=True
         ):
-            field.setText(f"{count:,}")
+            field.setText(grouped(count, 0))
         self.base.show_flags(document.base, bool(counts[BASE]))
         self.clear_all.setEnabled(bool(counts[FREE] < counts.sum() or document.member.any()))
 

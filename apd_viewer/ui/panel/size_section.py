@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
+from apd_viewer.session.quantities.clear_numbers import as_typed
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, mass
@@ -165,7 +166,8 @@ class SizeSection(Section):
 
     def _show_mass(self) -> None:
         try:
-            grams, problem = mass(self._typed, self._area, self._unit, self._material), ""
+            wall = Wall(*map(as_typed, self._typed))
+            grams, problem = mass(wall, self._area, self._unit, self._material), ""
         except InputError as error:
             grams, problem = None, str(error)
         self.mass.setText(readings.weight(grams, self._unit))

@@ -9,7 +9,7 @@ import numpy as np
 from apd_viewer.geometry.pose.frame import MET
 from apd_viewer.language import tr
 from apd_viewer.presentation.axis import Axis, decades, linear, power, ratios, rounded
-from apd_viewer.presentation.number_format import short, signed, significant
+from apd_viewer.presentation.number_format import exact, grouped, short, signed, significant
 from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.ui.plots.chart import Bars, Chart, Curve, Mark
 
@@ -131,5 +131,9 @@ def _percent(fraction: float) -> str:
         return "0"
     if percent < 1e-3:
         exponent = int(np.floor(np.log10(percent)))
-        return f"{percent / 10.0**exponent:.1f}·{power(exponent)}" if exponent < -3 else f"{percent:.1g}"
+        return (
+            f"{grouped(percent / 10.0**exponent, 1)}·{power(exponent)}"
+            if exponent < -3
+            else exact(percent, 1)
+        )
     return short(percent)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from apd_viewer.presentation.number_format import to_type
+from apd_viewer.session.quantities.clear_numbers import as_typed
 from apd_viewer.session.quantities.expressions import length
 from apd_viewer.ui.widgets.fields import Entry
 
@@ -29,10 +31,10 @@ class LengthField(Entry):
         self._unit = unit
         self.setAccessibleName(name)
         self.setMaximumWidth(110)
-        self.setText("" if given is None else f"{given:.12g}")
+        self.setText("" if given is None else to_type(given, 12))
 
     @property
     def value(self) -> float | None:
         """Length in mesh units, None where nothing was typed; raises InputError."""
         text = self.text()
-        return length(text, self._unit, {}) if text.strip() else None
+        return length(as_typed(text), self._unit, {}) if text.strip() else None

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import signed
+from apd_viewer.presentation.number_format import grouped, signed
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.widgets.figure_list import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
@@ -154,7 +154,7 @@ def _table(lines: list[dict[str, str]]) -> QGridLayout:
             _percent(arap["said_area_error"], 2),
             _percent(paper["area_error"], 3),
             _percent(paper["said_area_error"], 3),
-            f"{float(paper['handle_drift']):.2f} cm",
+            f"{grouped(float(paper['handle_drift']), 2)} cm",
             tr("pass") if passes else tr("fail"),
         )
         for column, cell in enumerate(cells):

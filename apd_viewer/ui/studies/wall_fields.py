@@ -9,7 +9,8 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import short, significant
+from apd_viewer.presentation.number_format import short, to_type
+from apd_viewer.session.quantities.clear_numbers import as_typed
 from apd_viewer.session.quantities.elastic_wall import (
     DEFAULT_POISSON,
     ElasticWall,
@@ -97,12 +98,12 @@ class WallFields(QObject):
         metre, thickness = metres(self._unit), self.thickness.value
         if not self.young.text().strip():
             return None
-        young = young_modulus(self.young.text())
+        young = young_modulus(as_typed(self.young.text()))
         if thickness is None:
             raise InputError(tr("Newtons need the thickness of the wall as well; enter one such as 0.3mm."))
         if metre is None:
             raise InputError(tr("Newtons need the unit of the mesh; choose it next to the area."))
-        typed = self.poisson.text().strip()
+        typed = as_typed(self.poisson.text().strip())
         return ElasticWall(thickness * metre, young, poisson_ratio(typed) if typed else DEFAULT_POISSON)
 
     @property
@@ -120,7 +121,7 @@ class WallFields(QObject):
             "--young": self.young.text().strip() if elastic else "",
             "--poisson": self.poisson.text().strip() if elastic else "",
             "--gas": _AIR if self.air.isChecked() else "",
-            "--density": repr(density(self.density.text())) if self.density.text().strip() else "",
+            "--density": repr(density(as_typed(self.density.text()))) if self.density.text().strip() else "",
             "--material": getattr(self.material.currentData(), "name", ""),
         }
         return {option: text for option, text in said.items() if text}
@@ -132,13 +133,13 @@ class WallFields(QObject):
         if material is None:
             return
         strain = material.yield_strain
-        self.thickness.setText(f"{material.thickness:g}mm")
+        self.thickness.setText(f"{to_type(material.thickness)}mm")
         self.radius.setText(
-            "" if strain is None else f"{significant(yield_radius(material.thickness, strain), _DIGITS)}mm"
+            "" if strain is None else f"{to_type(yield_radius(material.thickness, strain), _DIGITS)}mm"
         )
-        self.young.setText("" if material.young is None else f"{material.young:g}GPa")
-        self.poisson.setText("" if material.poisson is None else f"{material.poisson:g}")
-        self.density.setText("" if material.density is None else f"{material.density:g} g/cm³")
+        self.young.setText("" if material.young is None else f"{to_type(material.young)}GPa")
+        self.poisson.setText("" if material.poisson is None else to_type(material.poisson))
+        self.density.setText("" if material.density is None else f"{to_type(material.density)} g/cm³")
 
     def _own(self) -> None:
         self.material.setCurrentIndex(0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
-from apd_viewer.presentation.number_format import signed
+from apd_viewer.presentation.number_format import grouped, signed
 from apd_viewer.ui.scene.camera import unit
 from apd_viewer.ui.tools.gizmo_layout import ARROWS, EDGE_ON, RING, RINGS, SQUARES, GizmoFrame, axis_index
 
@@ -83,7 +83,7 @@ class Drag:
         factor = far / before
         factor = max(SNAP_SCALE, snapped(factor, SNAP_SCALE) if snap else factor)
         pose = scaled_about(frame.centre, factor) @ self.pose0
-        return replace(self, last=(x, y), pose=pose, text=f"× {factor:.2f}")
+        return replace(self, last=(x, y), pose=pose, text=f"× {grouped(factor, 2)}")
 
     def _shifted(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> Drag:
         directions, names = self._directions(frame)

@@ -26,8 +26,9 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.goals.percentage import LEAST, MOST, SIGN, check_no_factor
-from apd_viewer.language import tr
+from apd_viewer.language import tr, typed
 from apd_viewer.presentation.number_format import short
+from apd_viewer.session.quantities.clear_numbers import as_typed, check_clear
 from apd_viewer.ui.widgets.error_bubble import ErrorBubble
 from apd_viewer.ui.widgets.wheel import pass_wheel
 
@@ -144,7 +145,7 @@ class Number(QDoubleSpinBox):
 
     def textFromValue(self, value: float) -> str:
         """Number with all digits, ungrouped, as Enter reads it."""
-        return f"{value:.10g}" if self._brief else super().textFromValue(value)
+        return typed(f"{value:.10g}" if self._brief else f"{value:.{self.decimals()}f}")
 
     def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
         """Accept any text while typing; leaving the field restores invalid ones."""
@@ -160,9 +161,12 @@ class Number(QDoubleSpinBox):
         return self.value() if self._problem(text) else float(self._digits(text))
 
     def _digits(self, text: str) -> str:
+        return self._bare(text).replace(",", ".")
+
+    def _bare(self, text: str) -> str:
         # The suffix remains after the typed text, which may repeat it.
         number = text.removesuffix(self.suffix()).strip().removesuffix(self.suffix().strip())
-        return number.strip(" %").replace(",", ".")
+        return number.strip(" %")
 
     def _problem(self, text: str) -> str:
         """Sentence about an invalid text and what is allowed; empty for a number."""
@@ -180,12 +184,13 @@ class Number(QDoubleSpinBox):
         return sentence.format(text=digits[:_QUOTED], range=self._range)
 
     def _doubt(self, text: str, value: float) -> str:
-        """Question about a percentage that could be a factor; empty if it could not."""
-        if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(SIGN):
-            try:
+        """Question about what could mean something else; empty if it could not."""
+        try:
+            check_clear(as_typed(self._bare(text)), ",")
+            if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(SIGN):
                 check_no_factor(value)
-            except InputError as error:
-                return str(error)
+        except InputError as error:
+            return str(error)
         return ""
 
     @property

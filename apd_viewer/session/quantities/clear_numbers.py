@@ -1,0 +1,29 @@
+"""Numbers that can be read in two ways, which are asked about and never guessed."""
+
+from __future__ import annotations
+
+import re
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import notation, tr, typed
+
+# One thousand and more in some countries, one and a fraction in others.
+_DOUBTFUL = re.compile(r"(?<![\w.,])[1-9][0-9]{0,2}([.,])[0-9]{3}(?![0-9.,eE])")
+
+
+def check_clear(text: str, signs: str) -> None:
+    """Raise InputError on a number that one of the ``signs`` may divide into groups."""
+    for found in _DOUBTFUL.finditer(text):
+        if found[1] in signs:
+            said, small = found[0], float(found[0].replace(",", "."))
+            raise InputError(
+                tr("“{text}” can mean {small} or {large}; write {small} or {large}.").format(
+                    text=said, small=typed(f"{small:g}"), large=re.sub(r"[.,]", "", said)
+                )
+            )
+
+
+def as_typed(text: str) -> str:
+    """A text typed in the window, where the sign between groups may be the point; raises InputError."""
+    check_clear(text, notation().group if notation().group == "." else "")
+    return text
