@@ -15,5 +15,6 @@ if TYPE_CHECKING:
 
 
 def turns_in(document: Document, U: np.ndarray) -> tuple[HeldTurn, ...]:
-    """Turns of the handles, as asked and as the shape ``U`` (n, 3) holds them."""
+    """Turns of the handles from rest, as asked and as the shape ``U`` (n, 3) holds them."""
+    document = document.from_rest
     return held_turns(document.grip, U, document.mesh.joined_F, document.labels, ways_of(document))
