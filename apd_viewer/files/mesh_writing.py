@@ -16,7 +16,7 @@ from apd_viewer.files.storage.reading import in_one_line, quietly
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-_METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
+METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 _ROUNDING = 1e-4  # of the written shape, relative to its size: beyond it the shape is different
 
 
@@ -152,7 +152,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
 def _metre(mesh: Mesh, path: Path, unit: str) -> float:
     """Metres in a unit, for a new file in metres; else 1."""
     is_new = mesh.origin is None or mesh.origin.suffix != path.suffix.lower()
-    return _METRES.get(unit, 1.0) if is_new and path.suffix.lower() == ".glb" else 1.0
+    return METRES.get(unit, 1.0) if is_new and path.suffix.lower() == ".glb" else 1.0
 
 
 def _holds(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:

@@ -16,6 +16,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.shading_normals import shading_normals
+from apd_viewer.files.mesh_writing import METRES
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import tr
 
@@ -119,7 +120,7 @@ def _document(animation: Animation) -> tuple[dict[str, Any], int]:
         "asset": {"version": "2.0", "generator": "APD Viewer"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": mesh.stem}],
+        "nodes": [{"mesh": 0, "name": mesh.stem, **_in_metres(mesh.unit)}],
         "meshes": [
             {"name": mesh.stem, "primitives": [surface], "weights": [0] * (count - 1), "extras": names}
         ],
@@ -130,6 +131,11 @@ def _document(animation: Animation) -> tuple[dict[str, Any], int]:
         "accessors": layout.accessors,
     }
     return document, layout.length
+
+
+def _in_metres(unit: str) -> dict[str, Any]:
+    """Scale of the node, for a mesh in a unit that is known."""
+    return {"scale": [METRES[unit]] * 3} if METRES.get(unit, 1.0) != 1.0 else {}
 
 
 def _points(layout: _Layout, n: int, bounds: _Bounds) -> dict[str, int]:

@@ -55,6 +55,13 @@ def chunks(path):
     return document, arrays
 
 
+@pytest.mark.parametrize(("unit", "metres"), [("", 1.0), ("m", 1.0), ("in", 0.0254), ("mm", 1e-3)])
+def test_a_known_unit_becomes_metres(unit, metres, tmp_path):
+    animation, shapes = animated(Mesh(V, F, unit=unit), tmp_path / "shapes")
+    write_animation(animation, tmp_path / "a.glb")
+    np.testing.assert_allclose(open_mesh(tmp_path / "a.glb").V, metres * shapes[0], atol=1e-6 * metres)
+
+
 def test_each_shape_is_the_first_and_its_target(written):
     path, shapes = written
     document, arrays = chunks(path)
