@@ -111,7 +111,9 @@ def about_content(content: bytes, path: Path) -> str | None:
         return None if (packed, suffix) == ("ZIP", ".3mf") else said.format(name=name, format=packed)
     other = _first(content, _OTHERS)
     if other:
-        said = tr("The content of {name} is {format}, not a mesh that can be opened; export OBJ, PLY or STL.")
+        said = tr(
+            "The content of {name} is {format}, which cannot be opened; export the mesh as OBJ, PLY or STL."
+        )
         return said.format(name=name, format=other)
     return None
 

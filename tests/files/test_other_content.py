@@ -44,7 +44,7 @@ def png():
 
 
 WEB_PAGE = "holds a web page and no mesh; download the mesh itself."
-OTHER = "The content of {{}} is {}, not a mesh that can be opened; export OBJ, PLY or STL."
+OTHER = "The content of {{}} is {}, which cannot be opened; export the mesh as OBJ, PLY or STL."
 LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:%s\nsize 132735\n" % (b"4d7a" * 16)
 
 KNOWN = {
