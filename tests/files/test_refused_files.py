@@ -124,6 +124,11 @@ REFUSED = {
         PLY.replace("1 0 0", " " * 300_000),
         "ends before the last of its 4 rows of face",
     ),
+    # Searched for words with the blanks before them, this took half a minute.
+    "blanks without end.vtk": (
+        b"# vtk DataFile Version 3.0\na\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 0 1" + b"\n" * 70_000,
+        "it ends early",
+    ),
     "two coordinates.obj": (OBJ.replace("v 1 0 0", "v 1 0"), "fewer than three coordinates"),
     "word for number.off": (OFF.replace("1 0 0", "1 zero 0"), "not a valid OFF file"),
     "word for number.ply": (PLY.replace("1 0 0", "1 zero 0"), "not a valid PLY file"),

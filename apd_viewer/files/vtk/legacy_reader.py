@@ -12,7 +12,7 @@ from apd_viewer.files.formats.text import shown
 from apd_viewer.files.vtk.text_values import text_values
 from apd_viewer.language import tr
 
-_WORD = re.compile(rb"\s*(\S+)")
+_WORD, _WORDS = re.compile(rb"\s*(\S+)"), re.compile(rb"\S+")
 _SPACE = re.compile(rb"[^\S\n]*\n?")
 _METADATA_END = re.compile(rb"\n[^\S\n]*\n|\Z")
 # Numbers of a binary file are big-endian; ids were written as int before there were types for them.
@@ -126,7 +126,7 @@ class LegacyReader:
             raise ValueError(tr("it ends early"))
         start = self.place
         if count:
-            last = next(islice(_WORD.finditer(self.content, start), count - 1, None), None)
+            last = next(islice(_WORDS.finditer(self.content, start), count - 1, None), None)
             if last is None:
                 raise ValueError(tr("it ends early"))
             self.place = last.end()
