@@ -13,8 +13,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.weld import SEAM, TOLERANCE
 from apd_viewer.language import tr, trn
 
-# The kind of the finding about separate parts.
-SEPARATE = "separate pieces"
+# The kinds of the findings about the file, and about separate parts.
+_FILE, SEPARATE = "file", "separate pieces"
 
 # Aspect ratio of a sliver: longest edge to height.
 _NEEDLE = 100.0
@@ -55,11 +55,16 @@ class Finding:
         """Finding about vertices in any order, repeated or not."""
         return cls(kind, sentence, frozen(np.unique(np.asarray(vertices, dtype=np.int64))))
 
+    @property
+    def is_about_file(self) -> bool:
+        """True if the file is strange, and not the mesh in it."""
+        return self.kind == _FILE
+
 
 def of_file(mesh: Mesh) -> Iterator[Finding]:
     """Findings about the file of the mesh."""
     for sentence in mesh.remarks:
-        yield Finding.of("file", sentence)
+        yield Finding.of(_FILE, sentence)
 
 
 def of_vertices(mesh: Mesh) -> Iterator[Finding]:

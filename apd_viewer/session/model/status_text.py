@@ -21,11 +21,15 @@ if TYPE_CHECKING:
 
 
 def about_findings(findings: Sequence[Finding]) -> str | None:
-    """Sentence about the findings of an opened mesh; None if there are none."""
-    if len(findings) > 1:
+    """Sentences about the findings of an opened mesh; None if there are none.
+
+    Those about its file are told as they are, since much else is found in any file of some formats.
+    """
+    said = [finding.sentence for finding in findings if finding.is_about_file or len(findings) == 1]
+    if len(findings) > len(said):
         # Without their number: those about the current shape are searched for in the background.
-        return tr("The mesh check has found issues; click the badge at the lower right to see them.")
-    return findings[0].sentence if findings else None
+        said.append(tr("The mesh check has found issues; click the badge at the lower right to see them."))
+    return " ".join(said) or None
 
 
 def about_export(name: str, area: float, at_rest: float, unit: Unit) -> str:

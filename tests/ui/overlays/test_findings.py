@@ -4,6 +4,7 @@ import meshes
 import numpy as np
 import pytest
 from driving import Mouse, document, idle, settle
+from mesh_contents import binary_stl
 from PySide6.QtCore import QPointF, Qt
 from seams import halves
 
@@ -107,6 +108,26 @@ def test_a_single_finding_is_told_as_it_is(qtbot, window):
     idle(qtbot, window)
     assert window.notice.text == findings(window)[0].sentence
     assert window.health.badge.text() == "1 issue"
+
+
+def test_what_is_strange_about_the_file_is_told_before_the_rest(qtbot, window, tmp_path):
+    path = tmp_path / "a.stl"
+    path.write_bytes(binary_stl(*meshes.box(1, 1, 1)) + b"more")
+    window.filing.open_path(path)
+    idle(qtbot, window)
+    said = "4 bytes after the last face that the file declares were not read."
+    assert window.notice.text.startswith(f"{said} The mesh check has found issues;")
+    assert window.health.badge.text() == "2 issues"
+    open_list(qtbot, window)
+    assert window.health.list.rows[0].accessibleName() == said
+
+
+def test_a_file_without_a_mesh_is_told_for_what_it_is(qtbot, window, tmp_path):
+    path = tmp_path / "a.obj"
+    path.write_text("<!DOCTYPE html><html><body>Not found</body></html>")
+    window.filing.open_path(path)
+    qtbot.waitUntil(lambda: window.notice.isVisible())
+    assert window.notice.text == "a.obj holds a web page and no mesh; download the mesh itself."
 
 
 def test_a_finding_is_marked_and_the_camera_comes_round_to_it(qtbot, ill):
