@@ -19,14 +19,11 @@ _FILE, SEPARATE = "file", "separate pieces"
 # Aspect ratio of a sliver: longest edge to height.
 _NEEDLE = 100.0
 
-
 # Sizes more likely a wrong unit than intended, in any unit.
 _TINY, _HUGE = 1e-3, 1e6
 
-
 # A volume below this, of a surface of area one, has the sign of rounding.
 _ROUNDING = 1e-9
-
 
 # This many sizes from the origin, single precision has lost three digits.
 _FAR = 1e3
