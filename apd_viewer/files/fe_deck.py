@@ -11,10 +11,12 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_place
 from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.geometry.mesh.arrays import diagonal, digits_at
 from apd_viewer.language import tr
 
 SUFFIX = ".inp"
 _ABAQUS = "Abaqus does not know OUTPUT=2D, by which CalculiX keeps the numbers of the nodes; remove it there."
+_DIGITS = 12  # with sign, point and exponent 18 characters; numbers with more are large and have no exponent
 _A_LINE = 16  # most numbers in a line of a set
 _LONGEST = 100  # characters of a name in a comment
 _STATIC = "0.1, 1., 1e-5"  # first increment, length of a step, least increment
@@ -125,9 +127,10 @@ def _lines(deck: Deck) -> Iterator[str]:
 def _mesh_lines(deck: Deck) -> Iterator[str]:
     """Nodes of the elements at rest, and the elements."""
     nodes = np.unique(deck.F[deck.used])
+    size = diagonal(deck.V[nodes])
     yield "*NODE, NSET=ALL"
     for node, point in zip((nodes + 1).tolist(), deck.V[nodes].tolist(), strict=True):
-        yield f"{node}, " + ", ".join(map(_number, point))
+        yield f"{node}, " + ", ".join(_number(x, digits_at(x, size, _DIGITS)) for x in point)
     yield "*ELEMENT, TYPE=S3, ELSET=SURFACE"
     for element, corners in zip(deck.used.tolist(), (deck.F[deck.used] + 1).tolist(), strict=True):
         yield f"{element + 1}, " + ", ".join(map(str, corners))
@@ -181,9 +184,9 @@ def _rows(ids: np.ndarray) -> Iterator[str]:
     return (", ".join(words[k : k + _A_LINE]) for k in range(0, len(words), _A_LINE))
 
 
-def _number(value: float) -> str:
+def _number(value: float, digits: int = _DIGITS) -> str:
     """A number in at most 20 characters: more are not read."""
-    said = f"{value + 0.0:.12g}"
+    said = f"{value + 0.0:.{digits}g}"
     return said if "." in said or "e" in said else said + "."
 
 

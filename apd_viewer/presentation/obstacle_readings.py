@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from apd_viewer.geometry.mesh.arrays import digits_at
 from apd_viewer.language import notation, tr
 from apd_viewer.presentation.number_format import exact, length, significant, to_type
 
@@ -66,7 +67,8 @@ def motion(state: State, k: int, unit: Unit) -> str:
 def coordinates(x: np.ndarray, size: float = 1.0, digits: int = _DIGITS) -> str:
     """Three numbers as they are typed; rounding errors of a ``size`` become zero."""
     between = "; " if notation().point == "," else ", "
-    return between.join(to_type(c, digits) if abs(c) > 10.0**-digits * size else "0" for c in x)
+    said = (to_type(c, digits_at(c, size, digits)) if abs(c) > 10.0**-digits * size else "0" for c in x)
+    return between.join(said)
 
 
 def report_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:

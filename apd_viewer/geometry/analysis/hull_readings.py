@@ -9,6 +9,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.bounding_boxes import smallest_box
 from apd_viewer.geometry.analysis.convex_hull import convex_hull, minimum_width
+from apd_viewer.geometry.mesh.arrays import far_centre
 from apd_viewer.language import tr
 
 # Share of a container that convex bodies fill when they lie in it at random: equal spheres at their densest,
@@ -63,6 +64,7 @@ class HullReadings(NamedTuple):
 
 def hull_readings(points: np.ndarray) -> HullReadings:
     """Readings of the convex hull of ``points`` (k, 3)."""
+    points = points - far_centre(points)
     hull = convex_hull(points)
     if hull is None:  # its box has no volume either, in whatever way it is turned in its plane
         centred = points - points.mean(axis=0)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -130,6 +131,11 @@ def capsule(a: np.ndarray, b: np.ndarray, radius: float) -> Obstacle:
     if not np.linalg.norm(ends[1] - ends[0]) > 0.0:
         raise InputError(tr("The two ends of a cylinder must be apart."))
     return Obstacle(ends, _checked(radius))
+
+
+def moved_by(obstacles: Sequence[Obstacle], shift: np.ndarray) -> Sequence[Obstacle]:
+    """Obstacles moved by ``shift`` (3,)."""
+    return [replace(each, points=each.points + shift) for each in obstacles] if shift.any() else obstacles
 
 
 def _rows(of_surface: np.ndarray, of_obstacle: range | list[int], after: bool = False) -> np.ndarray:

@@ -11,7 +11,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.arrays import check_mesh, diagonal, numbers, whole_numbers
+from apd_viewer.geometry.mesh.arrays import check_mesh, diagonal, far_centre, numbers, whole_numbers
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.measures import SLIVER, area_volume_change
@@ -44,6 +44,9 @@ class ShapeMeasures(NamedTuple):
 class RestMesh:
     """Rest mesh of a deformation, computed once a mesh.
 
+    A mesh far from the origin is solved about its :attr:`centre`: squares of its coordinates would leave no
+    digits for its shape. What is called local is relative to it.
+
     Parameters
     ----------
     V : (n, 3) float array, rest positions
@@ -52,13 +55,25 @@ class RestMesh:
         The maps to the vertices of the solve, where they are known already.
     thinnings : sequence of Thinning
         Of :attr:`shape` and of those thinner, as far as they are known already.
+
+    Attributes
+    ----------
+    centre : (3,) float array
+        Place of the local origin; that of the mesh's own coordinates unless they are far from it.
+    V : (n, 3) float array
+        Rest positions, local.
     """
 
     def __init__(
         self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None, thinnings: Sequence[Thinning] = ()
     ) -> None:
-        self.V, self.F = V, F
-        self.weld = weld or Weld.of(V, F)
+        used = np.zeros(len(V), dtype=bool)
+        used[F.ravel()] = True
+        self.centre = far_centre(V[used])
+        self.F, self.diagonal, self._is_far = F, diagonal(V[used]), bool(self.centre.any())
+        weld = weld or Weld.of(V, F)
+        self.V = V = self.local(V)
+        self.weld = Weld.between(V, weld.first, weld.inverse) if self._is_far else weld
         self.face_areas = face_areas(V, F)
         self.area = float(self.face_areas.sum())
         if self.area <= 0.0:
@@ -68,9 +83,14 @@ class RestMesh:
                 tr("The coordinates are too large to compute with; choose a larger unit of length.")
             )
         self.shape = SolveMesh(V[self.weld.first], self.weld.inverse[F], thinnings)
-        used = np.zeros(len(V), dtype=bool)
-        used[F.ravel()] = True
-        self.diagonal = diagonal(V[used])
+
+    def local(self, X: np.ndarray) -> np.ndarray:
+        """Positions ``X`` (k, 3) of the mesh's own coordinates, relative to the centre."""
+        return X - self.centre if self._is_far else X
+
+    def placed(self, X: np.ndarray) -> np.ndarray:
+        """Local positions ``X`` (k, 3) in the mesh's own coordinates."""
+        return X + self.centre if self._is_far else X
 
     @classmethod
     def of(cls, V: object, F: object, weld: bool = False) -> RestMesh:
@@ -125,4 +145,4 @@ class RestMesh:
     def energy(self, U: np.ndarray) -> float:
         """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""
         with cores_for(len(self.shape.V)):
-            return self.shape.energy(U[self.weld.first])
+            return self.shape.energy(self.local(U[self.weld.first]))

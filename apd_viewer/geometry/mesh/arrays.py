@@ -19,6 +19,28 @@ def diagonal(points: np.ndarray) -> float:
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
+def far_centre(points: np.ndarray) -> np.ndarray:
+    """Place (3,) from which points (k, 3) have small coordinates; the origin if near.
+
+    A multiple of a power of two, at least four times the diagonal: subtracting and adding it rounds nothing
+    but the last bit, and what lies about the origin keeps its coordinates.
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = float(np.linalg.norm(high - low))
+    if not 0.0 < size < np.inf:
+        return np.zeros(3)
+    grid = 2.0 ** (np.ceil(np.log2(size)) + 2.0)
+    return np.round((low + 0.5 * (high - low)) / grid) * grid + 0.0
+
+
+def digits_at(x: float, size: float, digits: int) -> int:
+    """Significant digits of a coordinate far away, ``digits`` of them near; at most 15.
+
+    They leave as many to a mesh of this ``size`` as it has at the origin.
+    """
+    return min(15, digits + max(0, int(np.log10(max(abs(x) / size, 1.0))))) if size > 0.0 else digits
+
+
 def numbers(given: object, what: str) -> np.ndarray:
     """Float64 copy of a caller's array, or InputError."""
     try:

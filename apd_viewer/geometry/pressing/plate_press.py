@@ -72,13 +72,13 @@ class PlatePress:
         self._relaxes = options.start is not None
         if self._relaxes:
             self.pressing = Pressing(rest, (), np.zeros((0, 3)), options)
-            self._plates_around(self.pressing.U)
+            self._plates_around(self.pressing.shape)
         else:
-            self.pressing = Pressing(rest, *self._plates_around(rest.V), options)
+            self.pressing = Pressing(rest, *self._plates_around(rest.shape.V), options)
 
     def _plates_around(self, U: np.ndarray) -> tuple[list[Obstacle], np.ndarray]:
-        """Plates that touch a shape ``U`` (n, 3), and the ways (2, 3) that they go."""
-        X = U[np.unique(self._rest.F)]
+        """Plates at a local shape ``U`` (k, 3) of the solve, and their ways (2, 3)."""
+        X = U[np.unique(self._rest.shape.F)]
         self.way = way = plate_way(X, *self._asked)
         # The middle of the bounding box: plates need a place across their axis, too.
         middle, size = 0.5 * (X.min(axis=0) + X.max(axis=0)), diagonal(X)
@@ -106,7 +106,7 @@ class PlatePress:
                 raise InputError(
                     tr("The shape to begin from has another area or volume; deform it with the same targets.")
                 )
-            self.pressing.surround(*self._plates_around(self.pressing.U))
+            self.pressing.surround(*self._plates_around(self.pressing.shape))
         yield self._step(settled=True)
         for k in range(self._count):
             self.rest_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))
@@ -151,8 +151,7 @@ class PlatePress:
 
     def _step(self, settled: bool) -> PressStep:
         pressing, rest = self.pressing, self._rest
-        shape = pressing.U[rest.weld.first]
-        found, crossed = rest.measure(shape), crossings(shape, rest.shape.F)
+        found, crossed = rest.measure(pressing.shape), crossings(pressing.shape, rest.shape.F)
         low, high = pressing.loads @ self.way.axis
         gone = pressing.share * self.way.length
         return PressStep(

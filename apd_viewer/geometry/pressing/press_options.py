@@ -59,7 +59,7 @@ DEFAULT_OPTIONS = PressOptions()
 
 
 def start_of(rest: RestMesh, start: np.ndarray | None) -> np.ndarray:
-    """Positions (n, 3) of the solve to begin from; by default the rest array itself."""
+    """Local positions (k, 3) of the solve to begin from; by default the rest array itself."""
     if start is None:
         return rest.shape.V
     start = numbers(start, tr("Start"))
@@ -71,7 +71,7 @@ def start_of(rest: RestMesh, start: np.ndarray | None) -> np.ndarray:
         )
     if not np.isfinite(start).all():
         raise InputError(tr("Every coordinate of the shape to begin from must be a number."))
-    return np.ascontiguousarray(start[rest.weld.first])
+    return np.ascontiguousarray(rest.local(start)[rest.weld.first])
 
 
 def press_material(traits: Method, options: PressOptions) -> Material:

@@ -88,7 +88,7 @@ class Pressing:
         Parameters
         ----------
         obstacles : sequence of Obstacle
-            Where they are at first; the shape must be clear of them.
+            Where they are at first, in local positions; the shape must be clear of them.
         shifts : (o, 3) float array
             How far each goes in the end, mesh units.
         """
@@ -114,7 +114,12 @@ class Pressing:
     @property
     def U(self) -> np.ndarray:
         """Current shape, (n, 3) float array."""
-        return self.rest.weld.spread(self._descent.U)
+        return self.rest.placed(self.rest.weld.spread(self._descent.U))
+
+    @property
+    def shape(self) -> np.ndarray:
+        """Current local shape of the solve, (k, 3) float array."""
+        return self._descent.U
 
     @property
     def share(self) -> float:

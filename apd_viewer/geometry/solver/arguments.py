@@ -114,7 +114,7 @@ class HeldVertices:
         self._targets, self.asked = found
 
     def place(self, U: np.ndarray, held: np.ndarray) -> None:
-        """Write the places in the file into ``U`` (n, 3), given those of the solve.
+        """Write the local places in the file into ``U`` (n, 3), given those of the solve.
 
         Vertices welded with a tolerance are held exactly.
         """
@@ -142,7 +142,7 @@ def soft_of(soft: Soft, rest: RestMesh, solve_ids: np.ndarray) -> tuple[Soft, np
 def targets_of(
     targets: np.ndarray, rest: RestMesh, fixed: np.ndarray, chosen: np.ndarray, inverse: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Target of every held vertex of the file and of the solve.
+    """Local target of every held vertex of the file and of the solve.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def targets_of(
     InputError
         If a target is missing, not finite, too far away, or not the only one of its vertex.
     """
-    targets = numbers(targets, tr("Targets"))
+    targets = rest.local(numbers(targets, tr("Targets")))
     if targets.shape != (len(fixed), 3) or not np.isfinite(targets).all():
         raise InputError(
             tr("Targets must be {n} finite positions, one for each held vertex.").format(n=len(fixed))
@@ -173,8 +173,8 @@ def targets_of(
 
 
 def start_of(U: np.ndarray, rest: RestMesh) -> np.ndarray:
-    """Checked start positions (n, 3); raises InputError."""
+    """Checked local start positions (n, 3); raises InputError."""
     U = numbers(U, tr("Start positions"))
     if U.shape != rest.V.shape or not np.isfinite(U).all():
         raise InputError(tr("Start positions must be {n} finite positions.").format(n=len(rest.V)))
-    return U
+    return rest.local(U)

@@ -11,6 +11,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact_readings import contact_readings
+from apd_viewer.geometry.contact.obstacles import moved_by
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.calm_parts import calm_levels
@@ -168,12 +169,12 @@ class Deformation:
             self.contact = None
             if contact:
                 check_contact(self._traits, plain)
-                touching = rest, of, thickness, self.loose, obstacles
+                touching = rest, of, thickness, self.loose, moved_by(obstacles, -rest.centre)
                 self._solver = self.contact = in_contact(self._solver, goals, *touching)
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
-        self.aim(rest.V[self.fixed])
+        self.aim(rest.placed(rest.V[self.fixed]))
 
     @property
     def fixed(self) -> np.ndarray:
@@ -228,7 +229,7 @@ class Deformation:
         check_method(self.method, self._held.handle_of, len(obstacles) > 0)
         if self.contact is not None:
             with cores_for(len(self.rest.shape.V)):
-                self.contact.surround(obstacles)
+                self.contact.surround(moved_by(obstacles, -self.rest.centre))
         self._begin()
 
     def aim(
@@ -272,7 +273,7 @@ class Deformation:
                 self._solver.restart(self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first])))
             drawn = self.rest.shape.V[self._soft.ids]
             if soft_targets is not None:
-                drawn = numbers(soft_targets, "Soft targets")[self._drawn]
+                drawn = self.rest.local(numbers(soft_targets, "Soft targets")[self._drawn])
             asked = self._held.asked
             self._solver.aim(np.concatenate([asked, drawn]) if len(drawn) else asked)
         self._begin()
@@ -331,7 +332,7 @@ class Deformation:
             regions = self._kept.region_areas(solver.U)
             energy = solver.energy
         return Frame(
-            U=frozen(self._spread(solver.U)),
+            U=frozen(self.rest.placed(self._spread(solver.U))),
             iteration=self._iteration,
             **found._asdict(),
             area_error=found.area / self.rest.area - 1.0,
@@ -359,7 +360,7 @@ class Deformation:
         return self.contact is not None and self.contact.is_on_its_way
 
     def _spread(self, U: np.ndarray) -> np.ndarray:
-        """The positions ``U`` of the vertices of the solve, for all vertices of the file."""
+        """Local positions ``U`` of the vertices of the solve, for all those of the file."""
         spread = self.rest.weld.spread(self.loose.carried(U))
         if self.rest.weld.offset is not None and not self._traits.moves_handles:
             self._held.place(spread, self._solver.held)

@@ -253,7 +253,7 @@ def _begins_at_rest(solver: Deformation, request: Request) -> bool:
         return False
     if len(shifts) != len(contact.shifts):
         shifts = shifts_of(request.document)
-    return not contact.contact.may_enter(request.U[solver.rest.weld.first], shifts)
+    return not contact.contact.may_enter(solver.rest.local(request.U[solver.rest.weld.first]), shifts)
 
 
 def _is_large(rest: RestMesh) -> bool:

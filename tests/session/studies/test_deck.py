@@ -184,6 +184,16 @@ def test_numbers_fit_the_twenty_characters_that_are_read(written):
     assert max(len(line) for line in deck.text.splitlines()) < 132
 
 
+def test_a_mesh_far_from_the_origin_keeps_its_digits(written):
+    far = V / 7.0 + np.array([8.1e6, -4.3e6, 8.2e6])
+    deck = written(painted(far, F).document)
+    assert np.abs(np.array([deck.nodes[k + 1] for k in range(len(V))]) - far).max() < 2e-8
+    words = [
+        word.strip() for line in deck.text.splitlines() if line[:1].isdigit() for word in line.split(",")
+    ]
+    assert max(map(len, words)) <= 20
+
+
 def test_the_same_deck_twice_is_the_same_file(written):
     assert written(painted().document).text == written(painted().document).text
 
