@@ -20,7 +20,7 @@ from apd_viewer.presentation.report_origin import (
     version_rows,
 )
 from apd_viewer.presentation.report_volumes import reduction_block
-from apd_viewer.session.model.status_text import of_crossings, of_exempt
+from apd_viewer.session.model.status_text import of_crossings, of_exempt, of_turns
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall, mass
 
@@ -63,14 +63,14 @@ def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogra
     checks = subject.at_rest, subject.found
     date = subject.moment.strftime("%Y-%m-%d %H:%M")
     parts = [
-        PageSection(tr("Shape"), (*_warnings(state), pictures), wide=True),
+        PageSection(tr("Shape"), (*_warnings(state, subject.found), pictures), wide=True),
         PageSection(tr("Area"), (Table(tuple(_area(state, unit))),)),
         PageSection(tr("Volume"), (Table(tuple(_volume(subject))),)),
         PageSection(tr("Size and mass"), tuple(_size(subject))),
         *_target_shape(state, unit, evidence.apart),
         *_measurements(subject),
         PageSection(tr("Settings and targets"), tuple(report_settings.settings_blocks(state, unit))),
-        PageSection(tr("Handles"), (Table(tuple(report_settings.handle_rows(state, unit))),)),
+        PageSection(tr("Handles"), (Table(tuple(report_settings.handle_rows(state, unit, subject.found))),)),
         PageSection(tr("Obstacles"), tuple(report_settings.obstacle_blocks(state, unit))),
         PageSection(tr("Regions"), tuple(report_settings.region_blocks(state, unit))),
         PageSection(tr("Volume reduction"), (reduction_block(state, unit, subject.wall, checks),), wide=True),
@@ -90,11 +90,13 @@ def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogra
     )
 
 
-def _warnings(state: State) -> Iterator[Block]:
+def _warnings(state: State, found: ShapeCheck | None) -> Iterator[Block]:
     if not state.frame.settled:
         yield Note(tr("The shape had not converged when this report was created."), warns=True)
     if state.frame.unreached:
         yield Note(state.frame.unreached, warns=True)
+    for sentence in of_turns(state, found):
+        yield Note(sentence, warns=True)
 
 
 def _area(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:

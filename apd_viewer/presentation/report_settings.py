@@ -13,10 +13,12 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr, trn, written
 from apd_viewer.presentation import obstacle_readings, readings
 from apd_viewer.presentation.number_format import exact, grouped, short, significant
+from apd_viewer.session.model.status_text import of_held_turn
 from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.session.model.named_parts import Handle
     from apd_viewer.session.model.state import State
 
@@ -58,7 +60,7 @@ def settings_blocks(state: State, unit: Unit) -> Iterator[Block]:
     yield Table(tuple(rows))
 
 
-def handle_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
+def handle_rows(state: State, unit: Unit, found: ShapeCheck | None = None) -> Iterator[tuple[str, str, str]]:
     """Rows of the handles with their motions."""
     document, size = state.document.from_rest, max(state.inspection.size)
     for k, handle in enumerate(document.handles):
@@ -68,6 +70,8 @@ def handle_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
             continue
         said = [trn("{n:,} vertex", "{n:,} vertices", count).format(n=count)]
         said += _motion(handle, centre, unit, size)
+        if turned := of_held_turn(state, found, k):
+            said.append(turned)
         pivot = document.pivot(k)
         if handle.pivot is not None and pivot is not None:
             said.append(tr("pivot {point}").format(point=unit.length(_vector(pivot, size))))

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from apd_viewer.session.model.handle_paths import turning_of
 from apd_viewer.session.processes.shape_checker import Shape, ShapeChecker
 from apd_viewer.session.store import Activity
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.gestures import Gestures
@@ -40,8 +39,8 @@ class ShapeChecks:
         self._listener = listener
         self._checker = ShapeChecker(listener.wake)
         self._mesh: Mesh | None = None
-        self._last: tuple[np.ndarray, ShapeCheck] | None = None
-        self._wanted: np.ndarray | None = None
+        self._last: tuple[Shape, ShapeCheck] | None = None
+        self._wanted: Shape | None = None
         self.found: ShapeCheck | None = None
         self.at_rest: ShapeCheck | None = None
 
@@ -59,9 +58,10 @@ class ShapeChecks:
         if mesh is not self._mesh:
             self._mesh, self.at_rest = mesh, None
         rests = self._gestures.before is None and self._store.activity is not Activity.REFINING
-        found = self._known(U)
-        wanted = U if found is None and rests else None
-        if found is not self.found or wanted is not self._wanted:
+        shape = Shape(U, mesh.joined_F, turning_of(state.document))
+        found = self._known(shape)
+        wanted = shape if found is None and rests else None
+        if found is not self.found or not _alike(wanted, self._wanted):
             self.found = found
             self._ask(wanted)
             self._listener.measured()
@@ -74,7 +74,7 @@ class ShapeChecks:
         shape, found = answer
         if shape.U is self._mesh.V:
             self.at_rest = found
-        self._last = shape.U, found
+        self._last = shape, found
         if self._wanted is not None:
             self.found = self._known(self._wanted)
             self._ask(self._wanted if self.found is None else None)
@@ -84,16 +84,23 @@ class ShapeChecks:
         """Stop the check under way."""
         self._checker.close()
 
-    def _known(self, U: np.ndarray) -> ShapeCheck | None:
-        """Result for ``U`` (n, 3), if it is at rest or was checked last."""
-        if self._mesh is not None and U is self._mesh.V:
+    def _known(self, shape: Shape) -> ShapeCheck | None:
+        """Result for a shape, if it is at rest or was checked last."""
+        if self._mesh is not None and shape.U is self._mesh.V:
             return self.at_rest
-        return self._last[1] if self._last is not None and U is self._last[0] else None
+        return self._last[1] if self._last is not None and _alike(shape, self._last[0]) else None
 
-    def _ask(self, U: np.ndarray | None) -> None:
-        """Check ``U`` (n, 3), or nothing; the mesh at rest comes first, for comparison."""
-        self._wanted = U
-        if U is None or self._mesh is None:
+    def _ask(self, shape: Shape | None) -> None:
+        """Check a shape, or nothing; the mesh at rest comes first, for comparison."""
+        self._wanted = shape
+        if shape is None or self._mesh is None:
             self._checker.forget()
         else:
-            self._checker.ask(Shape(self._mesh.V if self.at_rest is None else U, self._mesh.joined_F))
+            self._checker.ask(Shape(self._mesh.V, shape.F) if self.at_rest is None else shape)
+
+
+def _alike(one: Shape | None, other: Shape | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    turning = one.turning
+    return one.U is other.U and (turning is other.turning if turning is None else turning.same(other.turning))

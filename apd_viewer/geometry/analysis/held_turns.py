@@ -51,7 +51,7 @@ def held_turns(
 
 
 def ways_of(X: np.ndarray, places: np.ndarray, labels: np.ndarray) -> list[list[np.ndarray]]:
-    """Poses (4, 4) of each handle against the base, without their places; none if not told.
+    """Rotations of each handle against the base, as poses (4, 4); none if not told.
 
     Parameters
     ----------

@@ -8,6 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.pose.held_turn import HeldTurn, Turning
 
 
 class ShapeCheck(NamedTuple):
@@ -20,11 +21,14 @@ class ShapeCheck(NamedTuple):
     size : tuple of 3 floats
         Of the box along the axes.
     hull : HullReadings
+    turns : tuple of HeldTurn
+        Of the handles; empty where none has turned.
     """
 
     crossing: np.ndarray | None
     size: tuple[float, float, float]
     hull: HullReadings
+    turns: tuple[HeldTurn, ...] = ()
 
     @property
     def box(self) -> float:
@@ -38,8 +42,13 @@ class ShapeCheck(NamedTuple):
         return self.hull.box
 
 
-def check_shape(U: np.ndarray, F: np.ndarray) -> ShapeCheck:
-    """Check the shape ``U`` (n, 3) of the triangles ``F`` (m, 3)."""
+def check_shape(U: np.ndarray, F: np.ndarray, turning: Turning | None = None) -> ShapeCheck:
+    """Check the shape ``U`` (n, 3) of the triangles ``F`` (m, 3), with its turns."""
     points = U[np.unique(F)]
     dx, dy, dz = np.ptp(points, axis=0).tolist()
-    return ShapeCheck(crossings(U, F), (dx, dy, dz), hull_readings(points))
+    turns: tuple[HeldTurn, ...] = ()
+    if turning is not None:
+        from apd_viewer.geometry.analysis.held_turns import held_turns  # Here: SciPy comes with it.
+
+        turns = held_turns(turning.V, U, F, turning.labels, turning.ways)
+    return ShapeCheck(crossings(U, F), (dx, dy, dz), hull_readings(points), turns)

@@ -103,7 +103,7 @@ class SurfaceTurns:
         return np.flatnonzero((corners > 0) & (corners == corners.max(initial=0)))
 
     def turn(self, k: int, way: AskedTurn) -> float | None:
-        """Turn of handle ``k`` about the axis of its way, radians; None if it cannot be told."""
+        """Turn of handle ``k`` about the axis of its way, radians; None if not told."""
         base, end = self._rotations[BASE], self._rotations.get(HANDLE + k)
         if base is None or end is None:
             return None
@@ -127,7 +127,7 @@ class SurfaceTurns:
     def _ways(
         self, label: int, axis: np.ndarray, last: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Sums (a,) of the turns and of the jumps on the clearest ways to a part, and the arm of each."""
+        """Sums (a,) of turns and jumps on the clearest ways to a part, with their arms."""
         pairs, start, ends = self._pairs, self._ends(BASE), self._ends(label)
         own = self._inside(label)
         step, clear = pairs.turns(axis)

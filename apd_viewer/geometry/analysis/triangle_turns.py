@@ -18,7 +18,7 @@ from apd_viewer.geometry.mesh.adjacency import opposite_corners
 
 
 class TriangleAxes(NamedTuple):
-    """Frames of triangles: first edges and normals (m, 3), and the angles of their edges, (m, 3)."""
+    """Frames of triangles: first edges, normals, and angles of edges, (m, 3) each."""
 
     first: np.ndarray
     normal: np.ndarray
@@ -46,7 +46,7 @@ class TriangleAxes(NamedTuple):
 
 
 class TurningPairs(NamedTuple):
-    """Pairs of neighbouring triangles, with the rotations from the first to the second.
+    """Pairs of neighbouring triangles, with the rotations from one to the other.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class TurningPairs(NamedTuple):
         return cls(q, np.column_stack([s, t]), ends, tuple(way), _dots(way[-1], q[t]) < 0.0)
 
     def turns(self, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Turn about ``axis`` (3,) from the first to the second, (p,), and how clearly it is told, (p,)."""
+        """Turn about ``axis`` (3,) in each pair, (p,), and its clearness from 0 to 1, (p,)."""
         points = [(q[:, 0], q[:, 1:] @ axis) for q in self.on_the_way]
         angles = [np.arctan2(along, w) for w, along in points]
         # A turn by less than a whole one is half as much of an ellipse: less than a half of it.
@@ -97,14 +97,14 @@ class TurningPairs(NamedTuple):
 
 
 def _hinge(frames: TriangleAxes, s: np.ndarray, c: np.ndarray, t: np.ndarray, same: np.ndarray) -> np.ndarray:
-    """Angle at the edge ``c`` (k,) from the triangle ``s`` to ``t``, turned round or not."""
+    """Angle at the edge ``c`` (k,) from triangle ``s`` to ``t``, turned round or not."""
     n, other = frames.normal[s], np.where(same[:, None], -1.0, 1.0) * frames.normal[t]
     angle: np.ndarray = np.arctan2(_dots(frames.edge(s, c), np.cross(n, other)), _dots(n, other))
     return angle
 
 
 def between(p: np.ndarray, q: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Turn about an axis by the shortest rotation from ``p`` (k, 4) to ``q``, and whether it jumps."""
+    """Turn about an axis by the shortest rotation from ``p`` (k, 4) to ``q``, and jumps."""
     jump = _dots(p, q) < 0.0
     q = np.where(jump[:, None], -q, q)
     before, after = (np.arctan2(each[:, 1:] @ axis, each[:, 0]) for each in (p, q))

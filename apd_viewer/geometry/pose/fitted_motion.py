@@ -28,7 +28,7 @@ def fitted_motion(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
 
 
 def fitted_rotation(X: np.ndarray, Y: np.ndarray) -> np.ndarray | None:
-    """Rotation (3, 3) from ``X`` (k, 3) to ``Y`` by least squares; None of a line, a point or nothing."""
+    """Rotation (3, 3) from ``X`` (k, 3) to ``Y`` by least squares; None of a line."""
     if len(X) < 3:
         return None
     sizes = np.linalg.svd(X - X.mean(axis=0), compute_uv=False)

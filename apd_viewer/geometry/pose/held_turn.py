@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
+
+import numpy as np
 
 from apd_viewer.language import tr
 
@@ -49,6 +52,32 @@ class HeldTurn(NamedTuple):
         """
         turns = round(self.lost / (2.0 * math.pi))
         return turns > 0 and abs(self.lost - 2.0 * math.pi * turns) < _WHOLE
+
+
+class Turning(NamedTuple):
+    """Handles that have turned.
+
+    Attributes
+    ----------
+    V : (n, 3) float array
+        Positions before.
+    labels : (n,) int array of BASE, FREE, and HANDLE + k
+    ways : tuple of tuples of (4, 4) float arrays
+        Poses of each handle on its way.
+    """
+
+    V: np.ndarray
+    labels: np.ndarray
+    ways: tuple[tuple[np.ndarray, ...], ...]
+
+    def same(self, other: Turning | None) -> bool:
+        """True if positions and labels are the same objects, and all poses equal."""
+        if other is None or self.V is not other.V or self.labels is not other.labels:
+            return False
+        if [len(way) for way in self.ways] != [len(way) for way in other.ways]:
+            return False
+        one, another = (itertools.chain(*each.ways) for each in (self, other))
+        return all(np.array_equal(a, b) for a, b in zip(one, another, strict=True))
 
 
 def most_lost(turns: Sequence[HeldTurn]) -> HeldTurn:

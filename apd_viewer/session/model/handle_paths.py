@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.pose.held_turn import LEAST_TURN, Turning
 from apd_viewer.geometry.pose.winding import HandlePath, rounded, way_of
 
 if TYPE_CHECKING:
@@ -38,6 +39,14 @@ def paths_of(document: Document) -> tuple[HandlePath, ...]:
 def ways_of(document: Document) -> tuple[tuple[np.ndarray, ...], ...]:
     """Poses (4, 4) of each handle on its way from the grip, the present one last."""
     return tuple((*handle.waypoints, handle.pose) for handle in document.handles)
+
+
+def turning_of(document: Document) -> Turning | None:
+    """What tells the turns of the handles from rest in a shape; None where none is large enough."""
+    document = document.from_rest
+    if not any(float(np.linalg.norm(handle.rotation)) >= LEAST_TURN for handle in document.handles):
+        return None
+    return Turning(document.grip, document.labels, ways_of(document))
 
 
 def document_at(document: Document, paths: Sequence[PosePath], part: float) -> Document:

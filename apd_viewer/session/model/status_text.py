@@ -8,16 +8,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.pose.held_turn import turn_warnings
 from apd_viewer.language import tr, trn, written
+from apd_viewer.session.model.handle_paths import turning_of
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
     from apd_viewer.files.fe_deck import Deck
     from apd_viewer.files.selections.selection import Selection
     from apd_viewer.geometry.analysis.findings import Finding
+    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.geometry.analysis.target_shape import TargetShape
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
 
 
 def about_findings(findings: Sequence[Finding]) -> str | None:
@@ -132,3 +136,21 @@ def of_crossings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]
     said = tr("{n:,} intersecting triangles; the volume counts overlaps twice.")
     where = frozen(np.unique(mesh.F[crossing]))
     return (Finding("self-intersections", said.format(n=len(crossing)), where),)
+
+
+def of_turns(state: State, found: ShapeCheck | None) -> tuple[str, ...]:
+    """Sentences on turns lost by the surface, unless contact has stopped the handles."""
+    if found is None or state.frame.share_reached < 1.0:
+        return ()
+    names = [handle.name for handle in state.document.handles]
+    return turn_warnings(found.turns, state.keeps_apart, state.document.traits.may_touch, names)
+
+
+def of_held_turn(state: State, found: ShapeCheck | None, k: int) -> str:
+    """Turn of handle ``k`` held by the surface, as a phrase; empty without a turn."""
+    if turning_of(state.document) is None:
+        return ""
+    if found is None:
+        return tr("turn held: not checked yet")
+    held = found.turns[k].degrees[1] if k < len(found.turns) else None
+    return "" if held is None else tr("the surface holds {angle:.1f}°").format(angle=held).replace("-", "−")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.hull_readings import HullReadings
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
+from apd_viewer.geometry.pose.held_turn import HeldTurn, Turning
 from apd_viewer.session.processes.child_process import START, ChildProcess
 from apd_viewer.session.processes.newest_answer import NewestAnswer
 from apd_viewer.session.processes.shape_check_main import NOBODY_LOOKED
@@ -24,10 +26,11 @@ UNKNOWN = ShapeCheck(None, _NONE, HullReadings(math.nan, math.nan, _NONE))
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A shape to check: positions ``U`` (n, 3), welded triangles ``F`` (m, 3)."""
+    """A shape to check: positions ``U`` (n, 3), welded triangles ``F`` (m, 3), turns."""
 
     U: np.ndarray
     F: np.ndarray
+    turning: Turning | None = None
 
 
 class ShapeChecker(NewestAnswer[Shape, ShapeCheck]):
@@ -46,11 +49,25 @@ class ShapeChecker(NewestAnswer[Shape, ShapeCheck]):
 
 def _answer(process: ChildProcess, shape: Shape) -> ShapeCheck | None:
     """Return the check of a shape; None if the process has died."""
-    if not process.send(np.ascontiguousarray(shape.F, np.int32), np.ascontiguousarray(shape.U)):
+    said = np.ascontiguousarray(shape.F, np.int32), np.ascontiguousarray(shape.U), *_turned(shape.turning)
+    if not process.send(*said):
         return None
-    crossing, boxes = process.receive(), process.receive()
-    if crossing is None or boxes is None:
+    crossing, boxes, turned = process.receive(), process.receive(), process.receive()
+    if crossing is None or boxes is None or turned is None:
         return None
     ids = None if crossing == NOBODY_LOOKED else np.frombuffer(crossing, dtype=np.int64)
     dx, dy, dz, volume, width, a, b, c = np.frombuffer(boxes).tolist()
-    return ShapeCheck(ids, (dx, dy, dz), HullReadings(volume, width, (a, b, c)))
+    turns = [
+        HeldTurn(asked, None if math.isnan(held) else held)
+        for asked, held in np.frombuffer(turned).reshape(-1, 2).tolist()
+    ]
+    return ShapeCheck(ids, (dx, dy, dz), HullReadings(volume, width, (a, b, c)), tuple(turns))
+
+
+def _turned(turning: Turning | None) -> tuple[bytes | np.ndarray, ...]:
+    """The four messages about turns; see :func:`shape_check_main.serve`."""
+    if turning is None:
+        return (b"",) * 4
+    counts = np.array([len(way) for way in turning.ways])
+    poses = np.array(list(itertools.chain(*turning.ways)))
+    return np.ascontiguousarray(turning.V), turning.labels.astype(np.int64), counts, poses

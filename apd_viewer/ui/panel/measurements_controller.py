@@ -65,6 +65,7 @@ class Measuring(QObject):
         found = checks.found
         self._panel.measures.show_check(found, checks.at_rest)
         self._panel.volume.show_check(state, found, checks.under_way)
+        self._panel.handles.show_check(state, found)
         exempt = of_exempt(mesh, checks.at_rest.crossing) if state.keeps_apart and checks.at_rest else ()
         crossing = of_crossings(mesh, found.crossing) if found is not None else ()
         self._health.show_shape((*exempt, *crossing))

@@ -11,6 +11,7 @@ from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr, trc, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
+from apd_viewer.session.model.status_text import of_turns
 from apd_viewer.ui.panel.motion_field import MotionField
 from apd_viewer.ui.panel.symmetry_row import SymmetryRow
 from apd_viewer.ui.part_lists.part_list import PartList
@@ -23,6 +24,7 @@ from apd_viewer.ui.widgets.slider_field import Dial
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
@@ -41,6 +43,8 @@ class HandleSection(Section):
         In percent of the longest side.
     added, reset_asked, put_back_asked : Signal()
     drift : QLabel
+    lost : QLabel
+        Turns that the surface does not hold; hidden without any.
     """
 
     added = Signal()
@@ -51,6 +55,9 @@ class HandleSection(Section):
         super().__init__(tr("Handles"))
         self.list = PartList(HANDLE_COLORS, self._row)
         self.column.addWidget(self.list)
+        self.lost = QLabel(objectName="lost", wordWrap=True, accessibleName=tr("Lost turns"))
+        self.lost.hide()
+        self.column.addWidget(self.lost)
         self.motion = MotionField()
         self.column.addWidget(self.motion)
         self.symmetry = SymmetryRow()
@@ -108,6 +115,12 @@ class HandleSection(Section):
         self.motion.setEnabled(document.problem is None and bool(document.counts[HANDLE + active]))
         self._show_motion(state, unit, active)
         self.heading.say(f"{len(document.handles)}", only_folded=True)
+
+    def show_check(self, state: State, found: ShapeCheck | None) -> None:
+        """Show the turns that the surface has lost, as far as known."""
+        lost = of_turns(state, found)
+        self.lost.setText("\n".join(lost))
+        self.lost.setVisible(bool(lost))
 
     def show_readings(self, state: State, unit: Unit, active: int) -> None:
         """Show the handles' drift from their targets, and how far the active one has come."""
