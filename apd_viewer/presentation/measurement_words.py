@@ -113,10 +113,7 @@ def rows(readings: Sequence[MeasurementReading], unit: Unit) -> list[tuple[str, 
 
 def report_rows(readings: Sequence[MeasurementReading], unit: Unit) -> tuple[tuple[str, str, str], ...]:
     """Name, value now and change from rest, for a page that is final."""
-    return tuple(
-        (name, here.replace(LATER, tr("not measured yet")), _from_rest(there, by))
-        for name, here, there, by in rows(readings, unit)
-    )
+    return tuple((name, here, _from_rest(there, by)) for name, here, there, by in rows(readings, unit))
 
 
 def _from_rest(there: str, by: str) -> str:

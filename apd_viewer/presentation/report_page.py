@@ -41,8 +41,8 @@ class Subject:
     state : State
     unit : Unit
     wall : Wall
-    found, at_rest : ShapeCheck or None
-        Of the shape, and of the mesh at rest; None where nobody has looked yet.
+    found, at_rest : ShapeCheck
+        Of the shape, and of the mesh at rest.
     moment : datetime
         When it was asked for.
     measured : sequence of MeasurementReading
@@ -51,8 +51,8 @@ class Subject:
     state: State
     unit: Unit
     wall: Wall
-    found: ShapeCheck | None
-    at_rest: ShapeCheck | None
+    found: ShapeCheck
+    at_rest: ShapeCheck
     moment: datetime
     measured: Sequence[MeasurementReading] = ()
 
@@ -118,9 +118,7 @@ def _volume(subject: Subject) -> Iterator[tuple[str, str, str]]:
         yield tr("Share of the way"), touch.share, ""
 
 
-def _crossing(found: ShapeCheck | None) -> str:
-    if found is None:
-        return tr("not checked yet")
+def _crossing(found: ShapeCheck) -> str:
     if found.crossing is None:
         return tr("not checked: ipctk is missing")
     n = len(found.crossing)
@@ -136,10 +134,8 @@ def _measurements(subject: Subject) -> Iterator[PageSection]:
 def _size(subject: Subject) -> Iterator[Block]:
     state, unit, found, rest = subject.state, subject.unit, subject.found, subject.at_rest
     extent = readings.extent(found, unit), ""
-    box = readings.room(getattr(found, "box", None), getattr(rest, "box", None), unit)
-    packed = readings.room(getattr(found, "packed", None), getattr(rest, "packed", None), unit)
-    if found is None:  # a page is final: nothing is pending
-        extent = box = packed = tr("not measured yet"), ""
+    box = readings.room(found.box, rest.box, unit)
+    packed = readings.room(found.packed, rest.packed, unit)
     try:
         grams, problem = (
             mass(subject.wall, state.frame.area, unit, readings.material(state)),
@@ -191,8 +187,8 @@ def _local_change(change: LocalChange, histogram: Drawing | None) -> Iterator[Bl
 
 def _findings(subject: Subject) -> Iterator[Block]:
     state, found = subject.state, subject.found
-    crossings = of_crossings(state.document.mesh, None if found is None else found.crossing)
-    rest = None if subject.at_rest is None or not state.keeps_apart else subject.at_rest.crossing
+    crossings = of_crossings(state.document.mesh, found.crossing)
+    rest = subject.at_rest.crossing if state.keeps_apart else None
     findings = *state.inspection.findings, *of_exempt(state.document.mesh, rest), *crossings
     for finding in findings:
         yield Note(finding.sentence)

@@ -18,13 +18,9 @@ if TYPE_CHECKING:
     from apd_viewer.session.quantities.units import Unit
 
 
-def reduction_block(
-    state: State, unit: Unit, wall: Wall, checks: tuple[ShapeCheck | None, ShapeCheck | None]
-) -> Block:
+def reduction_block(state: State, unit: Unit, wall: Wall, checks: tuple[ShapeCheck, ShapeCheck]) -> Block:
     """Table of the volumes at rest and now; ``checks`` are those of both shapes."""
     at_rest, found = checks
-    if found is None or at_rest is None:
-        return Note(tr("Not measured yet."))
     if math.isnan(found.packed) or math.isnan(at_rest.packed):  # the process that measures has died
         return Note(tr("Not measured; create the report again."))
     now, then = readings.volumes(state.frame, state.inspection)

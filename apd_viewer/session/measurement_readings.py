@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, NamedTuple
 from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Measured, Measurement, measure
-from apd_viewer.session.processes.geodesic_finder import Course, GeodesicFinder
+from apd_viewer.session.processes.geodesic_finder import Course, GeodesicFinder, path_of
 from apd_viewer.session.store import Activity
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy as np
 
     from apd_viewer.geometry.measuring.surface_point import SurfacePoint
@@ -28,6 +30,23 @@ class MeasurementReading(NamedTuple):
     measurement: Measurement
     rest: Measured
     now: Measured
+
+
+def completed(readings: Sequence[MeasurementReading], state: State) -> list[MeasurementReading]:
+    """The readings of a state with the geodesics that were not known yet; takes its time."""
+    F, found = state.document.mesh.joined_F, []
+
+    def made(measurement: Measurement, known: Measured, U: np.ndarray) -> Measured:
+        if None not in known.values:
+            return known
+        return measure(measurement, U, F, path_of(Course(U, F, measurement.points)))
+
+    for each, rest, now in readings:
+        at_rest = made(each, rest, state.document.mesh.V)
+        found.append(
+            MeasurementReading(each, at_rest, at_rest if now is rest else made(each, now, state.frame.U))
+        )
+    return found
 
 
 class MeasurementReadings:

@@ -14,6 +14,7 @@ from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
 from apd_viewer.presentation import measurement_words as words
+from apd_viewer.session.measurement_readings import completed
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session, save_session
 
@@ -177,5 +178,9 @@ def test_words_tell_values_changes_and_what_is_missing(session):
         f"Enclosed area: {now[1]:.4f}\N{NO-BREAK SPACE}mm², {change} from 4.0000\N{NO-BREAK SPACE}mm²"
     )
     rows = words.report_rows(said, Unit.NONE)
-    assert rows[2][:2] == ("Geodesic 1", "not measured yet")
+    assert rows[2][:2] == ("Geodesic 1", "…")
+    done = completed(said, session.store.state)
+    assert words.report_rows(done, Unit.NONE)[2][1] == words.short(done[2], Unit.NONE).split("  ")[0]
+    session.until(lambda: readings(session)[2].now.values[0] is not None, COLD)
+    assert done[2].now.values == pytest.approx(readings(session)[2].now.values, rel=1e-9)
     assert "°" in rows[1][1]

@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.session.processes.child_process import START, ChildProcess
-from apd_viewer.session.processes.newest_answer import NewestAnswer
+from apd_viewer.session.processes.newest_answer import NewestAnswer, waited_for
 
 _START = START.format(module="processes.geodesic_main")
 _CALM = 0.1  # s; a shape that has just settled is often moved again at once
@@ -39,6 +39,11 @@ class GeodesicFinder(NewestAnswer[Course, CarriedPath]):
     def __init__(self, wake: Callable[[], object]) -> None:
         process = ChildProcess("geodesic", _START)
         super().__init__(wake, process, _path, CarriedPath.none(), lambda _: _CALM)
+
+
+def path_of(course: Course) -> CarriedPath:
+    """Find a geodesic in a process of its own, and wait for it."""
+    return waited_for(ChildProcess("geodesic", _START), _path, CarriedPath.none(), course)
 
 
 def _path(process: ChildProcess, course: Course) -> CarriedPath | None:

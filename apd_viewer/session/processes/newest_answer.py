@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Callable
 from typing import Generic, TypeVar
@@ -11,6 +12,21 @@ from apd_viewer.session.processes.child_process import ChildProcess
 
 Question = TypeVar("Question")
 Answer = TypeVar("Answer")
+
+
+def waited_for(
+    process: ChildProcess,
+    exchange: Callable[[ChildProcess, Question], Answer | None],
+    unknown: Answer,
+    question: Question,
+) -> Answer:
+    """Answer of a process to one question, waited for; see :class:`NewestAnswer`."""
+    answer = None
+    with contextlib.suppress(OSError):  # there can be no process
+        process.start()
+        answer = exchange(process, question)
+    process.end()
+    return unknown if answer is None else answer
 
 
 class NewestAnswer(Generic[Question, Answer]):

@@ -13,7 +13,7 @@ from apd_viewer.geometry.analysis.hull_readings import HullReadings
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.pose.held_turn import HeldTurn, Turning
 from apd_viewer.session.processes.child_process import START, ChildProcess
-from apd_viewer.session.processes.newest_answer import NewestAnswer
+from apd_viewer.session.processes.newest_answer import NewestAnswer, waited_for
 from apd_viewer.session.processes.shape_check_main import NOBODY_LOOKED
 
 _START = START.format(module="processes.shape_check_main")
@@ -45,6 +45,11 @@ class ShapeChecker(NewestAnswer[Shape, ShapeCheck]):
     def __init__(self, wake: Callable[[], object]) -> None:
         process = ChildProcess("shape check", _START)
         super().__init__(wake, process, _answer, UNKNOWN, lambda first: _AT_FIRST if first else _CALM)
+
+
+def checked(shape: Shape) -> ShapeCheck:
+    """Check a shape in a process of its own, and wait for it."""
+    return waited_for(ChildProcess("shape check", _START), _answer, UNKNOWN, shape)
 
 
 def _answer(process: ChildProcess, shape: Shape) -> ShapeCheck | None:

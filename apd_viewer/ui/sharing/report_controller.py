@@ -28,7 +28,9 @@ from apd_viewer.presentation.python_script import python_script
 from apd_viewer.presentation.report_origin import Evidence
 from apd_viewer.presentation.report_page import Subject, page_of
 from apd_viewer.presentation.scales import Measure, Scale, usual
+from apd_viewer.session.measurement_readings import completed
 from apd_viewer.session.model.memo import triangle_areas
+from apd_viewer.session.processes.shape_checker import Shape, checked
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.filing.plot_export import svg_of
@@ -42,6 +44,7 @@ from apd_viewer.ui.sharing.pictures import Pictures, Wish
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
     from apd_viewer.session.session import Session
@@ -59,6 +62,7 @@ _LONGEST = 24_000_000  # bytes of a session; base64 adds a third
 class _Measured:
     """Slow measurements for a report, and the area change at the vertices."""
 
+    subject: Subject
     evidence: Evidence
     values: np.ndarray
     shades: np.ndarray
@@ -145,22 +149,22 @@ class Reporting:
         if (state := session.store.state) is None:
             return
         view = self._measuring.in_view(self._canvas.view.saved(session.store.unit.value))
-        checks = session.shape_checks
-        subject = Subject(
-            state,
+        checks = session.shape_checks.found, session.shape_checks.at_rest
+        unit, moment, made = (
             session.store.unit,
-            view.wall,
-            checks.found,
-            checks.at_rest,
             datetime.now().astimezone(),
             session.measuring.readings(state),
         )
         scale = self._scale(state)
-        session.jobs.run(
-            tr("Measuring for {name}").format(name=path.name),
-            lambda: _measured(state, view, scale),
-            lambda measured: self._finish(path, subject, measured, scale),
-        )
+
+        def work() -> _Measured:
+            found, at_rest = _checked(state, *checks)
+            all_made = completed(made, state)
+            subject = Subject(state, unit, view.wall, found, at_rest, moment, all_made)
+            return _measured(subject, view, scale)
+
+        title = tr("Measuring for {name}").format(name=path.name)
+        session.jobs.run(title, work, lambda measured: self._finish(path, measured, scale))
 
     def _scale(self, state: State) -> Scale:
         """Colour scale of the local area change in use."""
@@ -168,12 +172,9 @@ class Reporting:
         size = diagonal(V[F.ravel()]) or 1.0
         return self._looks.heat.scales.get(Measure.AREA) or usual(Measure.AREA, size)
 
-    def _finish(self, path: Path, subject: Subject, measured: _Measured, scale: Scale) -> None:
+    def _finish(self, path: Path, measured: _Measured, scale: Scale) -> None:
         """Take the pictures on this thread, and write the page in the background."""
-        session, now = self._session, self._session.store.state
-        if now is not None and now.frame.U is subject.state.frame.U:  # its shape check may be finished by now
-            checks = session.shape_checks
-            subject = replace(subject, found=checks.found, at_rest=checks.at_rest)
+        session, subject = self._session, measured.subject
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
             images = self._images(subject.state, measured, scale)
@@ -222,8 +223,20 @@ class Reporting:
         return html_page.Drawing(drawn(LIGHT), drawn(DARK), caption)
 
 
-def _measured(state: State, view: View, scale: Scale) -> _Measured:
+def _checked(
+    state: State, found: ShapeCheck | None, at_rest: ShapeCheck | None
+) -> tuple[ShapeCheck, ShapeCheck]:
+    """Checks of the shape and of the mesh at rest, made where they are not known yet."""
+    V, F = state.document.mesh.V, state.document.mesh.joined_F
+    at_rest = at_rest or checked(Shape(V, F))
+    if state.frame.U is V:
+        return at_rest, at_rest
+    return found or checked(Shape(state.frame.U, F)), at_rest
+
+
+def _measured(subject: Subject, view: View, scale: Scale) -> _Measured:
     """Compute the slow measurements."""
+    state = subject.state
     mesh, skin, U, target = state.document.mesh, state.skin, state.frame.U, state.document.target
     values = Deviation(mesh.V, skin.joined, skin.source).area(U)
     shades = np.full(len(U), 255, dtype=np.uint8)
@@ -234,7 +247,7 @@ def _measured(state: State, view: View, scale: Scale) -> _Measured:
         _session_of(state, view),
         None if target is None else apart_of(target, mesh, U),
     )
-    return _Measured(evidence, values, shades)
+    return _Measured(subject, evidence, values, shades)
 
 
 def _session_of(state: State, view: View) -> bytes:

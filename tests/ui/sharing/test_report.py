@@ -19,6 +19,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.convex_hull import convex_hull
 from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
@@ -185,6 +186,38 @@ def test_a_report_holds_pictures_and_the_session_and_nobodys_folder(qtbot, twist
     assert np.array_equal(opened.document.labels, state.document.labels)
     assert opened.document.handles[0].name == state.document.handles[0].name
     assert view.unit == "cm"
+
+
+def test_a_report_saved_soon_after_an_edit_measures_what_is_missing(qtbot, twisted, tmp_path, monkeypatch):
+    monkeypatch.setattr(shape_checker, "_CALM", 1000.0)  # the window does not look meanwhile
+    twisted.session.handles.move_by(TypedMotion.TWIST, "5", 0)
+    idle(qtbot, twisted)
+    points = SurfacePoint(0, (1.0, 0.0, 0.0)), SurfacePoint(60, (1.0, 0.0, 0.0))
+    twisted.session.measurements.add(Kind.GEODESIC, points)
+    assert twisted.session.shape_checks.found is None
+    rows = write(qtbot, twisted, tmp_path / "report.html").rows
+    state = twisted.session.store.state
+    hull = convex_hull(state.frame.U)
+    named = {name.split("\n")[0]: said for name, said in rows["Volume reduction"].items()}
+    assert named["Convex hull volume"].split("\n")[1] == f"{significant(hull.volume, 4)}\u00a0cm³"
+    assert rows["Volume"]["Self-intersections"] in ("none", "not checked: ipctk is missing")
+    assert "cm" in rows["Size and mass"]["Bounding box"]
+    assert "cm" in rows["Measurements"]["Geodesic 1"]
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "yet" not in re.sub(r'(?s)"data:[^"]*"', "", text)
+
+
+def test_a_report_asked_for_on_the_way_says_so_and_measures_what_is_shown(qtbot, twisted, tmp_path):
+    store = twisted.session.store
+    twisted.session.handles.move_by(TypedMotion.TWIST, "60", 0)
+    assert not store.state.frame.settled
+    shown = store.state.frame.U
+    path = tmp_path / "report.html"
+    page = write(qtbot, twisted, path)
+    assert "had not converged when this report was created" in path.read_text(encoding="utf-8")
+    named = {name.split("\n")[0]: said for name, said in page.rows["Volume reduction"].items()}
+    hull = convex_hull(shown)
+    assert named["Convex hull volume"].split("\n")[1] == f"{significant(hull.volume, 4)}\u00a0cm³"
 
 
 def test_what_is_on_screen_stays_as_it_is(qtbot, bottle, tmp_path):
