@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 from driven_session import bar
 
+from apd_viewer.files.html_page import Table
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about, twist
 from apd_viewer.presentation.readings import motion
+from apd_viewer.presentation.report_origin import mesh_blocks
 from apd_viewer.session.model.state import opened
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.expressions import length
+from apd_viewer.session.quantities.units import UNITS, Unit
 
 X = np.array([1.0, 0.0, 0.0])
 
@@ -58,3 +61,27 @@ def test_a_twist_has_the_sign_that_it_was_typed_with(painted, axis, turns, said)
     across = turned_about(handle, [0.0, -1.0, 0.0], np.deg2rad(turns))
     crossed = replace(both, handles=(both.handles[0].moved(across),))
     assert said_of(crossed).startswith("rotated")
+
+
+def test_a_report_says_that_its_unit_is_a_guess():
+    state = opened(bar())
+    for unit, symbol, remark in (
+        (Unit.CENTIMETRE, "cm", ""),
+        (Unit.CENTIMETRE.guessed, "cm?", "a guess that nobody confirmed"),
+        (Unit.NONE.guessed, "no unit", ""),
+    ):
+        (table, *_) = (block for block in mesh_blocks(state, unit, None) if isinstance(block, Table))
+        assert ("Unit of length", symbol, remark) in table.rows
+
+
+@pytest.mark.parametrize("unit", [unit for unit in UNITS if unit is not Unit.NONE])
+def test_a_guessed_unit_measures_as_the_known_one_and_is_marked(unit):
+    guess = unit.guessed
+    assert (guess.is_guess, unit.is_guess, guess.confirmed) == (True, False, unit)
+    for value in (1.0, 3e7):
+        (larger, factor), (known, same) = guess.legible(value, 2), unit.legible(value, 2)
+        assert (larger.confirmed, factor, larger.is_guess) == (known, same, True)
+    assert guess.litres(2.0) == unit.litres(2.0)
+    for written in (guess.length("1"), guess.volume("1"), guess.capacity(1.0)[0], guess.mass(5.0)[0]):
+        assert written.endswith("?")
+    assert length("1 in", guess, {}) == length("1 in", unit, {})

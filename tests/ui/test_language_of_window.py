@@ -17,7 +17,7 @@ EXCEPTIONS = {
     r"[\w/*. -]*\.(obj|xyz|apd|json|sel|npz|ply|dmat|stl|off|glb|gltf|3mf|vt[pku]|inp)\b": "a file or ending",
     r"\b\w+\.(html|png)\b|\*\.(html|png)": "what others are given to look at",
     r"^(OBJ|PLY|STL|OFF|GLB|JSON|NPZ|SEL|DMAT|HTML|PNG) $|\bOBJ\b": "the name of a format",
-    r"\b(mm|\d+deg|asin|pi)\b|“x”": "what is typed into a field for numbers",
+    r"\b([cm]m[²³]?|ml|\d+deg|asin|pi)\b|“x”": "a unit, or what is typed into a field for numbers",
     r"^tcp://host:8786$": "an address, as it is typed",
     r"\bqqq\b": "what was searched for",
     r"^APD Viewer$": "the name of the program",
