@@ -145,6 +145,7 @@ REFUSED = {
     "cut in the vertices, binary.ply": (PLY_BINARY[:-70], "not a valid PLY file"),
     "cut in a face, binary.ply": (PLY_BINARY[:-3], "not a valid PLY file"),
     "cut in the head.stl": (STL_BINARY[:70], "has no vertices"),
+    "words and zeros.stl": (b"a header\0of a file", "has no vertices"),
     "cut in a face.stl": (STL[: STL.rindex("vertex")], "a facet is incomplete"),
     "cut in a face, binary.stl": (STL_BINARY[:-7], "it declares 4 facets and has 3"),
     "cut.glb": (GLB[:-4], "not a valid GLB file"),

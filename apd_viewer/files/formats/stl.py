@@ -14,12 +14,13 @@ from apd_viewer.language import tr
 
 _HEAD = 84  # bytes before the first facet of a binary file; the last four are the number of facets
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-# A solid may have any words as its name, even these.
-_NAME = re.compile(rb"(?im)^([ \t]*(?:end[ \t_]*)?solid)([^\n]*?)(?=\bfacet\s+normal\s+[-+.\d]|$)")
-_VERTEX = re.compile(rb"(?i)\bvertex\s+(\S+)\s+(\S+)\s+(\S+)")
-_NORMAL = re.compile(rb"(?i)\bfacet\s+normal\s+(\S+)\s+(\S+)\s+(\S+)")
-_FACETS, _VERTICES = re.compile(rb"(?i)\bfacet(?<!end facet)\b"), re.compile(rb"(?i)\bvertex\b")
-_END = re.compile(rb"(?i)\bend[ \t_]*(loop|facet|solid)")
+# Of texts in small letters without names of solids, which may be any words, even these.
+_NAME = re.compile(rb"solid([^\n]*?)(?=\bfacet\s+normal\s+[-+.\d]|\n|\Z)")
+_VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)")
+_NORMAL = re.compile(rb"\bfacet\s+normal\s+(\S+)\s+(\S+)\s+(\S+)")
+_FACETS, _VERTICES = re.compile(rb"\bfacet(?<!end facet)\b"), re.compile(rb"\bvertex\b")
+_END = re.compile(rb"\bend[ \t_]*(loop|facet|solid)")
+_LOOP = re.compile(rb"(?i)\bouter\s+loop\b")
 
 
 @dataclass(frozen=True)
@@ -103,15 +104,14 @@ def read_stl(content: bytes) -> Parsed:
     ValueError
         If the file cannot be understood, ends too early, or has more facets than it declares.
     """
-    # Some binary files begin with "solid" too, and no text has their zeros.
-    text = content.rstrip(b"\0")
-    if b"\0" in text or is_binary_stl(content):
+    # Some binary files begin with "solid" too, and some texts have zeros behind a name.
+    if is_binary_stl(content) or (b"\0" in content[_HEAD:] and not _LOOP.search(content)):
         m, remarks = _binary(content)
         V = np.empty((3 * m, 3))
         with np.errstate(invalid="ignore"):  # NaN is refused later
             V.reshape(-1, 3, 3)[...] = np.frombuffer(content, _FACET, m, _HEAD)["corners"]
         return Parsed(V, np.arange(3 * m).reshape(-1, 3), StlFile(content, m), remarks)
-    V, remarks = _text(_nameless(text))
+    V, remarks = _text(_nameless(content))
     return Parsed(V, np.arange(len(V)).reshape(-1, 3), StlFile(content, None), remarks)
 
 
@@ -129,14 +129,14 @@ def _binary(content: bytes) -> tuple[int, tuple[str, ...]]:
 
 
 def _nameless(content: bytes) -> bytes:
-    """Text of the same length without the names of its solids."""
-    return _NAME.sub(lambda match: match[1] + b" " * len(match[2]), plain(content))
+    """Text of the same length, in small letters, without the names of its solids."""
+    return _NAME.sub(lambda match: b"solid" + b" " * len(match[1]), plain(content).lower())
 
 
 def _text(content: bytes) -> tuple[np.ndarray, tuple[str, ...]]:
     """Corners of the facets, and remarks on the end."""
     V, facets = _numbers(_VERTEX, content), len(_FACETS.findall(content))
-    ends = {match[1].lower() for match in _END.finditer(content, content.lower().rfind(b"vertex"))}
+    ends = {match[1] for match in _END.finditer(content, content.rfind(b"vertex"))}
     if len(V) != 3 * facets or len(V) != len(_VERTICES.findall(content)) or (facets and not ends):
         raise ValueError(tr("a facet is incomplete"))
     said = tr("The file does not end as a solid does, with endsolid; if facets are missing, export it again.")

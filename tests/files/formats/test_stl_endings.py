@@ -111,7 +111,7 @@ def test_a_text_cut_in_its_last_facet_is_refused(kept, tmp_path):
         open_mesh(path)
 
 
-NAMES = ["", "of facet normal and vertex", "vertex 1 2 3", "Ätzteil, 3 mm", "solid", "facet"]
+NAMES = ["", "of facet normal and vertex", "vertex 1 2 3", "Ätzteil, 3 mm", "solid", "facet", "part\0\0\0"]
 
 
 @pytest.mark.parametrize("name", NAMES)
