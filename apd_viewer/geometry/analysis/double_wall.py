@@ -1,4 +1,4 @@
-"""Double-walled vessels: closed surfaces around a thin wall, not around what it holds."""
+"""Double-walled vessels: closed surfaces around a thin wall, not a content."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class _Part(NamedTuple):
 
 
 def _parts(V: np.ndarray, F: np.ndarray, piece: np.ndarray) -> list[_Part]:
-    """One part, or two of which the second is in the first; none otherwise."""
+    """One part, or two with the second inside the first; none otherwise."""
     names = np.unique(piece)
     if len(names) > 2 or len(F) > _MOST_TRIANGLES:
         return []
@@ -121,7 +121,7 @@ def _facing_outward(F: np.ndarray, parts: list[_Part]) -> np.ndarray:
 
 
 def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: float) -> np.ndarray | None:
-    """One of the two sides of a wall, as a mask of ``T`` (m, 3); None if it is no wall."""
+    """One side of a wall as a mask of ``T`` (m, 3); None without a wall."""
     normals = np.cross(V[T[:, 1]] - V[T[:, 0]], V[T[:, 2]] - V[T[:, 0]])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
     middles = V[T].mean(axis=1)
@@ -146,7 +146,7 @@ def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: floa
 
 
 def _capped(V: np.ndarray, T: np.ndarray) -> tuple[float, int]:
-    """Signed volume of one side up to its rims, and their number; NaN with an uneven one."""
+    """Signed volume of a side up to its rims, and their number; NaN if uneven."""
     if why_no_volume(T, len(V)) is None:
         return volume(V, T), 0
     caps = Caps.of(T, len(V))

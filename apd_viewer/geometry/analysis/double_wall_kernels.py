@@ -1,4 +1,4 @@
-"""Kernels of :mod:`double_wall`: what is behind each triangle, and the sides of a wall."""
+"""Kernels of :mod:`double_wall`: opposite triangles, and the sides of a wall."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _HOPS = 3
 def through(
     V: np.ndarray, T: np.ndarray, middles: np.ndarray, normals: np.ndarray, around: np.ndarray, off: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distance from the middle of each triangle to what is behind it, and which; -1 is nothing."""
+    """Distance behind the middle of each triangle to another, and its number or -1."""
     away, partner = np.full(len(T), np.inf), np.full(len(T), -1)
     for i in range(len(T)):
         face, distance, _, _ = ray_hit(middles[i] - off * normals[i], -normals[i], V, T, around)

@@ -59,7 +59,7 @@ class VolumeReadings(NamedTuple):
         thickness: float | None,
         wall: DoubleWall | None = None,
     ) -> VolumeReadings:
-        """Readings with the material of a double wall, or of one of ``thickness``, if known."""
+        """Readings with the material of a double wall, or of a ``thickness``, if known."""
         if wall is not None:
             return cls(area, enclosed, openings, hull, wall.material, wall.capacity)
         return cls(area, enclosed, openings, hull, None if thickness is None else area * thickness)

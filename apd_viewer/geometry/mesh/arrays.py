@@ -34,7 +34,7 @@ def far_centre(points: np.ndarray) -> np.ndarray:
 
 
 def digits_at(x: float, size: float, digits: int) -> int:
-    """Significant digits of a coordinate far away, ``digits`` of them near; at most 15.
+    """Significant digits of a coordinate: ``digits`` near the origin, at most 15.
 
     They leave as many to a mesh of this ``size`` as it has at the origin.
     """

@@ -59,7 +59,7 @@ DEFAULT_OPTIONS = PressOptions()
 
 
 def start_of(rest: RestMesh, start: np.ndarray | None) -> np.ndarray:
-    """Local positions (k, 3) of the solve to begin from; by default the rest array itself."""
+    """Local start positions (k, 3) of the solve; by default the rest array itself."""
     if start is None:
         return rest.shape.V
     start = numbers(start, tr("Start"))
