@@ -189,9 +189,7 @@ def two_walls(state: State, unit: Unit) -> str:
     wall = state.inspection.double_wall
     if wall is None:
         return ""
-    said = tr(
-        "At rest {material} of material between two walls, whatever thickness is entered; holds {capacity}"
-    )
+    said = tr("Between two walls: {material} of material (no thickness is used); holds {capacity} at rest")
     return said.format(material=_capacity(wall.material, unit), capacity=_capacity(wall.capacity, unit))
 
 

@@ -69,7 +69,7 @@ class SizeSection(Section):
         self.column.addSpacing(4)
         self._problem = quiet(tr("Why there is no mass"))
         self._problem.setObjectName("unreached")
-        self.two_walls = quiet(tr("What the mass is that of"))
+        self.two_walls = quiet(tr("Material and capacity of the double wall"))
         for line in (self._problem, self.two_walls):
             line.hide()
             self.column.addWidget(line)
