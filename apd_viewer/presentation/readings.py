@@ -227,31 +227,34 @@ def motion(state: State, k: int, unit: Unit) -> str:
     size, reached = float(max(state.inspection.size)), None
     asked = _amounts(document, k, unit, size)
     if frame.share_reached < 1.0:
-        from apd_viewer.session.model.regripping import come  # Here: SciPy comes with it, as below.
+        from apd_viewer.session.posing.regripping import come  # Here: SciPy comes with it, as below.
 
         reached = _amounts(document.with_handle(k, come(document, k, frame)), k, unit, size)
-    way, scale = tr("moved {length}"), tr("scaled by {factors}")
-    rotated = tr("twisted {angle}°") if asked.twists else tr("rotated {angle}°")
+    said = tr("twisted {angle}°") if asked.twists else tr("rotated {angle}°")
     parts = (
-        _asked_and_reached(way, "length", unit.length("0"), asked.way, reached and reached.way),
-        _asked_and_reached(rotated, "angle", signed(0.0, 1), asked.angle, reached and reached.angle),
-        _asked_and_reached(scale, "factors", grouped(1.0, 2), asked.scale, reached and reached.scale),
+        (tr("moved {length}").format(length=asked.way), asked.way, unit.length("0"), reached and reached.way),
+        (said.format(angle=asked.angle[:-1]), asked.angle, f"{signed(0.0, 1)}°", reached and reached.angle),
+        (
+            tr("scaled by {factors}").format(factors=asked.scale),
+            asked.scale,
+            grouped(1.0, 2),
+            reached and reached.scale,
+        ),
     )
-    still = document.is_away(k) and not document.from_rest.handles[k].is_moved
+    still = state.is_away(k) and not document.from_rest.handles[k].is_moved
     unmoved = tr("not moved since it was painted") if still else tr("at rest")
-    return listed(text for text in parts if text) or unmoved
+    return listed(text for part in parts if (text := _asked_and_reached(*part))) or unmoved
 
 
-def _asked_and_reached(words: str, name: str, none: str, asked: str, reached: str | None) -> str:
-    """A part of a motion; empty where nothing of it is asked for or has been made."""
-    said = words.format(**{name: asked})
+def _asked_and_reached(said: str, asked: str, none: str, reached: str | None) -> str:
+    """A part of a motion in words; empty for none."""
     if reached in (None, asked):
         return said if asked != none else ""
     return tr("{motion}, reached {amount}").format(motion=said, amount=reached)
 
 
 class _Amounts(NamedTuple):
-    """Amounts of a motion in words, and whether it twists."""
+    """Amounts of a motion in words, and its kind of rotation."""
 
     way: str
     angle: str
@@ -267,7 +270,7 @@ def _amounts(document: Document, k: int, unit: Unit, size: float) -> _Amounts:
     way = unit.length(length(float(np.linalg.norm(now - centre)), size))
     scale = grouped(float(np.cbrt(np.linalg.det(handle.pose[:3, :3]))), 2)
     angle, twists = _rotation(document, k, now)
-    return _Amounts(way, angle, scale, twists)
+    return _Amounts(way, f"{angle}°", scale, twists)
 
 
 def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool]:

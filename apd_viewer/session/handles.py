@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.handle_paths import without_last_digits
 from apd_viewer.session.posing.motion_plan import MotionPlan, planned
 from apd_viewer.session.posing.motion_titles import title_between
-from apd_viewer.session.posing.symmetry import moved, put_back
+from apd_viewer.session.posing.symmetry import both_put_back, moved
 from apd_viewer.session.quantities.clear_numbers import as_typed
 
 if TYPE_CHECKING:
@@ -83,9 +83,9 @@ class Handles:
 
     def reset(self, which: int) -> None:
         """Bring one handle back to where it is at rest; the mesh follows."""
-        document = self._gestures.alone().document
-        if document.problem or document.is_away(which):
-            self.go(put_back(document, which), tr("Reset handle"))
+        state = self._gestures.alone()
+        if state.document.problem or state.is_away(which):
+            self.go(both_put_back(state.document, which), tr("Reset handle"))
 
     def go(self, document: Document, gesture: str, repeats: bool = False) -> None:
         """Go on to a document with other poses of its handles, as one step."""

@@ -33,7 +33,7 @@ class MeasurementReading(NamedTuple):
 
 
 def completed(readings: Sequence[MeasurementReading], state: State) -> list[MeasurementReading]:
-    """The readings of a state with the geodesics that were not known yet; takes its time."""
+    """The readings of a state with all geodesics; takes its time."""
     F, found = state.document.mesh.joined_F, []
 
     def made(measurement: Measurement, known: Measured, U: np.ndarray) -> Measured:

@@ -13,9 +13,9 @@ import numpy as np
 
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.regripping import regripped
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.trace import Trace
+from apd_viewer.session.posing.regripping import regripped
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.processes.worker import Worker
 from apd_viewer.session.quantities.units import Unit

@@ -85,3 +85,33 @@ def test_a_guessed_unit_measures_as_the_known_one_and_is_marked(unit):
     for written in (guess.length("1"), guess.volume("1"), guess.capacity(1.0)[0], guess.mass(5.0)[0]):
         assert written.endswith("?")
     assert length("1 in", guess, {}) == length("1 in", unit, {})
+
+
+def lagging(document, way, reached, share):
+    """The first handle asked along poses, its vertices at another pose on the way."""
+    handle, mine = document.handles[0], document.labels == HANDLE
+    for pose in way:
+        handle = handle.moved(pose)
+    state = opened(document.mesh).at(document.with_handle(0, handle))
+    U = document.mesh.V.copy()
+    U[mine] = U[mine] @ reached[:3, :3].T + reached[:3, 3]
+    return state.at(frame=replace(state.frame, U=frozen(U), share_reached=share))
+
+
+@pytest.mark.parametrize(
+    ("asked", "reached"), [(201.3, 173.1), (-400.0, -310.5), (725.0, 361.0), (20.0, 0.0)]
+)
+def test_what_lags_behind_is_said_as_asked_and_reached(painted, asked, reached):
+    turn = [turned_about(painted.centre(0), X, np.deg2rad(angle)) for angle in (asked, reached)]
+    way = [turned_about(painted.centre(0), X, np.deg2rad(part * asked)) for part in np.linspace(0, 1, 33)]
+    state = lagging(painted, [*way, turn[0]], turn[1], reached / asked)
+    said = f"rotated {asked:+.1f}°, reached {reached:+.1f}°".replace("-", "−").replace("+0.0", "0.0")
+    assert motion(state, 0, Unit.NONE) == said
+    arrived = lagging(painted, [*way, turn[0]], turn[0], 1.0)
+    assert motion(arrived, 0, Unit.NONE) == said.partition(",")[0]
+
+
+def test_a_lag_is_said_of_each_part_that_has_one(painted):
+    asked, reached = shifted(0.5 * X), shifted(0.25 * X)
+    assert motion(lagging(painted, [asked], reached, 0.5), 0, Unit.NONE) == "moved 0.5000, reached 0.2500"
+    assert motion(lagging(painted, [np.eye(4)], reached, 0.5), 0, Unit.NONE) == "moved 0, reached 0.2500"

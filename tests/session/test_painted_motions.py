@@ -190,7 +190,7 @@ def test_studies_of_a_painted_shape_go_along_the_whole_motion(twisted, tmp_path)
 def test_a_handle_painted_on_a_deformed_shape_claims_no_motion(twisted):
     another_handle(twisted)
     assert said(twisted, 1) == "not moved since it was painted"
-    assert document(twisted).is_away(1)
+    assert twisted.store.state.is_away(1)
     twisted.handles.move_by(TypedMotion.MOVE_Z, "0.1", 1)
     twisted.settle()
     assert said(twisted, 1) == "moved 0.1000"
@@ -272,7 +272,7 @@ def test_baking_begins_anew_from_what_is_on_screen(twisted):
     twisted.rest_shape.bake()
     twisted.until(lambda: twisted.jobs.current is None)
     assert said(twisted) == "at rest"
-    assert not document(twisted).is_away(0)
+    assert not twisted.store.state.is_away(0)
     assert twisted.store.state.is_at_rest
 
 
@@ -318,7 +318,7 @@ def test_the_total_is_the_product_of_all_motions(steps):
         session.handles.reset(0)
         assert not session.failed
         held = document(session).constraints()
-        assert document(session).is_away(0) is False
+        assert not session.store.state.is_away(0)
         np.testing.assert_array_equal(held.targets[np.isin(held.fixed, first)], V(session)[first])
     finally:
         session.close()

@@ -288,7 +288,7 @@ class Use(RuleBasedStateMachine):
         self._acted(before)
         now = self.session.store.state.document
         if now.problem is None:
-            assert not now.is_away(k)
+            assert not self.session.store.state.is_away(k)
             held, mine = now.constraints(), np.flatnonzero(now.labels == HANDLE + k)
             assert np.array_equal(held.targets[np.isin(held.fixed, mine)], now.mesh.V[mine])
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.language import tr
-from apd_viewer.session.model.regripping import regripped
 from apd_viewer.session.model.state import State, rest_frame
 
 
@@ -17,11 +16,9 @@ def baked(state: State) -> State:
     inspection = inspect(mesh)
     if inspection.area <= 0.0:
         raise InputError(tr("The shape has no area and cannot be a rest shape; undo a step first."))
-    document = regripped(state.document, state.document, state.frame)
-    handles = tuple(
-        replace(handle, earlier=(), line=None) for handle in document.handles
-    )  # they begin from here
-    document = replace(document, mesh=mesh, handles=handles).at_rest()
+    # The motions begin from here; pivots are where they were brought.
+    handles = tuple(replace(handle.gripped(), earlier=(), line=None) for handle in state.document.handles)
+    document = replace(state.document, mesh=mesh, handles=handles).at_rest()
     there = zip(document.obstacles, state.shifts, strict=True)
     document = replace(document, obstacles=tuple(each.settled(shift) for each, shift in there))
     at_rest = State(document, inspection, state.skin, rest_frame(mesh, inspection))

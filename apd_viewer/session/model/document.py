@@ -224,9 +224,9 @@ class Document:
 
     @property
     def from_rest(self) -> Document:
-        """The same document with whole motions: gripped where what is held was without them.
+        """The same document with whole motions, gripped at rest.
 
-        That is at rest, but for vertices that were painted on a deformed shape.
+        But for vertices that were painted on a deformed shape: these are where they were without the motions.
         """
         if not any(handle.earlier for handle in self.handles):
             return self
@@ -234,25 +234,6 @@ class Document:
         grip = memo.rest_grip(self.mesh.V, self.grip, self.labels, self.mesh.weld, *starts)
         handles = tuple(handle.from_rest for handle in self.handles)
         return replace(self, grip=self.mesh.V if grip is None else grip, handles=handles)
-
-    def is_away(self, k: int) -> bool:
-        """True if handle ``k`` has been moved, or holds vertices that were not at rest."""
-        document = self.from_rest
-        return document.handles[k].is_moved or memo.is_displaced(
-            self.mesh.V, document.grip, self.labels, HANDLE + k
-        )
-
-    def put_back(self, *which: int) -> Document:
-        """The document with handles back at rest; once none is moved, with all of it."""
-        document = self.from_rest
-        handles = list(document.handles)
-        for k in which:
-            handles[k] = replace(handles[k].at(IDENTITY), line=None)
-        grip = self.mesh.V
-        if any(handle.is_moved for handle in handles):
-            back = np.isin(self.labels, HANDLE + np.array(which))
-            grip = frozen(np.where(back[:, None], grip, document.grip))
-        return replace(document, grip=grip, handles=tuple(handles))
 
     def painted(self, ids: np.ndarray, label: int) -> Document:
         """The document with ``ids`` and their coincident vertices labelled.

@@ -11,7 +11,7 @@ from apd_viewer.files.selections.selection import numbered
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.language import tr
-from apd_viewer.session.model.named_parts import Handle, NamedRegion
+from apd_viewer.session.model.named_parts import IDENTITY, Handle, NamedRegion
 from apd_viewer.session.model.names import next_name
 
 if TYPE_CHECKING:
@@ -37,6 +37,19 @@ def painted_alike(one: Document, other: Document) -> bool:
 def shifts_of(document: Document) -> np.ndarray:
     """Motion of each obstacle that pushes, (o, 3)."""
     return np.array([each.shift for each in document.obstacles if document.has_obstacles]).reshape(-1, 3)
+
+
+def put_back(document: Document, *which: int) -> Document:
+    """The document with handles back at rest; once none is moved, with all of it."""
+    document = document.from_rest
+    handles = list(document.handles)
+    for k in which:
+        handles[k] = replace(handles[k].at(IDENTITY), line=None)
+    grip = document.mesh.V
+    if any(handle.is_moved for handle in handles):
+        back = np.isin(document.labels, HANDLE + np.array(which))
+        grip = frozen(np.where(back[:, None], grip, document.grip))
+    return replace(document, grip=grip, handles=tuple(handles))
 
 
 def cleared(document: Document) -> Document:

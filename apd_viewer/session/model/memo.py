@@ -59,7 +59,7 @@ def centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
 
 @once
 def in_place(V: np.ndarray, weld: Weld) -> float:
-    """How far held vertices in place may be from where they are held, mesh units."""
+    """Tolerance of held vertices in place, mesh units."""
     return (_IN_PLACE + weld.slack) * diagonal(V)
 
 
@@ -67,7 +67,7 @@ def in_place(V: np.ndarray, weld: Weld) -> float:
 def rest_grip(
     V: np.ndarray, grip: np.ndarray, labels: np.ndarray, weld: Weld, *starts: np.ndarray
 ) -> np.ndarray | None:
-    """Where what is held would be had no handle moved before it was gripped, (n, 3).
+    """Grip of held vertices with the earlier motions of their handles undone.
 
     Parameters
     ----------

@@ -83,10 +83,9 @@ class Handle:
         How far along the surface it draws free vertices along, mesh units.
     flags : PartFlags
     earlier : tuple of (4, 4) float arrays
-        Poses from rest on its way until it was gripped, the last one that at its grip; read-only. None where
-        it was gripped at rest, or on a shape that it had not moved.
+        Poses from rest on its way until it was gripped, the last one at its grip; read-only.
     line : (3,) float array or None
-        From the base to it when it was first gripped anew: another base does not make a twist something else.
+        From the base to it before the base was painted otherwise: what a twist was about.
     """
 
     name: str = field(metadata=NOT_FACTORED)
@@ -132,28 +131,22 @@ class Handle:
         """The handle as if gripped at rest: with its whole motion, and its pivot there."""
         if not self.earlier:
             return self
-        *passed, start = self.earlier
-        whole = replace(self.at(start, tuple(passed)), earlier=())
+        whole, start = replace(self.at(self.earlier[-1], self.earlier[:-1]), earlier=()), self.earlier[-1]
         for pose in (*self.waypoints, self.pose) if self.is_moved else ():
             whole = whole.moved(pose @ start)
         return replace(whole, pivot=_carried(self.pivot, np.linalg.inv(start)))
 
     def placed(self, pose: np.ndarray, waypoints: tuple[np.ndarray, ...] = ()) -> Handle:
-        """The handle at ``pose`` (4, 4) from rest, reached along waypoints from there.
-
-        Back along the way that it has come, and on from rest: what is the same on both is taken off.
-        """
+        """The handle at ``pose`` (4, 4) from rest, reached along waypoints."""
         if not self.earlier:
             return self.at(pose, waypoints)
-        *passed, start = self.earlier
-        handle, back = self.at(IDENTITY), np.linalg.inv(start)
-        for each in (*reversed(passed), IDENTITY, *waypoints, pose):
-            handle = handle.moved(each @ back)
+        handle, back = self.at(IDENTITY), np.linalg.inv(self.earlier[-1])
+        for each in (*reversed(self.earlier[:-1]), IDENTITY, *waypoints, pose):
+            handle = handle.moved(each @ back)  # what both ways share is taken off
         return handle
 
 
 def _carried(point: np.ndarray | None, pose: np.ndarray) -> np.ndarray | None:
-    """The point (3,) after a motion; None is none."""
     return None if point is None else frozen(transform(pose, point[None])[0])
 
 

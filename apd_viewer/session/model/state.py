@@ -67,6 +67,12 @@ class State:
         moved = document.posed or any(each.shift.any() for each in document.obstacles)
         return self.frame.U is document.mesh.V and not moved and not asks
 
+    def is_away(self, k: int) -> bool:
+        """True if handle ``k`` has been moved, or holds vertices away from rest."""
+        whole = self.document.from_rest
+        moved = whole.handles[k].is_moved
+        return moved or memo.is_displaced(whole.mesh.V, whole.grip, whole.labels, HANDLE + k)
+
     @property
     def keeps_apart(self) -> bool:
         """True if contact is on, and the method has it."""

@@ -10,6 +10,7 @@ from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.picking.mirror_images import nearest_to_images
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.pose.mirror import MirrorPlane
+from apd_viewer.session.model.document_parts import put_back
 from apd_viewer.session.model.memo import once
 
 if TYPE_CHECKING:
@@ -112,10 +113,10 @@ def placed(document: Document, k: int, handle: Handle) -> Document:
     return document.with_handle(partner.number, mirrored)
 
 
-def put_back(document: Document, k: int) -> Document:
+def both_put_back(document: Document, k: int) -> Document:
     """The document with handle ``k`` and its partner back at rest."""
     partner = partner_of(document, k)
-    return document.put_back(k) if partner is None else document.put_back(k, partner.number)
+    return put_back(document, k) if partner is None else put_back(document, k, partner.number)
 
 
 def mirror_image(document: Document, handle: Handle, other: Handle) -> Handle:

@@ -110,7 +110,7 @@ class HandleSection(Section):
             row.reading.setToolTip(tr("Vertices of the handle"))
             row.remove.setVisible(len(document.handles) > 1)
             row.show_flags(document.handles[k].flags, bool(count))
-        self.back.setEnabled(bool(document.counts[HANDLE + active]) and document.is_away(active))
+        self.back.setEnabled(bool(document.counts[HANDLE + active]) and state.is_away(active))
         self.falloff.show_value(100.0 * document.handles[active].falloff / max(state.inspection.size))
         self.motion.setEnabled(document.problem is None and bool(document.counts[HANDLE + active]))
         self._show_motion(state, unit, active)

@@ -226,7 +226,7 @@ class Reporting:
 def _checked(
     state: State, found: ShapeCheck | None, at_rest: ShapeCheck | None
 ) -> tuple[ShapeCheck, ShapeCheck]:
-    """Checks of the shape and of the mesh at rest, made where they are not known yet."""
+    """Checks of the shape and of the mesh at rest, missing ones made."""
     V, F = state.document.mesh.V, state.document.mesh.joined_F
     at_rest = at_rest or checked(Shape(V, F))
     if state.frame.U is V:

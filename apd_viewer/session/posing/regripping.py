@@ -1,4 +1,4 @@
-"""Handles where the shape on screen has brought them, and gripped there anew."""
+"""Handles as far as the shape on screen has come, and gripped there anew."""
 
 from __future__ import annotations
 
