@@ -70,7 +70,7 @@ def handle_rows(state: State, unit: Unit, found: ShapeCheck | None = None) -> It
             continue
         said = [trn("{n:,} vertex", "{n:,} vertices", count).format(n=count)]
         said += _motion(handle, centre, unit, size)
-        if turned := of_held_turn(state, found, k):
+        if turned := of_held_turn(found, k):
             said.append(turned)
         pivot = document.pivot(k)
         if handle.pivot is not None and pivot is not None:

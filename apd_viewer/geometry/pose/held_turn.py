@@ -71,13 +71,13 @@ class Turning(NamedTuple):
     ways: tuple[tuple[np.ndarray, ...], ...]
 
     def same(self, other: Turning | None) -> bool:
-        """True if positions and labels are the same objects, and all poses equal."""
-        if other is None or self.V is not other.V or self.labels is not other.labels:
+        """True if all arrays are equal."""
+        if other is None or len(self.ways) != len(other.ways):
             return False
-        if [len(way) for way in self.ways] != [len(way) for way in other.ways]:
-            return False
-        one, another = (itertools.chain(*each.ways) for each in (self, other))
-        return all(np.array_equal(a, b) for a, b in zip(one, another, strict=True))
+        one, another = ((each.V, each.labels, *itertools.chain(*each.ways)) for each in (self, other))
+        return len(one) == len(another) and all(
+            a is b or np.array_equal(a, b) for a, b in zip(one, another, strict=True)
+        )
 
 
 def most_lost(turns: Sequence[HeldTurn]) -> HeldTurn:

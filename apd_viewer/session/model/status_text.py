@@ -10,7 +10,6 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.held_turn import turn_warnings
 from apd_viewer.language import tr, trn, written
-from apd_viewer.session.model.handle_paths import turning_of
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
@@ -146,11 +145,7 @@ def of_turns(state: State, found: ShapeCheck | None) -> tuple[str, ...]:
     return turn_warnings(found.turns, state.keeps_apart, state.document.traits.may_touch, names)
 
 
-def of_held_turn(state: State, found: ShapeCheck | None, k: int) -> str:
+def of_held_turn(found: ShapeCheck | None, k: int) -> str:
     """Turn of handle ``k`` held by the surface, as a phrase; empty without a turn."""
-    if turning_of(state.document) is None:
-        return ""
-    if found is None:
-        return tr("turn held: not checked yet")
-    held = found.turns[k].degrees[1] if k < len(found.turns) else None
+    held = found.turns[k].degrees[1] if found is not None and k < len(found.turns) else None
     return "" if held is None else tr("the surface holds {angle:.1f}°").format(angle=held).replace("-", "−")
