@@ -42,7 +42,7 @@ def ways_of(document: Document) -> tuple[tuple[np.ndarray, ...], ...]:
 
 
 def turning_of(document: Document) -> Turning | None:
-    """What tells the turns of the handles from rest in a shape; None where none is large enough."""
+    """Ways of the handles from rest, to measure their turns; None without a large one."""
     document = document.from_rest
     if not any(float(np.linalg.norm(handle.rotation)) >= LEAST_TURN for handle in document.handles):
         return None
