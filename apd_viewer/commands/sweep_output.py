@@ -155,5 +155,5 @@ def summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
                     count=unsettled, steps=len(own), most=sweep.iterations
                 )
             )
-        lines += [f"    {sentence}" for sentence in sweep.lost_turns(own[-1])]
+        lines += [f"    {sentence}" for sentence in sweep.passing(own[-1])]
     return "\n".join(lines)

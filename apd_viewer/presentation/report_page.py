@@ -20,7 +20,7 @@ from apd_viewer.presentation.report_origin import (
     version_rows,
 )
 from apd_viewer.presentation.report_volumes import reduction_block
-from apd_viewer.session.model.status_text import of_crossings, of_exempt, of_turns
+from apd_viewer.session.model.status_text import of_crossings, of_exempt, of_passing
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall, mass
 
@@ -95,7 +95,7 @@ def _warnings(state: State, found: ShapeCheck | None) -> Iterator[Block]:
         yield Note(tr("The shape had not converged when this report was created."), warns=True)
     if state.frame.unreached:
         yield Note(state.frame.unreached, warns=True)
-    for sentence in of_turns(state, found):
+    for sentence in of_passing(state, found):
         yield Note(sentence, warns=True)
 
 

@@ -162,7 +162,7 @@ def _sentence(steps: list[SweepStep], sweep: Sweep) -> str:
     if last.share_reached < 1.0:
         share = 100.0 * last.share_reached
         return tr("Contact stopped the handle after {share:.3g} % of its way.").format(share=share)
-    said = list(sweep.lost_turns(steps[-1]))
+    said = list(sweep.passing(steps[-1]))
     unsettled = sum(not step.frame.settled for step in steps)
     if unsettled:
         said.append(

@@ -87,7 +87,7 @@ class TurningPairs(NamedTuple):
         return cls(q, np.column_stack([s, t]), ends, tuple(way), _dots(way[-1], q[t]) < 0.0)
 
     def turns(self, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Turn about ``axis`` (3,) in each pair, (p,), and its clearness from 0 to 1, (p,)."""
+        """Turn about ``axis`` (3,) in each pair, (p,), and its clearness 0 to 1, (p,)."""
         points = [(q[:, 0], q[:, 1:] @ axis) for q in self.on_the_way]
         angles = [np.arctan2(along, w) for w, along in points]
         # A turn by less than a whole one is half as much of an ellipse: less than a half of it.
@@ -104,7 +104,7 @@ def _hinge(frames: TriangleAxes, s: np.ndarray, c: np.ndarray, t: np.ndarray, sa
 
 
 def between(p: np.ndarray, q: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Turn about an axis by the shortest rotation from ``p`` (k, 4) to ``q``, and jumps."""
+    """Turn about an axis by the shortest way from ``p`` (k, 4) to ``q``, and jumps."""
     jump = _dots(p, q) < 0.0
     q = np.where(jump[:, None], -q, q)
     before, after = (np.arctan2(each[:, 1:] @ axis, each[:, 0]) for each in (p, q))

@@ -1,4 +1,4 @@
-"""Turn of a handle as it was asked and as the surface holds it, in sentences too."""
+"""Turns of handles, asked and held, and warnings of a surface that passed itself."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from apd_viewer.language import tr
 LEAST_TURN = math.radians(5.0)
 # Radians: so near to whole turns a handle is where it was asked; "paper" lets it give way.
 _WHOLE = math.radians(30.0)
+# Of the rest volume: rounding.
+_LITTLE = 1e-6
 
 
 class HeldTurn(NamedTuple):
@@ -85,14 +87,22 @@ def most_lost(turns: Sequence[HeldTurn]) -> HeldTurn:
     return max(turns, key=lambda turn: (turn.lost if turn.lost >= LEAST_TURN else 0.0, abs(turn.asked)))
 
 
-def turn_warnings(
-    turns: Sequence[HeldTurn], contact: bool, may_touch: bool = True, names: Sequence[str] = ()
+def passing_warnings(
+    turns: Sequence[HeldTurn],
+    volumes: tuple[float | None, float | None],
+    contact: bool,
+    may_touch: bool,
+    names: Sequence[str] = (),
 ) -> tuple[str, ...]:
-    """Sentences on lost turns, one for each handle.
+    """Sentences on signs of a surface passing through itself on its way.
+
+    They are turns that it does not hold, and the volume of a closed surface turned inside out.
 
     Parameters
     ----------
     turns : sequence of HeldTurn
+    volumes : tuple of two floats or None
+        Enclosed now and at rest.
     contact, may_touch : bool
         Whether contact was on, and whether the method knows it.
     names : sequence of str, optional
@@ -102,27 +112,23 @@ def turn_warnings(
     for k, turn in enumerate(turns):
         if turn.lost < LEAST_TURN:
             continue
-        sentence = _sentence(turn, contact, may_touch)
+        asked, held = (f"{round(angle or 0.0, 1) + 0.0:g}" for angle in turn.degrees)
+        lost = tr("The surface holds {held} of the {asked} degrees asked").format(held=held, asked=asked)
+        sentence = _because(lost, contact, may_touch) if turn.passed_through else f"{lost}."
         if len(turns) > 1:
             name = names[k] if names else tr("Handle {n}").format(n=k + 1)
             sentence = tr("{name}: {sentence}").format(name=name, sentence=sentence)
         said.append(sentence)
+    now, rest = volumes
+    if now is not None and rest and now / rest < -_LITTLE:
+        said.append(_because(tr("The surface has turned inside out"), contact, may_touch))
     return tuple(said)
 
 
-def _sentence(turn: HeldTurn, contact: bool, may_touch: bool) -> str:
-    said = tr("The surface holds {held} of the {asked} degrees asked.")
-    if turn.passed_through and not may_touch:
-        said = tr(
-            "The surface holds {held} of the {asked} degrees asked: it passed through itself, "
-            "as this method knows no contact."
-        )
-    elif turn.passed_through and not contact:
-        said = tr(
-            "The surface holds {held} of the {asked} degrees asked: without contact it passed through "
-            "itself; turn contact on."
-        )
-    elif turn.passed_through:
-        said = tr("The surface holds {held} of the {asked} degrees asked: it passed through itself.")
-    asked, held = (f"{round(angle or 0.0, 1) + 0.0:g}" for angle in turn.degrees)
-    return said.format(held=held, asked=asked)
+def _because(what: str, contact: bool, may_touch: bool) -> str:
+    said = tr("{what}: it passed through itself.")
+    if not may_touch:
+        said = tr("{what}: it passed through itself, as this method knows no contact.")
+    elif not contact:
+        said = tr("{what}: without contact it passed through itself; turn contact on.")
+    return said.format(what=what)

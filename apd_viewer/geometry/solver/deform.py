@@ -17,7 +17,7 @@ from apd_viewer.geometry.mesh.arrays import numbers
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
-from apd_viewer.geometry.pose.held_turn import HeldTurn, turn_warnings
+from apd_viewer.geometry.pose.held_turn import HeldTurn, passing_warnings
 from apd_viewer.geometry.solver.arguments import HeldVertices
 from apd_viewer.geometry.solver.contact_descent import whole_way
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
@@ -340,7 +340,7 @@ def result_of(
         seconds=seconds,
         factor_seconds=solver.factor_seconds,
         seconds_per_iteration=seconds_per_iteration,
-        warnings=(*solver.warnings, *unsettled, *_lost(solver, frame, turns)),
+        warnings=(*solver.warnings, *unsettled, *_passing(solver, frame, turns)),
         convergence=solver.convergence,
         share_reached=frame.share_reached,
         least_gap=None if frame.contact is None else frame.contact.least_gap,
@@ -352,8 +352,8 @@ def result_of(
     )
 
 
-def _lost(solver: Deformation, frame: Frame, turns: Sequence[HeldTurn]) -> tuple[str, ...]:
-    """Sentences on lost turns, unless contact has stopped the handles."""
-    if frame.share_reached < 1.0:
-        return ()
-    return turn_warnings(turns, solver.contact is not None, method_named(solver.method).may_touch)
+def _passing(solver: Deformation, frame: Frame, turns: Sequence[HeldTurn]) -> tuple[str, ...]:
+    """Sentences on passing through itself; of turns unless contact stops a handle."""
+    turns, volumes = turns if frame.share_reached == 1.0 else (), (frame.volume, solver.rest.volume)
+    touch = solver.contact is not None, method_named(solver.method).may_touch
+    return passing_warnings(turns, volumes, *touch)

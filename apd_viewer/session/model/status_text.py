@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.pose.held_turn import turn_warnings
+from apd_viewer.geometry.pose.held_turn import passing_warnings
 from apd_viewer.language import tr, trn, written
 from apd_viewer.session.quantities.units import Unit
 
@@ -137,12 +137,14 @@ def of_crossings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]
     return (Finding("self-intersections", said.format(n=len(crossing)), where),)
 
 
-def of_turns(state: State, found: ShapeCheck | None) -> tuple[str, ...]:
-    """Sentences on turns lost by the surface, unless contact has stopped the handles."""
-    if found is None or state.frame.share_reached < 1.0:
+def of_passing(state: State, found: ShapeCheck | None) -> tuple[str, ...]:
+    """Sentences on passing through itself; of turns unless contact stops a handle."""
+    if found is None:
         return ()
+    turns = found.turns if state.frame.share_reached == 1.0 else ()
     names = [handle.name for handle in state.document.handles]
-    return turn_warnings(found.turns, state.keeps_apart, state.document.traits.may_touch, names)
+    volumes = state.frame.volume, state.inspection.volume
+    return passing_warnings(turns, volumes, state.keeps_apart, state.document.traits.may_touch, names)
 
 
 def of_held_turn(found: ShapeCheck | None, k: int) -> str:

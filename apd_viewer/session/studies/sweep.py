@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.held_turn import HeldTurn, most_lost, turn_warnings
+from apd_viewer.geometry.pose.held_turn import HeldTurn, most_lost, passing_warnings
 from apd_viewer.geometry.pose.screw_motion import Turn
 from apd_viewer.geometry.pose.winding import HandlePath, WaypointPath
 from apd_viewer.geometry.solver.methods import method_named
@@ -58,8 +58,7 @@ class SweepStep(NamedTuple):
         ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations, whatever the method.
     loads : tuple of float
         Length of the force on each obstacle, energy per length: that of a material of stiffness 1.
-    turns : tuple of HeldTurn
-        Of the handles so far, as asked and as the surface holds them.
+    turns : tuple of HeldTurn, of the handles so far
     """
 
     method: str
@@ -140,11 +139,12 @@ class Sweep:
     def _diagonal(self) -> float:
         return diagonal(self.document.mesh.V)
 
-    def lost_turns(self, step: SweepStep) -> tuple[str, ...]:
-        """Sentences on lost turns, unless contact has stopped the handles."""
+    def passing(self, step: SweepStep) -> tuple[str, ...]:
+        """Sentences on passing through itself; of turns unless contact stops a handle."""
         may_touch, names = method_named(step.method).may_touch, [each.name for each in self.document.handles]
         turns = step.turns if step.frame.share_reached == 1.0 else ()
-        return turn_warnings(turns, self.document.contact and may_touch, may_touch, names)
+        touch = self.document.contact and may_touch, may_touch
+        return passing_warnings(turns, (step.frame.volume, step.volume_rest), *touch, names)
 
     def document_at(self, part: float) -> Document:
         """The document with its handles at a part of their motion."""

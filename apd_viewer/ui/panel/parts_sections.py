@@ -11,7 +11,7 @@ from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr, trc, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
-from apd_viewer.session.model.status_text import of_turns
+from apd_viewer.session.model.status_text import of_passing
 from apd_viewer.ui.panel.motion_field import MotionField
 from apd_viewer.ui.panel.symmetry_row import SymmetryRow
 from apd_viewer.ui.part_lists.part_list import PartList
@@ -44,7 +44,7 @@ class HandleSection(Section):
     added, reset_asked, put_back_asked : Signal()
     drift : QLabel
     lost : QLabel
-        Turns that the surface does not hold; hidden without any.
+        What tells that the surface has passed through itself; hidden without anything.
     """
 
     added = Signal()
@@ -55,7 +55,11 @@ class HandleSection(Section):
         super().__init__(tr("Handles"))
         self.list = PartList(HANDLE_COLORS, self._row)
         self.column.addWidget(self.list)
-        self.lost = QLabel(objectName="lost", wordWrap=True, accessibleName=tr("Lost turns"))
+        self.lost = QLabel(
+            objectName="lost",
+            wordWrap=True,
+            accessibleName=tr("Signs of passing through itself"),
+        )
         self.lost.hide()
         self.column.addWidget(self.lost)
         self.motion = MotionField()
@@ -117,8 +121,8 @@ class HandleSection(Section):
         self.heading.say(f"{len(document.handles)}", only_folded=True)
 
     def show_check(self, state: State, found: ShapeCheck | None) -> None:
-        """Show the turns that the surface has lost, as far as known."""
-        lost = of_turns(state, found)
+        """Show signs of the surface passing through itself, as far as known."""
+        lost = of_passing(state, found)
         self.lost.setText("\n".join(lost))
         self.lost.setVisible(bool(lost))
 

@@ -10,7 +10,7 @@ from meshes import rotation
 
 from apd_viewer.geometry.analysis.held_turns import held_turns, ways_of
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.pose.held_turn import turn_warnings
+from apd_viewer.geometry.pose.held_turn import passing_warnings
 from apd_viewer.geometry.pose.transforms import turned_about
 from apd_viewer.geometry.pose.winding import pose_of, rotation_vector
 
@@ -133,7 +133,7 @@ def test_what_cannot_be_told_is_not_said():
     apart = F[~((SHARE[F] < 0.5).any(axis=1) & (SHARE[F] >= 0.5).any(axis=1))]
     assert held(U, 400.0, G=apart) == [None], "no surface leads there"
     assert held(np.full_like(V, np.nan), 400.0) == [None], "it diverged"
-    assert turn_warnings(turns_of(U, 400.0, G=apart), contact=False) == ()
+    assert warnings(turns_of(U, 400.0, G=apart)) == ()
 
 
 def test_half_a_turn_goes_either_way_round():
@@ -159,19 +159,31 @@ def test_what_was_asked_is_read_from_places_on_the_way(degrees, seed):
     assert np.rad2deg(found @ axis) == pytest.approx(degrees, abs=1e-6)
 
 
+def warnings(turns, contact=False, may_touch=True, names=(), volumes=(None, None)):
+    return passing_warnings(turns, volumes, contact, may_touch, names)
+
+
+def test_a_closed_surface_turned_inside_out_is_said():
+    (said,) = warnings((), volumes=(-3.0, 4.0))
+    assert said.startswith("The surface has turned inside out: without contact it passed through itself")
+    assert warnings((), volumes=(3.0, -4.0)) == (said,), "the triangles looked inwards at first"
+    for volumes in ((3.0, 4.0), (-3.0, -4.0), (None, 4.0), (-1e-9, 4.0)):
+        assert warnings((), volumes=volumes) == ()
+
+
 def test_sentences_say_what_is_held_and_what_to_do():
     turns = turns_of(turned_by(np.deg2rad(40.0) * GROWING), 400.0)
     begin = "The surface holds 40 of the 400 degrees asked: "
     without = "without contact it passed through itself; turn contact on."
-    assert turn_warnings(turns, contact=False) == (begin + without,)
-    (never,) = turn_warnings(turns, contact=False, may_touch=False)
+    assert warnings(turns, contact=False) == (begin + without,)
+    (never,) = warnings(turns, contact=False, may_touch=False)
     assert never == begin + "it passed through itself, as this method knows no contact."
-    assert turn_warnings(turns, contact=True) == (begin + "it passed through itself.",)
+    assert warnings(turns, contact=True) == (begin + "it passed through itself.",)
     kept = turns_of(turned_by(np.deg2rad(400.0) * GROWING), 400.0)
-    assert turn_warnings(kept, contact=False) == ()
+    assert warnings(kept, contact=False) == ()
     less = turns_of(turned_by(np.deg2rad(380.0) * GROWING), 400.0)
-    assert turn_warnings(less, contact=False) == ("The surface holds 380 of the 400 degrees asked.",)
-    two = turn_warnings((*kept, *turns), contact=True, names=("Cap", "Neck"))
+    assert warnings(less, contact=False) == ("The surface holds 380 of the 400 degrees asked.",)
+    two = warnings((*kept, *turns), contact=True, names=("Cap", "Neck"))
     assert two == ("Neck: " + begin + "it passed through itself.",)
 
 

@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 import pytest
-from meshes import sample_bottle
+from meshes import sample_bottle, sphere
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import turned_about
@@ -63,3 +63,15 @@ def test_tipping_and_shifting_raise_no_alarm():
         assert result.turned_held == pytest.approx(result.turned, abs=1e-6)
         assert not any("holds" in said for said in result.warnings)
     assert turned_bottle(2.0, contact=False).turned_held == (None,)
+
+
+def test_a_ball_pushed_through_its_own_bottom_is_said_to_be_inside_out():
+    V, F = sphere(3)
+    base, cap = np.flatnonzero(V[:, 2] < -0.8), np.flatnonzero(V[:, 2] > 0.8)
+    for way, inside_out in ((0.5, False), (2.5, True)):
+        held = np.concatenate([base, cap])
+        targets = np.vstack([V[base], V[cap] - [0.0, 0.0, way]])
+        result = deform(V, F, held, targets, "arap", handle=cap, contact=False)
+        assert (result.volume < 0.0) == inside_out
+        said = [each for each in result.warnings if each.startswith("The surface has turned inside out:")]
+        assert len(said) == inside_out
