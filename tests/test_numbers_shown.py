@@ -5,13 +5,16 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1] / "apd_viewer"
-FOLDERS = "presentation", "session", "ui"
+FOLDERS = "commands", "presentation", "session", "ui"
 # Formats that write a sign between groups or before decimals.
 SIGNS = re.compile(r",|\.[0-9]*[1-9][0-9]*[fge%]|\.\{|g$")
 # What writes a number as it is shown or typed.
 WRITERS = {"written", "typed", "_shown"}
-# What is read by programs: shaders, pictures, settings, options of commands, decks.
+# What is read by programs: shaders, pictures, settings, options, decks, and what no window shows of commands.
 FOR_PROGRAMS = {
+    "commands/info.py",
+    "commands/paper.py",
+    "commands/paper_tables.py",
     "presentation/color_maps.py",
     "presentation/legend_svg.py",
     "session/quantities/deck_wall.py",

@@ -9,6 +9,7 @@ from apd_viewer.commands.terminal.plain_numbers import signed
 from apd_viewer.files.report import room_of
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.language import tr
+from apd_viewer.presentation.number_format import exact
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -129,15 +130,15 @@ def _load_lines(step: PressStep, newtons: Newtons | None) -> list[str]:
 def _curve_lines(found: Pressed, newtons: Newtons | None) -> list[str]:
     curve, lines = found.curve, []
     if curve.yield_load is not None:
-        force = "" if newtons is None else f" ({newtons.per_load * curve.yield_load:.3g} N)"
+        force = "" if newtons is None else _beside(newtons.per_load * curve.yield_load, "N")
         lines.append(
             tr("yields at a load of {load:.5g}{newtons}, pressed by {deflection:.4g}").format(
                 load=curve.yield_load, newtons=force, deflection=curve.yield_deflection
             )
         )
     if curve.apparent_stiffness is not None:
-        slope = "" if newtons is None else f" ({newtons.per_millimetre * curve.apparent_stiffness:.3g} N/mm)"
-        work = "" if newtons is None else f" ({newtons.joules * curve.work:.3g} J)"
+        slope = "" if newtons is None else _beside(newtons.per_millimetre * curve.apparent_stiffness, "N/mm")
+        work = "" if newtons is None else _beside(newtons.joules * curve.work, "J")
         lines.append(
             tr("apparent stiffness {stiffness:.5g}{slope}, work {work:.5g}{joules}").format(
                 stiffness=curve.apparent_stiffness, slope=slope, work=curve.work, joules=work
@@ -180,3 +181,7 @@ def _volume_line(capped: bool, step: PressStep, rest: RestMesh, title: str, rema
             capped=tr(", openings capped flat") if capped else "",
         )
     ]
+
+
+def _beside(value: float, unit: str) -> str:
+    return f" ({exact(value, 3)} {unit})"

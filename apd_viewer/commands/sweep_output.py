@@ -11,7 +11,7 @@ from apd_viewer.figures.shapes import Picture, draw_shapes
 from apd_viewer.files.animations.shapes import Animation
 from apd_viewer.files.mesh_writing import suffix_for
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.language import listed, tr
+from apd_viewer.language import listed, tr, written
 from apd_viewer.session.model.view import Standpoint
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def _looks(camera: Standpoint) -> dict[str, tuple[float, float, float]]:
 def _words(step: SweepStep, abscissa: str) -> list[str]:
     where = {
         "degrees": f"{step.degrees:.0f}°",
-        "way": f"{step.way:.3g}",
+        "way": written(f"{step.way:.3g}"),
         "part": f"{100 * step.part:.0f} %",
     }[abscissa]
     lines = [where, tr("area {change} %").format(change=signed(100 * step.frame.area_error, 2))]

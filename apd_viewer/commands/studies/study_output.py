@@ -6,6 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import listed, tr, trn
+from apd_viewer.presentation.number_format import grouped
 from apd_viewer.presentation.time_left import duration
 from apd_viewer.studies.case_file import FAILED
 from apd_viewer.studies.results import status_words
@@ -56,7 +57,7 @@ def planned(left: WorkLeft, processes: int) -> str:
 def summary(table: ResultTable, folder: Path) -> str:
     """Lines on the results."""
     count = Counter(row.status for row in table.rows)
-    words = listed(f"{number:,} {status_words(status)}" for status, number in count.items())
+    words = listed(f"{grouped(number, 0)} {status_words(status)}" for status, number in count.items())
     lines = [tr("{folder}: {words}").format(folder=folder / "results.csv", words=words)]
     failed = [_on_line(row.line, row.sentence) for row in table.rows if row.status == FAILED]
     return "\n".join([*lines, *_first(failed)])
