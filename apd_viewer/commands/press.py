@@ -31,6 +31,7 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     METHODS,
+    material_of,
 )
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import welded
@@ -155,14 +156,15 @@ def _press(options: argparse.Namespace) -> None:
     rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
     extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ direction(axis)))
     moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
-    gas = gas_of(options.gas, wall, options.stiffness, rest)
+    material = material_of(METHODS[options.method], *moduli)
+    newtons = wall.newtons(material, rest)
+    gas = gas_of(options.gas, newtons, rest)
     goals = options.area, options.volume, wall.apart
     asked = PressOptions((), options.method, *moduli, *goals, wall.radius, start, gas)
     to = distance_of(options.to, extent)
     plates = PlatePress(rest, axis, to, options.steps, options.iterations, asked)
     found = press_with(plates, options.release, lambda done: progress.show(done, tr("pressing")))
     progress.end()
-    newtons = wall.newtons(options.stiffness, rest.area)
     with ExitStack() as beside:
         if options.curve:
             rows = rows_of(found, newtons)
@@ -173,12 +175,13 @@ def _press(options: argparse.Namespace) -> None:
             from apd_viewer.figures.press_curves import draw_press
 
             folder = beside.enter_context(filling(options.figure.parent))
-            draw_press(found, folder / options.figure.name, newtons.per_load if newtons else None)
+            force = (newtons.per_load, newtons.too_low(found.stretching)) if newtons else None
+            draw_press(found, folder / options.figure.name, force)
         if options.report:
-            said = json.dumps(report_of(mesh, rest, found, asked, wall), indent=2)
+            said = json.dumps(report_of(mesh, rest, found, asked, wall, newtons), indent=2)
             beside.enter_context(replacing(options.report)).write_text(said + "\n", encoding="utf-8")
         save_mesh(mesh, found.U, output, wall.unit.symbol)
-    print(summary(found, rest, output, options.stiffness, wall, extent))
+    print(summary(found, rest, output, wall, newtons, extent))
 
 
 def _opened(path: str, weld: bool) -> tuple[Mesh, np.ndarray | None, str]:

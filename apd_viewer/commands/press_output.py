@@ -9,6 +9,7 @@ from apd_viewer.commands.terminal.plain_numbers import signed
 from apd_viewer.files.report import room_of
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.language import tr
+from apd_viewer.presentation import obstacle_readings
 from apd_viewer.presentation.number_format import exact
 
 if TYPE_CHECKING:
@@ -23,10 +24,14 @@ if TYPE_CHECKING:
 
 
 def report_of(
-    mesh: Mesh, rest: RestMesh, found: Pressed, options: PressOptions, wall: PressWall
+    mesh: Mesh,
+    rest: RestMesh,
+    found: Pressed,
+    options: PressOptions,
+    wall: PressWall,
+    newtons: Newtons | None,
 ) -> dict[str, object]:
     """Fields of the report."""
-    last, newtons = found.last, wall.newtons(options.stiffness, rest.area)
     room: dict[str, object] = {}
     for U, suffix in ((mesh.V, "_rest"), (found.U, "")):
         readings = room_of(check_shape(U, mesh.joined_F))
@@ -42,7 +47,7 @@ def report_of(
         "area_rest": rest.area,
         "volume_rest": rest.volume,
         "volume_capped_rest": rest.volume_capped,
-        **row_of(last, bool(found.released), newtons),
+        **row_of(found.last, bool(found.released), found, newtons),
         "stopped": found.stopped,
         **found.curve._asdict(),
         **_wall_fields(wall, rest.area),
@@ -81,23 +86,22 @@ def _newton_fields(found: Pressed, newtons: Newtons) -> dict[str, object]:
 
 
 def summary(
-    found: Pressed, rest: RestMesh, output: Path, stiffness: float, wall: PressWall, extent: float
+    found: Pressed, rest: RestMesh, output: Path, wall: PressWall, newtons: Newtons | None, extent: float
 ) -> str:
     """Lines on a press of a mesh of ``extent`` between the plates, for the terminal."""
     last, first = found.steps[-1], found.steps[0]
-    newtons = wall.newtons(stiffness, rest.area)
     lines = [
         tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the extent").format(
             output=output, distance=last.distance, share=100 * last.distance / extent
         ),
-        *_load_lines(last, newtons),
+        *_load_lines(last, found, newtons),
         *_volume_line(first.volume is None, last, rest, tr("volume"), ""),
     ]
     if found.released:
         lines += _volume_line(first.volume is None, found.last, rest, tr("opened"), tr(" remain"))
     lines.append(tr("area    {change} %").format(change=signed(100 * last.area_error, 3)))
     lines += _curve_lines(found, newtons)
-    lines += _wall_lines(wall, rest.area, stiffness, newtons)
+    lines += _wall_lines(wall, rest.area, found, newtons)
     if last.crossings:
         lines.append(tr("{n:,} intersecting triangles").format(n=last.crossings))
     if found.stopped:
@@ -111,17 +115,20 @@ def summary(
     return "\n".join(lines)
 
 
-def _load_lines(step: PressStep, newtons: Newtons | None) -> list[str]:
+def _load_lines(step: PressStep, found: Pressed, newtons: Newtons | None) -> list[str]:
     low, high = step.load_low, step.load_high
     lines = [
-        tr("load    {low:.5g} below, {high:.5g} above (of a material of stiffness 1)").format(
-            low=low, high=high
+        tr("load    {low:.5g} below, {high:.5g} above (of a material of stiffness 1); {excess}").format(
+            low=low, high=high, excess=obstacle_readings.excess(found.load_excess)
         )
     ]
     if newtons is not None:
         lines.append(
-            tr("        {low:.3g} N below, {high:.3g} N above, if walls bend and hardly stretch").format(
-                low=newtons.per_load * low, high=newtons.per_load * high
+            tr("        {low:.3g} N below, {high:.3g} N above, {conditions}").format(
+                low=newtons.per_load * low,
+                high=newtons.per_load * high,
+                conditions=obstacle_readings.off(newtons.too_low(step.stretching))
+                or tr("if walls bend and hardly stretch"),
             )
         )
     return lines
@@ -147,7 +154,7 @@ def _curve_lines(found: Pressed, newtons: Newtons | None) -> list[str]:
     return lines
 
 
-def _wall_lines(wall: PressWall, area: float, stiffness: float, newtons: Newtons | None) -> list[str]:
+def _wall_lines(wall: PressWall, area: float, found: Pressed, newtons: Newtons | None) -> list[str]:
     lines, grams = [], wall.grams(area)
     if wall.material or newtons is not None or grams is not None:
         lines.append(tr("wall    {wall}").format(wall=wall.written))
@@ -158,11 +165,17 @@ def _wall_lines(wall: PressWall, area: float, stiffness: float, newtons: Newtons
         lines.append(tr("mass    {mass:.4g} {unit}").format(mass=grams * share, unit=unit))
     if newtons is not None:
         lines.append(
-            tr(
-                "Pressed at a stiffness of {stiffness:.3g}; this wall has {own:.1g}, which meshes of this "
-                "size do not resolve. Where it also has to stretch, it carries more."
-            ).format(stiffness=stiffness, own=newtons.stiffness)
+            tr("Pressed at a stiffness of {stiffness:.3g}; this wall has {own:.1g}.").format(
+                stiffness=newtons.pressed, own=newtons.stiffness
+            )
         )
+        if said := obstacle_readings.off(newtons.too_low(found.stretching)):
+            lines.append(
+                tr(
+                    "This shape has to stretch, too, by up to {share:.0f} % of the energy: newtons, N/mm and "
+                    "joules of the whole way may be {off}."
+                ).format(share=100.0 * found.stretching, off=said)
+            )
     return lines
 
 

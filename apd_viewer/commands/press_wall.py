@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.unit_option import naming_the_option
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.total_curvature import total_curvature
 from apd_viewer.language import listed, tr
 from apd_viewer.presentation.number_format import short
 from apd_viewer.session.quantities.elastic_wall import (
@@ -15,6 +16,7 @@ from apd_viewer.session.quantities.elastic_wall import (
     metres,
     poisson_ratio,
     pressure,
+    too_low,
     young_modulus,
 )
 from apd_viewer.session.quantities.expressions import length, number
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     import argparse
 
     from apd_viewer.commands.terminal.parser import Parser
+    from apd_viewer.geometry.energy.material import Material
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
 
 _GPA = 1e9
@@ -73,13 +76,15 @@ class PressWall:
             return None
         return _GRAMS * self.density * self.thickness * area * metre**3
 
-    def newtons(self, stiffness: float, area: float) -> Newtons | None:
-        """Conversion of the loads of a model of a stiffness; None if it is not known."""
-        metre = metres(self.unit)
+    def newtons(self, material: Material, rest: RestMesh) -> Newtons | None:
+        """Conversion of the loads of a model of a material; None if it is not known."""
+        metre, stiffness = metres(self.unit), material.bending
         if self.elastic is None or metre is None or not stiffness > 0.0:
             return None
-        own = self.elastic.stiffness(area, metre)
-        return Newtons(self.elastic.newtons(stiffness, area, metre), metre, own)
+        own = self.elastic.stiffness(rest.area, metre, material.young)
+        curvature = total_curvature(rest.shape.V, rest.shape.F)
+        per_load = self.elastic.newtons(stiffness, rest.area, metre)
+        return Newtons(per_load, metre, own, stiffness, curvature)
 
     @property
     def written(self) -> str:
@@ -108,13 +113,21 @@ class Newtons:
         Newtons of a load of 1.
     metre : float
         Metres in a mesh unit.
-    stiffness : float
-        That of the wall, beside the one it was pressed with.
+    stiffness, pressed : float
+        That of the wall, and the one that it is pressed with.
+    curvature : float
+        Total curvature of the shape at rest.
     """
 
     per_load: float
     metre: float
     stiffness: float
+    pressed: float
+    curvature: float
+
+    def too_low(self, stretching: float) -> float:
+        """Largest error of newtons by the share of the energy in stretching, a factor."""
+        return too_low(self.pressed / self.stiffness, stretching, self.curvature)
 
     @property
     def joules(self) -> float:
@@ -188,14 +201,13 @@ def wall_of(options: argparse.Namespace, unit: Unit) -> PressWall:
     )
 
 
-def gas_of(text: str | None, wall: PressWall, stiffness: float, rest: RestMesh) -> float | None:
+def gas_of(text: str | None, newtons: Newtons | None, rest: RestMesh) -> float | None:
     """Pressure times volume of the gas, in areas, from a text; raises InputError."""
     if text is None:
         return None
     pascals = pressure(text)
     if pascals is None:
         return number(text, {})
-    newtons = wall.newtons(stiffness, rest.area)
     if newtons is None:
         raise InputError(
             tr("A pressure with a unit needs newtons; add --material, or --thickness and --young.")

@@ -42,6 +42,7 @@ def row_of(step: SweepStep, sweep: Sweep) -> dict[str, Cell]:
     frame = step.frame
     # Methods that know no contact have no loads.
     loads = step.loads or (None,) * len(sweep.obstacles)
+    excess = {"load_excess_percent": sweep.load_excess_percent(step.method)} if sweep.obstacles else {}
     return {
         "method": step.method,
         "step": step.number,
@@ -60,6 +61,7 @@ def row_of(step: SweepStep, sweep: Sweep) -> dict[str, Cell]:
         "settled": frame.settled,
         **dict(zip(("turned", "turned_held"), step.turned, strict=True)),
         **{f"load_{k}": load for k, load in enumerate(loads, start=1)},
+        **excess,
     }
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.figures.style import draw
 from apd_viewer.language import tr
+from apd_viewer.presentation import obstacle_readings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 _SIZE = (9.0, 3.9)
 
 
-def draw_press(found: Pressed, path: Path, newtons: float | None = None) -> None:
+def draw_press(found: Pressed, path: Path, newtons: tuple[float, float] | None = None) -> None:
     """Draw load and volume of a press; without volume where nothing is enclosed.
 
     Parameters
@@ -25,13 +26,12 @@ def draw_press(found: Pressed, path: Path, newtons: float | None = None) -> None
     found : Pressed
     path : Path
         Of the picture; its ending is replaced.
-    newtons : float, optional
-        Of a load of 1, if it is known.
+    newtons : two floats, optional
+        Of a load of 1, if it is known, and the factor by which they may be too low.
     """
-    scale = 1.0 if newtons is None else newtons
+    scale = 1.0 if newtons is None else newtons[0]
     ways = [way for way in (found.steps, found.steps[-1:] + found.released) if len(way) > 1]
-    title = tr("Load, at stiffness 1") if newtons is None else tr("Load, N, if walls bend and hardly stretch")
-    said = [(title, lambda step: scale * _load(step))]
+    said = [(_load_title(found, newtons), lambda step: scale * _load(step))]
     first = found.steps[0]
     if _volume(first):
         title = tr("Change of the volume within caps, %") if first.volume is None else tr("Volume change, %")
@@ -45,7 +45,7 @@ def draw_press(found: Pressed, path: Path, newtons: float | None = None) -> None
             for way, style, name in zip(ways, ("-", "--"), (tr("closing"), tr("opening")), strict=False):
                 x, y = [step.deflection for step in way], [reading(step) for step in way]
                 axes.plot(x, y, style, marker="o", markersize=4, label=name)
-            axes.margins(x=0.02)
+            axes.margins(x=0.02, y=0.1)
         if len(ways) > 1:
             panels[0].legend()
         if found.curve.yield_load is not None:
@@ -55,6 +55,16 @@ def draw_press(found: Pressed, path: Path, newtons: float | None = None) -> None
             )
 
     draw(fill, _SIZE, path.parent, path.stem)
+
+
+def _load_title(found: Pressed, newtons: tuple[float, float] | None) -> str:
+    """Two lines: the load, and by how much it is expected to be off."""
+    known = obstacle_readings.excess(found.load_excess)
+    if newtons is None:
+        return tr("Load, at stiffness 1") + f"\n{known}"
+    off = obstacle_readings.off(newtons[1])
+    title = tr("Load, N, {off}").format(off=off) if off else tr("Load, N, if walls bend and hardly stretch")
+    return f"{title}\n{known}"
 
 
 def _load(step: PressStep) -> float:

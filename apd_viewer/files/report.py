@@ -36,6 +36,8 @@ def write_report(
     readings = asdict(result)
     del readings["U"]
     readings["convergence"] = result.convergence._asdict()
+    excess = readings.pop("load_excess")
+    readings["load_excess_percent"] = None if excess is None else 100.0 * excess
     readings |= {"loads": result.loads.tolist(), "shifts": result.shifts.tolist()}
     report = {
         "mesh": mesh.name,

@@ -22,6 +22,8 @@ _THERE = 1e-4
 # In longest sides, for a stiffness of 1: the far end of a barrier leaves so little, and presses nothing.
 _NO_LOAD = 1e-9
 _DIGITS = 8  # of numbers for repeating the deformation
+_ESTIMATED = 2  # digits of what is expected
+_ALWAYS = 0.95  # factors from here to its inverse say nothing
 
 
 def why_idle(state: State) -> str:
@@ -44,6 +46,31 @@ def load(state: State, k: int) -> str:
     if not state.frame.settled:  # of a shape under way it may be hundreds of times as much
         return tr("touched")
     return tr("load {force}").format(force=significant(force, 3))
+
+
+def excess(share: float | None) -> str:
+    """Phrase on the expected excess of loads; None of a wall without stiffness."""
+    if share is None:
+        return tr("without stiffness, walls crumple and loads mean little")
+    return tr("expected excess of loads {percent} %").format(percent=significant(100.0 * share, _ESTIMATED))
+
+
+def off(factor: float) -> str:
+    """Phrase on newtons off by a factor; empty near 1."""
+    if factor > 1.0 / _ALWAYS:
+        return tr("up to {factor} times too low").format(factor=significant(factor, _ESTIMATED))
+    if factor < _ALWAYS:
+        return tr("up to {factor} times too high").format(factor=significant(1.0 / factor, _ESTIMATED))
+    return ""
+
+
+def load_excess(state: State) -> str:
+    """Sentence on the expected excess of loads at rest; empty without any."""
+    pressed = any(load(state, k) for k in range(len(state.document.obstacles)))
+    if not pressed or not state.frame.settled:
+        return ""
+    said = excess(state.load_excess)
+    return said[0].upper() + said[1:]
 
 
 def motion(state: State, k: int, unit: Unit) -> str:
@@ -77,7 +104,7 @@ def report_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
     for k, obstacle in enumerate(state.document.obstacles):
         more = [obstacle.kind.title, *_shape(obstacle, unit, size)]
         if said := load(state, k):
-            more.append(said)
+            more.append(f"{said}, {excess(state.load_excess)}" if state.frame.settled else said)
         yield obstacle.name, motion(state, k, unit), "; ".join(more)
 
 

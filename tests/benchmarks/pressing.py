@@ -214,7 +214,7 @@ def main() -> None:
         spent = f"{step.iterations} | {time.process_time() - begun:.0f} | {step.settled}"
         print(f"| {step.distance / extent:.3f} | {loads} | {volume} | {spent} |", flush=True)
         assert abs(step.area_error) <= 1e-9
-    print(f"\n{pressed(steps[: asked.steps + 1], (), plates.pressing.is_stopped).curve}")
+    print(f"\n{pressed(steps[: asked.steps + 1], (), plates.pressing.is_stopped, None).curve}")
     if asked.check:
         print(f"frames: {crossed[0]}, crossed: {crossed[1]}")
 

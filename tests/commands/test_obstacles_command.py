@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+import trimesh
 from meshes import tube
 
 from apd_viewer.__main__ import main
@@ -51,6 +52,8 @@ def test_plates_of_a_file_press_what_nothing_holds(mesh, tmp_path):
     assert high[0] > 1.0
     assert low[0] == pytest.approx(-high[0], rel=0.01)
     assert abs(said["area_error"]) <= 1e-9
+    square = (trimesh.load(mesh.path, process=False).edges_unique_length ** 2).mean()
+    assert said["load_excess_percent"] == pytest.approx(75.0 * square / (0.002 * said["area_rest"]), rel=0.25)
 
 
 def test_obstacles_bring_the_contact_that_a_thickness_needs(mesh, tmp_path):
@@ -102,6 +105,9 @@ def test_a_sweep_of_obstacles_alone_tells_the_load_of_every_step(mesh, tmp_path)
     out = tmp_path / "swept"
     assert not command("sweep", tmp_path / "a.apd", "--steps", 8, "--methods", "exact", "-o", out)
     rows = list(csv.DictReader((out / "sweep.csv").read_text().splitlines()))
+    (excess,) = {float(row["load_excess_percent"]) for row in rows}
+    square = (trimesh.load(mesh.path, process=False).edges_unique_length ** 2).mean()
+    assert excess == pytest.approx(75.0 * square / (0.002 * state.inspection.area), rel=0.25)
     load = np.array([[float(row["load_1"]), float(row["load_2"])] for row in rows])
     assert {row["settled"] for row in rows} == {rows[0]["settled"]}, "as the first, where nothing moves"
     assert load[0] == pytest.approx(0.0, abs=1e-6)

@@ -168,9 +168,63 @@ def test_a_material_fills_in_the_wall_and_loads_are_in_newtons_too(ball, press, 
     )
     assert found["work_joule"] == pytest.approx(per_load * found["work"] * 0.01)
     assert f"{found['load_low_newton']:.3g} N below" in said
-    assert "if walls bend and hardly stretch" in said
     assert "Callister" in said
     assert found["stiffness_of_wall"] == pytest.approx(0.03**2 / (6 * (1 - 0.38**2) * area))
+
+
+def test_the_expected_excess_stands_beside_the_load(ball, press, tmp_path):
+    """0.75 h^2 over D = 2 stiffness area; the edges of a ball are nearly alike. A tenth of it for local."""
+    mesh = trimesh.load(ball, process=False)
+    square = (mesh.edges_unique_length**2).mean()
+    curve, report = tmp_path / "c.csv", tmp_path / "r.json"
+    for method, weight in (("exact", 1.0), ("local", 0.1)):
+        words = "--method", method, "--curve", curve, "--report", report
+        _, said, _, _ = press(ball, *QUICK, *words)
+        lines, found = rows(curve), json.loads(report.read_text(encoding="utf-8"))
+        known = 100.0 * weight * 0.75 * square / (2 * 0.001 * mesh.area)
+        assert found["load_excess_percent"] == pytest.approx(known, rel=0.05)
+        assert [line["load_excess_percent"] for line in lines] == [found["load_excess_percent"]] * len(lines)
+        said = re.search(r"load .* above .*; expected excess of loads ([\d.]+) %", said)
+        assert float(said[1]) == pytest.approx(found["load_excess_percent"], rel=0.05)
+
+
+def test_without_stiffness_no_excess_is_said_but_that_loads_mean_little(ball, press, tmp_path):
+    report = tmp_path / "r.json"
+    _, said, _, _ = press(ball, *QUICK, "--stiffness", 0, "--report", report)
+    assert json.loads(report.read_text(encoding="utf-8"))["load_excess_percent"] is None
+    assert "loads mean little" in said
+
+
+def test_newtons_of_a_shape_that_has_to_stretch_say_by_how_much_they_may_be_too_low(ball, press, tmp_path):
+    """A ball resists by the root of D E t: by the root of how much stiffer it was pressed than it is."""
+    curve, report = tmp_path / "c.csv", tmp_path / "r.json"
+    words = "--unit", "cm", "--material", "pet-bottle", "--curve", curve, "--report", report
+    _, said, _, _ = press(ball, *QUICK, *words)
+    found = json.loads(report.read_text(encoding="utf-8"))
+    assert found["stretching_percent"] == pytest.approx(50.0, abs=4.0)
+    root = (0.001 / found["stiffness_of_wall"]) ** 0.5
+    assert found["newton_factor"] == pytest.approx(root, rel=0.1)
+    assert rows(curve)[-1]["newton_factor"] == pytest.approx(found["newton_factor"])
+    factor = f"up to {found['newton_factor']:.2g} times too low"
+    assert f" N above, {factor}\n" in said
+    assert "This shape has to stretch, too" in said
+    assert "hardly stretch" not in said
+
+
+def test_newtons_of_a_tube_that_is_pressed_flat_need_no_factor_and_along_its_axis_they_do(press, tmp_path):
+    V, F = tube(24, 10, height=1.5)
+    save_mesh(Mesh(V, F), V, tmp_path / "tube.off")
+    report = tmp_path / "r.json"
+    words = "--steps", 2, "--stiffness", 0.001, "--unit", "cm", "--material", "pet-bottle", "--report", report
+    _, said, _, _ = press(tmp_path / "tube.off", "--axis", "x", "--to", "70%", *words)
+    assert json.loads(report.read_text(encoding="utf-8"))["newton_factor"] == 1.0
+    assert "if walls bend and hardly stretch" in said
+    assert "too low" not in said
+    _, said, _, _ = press(tmp_path / "tube.off", "--axis", "z", "--to", "99%", *words)
+    found = json.loads(report.read_text(encoding="utf-8"))
+    assert found["stretching_percent"] > 90.0
+    assert found["newton_factor"] > (0.001 / found["stiffness_of_wall"]) ** 0.9
+    assert "times too low" in said
 
 
 def test_newtons_are_not_said_where_they_are_not_known(ball, press, tmp_path):

@@ -1,8 +1,10 @@
 """Obstacles in words, in the list and in the report."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from driven_session import bar
 
 from apd_viewer.geometry.mesh.arrays import frozen
@@ -35,6 +37,22 @@ def test_loads_are_said_where_something_presses_and_only_at_rest():
     assert readings.load(state(), 0) == ""
     barely = np.array([[0.0, 0.0, -4e-23], [0.0, 0.0, 0.0]])
     assert [readings.load(state(loads=barely, settled=settled), 0) for settled in (True, False)] == ["", ""]
+
+
+def test_the_expected_excess_is_said_with_loads_at_rest():
+    """Of the cells of squares, 0.75 h^2 over D; less by a quarter at the sharp edges of a narrow bar."""
+    loads = np.array([[0.0, 0.0, -1.2345], [0.0, 0.0, 0.0]])
+    pressed = state(loads=loads)
+    stiff = replace(pressed, document=replace(pressed.document, stiffness=0.01, method="exact"))
+    known = 100.0 * 0.75 / (2.0 * 0.01 * stiff.inspection.area)
+    said = float(re.fullmatch(r"Expected excess of loads ([\d.]+) %", readings.load_excess(stiff))[1])
+    assert said == pytest.approx(known, rel=0.3)
+    (table,) = obstacle_blocks(stiff, Unit.NONE)
+    assert table.rows[0][2].endswith(f"; load 1.23, {readings.load_excess(stiff).lower()}")
+    assert "excess" not in table.rows[1][2]
+    assert readings.load_excess(pressed).endswith("loads mean little"), "without stiffness"
+    for nothing in (state(), state(loads=loads, settled=False), state(loads=loads, contact=False)):
+        assert readings.load_excess(nothing) == ""
 
 
 def test_a_motion_is_said_with_what_contact_has_not_let():

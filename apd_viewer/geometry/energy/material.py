@@ -31,3 +31,14 @@ class Material:
     bending: float = 0.0
     coupling: float = 0.0
     yield_curvature: float = np.inf
+
+    @property
+    def young(self) -> float:
+        """Young's modulus times thickness, with free sides, for small strains.
+
+        With strains e and f along and across, a unit of area has the energy
+        ``(2 rigidity + shear) (e^2 + f^2) + area (e + f)^2 / 2``, which is least at the f of free sides.
+        """
+        shape = self.rigidity + 0.5 * self.shear
+        size = shape + 0.5 * self.area
+        return 8.0 * shape * size / (shape + size)

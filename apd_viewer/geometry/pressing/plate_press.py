@@ -160,6 +160,7 @@ class PlatePress:
             deflection=gone,
             load_low=float(-low),
             load_high=float(high),
+            stretching=pressing.stretching,
             energy=pressing.energy,
             volume=found.volume,
             volume_capped=found.volume_capped,

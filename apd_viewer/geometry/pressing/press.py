@@ -36,6 +36,9 @@ class Pressed:
         Of the mean of both loads as the plates close.
     stopped : bool
         The plates could go no farther.
+    load_excess : float or None
+        Expected excess of the loads, 0.1 for 10 %, as the cells of the mesh bend, too; None without
+        stiffness, where loads are those of the cells alone.
 
     Examples
     --------
@@ -51,6 +54,12 @@ class Pressed:
     released: tuple[PressStep, ...]
     curve: LoadCurve
     stopped: bool
+    load_excess: float | None
+
+    @property
+    def stretching(self) -> float:
+        """Largest share of the wall's energy in its stretching as the plates close."""
+        return max(step.stretching for step in self.steps)
 
     @property
     def last(self) -> PressStep:
@@ -148,11 +157,13 @@ def press_with(
     steps = list(plates.steps(lambda done: progress(part * done)))
     stopped = plates.pressing.is_stopped
     released = list(plates.release(lambda done: progress(part + (1.0 - part) * done))) if release else []
-    return pressed(steps, released, stopped)
+    return pressed(steps, released, stopped, plates.pressing.load_excess)
 
 
-def pressed(steps: Sequence[PressStep], released: Sequence[PressStep], stopped: bool) -> Pressed:
+def pressed(
+    steps: Sequence[PressStep], released: Sequence[PressStep], stopped: bool, excess: float | None
+) -> Pressed:
     """Steps of a press with the readings of their loads."""
     loads = [0.5 * (step.load_low + step.load_high) for step in steps]
     curve = load_curve(np.array([step.deflection for step in steps]), np.array(loads))
-    return Pressed(tuple(steps), tuple(released), curve, stopped)
+    return Pressed(tuple(steps), tuple(released), curve, stopped, excess)

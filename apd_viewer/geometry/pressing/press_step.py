@@ -22,6 +22,8 @@ class PressStep:
     load_low, load_high : float
         Force on the plate below and on the one above, energy per length: that of a material of stiffness 1.
         At rest, unless something is held, they are the same, and the slope of the energy as the plates close.
+    stretching : float
+        Share of the wall's energy that is in its stretching, 0 to 1; the rest bends it.
     energy : float
         Of the method, with that of the gaps; squared lengths.
     volume, volume_capped : float or None
@@ -50,6 +52,7 @@ class PressStep:
     deflection: float
     load_low: float
     load_high: float
+    stretching: float
     energy: float
     volume: float | None
     volume_capped: float | None

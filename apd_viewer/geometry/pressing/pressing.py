@@ -12,14 +12,17 @@ gives to small random forces as its stiffness has it, most where it is about to 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.mesh_contact import contact_of
 from apd_viewer.geometry.contact.obstacles import Obstacle
+from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
+from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.pose.held_path import HeldPath
@@ -36,6 +39,9 @@ from apd_viewer.geometry.solver.methods import DEFAULT_TOLERANCE, method_named
 from apd_viewer.geometry.solver.touching_descent import TouchingDescent
 from apd_viewer.geometry.solver.touching_surface import TouchingSurface
 from apd_viewer.language import tr
+
+# Of the area: less energy is rounding, strains of a millionth.
+_NO_ENERGY = 1e-12
 
 
 class Pressing:
@@ -147,6 +153,26 @@ class Pressing:
         return self._surface.energy
 
     @property
+    def load_excess(self) -> float | None:
+        """Expected excess of the loads, see :func:`load_excess`."""
+        return load_excess(self._elastic.material, cell_stiffness(self.rest.shape.V, self.rest.shape.F))
+
+    @property
+    def stretching(self) -> float:
+        """Share of the wall's energy in its stretching, 0 to 1."""
+        energy = self._elastic.energy
+        if energy <= _NO_ENERGY * self.rest.area:
+            return 0.0
+        self._membrane.local_step(self._elastic.U)
+        return min(1.0, self._membrane.energy / energy)
+
+    @cached_property
+    def _membrane(self) -> Membrane:
+        """Stretching alone: cells without bending are triangles of a membrane."""
+        shape, material = self.rest.shape, self._elastic.material
+        return Membrane(shape.V, shape.whole, 2.0 * material.rigidity + material.shear, material.area)
+
+    @property
     def loads(self) -> np.ndarray:
         """Forces (o, 3) on the obstacles, energy per length.
 
@@ -157,10 +183,7 @@ class Pressing:
 
     @property
     def imbalance(self) -> float:
-        """Length of the sum of all loads, in the sum of their lengths.
-
-        0 where something is held, which takes the rest.
-        """
+        """Length of the sum of all loads in that of their lengths; 0 if held."""
         return self._descent.imbalance
 
     def aim(self, share: float) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.held_turns import held_turns, ways_of
 from apd_viewer.geometry.contact.obstacles import Obstacle
+from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.mesh.arrays import numbers
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -79,6 +80,9 @@ class Result:
         By how much the surface turns from the base to each handle, degrees. None where that was not looked
         at: where less than 5 degrees were asked, no surface leads there, or handle or base is a line or a
         point.
+    load_excess : float or None
+        Expected excess of the loads, 0.1 for 10 %, as the cells of the mesh bend, too; None without loads or
+        without stiffness, where loads are those of the cells alone.
 
     Examples
     --------
@@ -119,6 +123,7 @@ class Result:
     shifts: np.ndarray
     turned: tuple[float, ...]
     turned_held: tuple[float | None, ...]
+    load_excess: float | None
 
 
 def deform(
@@ -349,6 +354,7 @@ def result_of(
         shifts=frame.shifts,
         turned=tuple(turn.degrees[0] for turn in turns),
         turned_held=tuple(turn.degrees[1] for turn in turns),
+        load_excess=_load_excess(solver) if len(frame.loads) else None,
     )
 
 
@@ -357,3 +363,10 @@ def _passing(solver: Deformation, frame: Frame, turns: Sequence[HeldTurn]) -> tu
     turns, volumes = turns if frame.share_reached == 1.0 else (), (frame.volume, solver.rest.volume)
     touch = solver.contact is not None, method_named(solver.method).may_touch
     return passing_warnings(turns, volumes, *touch)
+
+
+def _load_excess(solver: Deformation) -> float | None:
+    """Expected excess of the loads on obstacles; None without stiffness."""
+    assert solver.contact is not None
+    shape = solver.rest.shape
+    return load_excess(solver.contact.elastic.material, cell_stiffness(shape.V, shape.F))

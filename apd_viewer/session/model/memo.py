@@ -9,6 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from apd_viewer.geometry.energy import cell_bending
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.components import part_of_triangles
 from apd_viewer.geometry.mesh.operators import face_areas
@@ -116,6 +117,9 @@ def parts(F: np.ndarray) -> np.ndarray:
 def triangle_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Area of each triangle at rest, (m,) float array."""
     return frozen(face_areas(V, F))
+
+
+cell_stiffness = once(cell_bending.cell_stiffness)
 
 
 @once

@@ -9,6 +9,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import numbered
 from apd_viewer.geometry.analysis.inspection import Inspection, inspect
+from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import frozen
@@ -17,6 +18,7 @@ from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.geometry.pose.frame import MET, Frame
+from apd_viewer.geometry.solver.methods import material_of
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
@@ -91,6 +93,11 @@ class State:
         if self.keeps_apart and len(come) == len(obstacles):
             return come
         return np.array([each.shift for each in obstacles]).reshape(-1, 3)
+
+    @property
+    def load_excess(self) -> float | None:
+        """Expected excess of loads on the obstacles; None without stiffness."""
+        return load_excess_of(self.document)
 
     @property
     def lacks(self) -> bool:
@@ -204,3 +211,10 @@ def _alike(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
     said = np.flatnonzero(codes != none)[::-1]  # of several the first one counts
     shared[weld.inverse[said]] = codes[said]
     return frozen(shared[weld.inverse])
+
+
+def load_excess_of(document: Document) -> float | None:
+    """Expected excess of loads on the obstacles; None without stiffness."""
+    moduli = document.stiffness, document.area_stiffness, document.shear_stiffness
+    cells = memo.cell_stiffness(document.mesh.V, document.mesh.joined_F)
+    return load_excess(material_of(document.traits, *moduli), cells)

@@ -6,6 +6,11 @@ rigidity ``D = 2 stiffness area`` (a squared length) and no Poisson's ratio; the
 depend on D, and loads are in proportion to it:
 
     load in newtons = load of the model * D of the wall / (D of the model * metres in a mesh unit).
+
+A shape that cannot bend without stretching resists by both, and its load is in proportion to
+``D^(1 - p) (E t)^p``, where p is the share of the energy in stretching (the derivative of the least energy by
+the logarithm of a modulus is the energy that the modulus has). A wall that is thinner than that of the model
+resists stretching more, against bending, so that the newtons above are too low; see :func:`too_low`.
 """
 
 from __future__ import annotations
@@ -33,6 +38,10 @@ _UNIT = re.compile(r"(?P<amount>.*?)\s*(?P<unit>[a-zA-Z]*)\s*", re.DOTALL)
 _SOFTEST, _HARDEST = 1e3, 2e12  # Pa; gels have more, diamond has 1.2e12
 _SHOWN = 20  # characters quoted from invalid input
 DEFAULT_POISSON = 0.4
+# Of 4 pi of a sphere: a mesh on a tube has up to 1, with vertices off by a hundredth of the radius.
+_CURVED = 1.5
+# Shares of the energy in stretching: spheres and bottles between plates have 0.2 to 0.5, shallow bends less.
+_STRETCHED, _ROOT = 0.05, 0.5
 
 
 class ElasticWall(NamedTuple):
@@ -70,12 +79,41 @@ class ElasticWall(NamedTuple):
         """
         return self.rigidity / (2.0 * stiffness * area * metre)
 
-    def stiffness(self, area: float, metre: float) -> float:
+    def stiffness(self, area: float, metre: float, young: float) -> float:
         """Stiffness of the model with this wall's proportion of bending to stretch.
 
-        The cells of the model have a Young's modulus of 4 per length: ``D / (E t) = stiffness area / 2``.
+        ``D / (E t)`` is ``2 stiffness area / young`` in the model, and ``t² / (12 (1 - nu²))`` of the wall.
+
+        Parameters
+        ----------
+        area : float
+            At rest, square mesh units.
+        metre : float
+            Metres in a mesh unit.
+        young : float
+            Young's modulus times thickness of the model; see :class:`Material`.
         """
-        return self.thickness**2 / (6.0 * (1.0 - self.poisson**2) * area * metre**2)
+        return young * self.thickness**2 / (24.0 * (1.0 - self.poisson**2) * area * metre**2)
+
+
+def too_low(ratio: float, stretching: float, curvature: float) -> float:
+    """Largest factor by which newtons may be too low; less than 1 if too high.
+
+    It is 1 where a shape need not stretch. Where it has to, loads are in proportion to the root of ``D E t``
+    or so: that of a sphere is [Reissner 1946]; sharp folds stretch less, and a tube along its axis, while it
+    is straight, more. So the power of the ratio is a half, or the share of the energy if that is more.
+
+    Parameters
+    ----------
+    ratio : float
+        Stiffness that the model was pressed with, over that of the wall.
+    stretching : float
+        Share of the energy in stretching, at the stiffness of the model.
+    curvature : float
+        Total curvature at rest: what can be unrolled can also bend without stretching.
+    """
+    forced = curvature > _CURVED and stretching > _STRETCHED
+    return ratio ** max(_ROOT, stretching) if forced or stretching > _ROOT else 1.0
 
 
 def metres(unit: Unit) -> float | None:

@@ -16,6 +16,7 @@ from apd_viewer.geometry.pose.winding import HandlePath, WaypointPath
 from apd_viewer.geometry.solver.methods import method_named
 from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import document_at
+from apd_viewer.session.model.state import load_excess_of
 from apd_viewer.session.posing.motion_path import MotionPath, posed_along
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.studies.turns import turns_in
@@ -119,6 +120,12 @@ class Sweep:
     def obstacles(self) -> tuple[NamedObstacle, ...]:
         """Obstacles whose loads are measured."""
         return self.document.obstacles if self.document.contact else ()
+
+    def load_excess_percent(self, method: str) -> float | None:
+        """Expected excess of the loads by a method; None without stiffness or loads."""
+        document = replace(self.document, method=method)
+        excess = load_excess_of(document) if document.has_obstacles else None
+        return None if excess is None else 100.0 * excess
 
     @property
     def abscissa(self) -> str:

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton
 
 from apd_viewer.language import tr, trc
-from apd_viewer.presentation.obstacle_readings import load, motion, why_idle
+from apd_viewer.presentation.obstacle_readings import load, load_excess, motion, why_idle
 from apd_viewer.presentation.palette import OBSTACLE_COLOR
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.ui.obstacles.obstacle_fields import ObstacleFields
@@ -65,15 +65,16 @@ class ObstacleSection(Section):
         )
         self.list = PartList([OBSTACLE_COLOR], self._row)
         self.fields = ObstacleFields()
+        self.excess = quiet(tr("Expected excess of the loads"))
         self.note = quiet(tr("Why obstacles push nothing"))
         self.note.setObjectName("unreached")
         self.contact = QPushButton(tr("Turn contact on"), toolTip=tr("Let the obstacles push the surface"))
         self.contact.clicked.connect(self.contact_asked)
-        for part in (self.empty, self.list, self.fields, self.note, self.contact):
+        for part in (self.empty, self.list, self.excess, self.fields, self.note, self.contact):
             self.column.addWidget(part)
         self.column.addSpacing(4)
         self.column.addLayout(self._make_buttons())
-        for part in (self.list, self.fields, self.note, self.contact):
+        for part in (self.list, self.excess, self.fields, self.note, self.contact):
             part.hide()
         self.heading.say(trc("obstacles", "none"), only_folded=True)
 
@@ -118,6 +119,8 @@ class ObstacleSection(Section):
             if k == active and isinstance(row.details, QLabel):
                 row.details.setText(motion(state, k, unit))
         self.empty.setVisible(not obstacles)
+        self.excess.setText(load_excess(state))
+        self.excess.setVisible(bool(self.excess.text()))
         self.fields.setVisible(active is not None)
         if active is not None:
             self.fields.show_obstacle(state, active, values)

@@ -12,13 +12,14 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
+from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS
 from apd_viewer.geometry.pressing.plate_way import plate_way
 from apd_viewer.geometry.pressing.press_options import check_yield
-from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, material_of
 from apd_viewer.language import tr
-from apd_viewer.presentation import number_format
+from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.session.quantities.elastic_wall import metres
@@ -30,6 +31,7 @@ from apd_viewer.ui.studies.wall_fields import WallFields
 from apd_viewer.ui.widgets.fields import Check, Choice, Number
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.energy.material import Material
     from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
     from apd_viewer.ui.preferences.preferences import Preferences
@@ -65,6 +67,7 @@ class PressDialog(StudyDialog):
             "Presses the mesh, with nothing held, between two plates that close on it in steps, and plots "
             "load and volume."
         )
+        self._cells = cell_stiffness(mesh.V, mesh.joined_F)
         usual = thickness_of(diagonal(self._points), None)
         self.wall = WallFields(self, unit, usual, document.thickness)
         rows = (
@@ -117,25 +120,31 @@ class PressDialog(StudyDialog):
             brief=True, accessibleName=tr("Stiffness"), minimum=0.0, maximum=1.0, decimals=5, value=value
         )
         self.stiffness.setFixedWidth(72)
-        self._crumples = not own
         self.hint = QLabel(objectName="quiet")
+        self.stiffness.valueChanged.connect(self._show_stiffness)
+        self.method.currentIndexChanged.connect(self._show_stiffness)
         self._show_stiffness()
         return row_of(self.stiffness, self.hint, spacing=8)
 
     def _show_stiffness(self) -> None:
-        """Say beside the stiffness what the wall would have, or that it needs some."""
+        """Say the expected excess of loads and the wall's own stiffness."""
+        material = self._material
+        said = [obstacle_readings.excess(load_excess(material, self._cells))]
         try:
             elastic = self.wall.elastic
         except InputError:
             elastic = None
-        metre, said = metres(self._unit), ""
-        if elastic is not None and metre is not None:
-            own = elastic.stiffness(self._state.inspection.area, metre)
-            said = tr("this wall: {own:.1g}, finer than meshes of this size resolve").format(own=own)
-        elif self._crumples:
-            said = tr("without stiffness, walls crumple and loads mean little")
-        self.hint.setText(said)
-        self.hint.setHidden(not said)
+        metre = metres(self._unit)
+        if elastic is not None and metre is not None and material.bending > 0.0:
+            own = elastic.stiffness(self._state.inspection.area, metre, material.young)
+            said.append(tr("this wall has {own:.1g}").format(own=own))
+        self.hint.setText("; ".join(said))
+
+    @property
+    def _material(self) -> Material:
+        """Material of the fields."""
+        method, document = METHODS[self.method.currentData()], self._document
+        return material_of(method, self.stiffness.value(), document.area_stiffness, document.shear_stiffness)
 
     def _make_start(self) -> QHBoxLayout:
         self.from_current = Check(

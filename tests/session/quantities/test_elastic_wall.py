@@ -11,6 +11,7 @@ from apd_viewer.session.quantities.elastic_wall import (
     ElasticWall,
     metres,
     poisson_ratio,
+    too_low,
     young_modulus,
 )
 from apd_viewer.session.quantities.units import Unit
@@ -61,12 +62,29 @@ def test_a_unit_has_metres(unit, known):
     assert metres(Unit.NONE) is None
 
 
-def test_the_stiffness_of_a_wall_is_that_of_its_rigidities():
-    """In the model bending has D = 2 s A and stretching a Young's modulus of 4: D over E t alike."""
+@pytest.mark.parametrize("young", [4.0, 1.18])
+def test_the_stiffness_of_a_wall_is_that_of_its_rigidities(young):
+    """In the model bending has D = 2 s A and stretching a Young's modulus: D over E t alike."""
     wall, area = ElasticWall(0.3e-3, 2.8e9, 0.4), 430.0
-    model = 2.0 * wall.stiffness(area, 0.01) * area * 0.01**2 / 4.0
+    own = wall.stiffness(area, 0.01, young)
+    model = 2.0 * own * area * 0.01**2 / young
     assert model == pytest.approx(wall.rigidity / (wall.young * wall.thickness))
-    assert 1e-7 < wall.stiffness(area, 0.01) < 1e-6
+    assert 1e-7 < own < 1e-6
+
+
+def test_newtons_are_too_low_by_what_a_thinner_wall_resists_stretching_more():
+    """The load of a sphere, in proportion to the root of D E t, over that of the conversion by D alone."""
+    thick, thin = (8.0 * (t**3 / 12.0 * t) ** 0.5 for t in (0.1, 0.001))
+    converted = thick * (0.001 / 0.1) ** 3
+    assert too_low((0.1 / 0.001) ** 2, 0.5, 4.0 * np.pi) == pytest.approx(thin / converted)
+
+
+def test_newtons_are_too_low_only_where_the_shape_has_to_stretch():
+    assert too_low(2500.0, 0.3, 0.1) == 1.0, "a thick tube, which need not"
+    assert too_low(2500.0, 0.3, 4.0 * np.pi) == 50.0
+    assert too_low(2500.0, 0.02, 4.0 * np.pi) == 1.0, "it does not"
+    assert too_low(2500.0, 1.0, 0.1) == 2500.0, "a tube along its axis"
+    assert too_low(0.01, 0.5, 4.0 * np.pi) == pytest.approx(0.1), "a wall that is thicker than the model"
 
 
 @pytest.mark.parametrize(

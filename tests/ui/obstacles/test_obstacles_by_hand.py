@@ -402,6 +402,11 @@ def test_where_contact_stops_it_an_outline_shows_where_it_should_be(floored):
     np.testing.assert_array_equal(shown.asked, [0, 2, 0])
     row = section.list.rows[0]
     assert row.reading.text() == "load 1.23"
+    assert section.excess.isVisible()
+    assert "loads mean little" in section.excess.text()
+    window.session.settings.set_stiffness(0.01)
+    store.show(replace(store.state, frame=frame))
+    assert section.excess.text().startswith("Expected excess of loads ")
     assert row.details.text() == "asked for 2.000, stopped 1.500 short"
     place = there(window)[0].place + far[0]
     assert section.fields.place.text() == ", ".join(f"{x:.5g}" for x in place)
@@ -411,6 +416,7 @@ def test_where_contact_stops_it_an_outline_shows_where_it_should_be(floored):
     store.show(replace(store.state, frame=frame))
     assert window.obstacles.scene.shown[0].asked is None
     assert row.reading.text() == ""
+    assert not section.excess.isVisible()
     assert row.details.text() == "moved 2.000"
 
 

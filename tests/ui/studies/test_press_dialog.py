@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -116,7 +117,6 @@ def test_the_settings_of_the_document_are_proposed(asked, tmp_path):
     ask, options = asked
     settings = {"method": "local", "stiffness": 0.02, "area_stiffness": 3.0, "shear_stiffness": 0.5}
     dialog = ask(*tube(), **settings, thickness=0.0125)
-    assert dialog.hint.isHidden()
     dialog.direction.setCurrentIndex(1)
     said = options(dialog)
     assert {name: getattr(said, name) for name in settings} == settings
@@ -129,8 +129,26 @@ def test_the_settings_of_the_document_are_proposed(asked, tmp_path):
 def test_without_stiffness_a_little_is_proposed_and_a_line_says_why(asked):
     dialog = asked[0](*sphere(2), stiffness=0.0)
     assert dialog.stiffness.value() == 0.001
+    dialog.stiffness.setValue(0.0)
     assert dialog.hint.isVisible()
     assert "loads mean little" in dialog.hint.text()
+
+
+def test_the_expected_excess_of_loads_follows_stiffness_and_method(asked):
+    """0.75 h^2 over D, a tenth of it for local; edges of a sphere are nearly alike."""
+    V, F = sphere(3)
+    dialog = asked[0](V, F, stiffness=0.001, method="exact")
+    square = (trimesh.Trimesh(V, F, process=False).edges_unique_length ** 2).mean()
+
+    def said():
+        return float(re.search(r"expected excess of loads ([\d.]+) %", dialog.hint.text())[1])
+
+    known = 100.0 * 0.75 * square / (2.0 * 0.001 * trimesh.Trimesh(V, F, process=False).area)
+    assert said() == pytest.approx(known, rel=0.07)
+    dialog.stiffness.setValue(0.002)
+    assert said() == pytest.approx(known / 2.0, rel=0.07)
+    dialog.method.setCurrentIndex(dialog.method.findData("local"))
+    assert said() == pytest.approx(known / 20.0, rel=0.07)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -325,7 +343,10 @@ def test_a_material_fills_in_the_fields_and_names_its_source(asked):
     assert (wall.young.text(), wall.poisson.text(), wall.density.text()) == ("3.4GPa", "0.38", "1.36 g/cm³")
     assert "Callister" in wall.source.text()
     assert wall.source.height() >= wall.source.heightForWidth(wall.source.width()), "nothing is cut off"
-    assert "finer than meshes of this size resolve" in dialog.hint.text()
+    own = 0.03**2 / (6.0 * (1.0 - 0.38**2) * 28.0)
+    assert f"this wall has {own:.1g}" in dialog.hint.text()
+    dialog.method.setCurrentIndex(dialog.method.findData("local"))
+    assert f"this wall has {1.1825 / 4.0 * own:.1g}" in dialog.hint.text()
     said = options(dialog)
     assert (said.material, said.unit, said.young) == ("pet-bottle", "cm", "3.4GPa")
     assert float(said.thickness) == pytest.approx(0.03)
