@@ -26,7 +26,7 @@ from apd_viewer.commands.terminal.weld_option import add_weld_option
 from apd_viewer.figures.shapes import keep_shape, no_pictures
 from apd_viewer.files.animations.animation_files import write_animation
 from apd_viewer.files.animations.series_files import replacing_series
-from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.methods import COMPARED, METHODS
@@ -117,14 +117,14 @@ def _tell_shape(progress: Progress, path: Path, number: int) -> None:
 def _run(sweep: Sweep, progress: Progress, folder: Path | None, kept: Path | None) -> list[SweepStep]:
     """Run the sweep; write shapes to files on request, and keep none."""
     mesh, steps = sweep.document.mesh, []
-    nothing = mesh.V[:0]
+    nothing, suffix = mesh.V[:0], suffix_for(mesh)
 
     def tick(done: float, method: str) -> None:
         progress.show(SWEPT_SHARE * done, METHODS[method].short_title)
 
     for step in sweep.steps(tick):
         if folder is not None:
-            save_mesh(mesh, step.frame.U, mesh_path(folder, mesh, step))
+            save_mesh(mesh, step.frame.U, mesh_path(folder, suffix, step))
         if kept is not None:
             keep_shape(step.frame.U, shape_path(kept, step))
         # A thousand shapes need not be kept in memory.

@@ -9,7 +9,6 @@ from apd_viewer.commands.terminal.plain_numbers import signed
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.shapes import Picture, draw_shapes
 from apd_viewer.files.animations.shapes import Animation
-from apd_viewer.files.mesh_writing import suffix_for
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import listed, tr, written
 from apd_viewer.session.model.view import Standpoint
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from apd_viewer.files.tables import Cell
-    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.studies.sweep import Sweep, SweepStep
 
 
@@ -26,10 +24,10 @@ SWEPT_SHARE = 0.9  # of the work; the rest is drawing
 _FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape
 
 
-def mesh_path(folder: Path, mesh: Mesh, step: SweepStep) -> Path:
+def mesh_path(folder: Path, suffix: str, step: SweepStep) -> Path:
     """Path of a step's mesh in the folder."""
     (folder / "meshes").mkdir(exist_ok=True)
-    return folder / "meshes" / f"{step.method}-{step.number:03d}{suffix_for(mesh)}"
+    return folder / "meshes" / f"{step.method}-{step.number:03d}{suffix}"
 
 
 def shape_path(folder: Path, step: SweepStep) -> Path:

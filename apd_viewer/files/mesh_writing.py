@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 from pathlib import Path
@@ -17,6 +18,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
+_TEXTS = ".obj", ".stl", ".off"  # take any shape: not tried, which takes seconds for a million vertices
 _ROUNDING = 1e-4  # of the written shape, relative to its size: beyond it the shape is different
 
 
@@ -61,9 +63,15 @@ class Written(NamedTuple):
 
 
 def suffix_for(mesh: Mesh) -> str:
-    """Suffix of files for shapes of ``mesh``: its own, or that of OBJ."""
+    """Suffix of files for shapes of ``mesh``: its own if they fit, or that of OBJ."""
     own = mesh.origin.suffix if mesh.origin else ""
-    return own if own in (*WRITTEN, *VTK) else ".obj"
+    if own in _TEXTS:
+        return own
+    if own in (*WRITTEN, *VTK):
+        with contextlib.suppress(InputError):
+            check_shapes(mesh, Path(f"shape{own}"), np.ones(len(mesh.V), dtype=bool))
+            return own
+    return ".obj"
 
 
 def check_shapes(mesh: Mesh, path: Path, moves: np.ndarray) -> None:

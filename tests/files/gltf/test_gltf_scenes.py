@@ -9,7 +9,7 @@ from gltf_scenes import GltfScene
 from meshes import box, rotation
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.operators import volume
 
@@ -443,3 +443,9 @@ def test_lengths_are_metres(suffix, tmp_path):
     scene.node(mesh=scene.mesh(V, F))
     mesh = open_mesh(scene.write(tmp_path / f"a{suffix}"))
     assert (mesh.unit, mesh.baked(2 * mesh.V).unit) == ("m", "m")
+
+
+def test_files_for_shapes_have_another_format_where_they_do_not_fit(scene_of, tmp_path):
+    name, build = scene_of
+    mesh = open_mesh(build(V).write(tmp_path / "a.glb"))
+    assert suffix_for(mesh) == (".obj" if SCENES[name][2] > 1 else ".glb")
