@@ -90,7 +90,7 @@ def _membrane() -> None:
 def _double_wall() -> None:
     V, F = _ball()
     both, one = np.vstack([V, 0.95 * V]), np.ones(len(F))
-    double_wall(both, np.vstack([F, F + len(V)]), np.repeat([0, 1], len(V)), np.r_[one, one])
+    double_wall(both, np.vstack([F, F + len(V)]), np.repeat([0, 1], len(F)), np.r_[one, one], 8.0)
 
 
 def _contact() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.double_wall_kernels import grown, sides_of, through
 from apd_viewer.geometry.mesh.adjacency import opposite_corners
-from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.arrays import diagonal, size_of
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.operators import volume, why_no_volume
 from apd_viewer.geometry.picking.picking import boxes
@@ -57,7 +57,9 @@ class DoubleWall(NamedTuple):
     openings: int
 
 
-def double_wall(V: np.ndarray, F: np.ndarray, piece: np.ndarray, areas: np.ndarray) -> DoubleWall | None:
+def double_wall(
+    V: np.ndarray, F: np.ndarray, piece: np.ndarray, areas: np.ndarray, inside: float
+) -> DoubleWall | None:
     """Double wall of a closed surface; None without one.
 
     Parameters
@@ -65,15 +67,19 @@ def double_wall(V: np.ndarray, F: np.ndarray, piece: np.ndarray, areas: np.ndarr
     V : (k, 3) float array
     F : (m, 3) int array
         Welded triangles.
-    piece : (k,) int array
-        Connected piece of each vertex.
+    piece : (m,) int array
+        Connected piece of each triangle.
     areas : (m,) float array
         Of the triangles.
+    inside : float
+        Signed volume of all.
     """
-    parts = _parts(V, F, piece[F[:, 0]])
+    area, is_one = float(areas.sum()), bool((piece == piece[0]).all())
+    if is_one and 2.0 * abs(inside) > _THIN * diagonal(V) * area:
+        return None  # so it is for most meshes
+    parts = [_Part(np.ones(len(F), dtype=bool), inside)] if is_one else _parts(V, F, piece)
     material = abs(parts[0].inside) - sum(abs(part.inside) for part in parts[1:]) if parts else 0.0
-    area = float(areas.sum())
-    if not 0.0 < 2.0 * material <= _THIN * diagonal(V[F.ravel()]) * area:
+    if len(F) > _MOST_TRIANGLES or not 0.0 < 2.0 * material <= _THIN * size_of(V, F) * area:
         return None
     thickness = 2.0 * material / area
     T = _facing_outward(F, parts)
@@ -98,12 +104,10 @@ class _Part(NamedTuple):
 
 
 def _parts(V: np.ndarray, F: np.ndarray, piece: np.ndarray) -> list[_Part]:
-    """One part, or two with the second inside the first; none otherwise."""
+    """Two parts with the second inside the first; none otherwise."""
     names = np.unique(piece)
-    if len(names) > 2 or len(F) > _MOST_TRIANGLES:
+    if len(names) > 2:
         return []
-    if len(names) == 1:
-        return [_Part(np.ones(len(F), dtype=bool), volume(V, F))]
     parts = [_Part(piece == name, volume(V, F[piece == name])) for name in names]
     parts.sort(key=lambda part: -abs(part.inside))
     around, within = (V[F[part.triangles].ravel()] for part in parts)

@@ -76,7 +76,7 @@ def inspect(mesh: Mesh) -> Inspection:
     inside = None if why else volume(mesh.V, mesh.F)
     areas = face_areas(mesh.V, mesh.F)
     piece = pieces(F, len(first))
-    wall = None if why else double_wall(mesh.V[first], F, piece, areas)
+    wall = None if inside is None else double_wall(mesh.V[first], F, piece[F[:, 0]], areas, inside)
     dx, dy, dz = (float(extent) for extent in np.ptp(mesh.V, axis=0))
     return Inspection(
         vertices=len(mesh.V),

@@ -19,6 +19,13 @@ def diagonal(points: np.ndarray) -> float:
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
+def size_of(V: np.ndarray, F: np.ndarray) -> float:
+    """Diagonal of the bounding box of the triangles ``F`` (m, 3)."""
+    used = np.zeros(len(V), dtype=bool)
+    used[F.ravel()] = True
+    return diagonal(V[used])
+
+
 def far_centre(points: np.ndarray) -> np.ndarray:
     """Place (3,) from which points (k, 3) have small coordinates; the origin if near.
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import check_mesh, diagonal, frozen, numbers, whole_numbers
+from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, size_of, whole_numbers
 from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.geometry.mesh.weld import TOLERANCE, Weld
@@ -146,7 +146,7 @@ class Mesh:
     @property
     def has_welded_seams(self) -> bool:
         """True if more than coincident vertices and cracks of rounding is welded."""
-        return self.weld.slack > 4.0 * TOLERANCE * diagonal(self.V[self.F.ravel()])
+        return self.weld.slack > 4.0 * TOLERANCE * size_of(self.V, self.F)
 
     def homeless(self) -> Mesh:
         """The mesh without its path."""

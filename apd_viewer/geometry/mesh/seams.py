@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.arrays import size_of
 from apd_viewer.geometry.mesh.weld import SEAM, SHARE, Weld, border_edges, shortest_edges
 from apd_viewer.language import trn
 
@@ -35,7 +35,10 @@ class Seams(NamedTuple):
         edges = border_edges(corners, n)
         if not len(edges):
             return cls(edges, 0.0, edges[:, 0])
-        onto = weld.wider(V, F).representative
+        wider = weld.wider(V, F)
+        if len(wider.first) == len(weld.first):
+            return cls(edges[:0], 0.0, _joints(V, edges, corners))
+        onto = wider.representative
         ends, corners = np.sort(onto[edges], axis=1), onto[corners]
         left = border_edges(corners, n)
         meets = ~np.isin(ends[:, 0] * n + ends[:, 1], left[:, 0] * n + left[:, 1])
@@ -80,7 +83,7 @@ class Seams(NamedTuple):
 def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Vertices inside ``edges`` (b, 2), the boundary of the triangles ``corners``."""
     border = np.unique(edges)
-    near = SEAM * diagonal(V[corners.ravel()])
+    near = SEAM * size_of(V, corners)
     room = np.minimum(near, SHARE * shortest_edges(V, edges)[border])
     point, edge = _close(V, border, edges, near)
     a, along = V[edges[edge, 0]], V[edges[edge, 1]] - V[edges[edge, 0]]

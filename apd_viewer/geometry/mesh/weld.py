@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.mesh.arrays import frozen, size_of
 
 # Boundary vertices closer than this, in bounding-box diagonals, are welded.
 TOLERANCE = 1e-7
@@ -64,9 +64,9 @@ class Weld:
         first, inverse = np.unique(representative, return_inverse=True)
         return cls.between(V, first, inverse)
 
-    def wider(self, V: np.ndarray, F: np.ndarray, tolerance: float = SEAM) -> Weld:
-        """The weld with borders joined within a larger tolerance too."""
-        return Weld.to(V, _cracks_closed(V, F, self.representative, tolerance))
+    def wider(self, V: np.ndarray, F: np.ndarray) -> Weld:
+        """The weld with borders joined within :data:`SEAM` too."""
+        return Weld.to(V, _cracks_closed(V, F, self.representative, SEAM))
 
     @classmethod
     def between(cls, V: np.ndarray, first: np.ndarray, inverse: np.ndarray) -> Weld:
@@ -141,7 +141,7 @@ def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tol
     from scipy.spatial import KDTree  # most meshes have no cracks, and the window opens before it is loaded
 
     border = np.unique(edges)
-    pairs = border[KDTree(V[border]).query_pairs(tolerance * diagonal(V[F.ravel()]), output_type="ndarray")]
+    pairs = border[KDTree(V[border]).query_pairs(tolerance * size_of(V, F), output_type="ndarray")]
     gap = np.linalg.norm(V[pairs[:, 0]] - V[pairs[:, 1]], axis=1)
     room = SHARE * shortest_edges(V, edges)[pairs].min(axis=1)
     pairs, gap = pairs[gap <= room], gap[gap <= room]
@@ -166,12 +166,15 @@ def _clustered(pairs: np.ndarray, edges: set[int], n: int) -> np.ndarray:
     ``pairs`` (p, 2) are joined in their order, unless an edge would then lead from a cluster to itself: of a
     chain of near vertices the two ends of an edge stay apart.
     """
-    leader, members = np.arange(n), dict[int, list[int]]()
+    leader, members = list(range(n)), dict[int, list[int]]()
     for a, b in pairs.tolist():
-        low, high = sorted((int(leader[a]), int(leader[b])))
-        one, other = members.get(low, [low]), members.get(high, [high])
-        if low == high or any(min(i, j) * n + max(i, j) in edges for i in one for j in other):
+        low, high = leader[a], leader[b]
+        if low == high:
             continue
-        members[low] = one + other
-        leader[other] = low
-    return leader
+        low, high = min(low, high), max(low, high)
+        one, other = members.get(low, [low]), members.get(high, [high])
+        if not any(min(i, j) * n + max(i, j) in edges for i in one for j in other):
+            members[low] = one + other
+            for i in other:
+                leader[i] = low
+    return np.array(leader)
