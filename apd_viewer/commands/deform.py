@@ -19,6 +19,7 @@ from apd_viewer.commands.scalar_output import (
     scalar_files,
     write_scalar_files,
 )
+from apd_viewer.commands.terminal.contact_option import add_contact_option, contact_of
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.weld_option import add_weld_option, opened_mesh
@@ -103,23 +104,18 @@ def deform_parser() -> Parser:
         action="store_false",
         help=tr("let 'exact' change the area of calm parts, those that the handles hardly reach"),
     )
-    parser.add_argument(
-        "--contact",
-        action=argparse.BooleanOptionalAction,
-        default=False,
-        help=tr("keep walls from passing through each other; default: off"),
-    )
+    add_contact_option(parser)
     parser.add_argument(
         "--thickness",
         metavar="LENGTH",
         type=float,
-        help=tr("distance that walls keep with --contact, in mesh units; default: 1/1000 of the diagonal"),
+        help=tr("distance that walls in contact keep, in mesh units; default: 1/1000 of the diagonal"),
     )
     parser.add_argument(
         "--obstacles",
         metavar="FILE.json",
         type=Path,
-        help=tr("plates, spheres and cylinders that push, as a session lists them; turns --contact on"),
+        help=tr("plates, spheres and cylinders that push, as a session lists them; turns contact on"),
     )
     add_weld_option(parser)
     _add_targets(parser)
@@ -238,10 +234,11 @@ def _deform(options: argparse.Namespace) -> None:
         check_picture(options.picture)
     check_scalar_options(options)
     check_files([output, options.picture, options.report, *scalar_files(options)])
-    if options.thickness is not None and not (options.contact or options.obstacles):
-        raise InputError(tr("--thickness is the distance that walls keep in contact; add --contact."))
     mesh = opened_mesh(options.mesh, options.weld, options.unit)
     obstacles = read_obstacles(options.obstacles) if options.obstacles else ()
+    contact = contact_of(options, len(mesh.V))
+    if options.thickness is not None and not contact:
+        raise InputError(tr("--thickness is the distance that walls keep in contact; add --contact."))
     selection = _selection(options, mesh)
     check_shapes(mesh, output, selection.labels != BASE)
     regions = [_region(words, len(mesh.V)) for words in options.region]
@@ -270,7 +267,7 @@ def _deform(options: argparse.Namespace) -> None:
         volume=options.volume,
         loose=options.loose,
         calm=options.calm,
-        contact=options.contact or bool(obstacles),
+        contact=contact or options.contact,
         thickness=options.thickness,
         obstacles=pushing,
         shifts=np.array([each.shift for each in obstacles]).reshape(-1, 3),

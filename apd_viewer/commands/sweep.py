@@ -20,6 +20,7 @@ from apd_viewer.commands.sweep_output import (
     write_sweep_films,
 )
 from apd_viewer.commands.terminal.animation_options import AnimationTargets, add_animation_option
+from apd_viewer.commands.terminal.contact_option import add_contact_option
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.commands.terminal.weld_option import add_weld_option
@@ -29,8 +30,9 @@ from apd_viewer.files.animations.series_files import replacing_series
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
-from apd_viewer.geometry.solver.methods import COMPARED, METHODS
+from apd_viewer.geometry.solver.methods import COMPARED, METHODS, passing_walls
 from apd_viewer.language import tr
+from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
@@ -71,6 +73,7 @@ def sweep_parser() -> Parser:
     parser.add_argument(
         "-o", "--output", metavar="DIR", type=Path, required=True, help=tr("folder to write to")
     )
+    add_contact_option(parser)
     parser.add_argument("--meshes", action="store_true", help=tr("write the mesh of every step, too"))
     add_animation_option(parser)
     parser.add_argument(
@@ -84,7 +87,10 @@ def sweep_parser() -> Parser:
 def _sweep(options: argparse.Namespace) -> None:
     methods = [word.strip() for word in options.methods.split(",") if word.strip()]
     state, view, motion = moved_from(options, options.weld)
-    sweep = sweep_of(state.document, options.steps, options.to, methods, options.iterations, motion)
+    document = state.document
+    if options.contact is not None:
+        document = replace(document, contact=options.contact)
+    sweep = sweep_of(document, options.steps, options.to, methods, options.iterations, motion)
     animations = AnimationTargets(options, sweep.methods)
     progress = Progress(options.progress_lines)
     with replacing_series(animations.all_files()), ExitStack() as stack:
@@ -106,8 +112,18 @@ def _sweep(options: argparse.Namespace) -> None:
         filmed = not films or write_sweep_films(sweep, steps, kept, view.camera, films, progress)
         progress.end()
     print(summary(steps, sweep, options.output))
+    for sentence in _warnings(options, sweep):
+        print(sentence)
     if not filmed:
         print(no_pictures())
+
+
+def _warnings(options: argparse.Namespace, sweep: Sweep) -> set[str]:
+    """Sentences on missing contact, of a mesh without the option."""
+    if options.contact is not None or Path(options.file).suffix.lower() == SUFFIX:
+        return set()
+    passing = (passing_walls(each, len(sweep.document.mesh.V), "--contact") for each in sweep.methods)
+    return set(filter(None, passing))
 
 
 def _tell_shape(progress: Progress, path: Path, number: int) -> None:

@@ -42,9 +42,10 @@ def settings_of(document: Document) -> str:
     words = [f"{name}={value!r}" for name, value in said.items() if value is not None]
     if method.keeps_calm_parts and not document.calm:
         words.append("calm=False")
-    if document.contact and method.may_touch:
-        words.append("contact=True")
-        words += [] if document.thickness is None else [f"thickness={document.thickness!r}"]
+    if method.may_touch:
+        words.append(f"contact={bool(document.contact)}")
+    if document.contact and method.may_touch and document.thickness is not None:
+        words.append(f"thickness={document.thickness!r}")
     if document.has_obstacles:
         words.append("obstacles=obstacles")
     if document.mesh.has_welded_seams:

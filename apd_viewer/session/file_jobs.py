@@ -18,6 +18,7 @@ from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file, write_selection
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.methods import passing_walls
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_selection import selection_of, with_selection
 from apd_viewer.session.model.state import State, opened
@@ -41,11 +42,9 @@ if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.jobs.background_job import Jobs
     from apd_viewer.session.listener import Listener
+    from apd_viewer.session.model.document import Document
     from apd_viewer.session.saved_work import SavedWork
     from apd_viewer.session.store import Store
-
-# Vertices: up to so many an iteration of walls in touch takes no longer than the eye notices.
-_COMFORTABLE = 20_000
 
 
 class Files:
@@ -75,7 +74,7 @@ class Files:
         if path.suffix.lower() == SUFFIX:
             self.open_with(path.name, lambda: open_session(path), path)
         else:
-            self.open_with(path.name, lambda: _begun(opened(open_mesh(path))))
+            self.open_with(path.name, lambda: opened(open_mesh(path)))
 
     def open_sample(self, name: str) -> None:
         """Open a sample, painted, in the background."""
@@ -83,7 +82,7 @@ class Files:
 
     def open_mesh(self, mesh: Mesh) -> None:
         """Open a mesh from memory."""
-        self.open_with(mesh.name, lambda: _begun(opened(mesh)))
+        self.open_with(mesh.name, lambda: opened(mesh))
 
     def open_with(
         self,
@@ -120,6 +119,7 @@ class Files:
         about = (
             about_findings(state.inspection.findings),
             about_missing_target(state.document),
+            "" if found is not state else _passing(state.document),
             state.document.mesh.texture[1],
         )
         if any(about):
@@ -229,14 +229,14 @@ class Files:
         self._jobs.run(title, work, written, can_be_cancelled=False)
 
 
-def _begun(state: State) -> State:
-    """The same with contact on, if that leaves the hand its pace."""
-    return state.at(replace(state.document, contact=len(state.document.mesh.V) <= _COMFORTABLE))
+def _passing(document: Document) -> str:
+    """Sentence on new work too large for contact by default; mostly empty."""
+    return passing_walls(document.method, len(document.mesh.V), tr("“Contact” in the section Method"))
 
 
 def opened_sample(name: str) -> State:
     """A sample at rest, painted and with its settings."""
-    sample, state = SAMPLES[name], _begun(opened(*open_sample(name)))
+    sample, state = SAMPLES[name], opened(*open_sample(name))
     pivot = None if sample.pivot is None else frozen(np.array(sample.pivot))
     document = state.document.with_handle(0, replace(state.document.handles[0], pivot=pivot))
     return state.at(replace(document, **sample.settings))  # type: ignore[arg-type]

@@ -75,8 +75,10 @@ class OpenedMeshes:
         state, selection = opened(mesh), case.selection
         assert selection is not None  # plans have one for each mesh
         read = _in_a_file(selection, self._content(selection), lambda path: read_selection_file(path, mesh))
-        view = View(unit=case.unit or mesh.unit)
-        return replace(state, document=with_selection(state.document, read)), view
+        document = with_selection(state.document, read)
+        # Cases that do not say it are from a time when walls passed through each other by default.
+        document = replace(document, contact=False)
+        return replace(state, document=document), View(unit=case.unit or mesh.unit)
 
 
 def _in_a_file(source: Source, content: bytes, read: Callable[[Path], T]) -> T:
@@ -99,6 +101,8 @@ def state_of(case: StudyCase, meshes: OpenedMeshes) -> tuple[State, View, tuple[
     said, unit = dict(case.settings), Unit(view.unit)
     for name in ("iterations", "to"):  # of the walk, not of the document
         said.pop(name, None)
+    if case.contact_by_default:
+        said["contact"] = len(state.document.mesh.V) <= int(said["contact"])
     if "thickness" in said:
         said["thickness"] = length(str(said["thickness"]), unit, names_of(state))
     if said.get("volume") is not None and state.inspection.nothing_to_keep:

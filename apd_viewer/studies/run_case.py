@@ -10,6 +10,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.shape_check import check_shape
+from apd_viewer.geometry.solver.methods import passing_walls
 from apd_viewer.language import tr
 from apd_viewer.session.storage.session_json import frame_said
 from apd_viewer.studies.case_document import MissingSourceError, OpenedMeshes, state_of, sweep_of_case
@@ -118,7 +119,7 @@ def _result(case: StudyCase, mesh: Mesh, sweep: Sweep, steps: list[SweepStep], s
         "unsettled_steps": sum(not step.frame.settled for step in steps),
         "seconds": round(time.perf_counter() - started, 3),
     }
-    told = _sentence(steps, sweep), _plain(readings), _curves(steps), frame_said(frame)
+    told = _sentence(case, steps, sweep), _plain(readings), _curves(steps), frame_said(frame)
     return CaseResult(case.key, case.said, DONE, *told, frame.U)
 
 
@@ -154,15 +155,15 @@ def _number(value: Any) -> float | None:
     return value if isinstance(value, int) else float(value)
 
 
-def _sentence(steps: list[SweepStep], sweep: Sweep) -> str:
+def _sentence(case: StudyCase, steps: list[SweepStep], sweep: Sweep) -> str:
     """Sentence for the user; empty without anything to say."""
-    last = steps[-1].frame
-    if last.unreached:
-        return last.unreached
-    if last.share_reached < 1.0:
-        share = 100.0 * last.share_reached
+    last = steps[-1]
+    if last.frame.unreached:
+        return last.frame.unreached
+    if last.frame.share_reached < 1.0:
+        share = 100.0 * last.frame.share_reached
         return tr("Contact stopped the handle after {share:.3g} % of its way.").format(share=share)
-    said = list(sweep.passing(steps[-1]))
+    said = list(sweep.passing(last))
     unsettled = sum(not step.frame.settled for step in steps)
     if unsettled:
         said.append(
@@ -170,4 +171,6 @@ def _sentence(steps: list[SweepStep], sweep: Sweep) -> str:
                 count=unsettled, steps=len(steps), most=sweep.iterations
             )
         )
-    return " ".join(said)
+    if case.contact_by_default:
+        said.append(passing_walls(last.method, len(sweep.document.mesh.V), tr("“contact” in the plan")))
+    return " ".join(filter(None, said))

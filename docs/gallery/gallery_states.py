@@ -10,6 +10,7 @@ import numpy as np
 
 from apd_viewer.commands.deform import deform_parser
 from apd_viewer.commands.motion_options import motion_from, painted
+from apd_viewer.commands.terminal.contact_option import contact_of
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_region, read_transform
@@ -43,7 +44,7 @@ def state_after(words: Sequence[str], U: np.ndarray | None = None) -> State:
         hold_area=options.method == "local" and options.area is not None,
         volume=options.volume,
         calm=options.calm,
-        contact=options.contact or bool(options.obstacles),
+        contact=contact_of(options, len(mesh.V)),
         thickness=options.thickness,
         obstacles=read_obstacles(Path(options.obstacles)) if options.obstacles else (),
     )

@@ -1,5 +1,7 @@
 """A case: the shapes and readings of the sweep, a session of it, and sentences where it fails."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -40,8 +42,11 @@ def document(bar):
     return with_selection(opened(mesh).document, read_selection_file(bar / "bar.sel", mesh))
 
 
-def test_a_case_is_a_sweep_bit_for_bit(run, document):
-    result = run(motion="twist 200deg", steps="3", iterations="40", method="exact")
+@pytest.mark.parametrize("contact", ["", "no", "auto", "yes"])
+def test_a_case_is_a_sweep_bit_for_bit(run, document, contact):
+    result = run(motion="twist 200deg", steps="3", iterations="40", method="exact", contact=contact)
+    # New documents are in contact, and plans that do not say it are not.
+    document = replace(document, contact=document.contact and contact in ("auto", "yes"))
     steps = list(
         sweep_of(document, 3, 1.0, ["exact"], 40, [MotionStep(0, "twist", (np.radians(200),))]).steps()
     )

@@ -13,12 +13,13 @@ from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.studies.plans.design import DESIGNS, LATIN, Varied, designed, varied
-from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE
+from apd_viewer.studies.plans.plan_columns import AUTO, COLUMNS, NOTE
 
 if TYPE_CHECKING:
     import argparse
 
 _FILES = ("mesh", "session", "selection")
+_CONTACT = "contact"  # written in every new plan, since plans without it are from a time when there was none
 
 
 def design_parser() -> Parser:
@@ -108,6 +109,8 @@ def _given(options: argparse.Namespace) -> dict[str, str]:
         if name in given:
             raise InputError(tr("“{name}” is given twice; omit one.").format(name=name))
         given[name] = said
+    if not any(text.partition("=")[0].strip() == _CONTACT for text in [*options.vary, *options.given]):
+        given[_CONTACT] = AUTO
     if (
         "mesh" not in given
         and len(options.mesh) < 2

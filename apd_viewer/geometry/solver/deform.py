@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Integral
 
 import numpy as np
@@ -13,6 +13,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.held_turns import held_turns, ways_of
 from apd_viewer.geometry.contact.obstacles import Obstacle
 from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.mesh.arrays import numbers
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -29,7 +30,9 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
+    contact_by_default,
     method_named,
+    passing_walls,
 )
 from apd_viewer.language import tr
 
@@ -144,7 +147,7 @@ def deform(
     regions: Sequence[Region] = (),
     loose: str | Sequence[int] | np.ndarray = GO,
     calm: bool = True,
-    contact: bool = False,
+    contact: bool | None = None,
     thickness: float | None = None,
     obstacles: Sequence[Obstacle] = (),
     shifts: np.ndarray | None = None,
@@ -158,8 +161,11 @@ def deform(
     ----------
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness
         See :class:`Deformation`.
-    area, volume, regions, loose, calm, contact, thickness, obstacles, convergence, weld
+    area, volume, regions, loose, calm, thickness, obstacles, convergence, weld
         See there too.
+    contact : bool, optional
+        No shape crosses itself more than at rest; held vertices may be stopped on their way. By default so,
+        up to 20,000 vertices, by methods that can ("exact", "local", "arap") and unless iterations are plain.
     shifts : (o, 3) float array, optional
         How far each obstacle goes from its place, straight, together with the held vertices; an equal part of
         it to each way point of a path. Without, they stay.
@@ -167,7 +173,7 @@ def deform(
         A position for each of ``fixed``, mesh units; or a path of s way points that is walked in order. The
         ``share_reached`` of a path counts all ways between two points alike.
     iterations : int, optional
-        Do exactly so many plain iterations from the rest shape. Without it: until converged.
+        Do exactly so many plain iterations from the rest shape, without contact. Without it: until converged.
     progress : callable or bool, optional
         Called with every Frame. True shows a line of progress, in scripts and notebooks that call it as
         ``apd_viewer.deform``; by itself this function is quiet.
@@ -195,6 +201,9 @@ def deform(
     if iterations is not None and (not isinstance(iterations, Integral) or iterations < 1):
         raise InputError(tr("The number of iterations must be a whole number of at least 1."))
     started, told = time.perf_counter(), progress if callable(progress) else None
+    rest = RestMesh.of(V, F, weld)
+    size = method, len(rest.V)
+    by_default = contact is None and iterations is None
     solver = Deformation(
         V,
         F,
@@ -210,28 +219,25 @@ def deform(
         regions=regions,
         loose=loose,
         calm=calm,
-        contact=contact,
+        contact=contact_by_default(*size) if by_default else bool(contact),
         thickness=thickness,
         obstacles=obstacles,
         convergence=convergence,
-        weld=weld,
         plain=iterations is not None,
+        rest=rest,
     )
     targets = numbers(targets, tr("Targets"))
+    last = None
     if targets.ndim != 3 or not len(targets):
         solver.aim(targets, shifts=shifts)
-        turns = _turns(solver, handle, targets[None])
-        return iterated(solver, started, iterations, told, turns=turns)
-    if iterations is not None:
+        way = targets[None]
+    elif iterations is not None:
         raise InputError(tr("Plain iterations know of no path; give the last targets alone."))
-    legs, leg = len(targets), _walk(solver, targets, shifts, told)
-    return iterated(
-        solver,
-        started,
-        progress=told,
-        last=lambda: whole_way(solver.frame(), leg, legs, solver.contact),
-        turns=_turns(solver, handle, targets),
-    )
+    else:
+        last, way = _walk(solver, targets, shifts, told), targets
+    result = iterated(solver, started, iterations, told, last, _turns(solver, handle, way))
+    passing = passing_walls(*size, tr("--contact or contact=True")) if by_default else ""
+    return replace(result, warnings=(*result.warnings, passing)) if passing else result
 
 
 def _walk(
@@ -239,8 +245,8 @@ def _walk(
     targets: np.ndarray,
     shifts: np.ndarray | None,
     progress: Callable[[Frame], None] | None,
-) -> int:
-    """Walk along ``targets`` (s, k, 3) as far as contact lets; the last aimed at."""
+) -> Callable[[], Frame]:
+    """Walk along ``targets`` (s, k, 3); return a call for the frame at its end."""
     for leg, point in enumerate(targets):
         solver.aim(point, shifts=None if shifts is None else (leg + 1) / len(targets) * np.asarray(shifts))
         if leg == len(targets) - 1:
@@ -253,7 +259,7 @@ def _walk(
                 progress(solver.frame())
         if solver.share_reached < 1.0:
             break
-    return leg
+    return lambda: whole_way(solver.frame(), leg, len(targets), solver.contact)
 
 
 def _turns(

@@ -91,7 +91,8 @@ class Deformation:
     calm : bool
         "exact" keeps the area of calm parts too, those that the gesture hardly reaches.
     contact : bool
-        No shape crosses itself more than at rest; held vertices may be stopped on their way.
+        No shape crosses itself more than at rest; held vertices go to their targets over several iterations,
+        and may be stopped on their way.
     thickness : float, optional
         Distance that walls in contact keep, mesh units; without it 1/1000 of the bounding box's diagonal.
     obstacles : sequence of Obstacle
@@ -393,6 +394,7 @@ class Deformation:
         return self._kept.missed(self._solver.values)
 
     def _unreached(self) -> str | None:
-        if self.contact is not None and self.contact.is_stopped:
+        stopped = self.contact is not None and self.contact.is_stopped
+        if stopped and self._solver.met:  # otherwise it is the goals that let it go no farther
             return stopped_at(self.share_reached, self.contact)
-        return self._kept.out_of_reach(self._solver.values if self._solver.stuck else None)
+        return self._kept.out_of_reach(self._solver.values if stopped or self._solver.stuck else None)

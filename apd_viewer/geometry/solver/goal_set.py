@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
+from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from apd_viewer.geometry.goals.goal_projection import MET
 from apd_viewer.geometry.goals.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.goals.percentage import percentage
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.solver.methods import Method, check_tolerance
+from apd_viewer.geometry.solver.methods import Method
 from apd_viewer.language import listed, tr
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class GoalSet:
     def __init__(
         self, rest: RestMesh, name: str, method: Method, tolerance: float, levels: Callable[[], np.ndarray]
     ) -> None:
-        check_tolerance(tolerance)
+        _check_tolerance(tolerance)
         self._rest = rest
         self._levels = cache(levels)
         self._name = name
@@ -96,7 +97,7 @@ class GoalSet:
 
     @tolerance.setter
     def tolerance(self, tolerance: float) -> None:
-        check_tolerance(tolerance)
+        _check_tolerance(tolerance)
         self._tolerance = tolerance
         self.goals, self._dropped = self._tolerant(self.goals), self._tolerant(self._dropped)
 
@@ -180,3 +181,9 @@ class GoalSet:
 
 def _target(region: Region, rest: float) -> float | None:
     return None if region.area is None else rest * percentage(region.area, region.name) / 100.0
+
+
+def _check_tolerance(tolerance: float) -> None:
+    """Raise InputError unless the tolerance is greater than zero."""
+    if not isinstance(tolerance, Real) or not tolerance > 0.0:
+        raise InputError(tr("The tolerance must be greater than 0, such as 0.001 for 0.1 %."))

@@ -18,6 +18,8 @@ DEFAULT_TOLERANCE = 1e-3
 DEFAULT_AREA_STIFFNESS = 20.0
 DEFAULT_SHEAR_STIFFNESS = 0.1
 _LOCAL_RIGIDITY = 0.1
+# Vertices; with more, walls in touch lose the pace of a hand. Fixed, so that all machines do the same.
+MOST_IN_CONTACT = 20_000
 
 
 @dataclass(frozen=True)
@@ -154,6 +156,21 @@ def method_named(name: str) -> Method:
     return METHODS[name]
 
 
+def contact_by_default(method: str, vertices: int) -> bool:
+    """True if contact is on by default, by a method and for so many vertices."""
+    return method_named(method).may_touch and vertices <= MOST_IN_CONTACT
+
+
+def passing_walls(method: str, vertices: int, switch: str) -> str:
+    """Sentence on a mesh too large for contact by default; mostly empty."""
+    if vertices <= MOST_IN_CONTACT or not method_named(method).may_touch:
+        return ""
+    return tr(
+        "Walls may pass through each other: above {most:,} vertices contact is off by default; "
+        "turn it on by {switch}."
+    ).format(most=MOST_IN_CONTACT, switch=switch)
+
+
 def check_method(name: str, handle_of: np.ndarray, obstacles: bool = False) -> Method:
     """Method by its name; raises InputError if unknown or too little is held.
 
@@ -169,12 +186,6 @@ def check_method(name: str, handle_of: np.ndarray, obstacles: bool = False) -> M
             )
         )
     return method
-
-
-def check_tolerance(tolerance: float) -> None:
-    """Raise InputError unless the tolerance is greater than zero."""
-    if not isinstance(tolerance, Real) or not tolerance > 0.0:
-        raise InputError(tr("The tolerance must be greater than 0, such as 0.001 for 0.1 %."))
 
 
 def material_of(method: Method, stiffness: float, area_stiffness: float, shear_stiffness: float) -> Material:

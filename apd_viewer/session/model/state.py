@@ -18,7 +18,7 @@ from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.geometry.pose.frame import MET, Frame
-from apd_viewer.geometry.solver.methods import material_of
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, contact_by_default, material_of
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
@@ -132,7 +132,7 @@ class State:
 
 
 def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
-    """A mesh at rest, with ``labels`` (n,) or nothing painted."""
+    """A mesh at rest as new work begins, with ``labels`` (n,) or nothing painted."""
     if labels is None:
         labels = frozen(np.full(len(mesh.V), FREE, dtype=np.uint8))
     inspection = inspect(mesh)
@@ -147,6 +147,7 @@ def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
         grip=mesh.V,
         member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
         handles=tuple(Handle(numbered(tr("Handle"), k)) for k in range(1, count + 1)),
+        contact=contact_by_default(DEFAULT_METHOD, len(mesh.V)),
     )
     return State(document, inspection, skin_of(mesh), rest_frame(mesh, inspection))
 

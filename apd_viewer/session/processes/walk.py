@@ -89,6 +89,16 @@ class Walk:
         away = float(np.abs(U[held.fixed] - held.targets).max(initial=0.0))
         return away <= _IN_PLACE * self._solver.rest.diagonal + self._solver.rest.weld.slack
 
+    @property
+    def is_on_its_way(self) -> bool:
+        """True if the held vertices or obstacles go on."""
+        return not self.arrived or self._solver.is_on_its_way
+
+    @property
+    def settled(self) -> bool:
+        """True if iterating further changes nothing."""
+        return not self.is_on_its_way and self._solver.settled
+
     def _aim(self, goal: _Goal, U: np.ndarray | None = None, begin: np.ndarray | None = None) -> None:
         held, shifts = goal
         self._solver.aim(held.targets, U, held.soft_targets, shifts, begin)

@@ -65,8 +65,7 @@ def document_said(document: Document) -> dict[str, Any]:
         "volume": number_said(document.volume),
         # Sessions without it are from a time when no calm parts were kept.
         **({"calm": True} if document.calm else {}),
-        # Sessions without it are from a time when walls passed through each other.
-        **({"contact": True} if document.contact else {}),
+        "contact": bool(document.contact),
         **({"thickness": number_said(document.thickness)} if document.thickness else {}),
         **({"obstacles": [obstacle_said(each) for each in document.obstacles]} if document.obstacles else {}),
         **_convergence_said(document.convergence),
@@ -127,6 +126,7 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         hold_area=said.flag("hold_area"),
         volume=percent_of(said, "volume"),
         calm=said.says("calm") and said.flag("calm"),
+        # Sessions without it may be from a time when walls passed through each other by default.
         contact=said.says("contact") and said.flag("contact"),
         thickness=said.number("thickness", LEAST, MOST) if said.says("thickness") else None,
         obstacles=_obstacles(said),

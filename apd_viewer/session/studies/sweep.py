@@ -1,9 +1,10 @@
-"""Sweeps: a motion in steps by several methods, each shape starting from the last."""
+"""Sweeps: a motion in steps by several methods."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
@@ -20,6 +21,7 @@ from apd_viewer.session.model.state import load_excess_of
 from apd_viewer.session.posing.motion_path import MotionPath, posed_along
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.studies.turns import turns_in
+from apd_viewer.session.studies.walked_frames import walked_frames
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -102,7 +104,7 @@ class Sweep:
         Of the motion, one for each step.
     methods : tuple of str
     iterations : int
-        At most so many for each step.
+        At most so many for each step, without those on the way to it in contact.
     """
 
     document: Document
@@ -167,33 +169,49 @@ class Sweep:
             method; what it raises ends the sweep.
         """
         rest: RestMesh | None = None
-        each = 1.0 / (len(self.methods) * len(self.parts))
         for m, method in enumerate(self.methods):
             document = replace(self.document, method=method)
             tick(m / len(self.methods), method)
             solver = deformation_of(document, document.constraints(), rest)
             rest = solver.rest
-            U: np.ndarray | None = document.grip
-            for number, part in enumerate(self.parts):
-                there = replace(self.document_at(part), method=method)
-                held = there.constraints()
-                solver.aim(held.targets, U, held.soft_targets, shifts_of(there))
-                U = None  # from here on each step continues from the previous one
-                before = m / len(self.methods) + number * each
-                for k in range(self.iterations):
-                    solver.iterate()
-                    # Most progress is in the first iterations, and few steps need all of them.
-                    tick(before + each * (k + 1) / (k + 1 + 0.1 * self.iterations), method)
-                    if solver.settled:
-                        break
-                yield self._step(solver, method, number, part)
+            told = partial(self._tell, tick, m)
+            for number, frame in enumerate(self._frames(solver, told)):
+                yield self._step(solver, number, frame)
 
-    def _step(self, solver: Deformation, method: str, number: int, part: float) -> SweepStep:
-        k, frame = self.leading, solver.frame()
+    def _tell(self, tick: Callable[[float, str], object], m: int, number: int, k: int) -> None:
+        """Tell how much is done after an iteration of a step by a method."""
+        # Most progress is in the first iterations, and few steps need all of them.
+        step = number + (k + 1) / (k + 1 + 0.1 * self.iterations)
+        tick((m + step / len(self.parts)) / len(self.methods), self.methods[m])
+
+    def _frames(self, solver: Deformation, tick: Callable[[int, int], object]) -> Iterator[Frame]:
+        """Frame of each step, continued from the one before or beside a walk."""
+        documents = [replace(self.document_at(part), method=solver.method) for part in self.parts]
+        # Obstacles press against shapes at rest, as it is their loads that matter.
+        if solver.contact is not None and not documents[0].has_obstacles:
+            end = self.parts[-1]
+            documents[-1] = posed_along(documents[-1], self.paths, end)
+            shares = [part / end for part in self.parts]
+            yield from walked_frames(solver, documents, shares, self.iterations, tick)
+            return
+        U: np.ndarray | None = self.document.grip
+        for number, there in enumerate(documents):
+            held = there.constraints()
+            solver.aim(held.targets, U, held.soft_targets, shifts_of(there))
+            U = None
+            for k in range(self.iterations):
+                solver.iterate()
+                tick(number, k)
+                if solver.settled:
+                    break
+            yield solver.frame()
+
+    def _step(self, solver: Deformation, number: int, frame: Frame) -> SweepStep:
+        k, part = self.leading, self.parts[number]
         path, pivot = self.paths[k], self.document.pivot(k)
         way = 0.0 if pivot is None else np.linalg.norm(transform(path.at(part), pivot[None])[0] - pivot)
         return SweepStep(
-            method,
+            solver.method,
             number,
             part,
             float(np.degrees(part * path.angle)),

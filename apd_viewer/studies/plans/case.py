@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 # Of what is computed and how it is stored: raised when results of earlier versions no longer count.
-RESULTS_VERSION = 1
+RESULTS_VERSION = 2
 _FOLDER = 16  # characters of a digest that name a folder
 
 Setting = float | int | bool | str
@@ -64,7 +64,8 @@ class StudyCase:
         Of the mesh; empty where that is not known, or a session says it.
     steps : int
     settings : tuple of (str, setting)
-        What differs from what is usual, or from the session, by name.
+        What differs from what is usual, or from the session, by name. Of a mesh always ``contact``, too: yes,
+        no, or the number of vertices up to which.
     """
 
     mesh: Source
@@ -88,6 +89,11 @@ class StudyCase:
             "settings": sorted(self.settings),
         }
         return hashlib.sha256(json.dumps(said).encode()).hexdigest()[:32]
+
+    @property
+    def contact_by_default(self) -> bool:
+        """True if contact depends on the number of vertices."""
+        return not isinstance(dict(self.settings).get("contact", False), bool)
 
     @property
     def sources(self) -> tuple[Source, ...]:

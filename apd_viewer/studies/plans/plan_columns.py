@@ -9,7 +9,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA
 from apd_viewer.geometry.goals.percentage import SIGN, check_no_factor
 from apd_viewer.geometry.solver.convergence import LARGEST_TOLERANCE, MOST_ITERATIONS
-from apd_viewer.geometry.solver.methods import method_named
+from apd_viewer.geometry.solver.methods import MOST_IN_CONTACT, method_named
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import number
 from apd_viewer.session.quantities.units import SYMBOLS
@@ -17,6 +17,7 @@ from apd_viewer.session.studies.sweep_setup import MOST_STEPS
 from apd_viewer.studies.plans.case import Setting
 
 NOTE = "#"
+AUTO = "auto"
 _YES, _NO = ("yes", "on", "true", "1"), ("no", "off", "false", "0")
 _LARGEST = 1e6
 _FACTORS_OF_MOTION = 2.0  # a part of a motion below can be a factor; from 2 on percents are usual
@@ -84,6 +85,15 @@ def _switch(text: str) -> bool:
     return text.lower() in _YES
 
 
+def _contact(text: str) -> bool | int:
+    """Yes, no, or the number of vertices up to which contact is on."""
+    if text.lower() == AUTO:
+        return MOST_IN_CONTACT
+    if text.lower() not in (*_YES, *_NO):
+        raise InputError(tr("“{text}” is none of yes, no and auto.").format(text=text[:_SHOWN]))
+    return _switch(text)
+
+
 def _method(text: str) -> str:
     method_named(text)
     return text
@@ -125,7 +135,13 @@ SETTINGS = {
     "tolerance": PlanColumn(_number(1e-12, LARGEST_TOLERANCE), tr("of the area, by paper")),
     "hold_area": PlanColumn(_switch, tr("of local: keep the total area too")),
     "calm": PlanColumn(_switch, tr("of exact: keep the area of calm parts; default: yes")),
-    "contact": PlanColumn(_switch, tr("keep walls from passing through each other; default: no")),
+    "contact": PlanColumn(
+        _contact,
+        tr(
+            "keep walls from passing through each other: yes, no, or auto (up to {most:,} vertices, by "
+            "methods that can); empty: no; of a session auto and empty are what it says"
+        ).format(most=MOST_IN_CONTACT),
+    ),
     "thickness": PlanColumn(str, tr("length: distance that walls in contact keep")),
 }
 COLUMNS = (*CASE_COLUMNS, *SETTINGS)

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, MOST_IN_CONTACT
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.view import SUFFIX
@@ -34,8 +34,10 @@ _READERS: dict[str, Callable[[str], Setting]] = {
     "steps": steps_of,
     **{name: column.read for name, column in SETTINGS.items()},
 }
-# Of a mesh: who writes down what is usual asks for the same as who does not.
+# Of a mesh: who writes down what is usual asks for the same as who does not. Whether walls are kept apart is
+# always written down, since new work and plans without that column differ.
 _USUAL = {each.name: each.default for each in fields(Document) if each.name in SETTINGS}
+_OLD = {"contact": False}
 # A session says its own unit; which, is of no account for what can be said in one.
 _SOME = Unit.MILLIMETRE
 
@@ -78,9 +80,12 @@ def case_of(said: Mapping[str, str], folder: Path, sources: Sources) -> StudyCas
         _in_column("thickness", lambda text: _thickness(text, typed), said["thickness"])
     mesh = sources.mesh(folder / name)
     if not whole:
-        settings = tuple((name, value) for name, value in settings if value != _USUAL.get(name))
+        own = {name: value for name, value in settings.items() if name in _OLD or value != _USUAL.get(name)}
+        settings = _OLD | own
+    elif settings.get("contact") == MOST_IN_CONTACT:
+        del settings["contact"]  # the session says it
     selection = None if whole else sources.selection(folder / said["selection"])
-    return StudyCase(mesh, selection, motion, unit, steps, settings)
+    return StudyCase(mesh, selection, motion, unit, steps, tuple(settings.items()))
 
 
 def value_of(name: str, text: str) -> Setting:
@@ -88,14 +93,14 @@ def value_of(name: str, text: str) -> Setting:
     return _in_column(name, _READERS.get(name, str), text)
 
 
-def _settings(said: Mapping[str, str]) -> tuple[tuple[str, Setting], ...]:
+def _settings(said: Mapping[str, str]) -> dict[str, Setting]:
     found = {name: value_of(name, said[name]) for name in SETTINGS if name in said}
     method = str(found.get("method", DEFAULT_METHOD))
-    if found.get("contact") and not METHODS[method].may_touch:
+    if found.get("contact") is True and not METHODS[method].may_touch:
         raise InputError(tr("“{method}” knows no contact; choose another method.").format(method=method))
     if "thickness" in found and not found.get("contact", "session" in said):
         raise InputError(tr("“thickness” is the distance of walls in contact; set “contact” to yes."))
-    return tuple(found.items())
+    return found
 
 
 @lru_cache(maxsize=4096)

@@ -32,7 +32,8 @@ MISTAKES = {
     "an impossible target": ({"volume": "-20"}, "“volume”: -20 is out of range"),
     "contact without it": ({"method": "paper", "contact": "yes"}, "knows no contact"),
     "a thickness of nothing": ({"thickness": "1"}, "set “contact” to yes"),
-    "perhaps": ({"contact": "perhaps"}, "neither yes nor no"),
+    "perhaps": ({"contact": "perhaps"}, "none of yes, no and auto"),
+    "maybe": ({"calm": "maybe"}, "neither yes nor no"),
 }
 
 
