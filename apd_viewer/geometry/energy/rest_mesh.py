@@ -70,7 +70,7 @@ class RestMesh:
         used = np.zeros(len(V), dtype=bool)
         used[F.ravel()] = True
         self.centre = far_centre(V[used])
-        self.F, self.diagonal, self._is_far = F, diagonal(V[used]), bool(self.centre.any())
+        self.F, self._is_far = F, bool(self.centre.any())
         weld = weld or Weld.of(V, F)
         self.V = V = self.local(V)
         self.weld = Weld.between(V, weld.first, weld.inverse) if self._is_far else weld
@@ -83,6 +83,7 @@ class RestMesh:
                 tr("The coordinates are too large to compute with; choose a larger unit of length.")
             )
         self.shape = SolveMesh(V[self.weld.first], self.weld.inverse[F], thinnings)
+        self.diagonal = diagonal(V[used])
 
     def local(self, X: np.ndarray) -> np.ndarray:
         """Positions ``X`` (k, 3) of the mesh's own coordinates, relative to the centre."""

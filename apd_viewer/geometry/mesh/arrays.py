@@ -32,12 +32,12 @@ def far_centre(points: np.ndarray) -> np.ndarray:
     A multiple of a power of two, at least four times the diagonal: subtracting and adding it rounds nothing
     but the last bit, and what lies about the origin keeps its coordinates.
     """
-    low, high = points.min(axis=0), points.max(axis=0)
-    size = float(np.linalg.norm(high - low))
-    if not 0.0 < size < np.inf:
+    low, high = 0.5 * points.min(axis=0), 0.5 * points.max(axis=0)  # halves: a whole size may overflow
+    half = float((high - low).max())
+    if not half > 0.0:
         return np.zeros(3)
-    grid = 2.0 ** (np.ceil(np.log2(size)) + 2.0)
-    return np.round((low + 0.5 * (high - low)) / grid) * grid + 0.0
+    grid = np.ldexp(1.0, min(1000, int(np.ceil(np.log2(half))) + 4))
+    return np.round((low + high) / grid) * grid + 0.0
 
 
 def digits_at(x: float, size: float, digits: int) -> int:
