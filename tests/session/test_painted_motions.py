@@ -1,5 +1,7 @@
 """What is said of a handle that was moved stays true while the mesh is painted on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from driven_session import VIEW, Driven
@@ -7,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from meshes import tube
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import shifted, turned_about
@@ -160,6 +163,29 @@ def test_no_edit_of_the_paint_forgets_a_motion(twisted, edit, tmp_path):
     np.testing.assert_allclose(twisted.U, rest, atol=1e-4)
     twisted.gestures.undo()
     assert said(twisted) == "twisted +60.0°"
+
+
+def test_a_session_of_before_has_the_places_that_it_had(twisted, tmp_path):
+    """It says only where its handles are held, not how they came there."""
+    a_longer_handle(twisted)
+    old = replace(document(twisted).handles[0], earlier=(), line=None)
+    path, state = tmp_path / "old.apd", twisted.store.state.at(document(twisted).with_handle(0, old))
+    save_session(path, state, VIEW, embed=True)
+    opened, _ = open_session(path)
+    assert opened.document.from_rest is opened.document
+    assert readings.motion(opened, 0, Unit.NONE) == "not moved since it was painted"
+    held, there = opened.document.constraints(), document(twisted).constraints()
+    np.testing.assert_array_equal(held.targets, there.targets)
+    np.testing.assert_array_equal(opened.frame.U, twisted.U)
+
+
+@pytest.mark.parametrize("said", [np.zeros((4, 4)), np.diag([1.0, 1.0, 0.0, 1.0])])
+def test_a_damaged_way_is_refused(twisted, tmp_path, said):
+    path = tmp_path / "damaged.apd"
+    handle = replace(document(twisted).handles[0], earlier=(said,))
+    save_session(path, twisted.store.state.at(document(twisted).with_handle(0, handle)), VIEW, embed=True)
+    with pytest.raises(InputError):
+        open_session(path)
 
 
 def test_studies_of_a_painted_shape_go_along_the_whole_motion(twisted, tmp_path):
