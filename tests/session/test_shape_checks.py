@@ -5,6 +5,7 @@ import signal
 import sys
 import threading
 import time
+from dataclasses import replace
 
 import meshes
 import numpy as np
@@ -146,6 +147,11 @@ def session():
     session.close()
 
 
+def passing(state):
+    """The state with contact off, so that walls pass through each other."""
+    return state.at(replace(state.document, contact=False))
+
+
 def known(session):
     end = time.monotonic() + LONG
     assert session.wait_idle(LONG)
@@ -163,7 +169,7 @@ def test_every_shape_that_has_settled_is_checked_and_none_that_moves(session):
     labels[V[:, 2] < 0.5] = BASE
     labels[V[:, 2] > 3.5] = HANDLE
     mesh = Mesh(V, F)
-    session.files.open_with("tube", lambda: opened(mesh, labels))
+    session.files.open_with("tube", lambda: passing(opened(mesh, labels)))
     first = known(session)
     assert first is session.shape_checks.at_rest
     assert len(first.crossing) == 0

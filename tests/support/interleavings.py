@@ -121,7 +121,7 @@ def play(times: int, seed: int = 1) -> int:
     """So many interleavings, one after another in one session; the number of frames that were seen."""
     user = User(seed)
     # In contact the handle comes later than it is asked to.
-    with patch("apd_viewer.session.file_jobs._COMFORTABLE", 0), closing(user):
+    with patch("apd_viewer.geometry.solver.methods.MOST_IN_CONTACT", 0), closing(user):
         began = time.monotonic()
         for k in range(times):
             user.play()

@@ -56,15 +56,13 @@ def walked_frames(
 
 def _shape_before(walk: Walk, share: float, U: np.ndarray, tick: Callable[[int], object]) -> np.ndarray:
     """Last shape (n, 3) of a walk up to a share of its way; ``U`` is the last so far."""
-    count = 0
     while walk.is_on_its_way:
         frame = walk.frame()
         if frame.share_reached > share:
             break
         U = frame.U
         walk.iterate()
-        tick(count)
-        count += 1
+        tick(0)  # the iterations at the step itself are counted
     return U
 
 

@@ -96,6 +96,7 @@ def test_the_process_gets_the_same_frames_bit_for_bit(process, method):
         method=method,
         handle=held.handles,
         stiffness=asked.stiffness,
+        contact=asked.contact and asked.traits.may_touch,
         **targets_of(asked)._asdict(),
     )
     solver.aim(held.targets, asked.mesh.V)

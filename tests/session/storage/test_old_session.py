@@ -93,4 +93,5 @@ def test_it_is_saved_with_the_same_content(tmp_path):
     for each in (said, again):
         for where in ("path", "relative"):  # of the mesh's file, which is elsewhere
             each["mesh"].pop(where)
+    assert again["document"].pop("contact") is False, "which it did not say, and is said both ways today"
     assert again == said

@@ -96,9 +96,20 @@ def test_what_tells_the_steps_apart(bar):
 
 
 def test_no_step_takes_more_iterations_than_it_may(bar):
-    swept = list(sweep_of(bar.with_pose(0, BENT), 3, methods=["exact"], iterations=2).steps())
+    document = replace(bar.with_pose(0, BENT), contact=False)
+    swept = list(sweep_of(document, 3, methods=["exact"], iterations=2).steps())
     assert all(step.frame.iteration <= 2 for step in swept)
     assert not swept[-1].frame.settled
+
+
+def test_the_last_shape_in_contact_is_that_of_a_deformation_by_any_number_of_steps(bar):
+    document = bar.with_pose(0, BENT)
+    held = document.constraints()
+    alone = deform(bar.mesh.V, bar.mesh.F, held.fixed, held.targets, handle=held.handles, area=100.0)
+    for steps in (1, 3):
+        last = list(sweep_of(document, steps, methods=["exact"]).steps())[-1].frame
+        assert last.settled
+        np.testing.assert_allclose(last.U, alone.U, atol=1e-9)
 
 
 def test_ticks_never_go_back_and_can_end_it(bar):
