@@ -9,16 +9,14 @@ from __future__ import annotations
 
 import gettext
 import os
-import re
-import string
 import sys
 from collections.abc import Iterable, Mapping
 from functools import cache
-from numbers import Number
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import platformdirs
+
+from apd_viewer.notation import Notation, Text, use_notation
 
 DOMAIN = "apd_viewer"
 
@@ -138,7 +136,7 @@ def languages() -> list[str]:
 
 
 def translations(text: str) -> set[str]:
-    """An English text in all languages that there are."""
+    """An English text in all languages."""
     return {each.gettext(text) for each in _catalogues()}
 
 
@@ -147,56 +145,6 @@ def _catalogues() -> list[gettext.NullTranslations]:
     return [catalogue(_FOLDER, [name])[1] for name in languages()]
 
 
-_LIKE_THOUSANDS = re.compile(r"[-+−]?[1-9]\d{0,2},\d{3}")
-
-
-class Notation(NamedTuple):
-    """Signs of the numbers that are shown.
-
-    Attributes
-    ----------
-    point, group : str
-        Before the decimals, and between groups of three digits.
-    """
-
-    point: str = "."
-    group: str = ","
-
-    @classmethod
-    def of(cls, example: str) -> Notation:
-        """That of the number 1234.5 as written in a language."""
-        signs = re.fullmatch(r"1(\D?)234(\D)5", example)
-        return cls(signs[2], signs[1]) if signs else cls()
-
-    def written(self, number: str) -> str:
-        """A number in these signs; ``number`` is as Python formats it."""
-        return number.translate({ord(","): self.group, ord("."): self.point})
-
-    def typed(self, number: str) -> str:
-        """A number without groups in these signs, which can be read in one way when it is typed."""
-        text = self.written(number)
-        return text + "0" if self.point == "," and _LIKE_THOUSANDS.fullmatch(text) else text
-
-
-class _Formatter(string.Formatter):
-    """Formats numbers in the notation in use."""
-
-    def format_field(self, value: Any, spec: str) -> str:
-        text: str = super().format_field(value, spec)
-        return written(text) if isinstance(value, Number) else text
-
-
-class Text(str):
-    """A translated text, whose numbers are formatted in the notation in use."""
-
-    __slots__ = ()
-
-    def format(self, *values: object, **named: object) -> str:
-        """Put values into it, as :meth:`str.format` does."""
-        return _FORMATTER.vformat(self, values, named)
-
-
-_FORMATTER = _Formatter()
 _SHOWS_NUMBERS = "APD_VIEWER_NUMBERS"  # for the processes of the window
 
 
@@ -232,37 +180,19 @@ def listed(texts: Iterable[str]) -> str:
     return trc("between two of several", ", ").join(texts)
 
 
+def show_numbers(shown: bool = True) -> None:
+    """Write numbers as the language does, or as programs read them.
+
+    Processes that are started from now on do so too.
+    """
+    os.environ[_SHOWS_NUMBERS] = "1" if shown else ""
+    use_notation(_notation(shown))
+
+
 def _notation(shown: bool) -> Notation:
     own = Notation.of(trc("the number 1234.5", "1,234.5"))
     # With a decimal point, its comma between groups would be read as the decimal sign.
     return own if shown or own.point == "." else Notation(".", "")
 
 
-_in_use = _notation(bool(os.environ.get(_SHOWS_NUMBERS)))
-
-
-def use_notation(chosen: Notation) -> None:
-    """Write numbers in a notation from now on."""
-    global _in_use
-    _in_use = chosen
-
-
-def show_numbers(shown: bool = True) -> None:
-    """Write numbers as the language does, or as programs read them; in child processes too."""
-    os.environ[_SHOWS_NUMBERS] = "1" if shown else ""
-    use_notation(_notation(shown))
-
-
-def notation() -> Notation:
-    """The notation in use."""
-    return _in_use
-
-
-def typed(number: str) -> str:
-    """A number without groups for a field, as it can be typed there in the notation in use."""
-    return _in_use.typed(number)
-
-
-def written(number: str) -> str:
-    """A number, as Python formats it, in the notation in use."""
-    return _in_use.written(number)
+use_notation(_notation(bool(os.environ.get(_SHOWS_NUMBERS))))

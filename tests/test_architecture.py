@@ -77,6 +77,7 @@ ROOMS = [
     "redaction",
     "installation",
     "language",
+    "notation",
     "errors",
 ]
 TOP = {"__init__", "__main__", "api"}
@@ -109,6 +110,7 @@ LIBRARIES = {
     "installation": set(),
     "errors": set(),
     "language": {"platformdirs"},
+    "notation": set(),
 }
 # Libraries that only the named files may touch.
 DRAWS = {

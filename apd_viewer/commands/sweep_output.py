@@ -10,7 +10,8 @@ from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.shapes import Picture, draw_shapes
 from apd_viewer.files.animations.shapes import Animation
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.language import listed, tr, written
+from apd_viewer.language import listed, tr
+from apd_viewer.notation import written
 from apd_viewer.session.model.view import Standpoint
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from matplotlib.ticker import ScalarFormatter
 
 from apd_viewer.figures.fonts import families
 from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.language import written
+from apd_viewer.notation import written
 
 if TYPE_CHECKING:
     from collections.abc import Callable

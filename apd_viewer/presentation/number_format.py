@@ -1,10 +1,10 @@
-"""Number formats of the panel: signs of the language, true minus signs, no negative zero."""
+"""Number formats of the window: true minus signs, no negative zero."""
 
 from __future__ import annotations
 
 import math
 
-from apd_viewer.language import typed, written
+from apd_viewer.notation import typed, written
 
 _NOTHING = 1e-7
 _POWERS = 999_999.5  # from here on as a power of ten
@@ -31,7 +31,7 @@ def grouped(value: float, decimals: int) -> str:
 
 
 def signed(value: float, decimals: int, brief: bool = False) -> str:
-    """The number with its sign, and without zeros at the end if ``brief``; no sign if it rounds to zero."""
+    """The number with its sign, unless it rounds to zero; no final zeros if brief."""
     text = f"{value:+.{decimals}f}"
     text = f"{0:.{decimals}f}" if float(text) == 0 else text
     return _shown(text.rstrip("0").rstrip(".") if brief else text)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import digits_at
-from apd_viewer.language import notation, tr
+from apd_viewer.language import tr
+from apd_viewer.notation import notation
 from apd_viewer.presentation.number_format import exact, length, significant, to_type
 
 if TYPE_CHECKING:

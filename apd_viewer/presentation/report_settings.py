@@ -10,7 +10,8 @@ import numpy as np
 
 from apd_viewer.files.html_page import Block, Note, Table
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.language import tr, trn, written
+from apd_viewer.language import tr, trn
+from apd_viewer.notation import written
 from apd_viewer.presentation import obstacle_readings, readings
 from apd_viewer.presentation.number_format import exact, grouped, short, significant
 from apd_viewer.session.model.status_text import of_held_turn

@@ -9,7 +9,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
-from apd_viewer.language import listed, tr, written
+from apd_viewer.language import listed, tr
+from apd_viewer.notation import written
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
 from apd_viewer.session.model.names import new_name, next_name
 from apd_viewer.session.posing.obstacle_places import (

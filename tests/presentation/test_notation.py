@@ -9,7 +9,8 @@ import sys
 import pytest
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import Notation, languages, notation, tr, trn, use_notation
+from apd_viewer.language import languages, tr, trn
+from apd_viewer.notation import Notation, notation, use_notation
 from apd_viewer.presentation import number_format
 from apd_viewer.presentation.obstacle_readings import coordinates
 from apd_viewer.session.quantities.clear_numbers import as_typed

@@ -40,7 +40,7 @@ def percentage(said: float | str, name: str) -> float:
 
 
 def check_no_factor(value: float, factors: float = _FACTORS) -> None:
-    """Raise InputError where a percentage without its sign could be meant as a factor.
+    """Raise InputError on a percentage without sign in the range of factors.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def check_no_factor(value: float, factors: float = _FACTORS) -> None:
 
 
 def said_with_sign(percent: float | None) -> float | str | None:
-    """The percentage as :func:`percentage` reads it: text where a number is not enough."""
+    """The percentage for :func:`percentage`, as text in the range of factors."""
     return percent if percent is None or percent >= _FACTORS else f"{percent!r}{SIGN}"
 
 

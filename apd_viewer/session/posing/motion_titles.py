@@ -10,7 +10,8 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.transforms import decomposed
 from apd_viewer.geometry.pose.winding import summed_rotations
-from apd_viewer.language import listed, tr, written
+from apd_viewer.language import listed, tr
+from apd_viewer.notation import written
 from apd_viewer.session.model.motions import TypedMotion
 
 if TYPE_CHECKING:

@@ -1,18 +1,19 @@
-"""Numbers that can be read in two ways, which are asked about and never guessed."""
+"""Ambiguous numbers, to be asked about and never guessed."""
 
 from __future__ import annotations
 
 import re
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import notation, tr, typed
+from apd_viewer.language import tr
+from apd_viewer.notation import notation, typed
 
 # One thousand and more in some countries, one and a fraction in others.
 _DOUBTFUL = re.compile(r"(?<![\w.,])[1-9][0-9]{0,2}([.,])[0-9]{3}(?![0-9.,eE])")
 
 
 def check_clear(text: str, signs: str) -> None:
-    """Raise InputError on a number that one of the ``signs`` may divide into groups."""
+    """Raise InputError on an ambiguous number with one of the ``signs``."""
     for found in _DOUBTFUL.finditer(text):
         if found[1] in signs:
             said, small = found[0], float(found[0].replace(",", "."))
@@ -24,6 +25,9 @@ def check_clear(text: str, signs: str) -> None:
 
 
 def as_typed(text: str) -> str:
-    """A text typed in the window, where the sign between groups may be the point; raises InputError."""
+    """A text from a field, with clear numbers; raises InputError.
+
+    In some languages the window writes a point between groups of digits.
+    """
     check_clear(text, notation().group if notation().group == "." else "")
     return text

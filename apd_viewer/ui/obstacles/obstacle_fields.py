@@ -11,7 +11,8 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import direction, frozen
-from apd_viewer.language import tr, trc, typed
+from apd_viewer.language import tr, trc
+from apd_viewer.notation import typed
 from apd_viewer.presentation.number_format import to_type
 from apd_viewer.presentation.obstacle_readings import coordinates
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind

@@ -5,7 +5,8 @@ from __future__ import annotations
 from PySide6.QtCore import QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
-from apd_viewer.language import tr, trc, typed
+from apd_viewer.language import tr, trc
+from apd_viewer.notation import typed
 from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.ui.widgets.fields import Choice, Entry, return_keys
 from apd_viewer.ui.widgets.folding_section import quiet

@@ -140,7 +140,7 @@ class Panel(QScrollArea):
 
     @property
     def sections(self) -> tuple[Section, ...]:
-        """All sections that can be folded, from top to bottom."""
+        """All foldable sections, from top to bottom."""
         return tuple(self._named.values())
 
     @property

@@ -26,7 +26,8 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.goals.percentage import LEAST, MOST, SIGN, check_no_factor
-from apd_viewer.language import tr, typed
+from apd_viewer.language import tr
+from apd_viewer.notation import typed
 from apd_viewer.presentation.number_format import short
 from apd_viewer.session.quantities.clear_numbers import as_typed, check_clear
 from apd_viewer.ui.widgets.error_bubble import ErrorBubble
@@ -184,7 +185,7 @@ class Number(QDoubleSpinBox):
         return sentence.format(text=digits[:_QUOTED], range=self._range)
 
     def _doubt(self, text: str, value: float) -> str:
-        """Question about what could mean something else; empty if it could not."""
+        """Question about an ambiguous text; empty if it is clear."""
         try:
             check_clear(as_typed(self._bare(text)), ",")
             if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(SIGN):

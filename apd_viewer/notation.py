@@ -1,0 +1,81 @@
+"""Notation of shown numbers, in translated texts too."""
+
+from __future__ import annotations
+
+import re
+import string
+from numbers import Number
+from typing import Any, NamedTuple
+
+_LIKE_THOUSANDS = re.compile(r"[-+−]?[1-9]\d{0,2},\d{3}")
+
+
+class Notation(NamedTuple):
+    """Signs of shown numbers.
+
+    Attributes
+    ----------
+    point, group : str
+        Before the decimals, and between groups of three digits.
+    """
+
+    point: str = "."
+    group: str = ","
+
+    @classmethod
+    def of(cls, example: str) -> Notation:
+        """Notation of the number 1234.5 as written in a language."""
+        signs = re.fullmatch(r"1(\D?)234(\D)5", example)
+        return cls(signs[2], signs[1]) if signs else cls()
+
+    def written(self, number: str) -> str:
+        """A number in these signs; ``number`` is as Python formats it."""
+        return number.translate({ord(","): self.group, ord("."): self.point})
+
+    def typed(self, number: str) -> str:
+        """A number without groups in these signs, to be read in one way."""
+        text = self.written(number)
+        return text + "0" if self.point == "," and _LIKE_THOUSANDS.fullmatch(text) else text
+
+
+class _NumberFormatter(string.Formatter):
+    """Formats numbers in the notation in use."""
+
+    def format_field(self, value: Any, spec: str) -> str:
+        text: str = super().format_field(value, spec)
+        return written(text) if isinstance(value, Number) else text
+
+
+class Text(str):
+    """A translated text with numbers in the notation in use."""
+
+    __slots__ = ()
+
+    def format(self, *values: object, **named: object) -> str:
+        """Put values into it, as :meth:`str.format` does."""
+        return _FORMATTER.vformat(self, values, named)
+
+
+_FORMATTER = _NumberFormatter()
+_in_use = Notation()
+
+
+def use_notation(chosen: Notation) -> None:
+    """Write numbers in a notation from now on."""
+    global _in_use
+    _in_use = chosen
+
+
+def notation() -> Notation:
+    """The notation in use."""
+    return _in_use
+
+
+def typed(number: str) -> str:
+    """A number without groups for a field, in the notation in use."""
+    return _in_use.typed(number)
+
+
+def written(number: str) -> str:
+    """A number, as Python formats it, in the notation in use."""
+    return _in_use.written(number)
