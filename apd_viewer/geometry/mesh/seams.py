@@ -108,7 +108,7 @@ def _close(
     ends, points = V[edges], KDTree(V[border])
     half = 0.5 * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     size = np.frexp(half)[1]  # edges of about one length at a time: a ball around a long one holds many
-    pairs = []
+    pairs = [np.empty((0, 2), dtype=np.int64)]  # there may be no edges left
     for each in np.unique(size):
         some = np.flatnonzero(size == each)
         middles = KDTree(ends[some].mean(axis=1))

@@ -118,6 +118,19 @@ def test_a_seam_of_which_a_part_lies_on_another_is_welded_there():
     assert len(seams(V, F).edges) == 4 * (ROWS - 4)
 
 
+@pytest.mark.parametrize("corner", [0, 7])
+def test_a_surface_that_welding_closes_has_no_boundary_left(corner):
+    """As an STL of which one corner of a triangle is rounded differently."""
+    V, F = soup(*box(2, 1, 3))
+    V = V.copy()
+    V[corner] += 1e-5 * diagonal(V)
+    found = seams(V, F)
+    assert len(found.edges) > 0
+    assert len(found.joints) == 0
+    assert SEAMS in kinds(Mesh(V, F))
+    assert SEAMS not in kinds(Mesh(V, F).welded())
+
+
 def test_closed_parts_that_touch_have_no_seam():
     V, F = box(2, 2, 4)
     W = np.vstack([V, V + [2.0, 0.0, 1e-6]])
