@@ -58,6 +58,7 @@ def row_of(step: SweepStep, sweep: Sweep) -> dict[str, Cell]:
         "handle_drift": frame.handle_drift,
         "iterations": frame.iteration,
         "settled": frame.settled,
+        "share_reached": frame.share_reached,
         **dict(zip(("turned", "turned_held"), step.turned, strict=True)),
         **{f"load_{k}": load for k, load in enumerate(loads, start=1)},
         **excess,
@@ -156,5 +157,5 @@ def summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
                     count=unsettled, steps=len(own), most=sweep.iterations
                 )
             )
-        lines += [f"    {sentence}" for sentence in sweep.passing(own[-1])]
+        lines += [f"    {sentence}" for sentence in sweep.said_of(own[-1])]
     return "\n".join(lines)

@@ -158,14 +158,9 @@ def _number(value: Any) -> float | None:
 def _sentence(case: StudyCase, steps: list[SweepStep], sweep: Sweep) -> str:
     """Sentence for the user; empty without anything to say."""
     last = steps[-1]
-    if last.frame.unreached:
-        return last.frame.unreached
-    if last.frame.share_reached < 1.0:
-        share = 100.0 * last.frame.share_reached
-        return tr("Contact stopped the handle after {share:.3g} % of its way.").format(share=share)
-    said = list(sweep.passing(last))
+    said = list(sweep.said_of(last))
     unsettled = sum(not step.frame.settled for step in steps)
-    if unsettled:
+    if unsettled and not last.frame.unreached and last.frame.share_reached == 1.0:
         said.append(
             tr("{count} of {steps} shapes did not converge within {most} iterations.").format(
                 count=unsettled, steps=len(steps), most=sweep.iterations

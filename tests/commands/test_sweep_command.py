@@ -88,6 +88,16 @@ def test_meshes_are_those_of_the_table(session, sweep):
         assert shape.volume == pytest.approx(float(line["volume"]), rel=1e-9)
 
 
+def test_a_handle_that_contact_stops_is_said(bar, sweep):
+    """The table has how far it was asked to go, and how much of that it went."""
+    words = "--push", "120%", "--methods", "exact", "--steps", 1, "--iterations", 20
+    status, said, _, folder = sweep(*bar, *words)
+    first, last = read(folder)
+    assert (status, float(first["share_reached"]), float(last["way"])) == (0, 1.0, pytest.approx(6.0))
+    assert 0.3 < float(last["share_reached"]) < 0.9
+    assert f"Contact stops the handle at {int(100 * float(last['share_reached']))} % of the way." in said
+
+
 def test_a_figure_and_a_film_are_drawn(bar, sweep, tmp_path):
     film = tmp_path / "film.gif"
     status, _, err, folder = sweep(

@@ -15,6 +15,7 @@ from apd_viewer.geometry.pose.held_turn import HeldTurn, most_lost, passing_warn
 from apd_viewer.geometry.pose.screw_motion import Turn
 from apd_viewer.geometry.pose.winding import HandlePath, WaypointPath
 from apd_viewer.geometry.solver.methods import method_named
+from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import document_at
 from apd_viewer.session.model.state import load_excess_of
@@ -148,7 +149,17 @@ class Sweep:
     def _diagonal(self) -> float:
         return diagonal(self.document.mesh.V)
 
-    def passing(self, step: SweepStep) -> tuple[str, ...]:
+    def said_of(self, step: SweepStep) -> tuple[str, ...]:
+        """Sentences on what a step does not reach, and on passing through itself."""
+        frame = step.frame
+        if frame.unreached:
+            return frame.unreached, *self._passing(step)
+        if frame.share_reached < 1.0:
+            said = tr("Contact stopped the handle after {share:.3g} % of its way.")
+            return said.format(share=100.0 * frame.share_reached), *self._passing(step)
+        return self._passing(step)
+
+    def _passing(self, step: SweepStep) -> tuple[str, ...]:
         """Sentences on passing through itself; of turns unless contact stops a handle."""
         may_touch, names = method_named(step.method).may_touch, [each.name for each in self.document.handles]
         turns = step.turns if step.frame.share_reached == 1.0 else ()

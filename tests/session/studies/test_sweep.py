@@ -166,6 +166,6 @@ def test_each_step_says_what_turn_is_held(bar):
     held = [step.turned[1] for step in steps]
     assert held[0] is None
     assert held[1:] == pytest.approx([-80.0, -160.0, 120.0, 40.0, -40.0], abs=1e-6)
-    (said,) = sweep.passing(steps[-1])
+    (said,) = sweep.said_of(steps[-1])
     assert said.startswith("The surface holds -40 of the -400 degrees asked: without contact")
-    assert sweep.passing(steps[1]) == ()
+    assert sweep.said_of(steps[1]) == ()
