@@ -12,6 +12,7 @@ import numpy as np
 from apd_viewer.commands.press_output import report_of, summary
 from apd_viewer.commands.press_rows import rows_of
 from apd_viewer.commands.press_wall import add_wall_options, gas_of, wall_of
+from apd_viewer.commands.result_output import about_mesh
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
@@ -181,7 +182,7 @@ def _press(options: argparse.Namespace) -> None:
             said = json.dumps(report_of(mesh, rest, found, asked, wall, newtons), indent=2)
             beside.enter_context(replacing(options.report)).write_text(said + "\n", encoding="utf-8")
         save_mesh(mesh, found.U, output, wall.unit.symbol)
-    print(summary(found, rest, output, wall, newtons, extent))
+    print("\n".join([summary(found, rest, output, wall, newtons, extent), *about_mesh(mesh)]))
 
 
 def _opened(path: str, weld: bool) -> tuple[Mesh, np.ndarray | None, str]:

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 from apd_viewer.files.mesh_writing import Written, save_mesh
 from apd_viewer.files.report import write_report
 from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.geometry.analysis.findings import of_file
 from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.analysis.shape_findings import of_seams
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.geometry.solver.deform import Result
@@ -88,6 +90,11 @@ def summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
             )
         )
     return "\n".join([*lines, *result.warnings, *mesh.remarks])
+
+
+def about_mesh(mesh: Mesh) -> list[str]:
+    """Sentences on open seams of a mesh, and on what is strange about its file."""
+    return [found.sentence for found in (*of_seams(mesh), *of_file(mesh))]
 
 
 def readings(result: Result) -> list[str]:

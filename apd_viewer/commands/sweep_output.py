@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from apd_viewer.commands.result_output import about_mesh
 from apd_viewer.commands.terminal.plain_numbers import signed
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.shapes import Picture, draw_shapes
@@ -158,4 +159,5 @@ def summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
                 )
             )
         lines += [f"    {sentence}" for sentence in sweep.said_of(own[-1])]
+    lines += about_mesh(sweep.document.mesh)
     return "\n".join(lines)
