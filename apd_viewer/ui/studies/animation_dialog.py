@@ -60,10 +60,7 @@ class AnimationDialog(StudyDialog):
         self._before: tuple[int, int] | None = None
         run.asked.connect(self.begin)
         run.ended.connect(self._tell)
-        about = tr(
-            "Solves the motion in steps, each shape starting from the previous one, and writes the shapes "
-            "for other programs."
-        )
+        about = tr("Solves the motion in steps, and writes the shapes for other programs.")
         rows = (
             (tr("Motion"), self._make_motion(motions)),
             (tr("Steps"), self._make_steps()),

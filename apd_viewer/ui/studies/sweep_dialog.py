@@ -51,10 +51,7 @@ class SweepDialog(StudyDialog):
         super().__init__(window, title, run, "sweep.png", tr("Curves of area, volume and energy"))
         run.asked.connect(self.begin)
         self._state, self._handle, self._view = state, handle, view
-        about = tr(
-            "Runs the motion in steps, each shape starting from the previous one, and plots area, "
-            "volume and energy."
-        )
+        about = tr("Runs the motion in steps, and plots area, volume and energy.")
         rows = (
             (tr("Motion"), self._make_motion()),
             (tr("Steps"), self._make_steps()),
