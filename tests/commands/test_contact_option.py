@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ from apd_viewer.session.studies.replay import replay
 V, F = tube(16, 14)
 BASE, HANDLE = ends(V)
 TURN = 240  # degrees: without contact the tube unwinds by passing through itself
-TUBE = ("tube.off", "--selection", "tube.sel", f"--twist={TURN}deg")
+TUBE = ("tube.off", "--selection", "tube.sel")
 
 
 @pytest.fixture(autouse=True)
@@ -44,11 +45,15 @@ def run(*words):
     assert main([str(word) for word in words]) == 0
 
 
-def deformed(*words):
+def crosses(U):
+    return CrossingCheck(V, F).crosses(U)
+
+
+def deformed(*words, turn=TURN):
     """The report of a deformation, and whether its shape crosses itself."""
-    run("deform", *TUBE, *words, "-o", "out.off", "--report", "report.json")
-    crosses = CrossingCheck(V, F).crosses(apd_viewer.open_mesh("out.off").V)
-    return json.loads(Path("report.json").read_text(encoding="utf-8")), crosses
+    run("deform", *TUBE, f"--twist={turn}deg", *words, "-o", "out.off", "--report", "report.json")
+    report = json.loads(Path("report.json").read_text(encoding="utf-8"))
+    return report, crosses(apd_viewer.open_mesh("out.off").V)
 
 
 def rows(path):
@@ -56,65 +61,82 @@ def rows(path):
         return list(csv.DictReader(stream))
 
 
-def swept(*words, steps=4):
-    run("sweep", *TUBE, "--methods", "exact", "--steps", steps, *words, "-o", "swept")
-    return float(rows("swept/sweep.csv")[-1]["volume_capped"])
+def swept(*words, steps=4, turn=TURN):
+    """Last volume of a sweep, and whether its shape crosses itself."""
+    how = ("--methods", "exact", "--steps", steps, "--meshes", *words)
+    run("sweep", *TUBE, f"--twist={turn}deg", *how, "-o", "swept")
+    last = apd_viewer.open_mesh(f"swept/meshes/exact-{steps:03d}.off")
+    return float(rows("swept/sweep.csv")[-1]["volume_capped"]), crosses(last.V)
 
 
-def studied():
-    """Last volume and number of crossings of a case of a designed plan."""
-    given = ("--mesh", "tube.off", "--selection", "tube.sel", "--set", "steps=4")
-    run("study", "design", *given, "--vary", f"motion=twist {TURN}deg", "-o", "plan.csv", "--method", "grid")
+def studied(*words, turn=TURN):
+    """Row of the results of a case of a designed plan."""
+    given = ("--mesh", "tube.off", "--selection", "tube.sel", "--set", "steps=4", *words)
+    run("study", "design", *given, "--vary", f"motion=twist {turn}deg", "-o", "plan.csv", "--method", "grid")
     run("study", "plan.csv", "-o", "study", "--processes", "1")
     (row,) = rows("study/results.csv")
-    assert row["contact"] == "auto"
-    return float(row["volume_capped"]), int(row["crossings"])
+    return row
 
 
-def in_python(**said):
-    turns = [rotation([0, 0, 1], np.radians(TURN * k / 6)) for k in range(1, 7)]
+def in_python(turn=TURN, **said):
+    turns = [rotation([0, 0, 1], np.radians(turn * k / 6)) for k in range(1, 7)]
     way = np.array([np.vstack([V[BASE], V[HANDLE] @ turn.T]) for turn in turns])
     return apd_viewer.deform(V, F, np.concatenate([BASE, HANDLE]), way, handle=HANDLE, **said)
 
 
-def replayed():
+def replayed(turn=TURN, **changed):
     """What the window does with a typed motion: a session of it, solved from rest."""
     state = opened(apd_viewer.open_mesh("tube.off"), labels())
-    motion = [MotionStep(0, "twist", (np.radians(TURN),))]
-    posed = posed_along(state.document, motion_paths(state.document, motion))
-    save_session("new.apd", state.at(posed), View())
+    document = replace(state.document, **changed)
+    motion = [MotionStep(0, "twist", (np.radians(turn),))]
+    save_session("new.apd", state.at(posed_along(document, motion_paths(document, motion))), View())
     return replay("new.apd", from_rest=True)[1]
 
 
-def test_every_way_gives_the_same_volume_without_a_crossing():
-    report, crosses = deformed()
-    volume = report["volume_capped"]
-    assert not crosses
+@pytest.mark.parametrize("turn", [TURN, -TURN])
+def test_every_way_gives_the_same_volume_without_a_crossing(turn):
+    report, crossed = deformed(turn=turn)
+    same = pytest.approx(report["volume_capped"], rel=0.01)
+    assert not crossed
     assert report["share_reached"] == 1.0
-    for other in (in_python(), replayed()):
-        assert other.volume_capped == pytest.approx(volume, rel=0.01)
-        assert not CrossingCheck(V, F).crosses(other.U)
-    assert swept() == pytest.approx(volume, rel=0.01)
-    assert swept(steps=1) == pytest.approx(volume, rel=0.01)
-    assert studied() == (pytest.approx(volume, rel=0.01), 0)
+    assert report["turned_held"] == pytest.approx([turn], abs=1e-6)
+    for other in (in_python(turn), replayed(turn)):
+        assert (other.volume_capped, crosses(other.U)) == (same, False)
+        assert other.turned_held == pytest.approx((turn,), abs=1e-6)
+    for steps in (1, 4):
+        assert swept(steps=steps, turn=turn) == (same, False)
+    row = studied(turn=turn)
+    assert (row["contact"], float(row["volume_capped"]), row["crossings"]) == ("auto", same, "0")
 
 
-def test_without_contact_it_is_said():
-    report, _ = deformed("--no-contact")
+@pytest.mark.parametrize("turn", [TURN, -TURN])
+def test_without_contact_each_way_says_what_it_lost(turn, capsys):
+    lost = f"The surface holds {turn - np.sign(turn) * 360} of the {turn} degrees asked: without contact"
+    report, _ = deformed("--no-contact", turn=turn)
     assert report["least_gap"] is None
-    unwound = report["volume_capped"]
-    assert unwound == pytest.approx(in_python(contact=False).volume_capped, rel=1e-6)
+    assert lost in capsys.readouterr().out
+    same = pytest.approx(report["volume_capped"], rel=1e-3)
+    for other in (in_python(turn, contact=False), replayed(turn, contact=False)):
+        assert other.volume_capped == same
+        assert any(lost in said for said in other.warnings)
+    capsys.readouterr()
+    swept("--no-contact", turn=turn)
+    assert lost in capsys.readouterr().out
+    assert lost in studied("--set", "contact=no", turn=turn)["sentence"]
+
+
+def test_without_contact_the_volume_is_another():
     kept = deformed()[0]["volume_capped"]
-    assert abs(unwound / kept - 1) > 0.05
-    assert abs(swept("--no-contact") / kept - 1) > 0.05
+    for unwound in (deformed("--no-contact")[0]["volume_capped"], swept("--no-contact")[0]):
+        assert abs(unwound / kept - 1) > 0.05
 
 
 def test_a_thickness_needs_no_word_of_contact(capsys):
-    report, crosses = deformed("--thickness", "0.05")
-    assert not crosses
+    report, crossed = deformed("--thickness", "0.05")
+    assert not crossed
     assert 0.01 < report["least_gap"] <= 0.05
     for words in (["--no-contact"], ["--iterations", "5"], ["--method", "paper"]):
-        assert main(["deform", *TUBE[:3], "--twist=90deg", "--thickness", "0.05", *words, "-o", "x.off"]) == 2
+        assert main(["deform", *TUBE, "--twist=90deg", "--thickness", "0.05", *words, "-o", "x.off"]) == 2
         assert "--thickness is the distance" in capsys.readouterr().err
 
 
