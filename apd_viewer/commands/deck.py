@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.commands.motion_options import add_moved_options, moved_from
+from apd_viewer.commands.result_output import about_mesh
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.unit_option import naming_the_option
 from apd_viewer.files.fe_deck import check_deck, write_deck
@@ -62,7 +63,7 @@ def _deck(options: argparse.Namespace) -> None:
     wall = deck_wall(_words(options, view.wall), unit, diagonal(state.document.mesh.V))
     deck = deck_of(state.document, wall, options.steps, motion)
     write_deck(output, deck)
-    print(about_deck(str(output), deck))
+    print("\n".join([about_deck(str(output), deck), *about_mesh(state.document.mesh)]))
 
 
 def _words(options: argparse.Namespace, saved: Wall) -> WallWords:

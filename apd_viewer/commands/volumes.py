@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from apd_viewer.commands.result_output import about_mesh
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.unit_option import naming_the_option
 from apd_viewer.commands.volumes_output import report_of, written
@@ -70,9 +71,13 @@ def _volumes(options: argparse.Namespace) -> None:
     rows = tuple(volume_rows(rest or now, now, unit, heavy, litres))
     print(written(mesh.name, rows, rest is not None))
     for each, found in ((mesh, now), (before, rest)):
-        if each is not None and found is not None and found.enclosed is None:
-            why = tr("There is no volume: {why}.").format(why=inspect(each).nothing_to_keep)
-            print(f"{each.name}: {why}")
+        if each is None or found is None:
+            continue
+        said = about_mesh(each)
+        if found.enclosed is None:
+            said.insert(0, tr("There is no volume: {why}.").format(why=inspect(each).nothing_to_keep))
+        for sentence in said:
+            print(f"{each.name}: {sentence}")
 
 
 def _bag(text: str | None, unit: Unit) -> float:

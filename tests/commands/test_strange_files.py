@@ -1,4 +1,4 @@
-"""What is strange about a file is said by every command that deforms its mesh."""
+"""What is strange about a file is said by every command that works on its mesh."""
 
 from pathlib import Path
 
@@ -15,6 +15,8 @@ TWIST = ("--selection", "part.sel", "--twist=10deg")
 COMMANDS = {
     "deform": (*TWIST, "-o", "out.off"),
     "sweep": (*TWIST, "--steps", "1", "--methods", "exact", "-o", "out"),
+    "deck": (*TWIST, "-o", "out.inp"),
+    "volumes": (),
     "press": ("--axis", "z", "--to", "95%", "--steps", "1", "--iterations", "5", "-o", "out.off"),
 }
 
@@ -41,7 +43,7 @@ def test_a_remark_on_the_file(said):
     Path("part.stl").write_bytes(content + tail)
     (remark,) = open_mesh("part.stl").remarks
     assert f"{len(tail)} bytes" in remark
-    assert said("part.stl").count(remark) == 1
+    assert sum(line.endswith(remark) for line in said("part.stl")) == 1
 
 
 def test_open_seams(said):
