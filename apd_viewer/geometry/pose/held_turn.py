@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.language import tr
+from apd_viewer.notation import written
 
 # Radians: a handle that is asked for less is not looked at, nor is a smaller difference one.
 LEAST_TURN = math.radians(5.0)
@@ -112,7 +113,7 @@ def passing_warnings(
     for k, turn in enumerate(turns):
         if turn.lost < LEAST_TURN:
             continue
-        asked, held = (f"{round(angle or 0.0, 1) + 0.0:g}" for angle in turn.degrees)
+        asked, held = (written(f"{round(angle or 0.0, 1) + 0.0:g}") for angle in turn.degrees)
         lost = tr("The surface holds {held} of the {asked} degrees asked").format(held=held, asked=asked)
         sentence = _because(lost, contact, may_touch) if turn.passed_through else f"{lost}."
         if len(turns) > 1:

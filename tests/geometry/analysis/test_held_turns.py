@@ -13,6 +13,7 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.held_turn import passing_warnings
 from apd_viewer.geometry.pose.transforms import turned_about
 from apd_viewer.geometry.pose.winding import pose_of, rotation_vector
+from apd_viewer.notation import Notation, notation, use_notation
 
 AROUND, ALONG, HEIGHT = 16, 81, 8.0
 Z = np.array([0.0, 0.0, 1.0])
@@ -185,6 +186,17 @@ def test_sentences_say_what_is_held_and_what_to_do():
     assert warnings(less, contact=False) == ("The surface holds 380 of the 400 degrees asked.",)
     two = warnings((*kept, *turns), contact=True, names=("Cap", "Neck"))
     assert two == ("Neck: " + begin + "it passed through itself.",)
+
+
+def test_angles_are_written_in_the_notation_in_use():
+    less = turns_of(turned_by(np.deg2rad(340.5) * GROWING), 400.0)
+    assert warnings(less) == ("The surface holds 340.5 of the 400 degrees asked.",)
+    used = notation()
+    use_notation(Notation(",", "."))
+    try:
+        assert warnings(less) == ("The surface holds 340,5 of the 400 degrees asked.",)
+    finally:
+        use_notation(used)
 
 
 @settings(max_examples=60, deadline=None)
