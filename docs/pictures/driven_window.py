@@ -33,7 +33,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import Convergence
-from apd_viewer.session.file_jobs import _begun, opened_sample
+from apd_viewer.session.file_jobs import opened_sample
 from apd_viewer.session.model.state import State, opened
 from apd_viewer.session.store import Activity
 from apd_viewer.ui.application import make_application
@@ -126,7 +126,7 @@ class DrivenWindow:
     def open_mesh(self, mesh: Mesh | Path, labels: np.ndarray | None = None) -> None:
         """Open a mesh with labels (n,), or nothing painted."""
         found = open_mesh(mesh) if isinstance(mesh, Path) else mesh
-        self.open(lambda: _begun(opened(found, labels)))
+        self.open(lambda: opened(found, labels))
 
     def open(self, work: Callable[[], State]) -> None:
         """Open what ``work`` returns, in few triangles if only the driving matters."""
