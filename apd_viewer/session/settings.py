@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from apd_viewer.errors import InputError
 from apd_viewer.language import listed, tr
 from apd_viewer.session.model.document_parts import painted_alike
 from apd_viewer.session.posing.obstacle_places import out_of_the_shape
@@ -84,8 +85,12 @@ class Settings:
         switch = tr("Turn contact on") if on else tr("Turn contact off")
         gesture = tr("Change distance of walls") if on_already else switch
         state, thickness = self._store.required(), thickness if on else None
-        # Without contact obstacles and the shape pass through each other.
-        obstacles = out_of_the_shape(state, thickness) if on else state.document.obstacles
+        try:
+            # Without contact obstacles and the shape pass through each other.
+            obstacles = out_of_the_shape(state, thickness) if on else state.document.obstacles
+        except InputError as error:
+            self._listener.failed(str(error))
+            return
         moved = [a.name for a, b in zip(state.document.obstacles, obstacles, strict=True) if a is not b]
         self._set(gesture, contact=on, thickness=thickness, obstacles=obstacles)
         if moved:

@@ -134,3 +134,4 @@ class Measuring(QObject):
         thickness = thickness_of(wall, unit)
         self._texts[thickness] = wall.thickness
         self._session.settings.keep_apart(on, thickness)
+        self._panel.method.show_settings(self._session.store.required().document)

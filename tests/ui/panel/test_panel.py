@@ -90,6 +90,7 @@ def test_each_method_shows_the_settings_that_matter_for_it(bottle):
 
 def test_contact_is_offered_by_methods_that_can_and_keeps_the_wall_s_thickness(qtbot, bottle):
     box, thickness = bottle.panel.method.contact, bottle.panel.measures.thickness
+    bottle.session.settings.keep_apart(False)
     for method, may in (("paper", False), ("sr-arap", False), ("local", True), ("exact", True)):
         choose(bottle, method)
         assert box.isVisible() is may
@@ -116,6 +117,23 @@ def test_contact_is_offered_by_methods_that_can_and_keeps_the_wall_s_thickness(q
     assert document(bottle).thickness == 0.02, "what was typed before is used as well"
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
     assert (document(bottle).contact, document(bottle).thickness) == (False, None)
+
+
+def test_a_wall_too_thick_for_contact_is_said_and_changes_nothing(qtbot, bottle):
+    box, thickness = bottle.panel.method.contact, bottle.panel.measures.thickness
+    bottle.session.settings.keep_apart(True)
+    before = document(bottle)
+    qtbot.keyClicks(thickness, "3")
+    qtbot.keyClick(thickness, Qt.Key.Key_Return)
+    assert document(bottle) is before
+    assert bottle.notice.text.startswith("The wall thickness must be at most ")
+    assert thickness.text() == "3", "the mass is still of that wall"
+    bottle.session.settings.keep_apart(False)
+    bottle.notice.hide()
+    qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
+    assert bottle.notice.isVisible()
+    assert not document(bottle).contact
+    assert not box.isChecked()
 
 
 def test_a_twist_in_contact_ends_without_a_crossing(qtbot, bottle):
@@ -172,6 +190,7 @@ def test_contact_is_read_where_the_volume_is(qtbot, bottle):
 
 def test_a_shape_that_crosses_is_kept_apart_once_contact_is_turned_on(qtbot, bottle):
     volume, box = bottle.panel.volume, bottle.panel.method.contact
+    bottle.session.settings.keep_apart(False)
     bottle.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
     idle(qtbot, bottle)
     state = bottle.session.store.state
@@ -347,7 +366,7 @@ def test_what_is_out_of_reach_is_said(qtbot, bottle):
     assert panel.area.activity.text() == "out of reach"
     assert "target −80 %" in panel.area.verdict.text()
     panel.area.target.back.click()
-    assert panel.area.unreached.isHidden()
+    qtbot.waitUntil(panel.area.unreached.isHidden, timeout=30_000)
 
 
 def test_contact_that_stops_a_handle_is_said_at_once(qtbot, bottle):
