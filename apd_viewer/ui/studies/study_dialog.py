@@ -63,7 +63,7 @@ class StudyDialog(QDialog):
         self._column.addWidget(QLabel(about, objectName="quiet", wordWrap=True))
         self._asks = QWidget()
         self._column.addWidget(self._asks)
-        grid = QGridLayout(self._asks, horizontalSpacing=16, verticalSpacing=8)
+        self._rows = grid = QGridLayout(self._asks, horizontalSpacing=16, verticalSpacing=8)
         grid.setContentsMargins(0, 0, 0, 0)
         grid.setColumnStretch(1, 1)
         for number, (title, row) in enumerate(rows):
@@ -98,6 +98,7 @@ class StudyDialog(QDialog):
 
     def _fit(self, width: int) -> None:
         """Set the width, and the height it needs; on a low screen the figure gives way."""
+        self._rows.activate()  # otherwise the column learns of a longer text when the event loop runs
         self._column.activate()
         if self.figure is not None:
             self.figure.shrink_by(0)

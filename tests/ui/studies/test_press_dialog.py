@@ -355,6 +355,20 @@ def test_a_material_fills_in_the_fields_and_names_its_source(asked):
     assert (wall.radius.text(), wall.young.text()) == ("", "")
 
 
+def test_no_source_is_cut_off(qtbot, asked):
+    dialog = asked[0](*box(1, 2, 4), unit="cm")
+    source = dialog.wall.source
+    dialog.show()
+    qtbot.wait(10)
+    heights = set()
+    for k in range(dialog.wall.material.count()):
+        dialog.wall.material.setCurrentIndex(k)
+        qtbot.wait(10)
+        heights.add(source.heightForWidth(source.width()))
+        assert source.height() >= source.heightForWidth(source.width())
+    assert len(heights) > 1
+
+
 def test_what_is_typed_makes_a_material_of_the_users_own(qtbot, asked):
     ask, options = asked
     dialog = ask(*box(1, 2, 4), unit="cm")
