@@ -28,7 +28,7 @@ def of_double_wall(wall: DoubleWall | None) -> Iterator[Finding]:
     if wall is None:
         return
     said = tr(
-        "A vessel with two walls, {thickness:.3g} apart: its volume, {material:.6g}, is that of its "
-        "material, and it holds {capacity:.6g}; to deform it as one wall, export one of its surfaces."
+        "A vessel with two walls, {thickness:.3g} apart: its volume, {material:,.6g}, is that of its "
+        "material, and it holds {capacity:,.6g}; to deform it as one wall, export one of its surfaces."
     )
     yield Finding.of("double wall", said.format(**wall._asdict()))
