@@ -113,6 +113,13 @@ def _twist_path(document: Document, k: int, amount: float) -> Turn:
     return Turn(base, line, amount)
 
 
+def turning(path: HandlePath | MotionPath) -> float:
+    """Sum of the angles of a path whatever their signs, radians: it turns by no more."""
+    if isinstance(path, MotionPath):
+        return sum(abs(step.angle) for step in path.steps)
+    return abs(path.angle)
+
+
 def gripped_at_rest(document: Document) -> Document:
     """The document with its handles back at their grips."""
     return replace(document, handles=tuple(handle.at(IDENTITY) for handle in document.handles))
@@ -122,7 +129,7 @@ def posed_along(document: Document, paths: Sequence[HandlePath | MotionPath], pa
     """The document with its handles moved along their paths, turns of any size kept."""
     document = gripped_at_rest(document)
     for k, path in enumerate(paths):
-        count = max(1, math.ceil(abs(part * path.angle) / _STEP))
+        count = max(1, math.ceil(part * turning(path) / _STEP))
         for step in range(1, count + 1):
             document = document.moved(k, path.at(part * step / count))
     return document

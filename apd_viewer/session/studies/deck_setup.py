@@ -14,7 +14,7 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.handle_paths import document_at, paths_of
-from apd_viewer.session.posing.motion_path import motion_paths, posed_along
+from apd_viewer.session.posing.motion_path import motion_paths, posed_along, turning
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -63,7 +63,7 @@ def _stages(document: Document, steps: int | None, motion: Sequence[MotionStep])
     """The document at the end of each step."""
     paths = motion_paths(document, motion) if motion else paths_of(document)
     if steps is None:
-        steps = max(1, math.ceil(max(abs(path.angle) for path in paths) / _TURN - _ROUNDED))
+        steps = max(1, math.ceil(max(turning(path) for path in paths) / _TURN - _ROUNDED))
     ended = posed_along(document, paths) if motion else document
     return [*(document_at(document, paths, k / steps) for k in range(1, steps)), ended]
 

@@ -19,7 +19,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import document_at
 from apd_viewer.session.model.state import load_excess_of
-from apd_viewer.session.posing.motion_path import MotionPath, posed_along
+from apd_viewer.session.posing.motion_path import MotionPath, posed_along, turning
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.studies.turns import turns_in
 from apd_viewer.session.studies.walked_frames import walked_frames
@@ -203,7 +203,8 @@ class Sweep:
             end = self.parts[-1]
             documents[-1] = posed_along(documents[-1], self.paths, end)
             shares = [part / end for part in self.parts]
-            yield from walked_frames(solver, documents, shares, self.iterations, tick)
+            largest = max(np.diff(self.parts, prepend=0.0)) * max(turning(path) for path in self.paths)
+            yield from walked_frames(solver, documents, shares, self.iterations, tick, largest < np.pi)
             return
         U: np.ndarray | None = self.document.grip
         for number, there in enumerate(documents):

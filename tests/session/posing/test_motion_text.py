@@ -97,6 +97,14 @@ def test_a_twist_is_that_of_the_window_and_of_the_sweep(degrees, state):
     assert np.degrees(posed.handles[0].rotation) == pytest.approx([0, 0, degrees], abs=1e-6)
 
 
+def test_turns_of_opposite_signs_do_not_make_a_way_shorter(state):
+    """The sum of their angles is none, and the way leads through none of the poses between."""
+    motion = "turn 200deg about x; turn -200deg about y"
+    posed = posed_along(state.document, paths(state, motion)).handles[0]
+    assert posed.waypoints
+    np.testing.assert_allclose(posed.pose, paths(state, motion)[0].at(1.0), atol=1e-12)
+
+
 def test_words_are_written_in_one_way():
     first, second = (
         parsed_motion(text) for text in ("Twist  120deg ;; push 30%", "handle 1: twist 120deg; push 30%")

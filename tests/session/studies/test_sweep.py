@@ -47,6 +47,16 @@ def test_each_step_holds_the_handle_at_its_part_of_the_motion(bar):
     np.testing.assert_allclose(swept[0].frame.U, bar.mesh.V, atol=1e-12)
 
 
+def test_contact_changes_nothing_before_anything_touches(bar):
+    bent = bar.with_pose(0, BENT)
+    apart, passing = (
+        list(sweep_of(replace(bent, contact=on), 3, methods=["exact"]).steps()) for on in (True, False)
+    )
+    assert [step.frame.contact.pairs for step in apart] == [0, 0, 0, 0]
+    for one, other in zip(apart, passing, strict=True):
+        np.testing.assert_allclose(one.frame.U, other.frame.U, atol=1e-6)
+
+
 def test_the_readings_are_those_of_the_shapes(bar):
     for step in sweep_of(bar.with_pose(0, BENT), 3, methods=["arap", "paper"]).steps():
         shape = trimesh.Trimesh(step.frame.U, bar.mesh.F, process=False)
