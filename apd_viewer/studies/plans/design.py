@@ -172,9 +172,10 @@ def designed(
 
 def _motion(template: str, said: dict[str, str]) -> str:
     """The motion with numbers for the names in braces, and those of motions behind."""
+    words = [name for name in said if name in _ONE_NUMBER and f"{{{name}}}" not in template]
+    behind = [f"{name} {said[name]}" for name in words]
     for name, text in said.items():
         template = template.replace(f"{{{name}}}", text)
-    behind = [f"{name} {text}" for name, text in said.items() if name in _ONE_NUMBER]
     return "; ".join(filter(None, [template, *behind]))
 
 

@@ -44,6 +44,13 @@ def test_a_grid_has_every_combination_once():
     assert [tuple(row[1:4]) for row in rows] == [(mesh, steps, turn) for mesh, turn, steps in expected]
 
 
+def test_a_name_in_the_motion_is_no_motion_behind_it():
+    given = {**GIVEN, "motion": "twist {twist} about z; move 0 0 {up}"}
+    vary = [varied("twist=5deg,6deg"), varied("up=2,3"), varied("push=3%,4%")]
+    names, (row, *_) = designed(given, vary, GRID, 2, 0)
+    assert row[names.index("motion")] == "twist 5deg about z; move 0 0 2; push 3%"
+
+
 @pytest.mark.parametrize("design", [LATIN, SOBOL, GRID])
 def test_counts_are_whole_numbers(design):
     names, rows = designed(GIVEN, [varied("steps=5..10"), varied("area=90..110")], design, 16, 0)
