@@ -70,6 +70,7 @@ ROOMS = [
     "geometry/measuring",
     "geometry/analysis",
     "geometry/picking",
+    "geometry/turns",
     "geometry/pose",
     "geometry/mesh",
     "geometry/linalg",

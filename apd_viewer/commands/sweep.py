@@ -39,7 +39,8 @@ from apd_viewer.session.studies.sweep_setup import sweep_of
 if TYPE_CHECKING:
     import argparse
 
-    from apd_viewer.session.studies.sweep import Sweep, SweepStep
+    from apd_viewer.session.studies.sweep import Sweep
+    from apd_viewer.session.studies.sweep_step import SweepStep
 
 
 def sweep_parser() -> Parser:

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from apd_viewer.files.tables import Cell
-    from apd_viewer.session.studies.sweep import Sweep, SweepStep
+    from apd_viewer.session.studies.sweep import Sweep
+    from apd_viewer.session.studies.sweep_step import SweepStep
 
 
 SWEPT_SHARE = 0.9  # of the work; the rest is drawing

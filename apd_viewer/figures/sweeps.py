@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from apd_viewer.session.studies.sweep import SweepStep
+    from apd_viewer.session.studies.sweep_step import SweepStep
 
 _SIZE = (11.0, 3.9)
 _DENSE = 40  # steps; with more, markers would hide the curve

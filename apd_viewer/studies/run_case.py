@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.studies.sweep import Sweep, SweepStep
+    from apd_viewer.session.studies.sweep import Sweep
+    from apd_viewer.session.studies.sweep_step import SweepStep
     from apd_viewer.studies.plans.case import StudyCase
 
 # Readings of a case beside those of its curves, in the order of the tables.

@@ -15,7 +15,6 @@ from apd_viewer.language import tr, trn
 
 # The kinds of the findings about the file, and about separate parts.
 _FILE, SEPARATE = "file", "separate pieces"
-
 # Aspect ratio of a sliver: longest edge to height.
 _NEEDLE = 100.0
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.pose.held_turn import HeldTurn, Turning
+from apd_viewer.geometry.turns.held_turn import HeldTurn, Turning
 
 
 class ShapeCheck(NamedTuple):
@@ -48,7 +48,7 @@ def check_shape(U: np.ndarray, F: np.ndarray, turning: Turning | None = None) ->
     dx, dy, dz = np.ptp(points, axis=0).tolist()
     turns: tuple[HeldTurn, ...] = ()
     if turning is not None:
-        from apd_viewer.geometry.analysis.held_turns import held_turns  # Here: SciPy comes with it.
+        from apd_viewer.geometry.turns.held_turns import held_turns  # Here: SciPy comes with it.
 
         turns = held_turns(turning.V, U, F, turning.labels, turning.ways)
     return ShapeCheck(crossings(U, F), (dx, dy, dz), hull_readings(points), turns)

@@ -10,7 +10,6 @@ from numbers import Integral
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.analysis.held_turns import held_turns, ways_of
 from apd_viewer.geometry.contact.obstacles import Obstacle
 from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -19,7 +18,6 @@ from apd_viewer.geometry.mesh.arrays import numbers
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
-from apd_viewer.geometry.pose.held_turn import HeldTurn, passing_warnings
 from apd_viewer.geometry.solver.arguments import HeldVertices
 from apd_viewer.geometry.solver.contact_descent import whole_way
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
@@ -34,6 +32,8 @@ from apd_viewer.geometry.solver.methods import (
     method_named,
     passing_walls,
 )
+from apd_viewer.geometry.turns.held_turn import HeldTurn, passing_warnings
+from apd_viewer.geometry.turns.held_turns import held_turns, ways_of
 from apd_viewer.language import tr
 
 

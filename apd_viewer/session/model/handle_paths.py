@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
-from apd_viewer.geometry.pose.held_turn import LEAST_TURN, Turning
 from apd_viewer.geometry.pose.winding import HandlePath, rounded, way_of
+from apd_viewer.geometry.turns.held_turn import LEAST_TURN, Turning
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -42,7 +42,7 @@ def ways_of(document: Document) -> tuple[tuple[np.ndarray, ...], ...]:
 
 
 def turning_of(document: Document) -> Turning | None:
-    """Ways of the handles from rest, to measure their turns; None without a large one."""
+    """Ways of the handles from rest, for their turns; None without a large one."""
     document = document.from_rest
     if not any(float(np.linalg.norm(handle.rotation)) >= LEAST_TURN for handle in document.handles):
         return None

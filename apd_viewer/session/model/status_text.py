@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.pose.held_turn import passing_warnings
+from apd_viewer.geometry.turns.held_turn import passing_warnings
 from apd_viewer.language import tr, trn
 from apd_viewer.notation import written
 from apd_viewer.session.quantities.units import Unit

@@ -11,7 +11,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.hull_readings import HullReadings
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
-from apd_viewer.geometry.pose.held_turn import HeldTurn, Turning
+from apd_viewer.geometry.turns.held_turn import HeldTurn, Turning
 from apd_viewer.session.processes.child_process import START, ChildProcess
 from apd_viewer.session.processes.newest_answer import NewestAnswer, waited_for
 from apd_viewer.session.processes.shape_check_main import NOBODY_LOOKED

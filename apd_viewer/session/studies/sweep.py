@@ -5,22 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.held_turn import HeldTurn, most_lost, passing_warnings
 from apd_viewer.geometry.pose.screw_motion import Turn
 from apd_viewer.geometry.pose.winding import HandlePath, WaypointPath
 from apd_viewer.geometry.solver.methods import method_named
+from apd_viewer.geometry.turns.held_turn import passing_warnings
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import document_at
 from apd_viewer.session.model.state import load_excess_of
 from apd_viewer.session.posing.motion_path import MotionPath, posed_along, turning
 from apd_viewer.session.processes.deforming import deformation_of
+from apd_viewer.session.studies.sweep_step import SweepStep
 from apd_viewer.session.studies.turns import turns_in
 from apd_viewer.session.studies.walked_frames import walked_frames
 
@@ -39,56 +40,6 @@ SETTLING_ITERATIONS = 10_000
 _NO_WAY = 1e-9
 
 SweepPath: TypeAlias = HandlePath | MotionPath
-
-
-class SweepStep(NamedTuple):
-    """A shape on the way, and its readings.
-
-    Attributes
-    ----------
-    method : str
-    number : int
-        From 0, where nothing has moved yet.
-    part : float
-        Of the motion: 0 to 1, and beyond 1 past it.
-    degrees : float
-        By how much the first handle that moves has turned.
-    way : float
-        How far its pivot is from where it was, mesh units.
-    frame : Frame
-    volume_rest, volume_capped_rest : float or None
-        With flat caps over its openings; None without any.
-    energy : float
-        ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations, whatever the method.
-    loads : tuple of float
-        Length of the force on each obstacle, energy per length: that of a material of stiffness 1.
-    turns : tuple of HeldTurn, of the handles so far
-    """
-
-    method: str
-    number: int
-    part: float
-    degrees: float
-    way: float
-    frame: Frame
-    volume_rest: float | None
-    volume_capped_rest: float | None
-    energy: float
-    loads: tuple[float, ...] = ()
-    turns: tuple[HeldTurn, ...] = ()
-
-    @property
-    def turned(self) -> tuple[float, float | None]:
-        """Turn asked and held, degrees; of several handles the one with the largest loss."""
-        return most_lost(self.turns).degrees
-
-    @property
-    def volume_error(self) -> float | None:
-        """Relative change of the volume, openings capped; None if none is enclosed."""
-        now, rest = self.frame.volume, self.volume_rest
-        if now is None:
-            now, rest = self.frame.volume_capped, self.volume_capped_rest
-        return None if now is None or not rest else now / rest - 1.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.geometry.analysis.held_turns import held_turns
+from apd_viewer.geometry.turns.held_turns import held_turns
 from apd_viewer.session.model.handle_paths import ways_of
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from apd_viewer.geometry.pose.held_turn import HeldTurn
+    from apd_viewer.geometry.turns.held_turn import HeldTurn
     from apd_viewer.session.model.document import Document
 
 
 def turns_in(document: Document, U: np.ndarray) -> tuple[HeldTurn, ...]:
-    """Turns of the handles from rest, as asked and as the shape ``U`` (n, 3) holds them."""
+    """Turns of the handles from rest, asked and held by the shape ``U`` (n, 3)."""
     document = document.from_rest
     return held_turns(document.grip, U, document.mesh.joined_F, document.labels, ways_of(document))

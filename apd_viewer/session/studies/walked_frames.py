@@ -1,4 +1,4 @@
-"""Frames of a sweep in contact: shapes at rest, beside one walk to the last once they touch.
+"""Frames of a sweep in contact: shapes at rest, once they touch beside one walk.
 
 Which folds press against each other depends on the way there. Through shapes at rest it leads to others than
 the walk of a single deformation does, and to others again by the number of the steps. So from the first shape

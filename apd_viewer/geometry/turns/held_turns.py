@@ -11,11 +11,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.surface_turns import AskedTurn, SurfaceTurns
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.fitted_motion import fitted_rotation
-from apd_viewer.geometry.pose.held_turn import LEAST_TURN, HeldTurn
 from apd_viewer.geometry.pose.winding import pose_of, signed_about
+from apd_viewer.geometry.turns.held_turn import LEAST_TURN, HeldTurn
+from apd_viewer.geometry.turns.surface_turns import AskedTurn, SurfaceTurns
 
 # Relative to the coordinates: between closer centres there is no line.
 _APART = 1e-9

@@ -11,11 +11,11 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components, dijkstra
 
-from apd_viewer.geometry.analysis.triangle_turns import TurningPairs, between, product, thickness
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.fitted_motion import fitted_rotation
 from apd_viewer.geometry.pose.transforms import quaternion
 from apd_viewer.geometry.pose.winding import nearest_rotation, rotation_vector
+from apd_viewer.geometry.turns.triangle_turns import TurningPairs, between, product, thickness
 
 # Doubled area over squared edges: what is thinner has no normal.
 _NO_AREA = 1e-9

@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from meshes import rotation
 
-from apd_viewer.geometry.analysis.held_turns import held_turns, ways_of
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.pose.held_turn import passing_warnings
 from apd_viewer.geometry.pose.transforms import turned_about
 from apd_viewer.geometry.pose.winding import pose_of, rotation_vector
+from apd_viewer.geometry.turns.held_turn import passing_warnings
+from apd_viewer.geometry.turns.held_turns import held_turns, ways_of
 from apd_viewer.notation import Notation, notation, use_notation
 
 AROUND, ALONG, HEIGHT = 16, 81, 8.0

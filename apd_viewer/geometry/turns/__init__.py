@@ -1,0 +1,1 @@
+"""Turns that a surface holds between its base and its handles."""
