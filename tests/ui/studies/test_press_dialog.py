@@ -16,6 +16,7 @@ from study_driving import click, finish
 
 from apd_viewer.commands.press import press_parser
 from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.geometry.goals.percentage import percentage
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.model.view import View
@@ -110,7 +111,7 @@ def test_as_they_stand_the_fields_say_what_the_command_says_without_options(aske
     for name in ("axis", "to", "steps", "iterations", "method", "area_stiffness", "shear_stiffness"):
         assert getattr(said, name) == getattr(plain, name), name
     assert said.thickness is said.volume is said.material is None
-    assert said.area == 100.0
+    assert percentage(said.area, "the area") == 100.0
 
 
 def test_the_settings_of_the_document_are_proposed(asked, tmp_path):
@@ -416,9 +417,9 @@ def test_air_inside_needs_newtons(asked, ball):
 def test_the_targets_of_the_document_reach_the_command(asked):
     ask, options = asked
     said = options(ask(*sphere(2), method="exact", area=98.0, volume=100.0))
-    assert (said.area, said.volume) == (98.0, 100.0)
+    assert [percentage(x, "") for x in (said.area, said.volume)] == [98.0, 100.0]
     assert options(ask(*sphere(2), method="local", hold_area=False)).area is None
-    assert options(ask(*sphere(2), method="local", hold_area=True)).area == 100.0
+    assert options(ask(*sphere(2), method="local", hold_area=True)).area == "100.0%"
 
 
 def test_the_current_shape_is_pressed_where_it_is_asked_for(qtbot, window, ball, asked):
