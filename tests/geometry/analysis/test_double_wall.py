@@ -143,8 +143,8 @@ def test_it_is_said_and_no_thickness_counts_twice():
     mesh = cup(30.0, 80.0, 1.0)
     wall = wall_of(mesh)
     said = [each.sentence for each in inspect(mesh).findings if each.kind == "double wall"]
-    assert f"{wall.capacity:.6g}" in said[0]
-    assert f"{wall.material:.6g}" in said[0]
+    assert f"{wall.capacity:,.6g}" in said[0]
+    assert f"{wall.material:,.6g}" in said[0]
     for thickness in (None, 1.0):
         found = apd_viewer.volume_readings(mesh.V, mesh.F, thickness=thickness)
         assert found.material == pytest.approx(wall.material)
