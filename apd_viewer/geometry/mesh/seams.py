@@ -82,6 +82,7 @@ class Seams(NamedTuple):
 
 def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Vertices inside ``edges`` (b, 2), the boundary of the triangles ``corners``."""
+    edges = edges[np.linalg.norm(V[edges[:, 1]] - V[edges[:, 0]], axis=1) > 0.0]  # squares may underflow
     border = np.unique(edges)
     near = SEAM * size_of(V, corners)
     room = np.minimum(near, SHARE * shortest_edges(V, edges)[border])

@@ -202,7 +202,7 @@ def test_one_triangle_swings_about_its_held_edge():
     V, F = np.array([[0.0, 0, 0], [1, 0, 0], [0.3, 1, 0]]), np.array([[0, 1, 2]])
     result = deform(V, F, [0, 1], [[0.0, 0, 0], [0, 1, 0]], "arap", iterations=300)
     assert result.U[2] == pytest.approx([-1, 0.3, 0], abs=1e-6)
-    follows = deform(V, F, [2], [[1.0, 2, 3]], "arap").U
+    follows = deform(V, F, [2], [[1.0, 2, 3]], "arap", contact=False).U
     assert np.abs(follows - (V + np.array([0.7, 1, 3]))).max() <= 1e-14
 
 
