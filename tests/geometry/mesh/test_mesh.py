@@ -108,7 +108,7 @@ REFUSED = {
     ),
     "faces are flat": (V, F.ravel(), r"Faces must be an \(m, 3\) array"),
     "no faces": (V, F[:0], "No faces"),
-    "no vertices": (V[:0], F, r"8 faces refer to missing vertices \(there are 0\)"),
+    "no vertices": (V[:0], F, "There are no vertices"),
     "not a number": (
         np.where(np.arange(9)[:, None] == 4, np.nan, V),
         F,
