@@ -43,6 +43,8 @@ def ways_of(document: Document) -> tuple[tuple[np.ndarray, ...], ...]:
 
 def turning_of(document: Document) -> Turning | None:
     """Ways of the handles from rest, for their turns; None without a large one."""
+    if not all(np.isfinite(handle.pose).all() for handle in document.handles):
+        return None
     document = document.from_rest
     if not any(float(np.linalg.norm(handle.rotation)) >= LEAST_TURN for handle in document.handles):
         return None

@@ -8,7 +8,7 @@ from painted_meshes import N, painted
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA, Selection
-from apd_viewer.geometry.goals import goals
+from apd_viewer.geometry.goals import percentage
 from apd_viewer.geometry.pose.constraints import BASE, FREE
 
 
@@ -42,4 +42,4 @@ def test_a_selection_cannot_change():
     with pytest.raises(ValueError, match="read-only"):
         selection.labels[0] = BASE
     assert Selection.of(selection.labels).labels is selection.labels
-    assert (LEAST_AREA, MOST_AREA) == (goals._LEAST, goals._MOST)
+    assert (LEAST_AREA, MOST_AREA) == (percentage.LEAST, percentage.MOST)

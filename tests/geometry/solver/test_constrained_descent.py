@@ -165,7 +165,7 @@ def test_goals_change_without_factoring(monkeypatch):
 def test_what_is_out_of_reach_ends_in_a_sentence(mesh, move):
     V, F = MESHES[mesh]
     fixed, handle, targets = held(V, move)
-    result = deform(V, F, fixed, targets, "exact", handle=handle, area=10.0)
+    result = deform(V, F, fixed, targets, "exact", handle=handle, area=10.0, contact=False)
     assert not result.converged
     assert np.isfinite(result.U).all()
     assert np.array_equal(result.U[fixed], targets)

@@ -53,7 +53,7 @@ TARGETS = np.vstack([V[BASE], (V[HANDLE] - PIVOT) @ BEND.T + PIVOT])
 
 
 def run(method="exact", V=V, F=F, iterations=None, **rest):
-    return deform(V, F, FIXED, TARGETS, method, iterations, handle=HANDLE, **rest)
+    return deform(V, F, FIXED, TARGETS, method, iterations, handle=HANDLE, **{"contact": False, **rest})
 
 
 def from_skin(U: np.ndarray, part: slice) -> np.ndarray:

@@ -137,6 +137,7 @@ def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, mea
 
 
 def test_contact_pressure_is_shown_of_what_is_kept_apart(qtbot, bottle):
+    bottle.session.settings.keep_apart(False)
     bottle.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
     idle(qtbot, bottle)
     bottle.shell.activateWindow()
