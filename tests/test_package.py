@@ -106,7 +106,7 @@ def test_the_example_of_the_interfaces(tmp_path, monkeypatch):
     assert result.energy > 0
     assert tuple(result.warnings) == ()
 
-    solver = apd_viewer.Deformation(mesh.V, mesh.F, fixed, method="arap")
+    solver = apd_viewer.Deformation(mesh.V, mesh.F, fixed, method="arap", contact=True)
     solver.aim(targets)
     for _ in range(result.iterations):
         frame = solver.step()
