@@ -94,8 +94,8 @@ def number(text):
 
 def alone(window, method):
     asked = document(window)
-    held, mesh = asked.constraints(), asked.mesh
-    return apd_viewer.deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles)
+    held, mesh, given = asked.constraints(), asked.mesh, {"contact": asked.contact}
+    return apd_viewer.deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles, **given)
 
 
 def test_the_table_says_what_each_method_comes_to_alone(bar, side):
