@@ -29,7 +29,7 @@ def chosen(monkeypatch):
 def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "twisted.apd"
     bottle.session.handles.move_by(TypedMotion.TWIST, "45", 0)
-    bottle._choose_unit(Unit.CENTIMETRE)
+    bottle._choose_unit(Unit.INCH)
     bottle.canvas.viewport.look.eye = bottle.canvas.viewport.look.eye.orbited(60, 20)
     idle(qtbot, bottle)
     chosen["ask_for_session"] = path, False
@@ -40,14 +40,14 @@ def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen)
 
     bottle.filing.open_sample("duck")
     idle(qtbot, bottle)
-    assert bottle.session.store.unit is Unit.NONE
+    assert bottle.session.store.unit is Unit.CENTIMETRE
     chosen["ask_for_mesh"] = path
     bottle.actions_.file.open.trigger()
     idle(qtbot, bottle)
     after = bottle.session.store.state
     np.testing.assert_array_equal(after.frame.U, before.frame.U)
     np.testing.assert_array_equal(after.document.handles[0].pose, before.document.handles[0].pose)
-    assert bottle.session.store.unit is Unit.CENTIMETRE
+    assert bottle.session.store.unit is Unit.INCH
     again = bottle.canvas.viewport.screenshot()
     # Points are drawn in single precision, seen from the middle of the shape that was opened.
     assert np.abs(again.astype(int) - picture).max() <= 1
