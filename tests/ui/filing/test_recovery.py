@@ -90,7 +90,7 @@ def test_a_drag_with_the_mouse_is_kept_and_without_a_folder_nothing_is(qtbot, st
     def is_kept():
         state, view = open_session(folder / files(folder)[0])
         assert np.array_equal(state.frame.U, U)
-        assert view == window.measuring.in_view(window.canvas.view.saved(""))
+        assert view == window.measuring.in_view(window.canvas.view.saved(window.session.store.unit.value))
 
     qtbot.waitUntil(lambda: files(folder) != [], timeout=SLOW)
     qtbot.waitUntil(is_kept, timeout=SLOW)
