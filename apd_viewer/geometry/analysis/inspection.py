@@ -94,7 +94,7 @@ def inspect(mesh: Mesh) -> Inspection:
             *of_vertices(mesh),
             *of_faces(mesh, areas),
             *of_joints(mesh, F),
-            *of_seams(mesh),
+            *(of_seams(mesh) if why else ()),  # what encloses a volume has no boundary
             *of_double_wall(wall),
             *of_orientation(capped if why else inside, float(areas.sum())),
             *of_pieces(mesh, F, piece),
