@@ -68,7 +68,7 @@ def suffix_for(mesh: Mesh) -> str:
     if own in _TEXTS:
         return own
     if own in (*WRITTEN, *VTK):
-        with contextlib.suppress(InputError):
+        with contextlib.suppress(InputError):  # OBJ holds what that cannot
             check_shapes(mesh, Path(f"shape{own}"), np.ones(len(mesh.V), dtype=bool))
             return own
     return ".obj"

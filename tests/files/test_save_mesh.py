@@ -170,7 +170,7 @@ def test_a_disk_that_is_full_when_the_file_is_flushed(ball, target, monkeypatch)
 
 
 def test_a_disk_that_is_full_in_the_middle_of_the_file(ball, target):
-    resource = pytest.importorskip("resource")
+    resource = pytest.importorskip("resource", reason="Windows has no limits of file sizes")
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))  # the kernel refuses the 1001st byte
     try:

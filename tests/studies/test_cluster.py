@@ -16,7 +16,7 @@ from apd_viewer.studies.run_case import run_case
 from apd_viewer.studies.study import Study
 from apd_viewer.studies.worker import work
 
-pytest.importorskip("distributed")
+pytest.importorskip("distributed", reason="the extra cluster is not installed")
 # A file descriptor that Dask closes late is no fault of ours.
 pytestmark = [
     pytest.mark.filterwarnings("ignore::ResourceWarning:distributed"),

@@ -143,7 +143,7 @@ def test_one_program_writes_and_others_read(written, bar):
 
 
 def test_the_table_has_what_it_promises(run, bar):
-    pyarrow = pytest.importorskip("pyarrow.parquet")
+    pyarrow = pytest.importorskip("pyarrow.parquet", reason="Parquet is written with pyarrow only")
     rows = [{"motion": "twist 10deg", "volume": "90", "# who": "me, myself"}, {"motion": "none"}]
     run(*rows)
     with (bar / "out" / "results.csv").open(encoding="utf-8") as stream:

@@ -226,7 +226,7 @@ def test_a_folder_gives_the_command_no_other_options(tmp_path):
 
 def test_a_study_is_run_by_a_scheduler_of_dask(qtbot, bar, dialog, home, tmp_path):
     """A real one, with one worker, by its address; then a click opens a case."""
-    pytest.importorskip("distributed")
+    pytest.importorskip("distributed", reason="the extra cluster is not installed")
     from dask_cluster import address_in, dask_cluster
 
     folder = home / "by-dask"
