@@ -8,9 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.files.formats.text import Encoding
-from apd_viewer.geometry.mesh.mesh import Mesh, Origin
+from apd_viewer.geometry.mesh.mesh import DerivedOrigin, Mesh, Origin
 from apd_viewer.geometry.mesh.normals import turned_normals
-from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import trn
 
 _LONGEST = 1e30  # of a normal; the square of a longer one overflows
@@ -30,43 +29,17 @@ class Parsed(NamedTuple):
     unit: str = ""
 
 
-@dataclass(frozen=True)
-class Encoded:
-    """Origin in another encoding than its reader's.
+@dataclass(frozen=True, eq=False)
+class Encoded(DerivedOrigin):
+    """Origin in another encoding than the UTF-8 of its reader.
 
     Attributes
     ----------
-    origin : Origin
-        Of the text in UTF-8.
     encoding : Encoding
         Of the file.
     """
 
-    origin: Origin
     encoding: Encoding
-
-    @property
-    def suffix(self) -> str:
-        """Of the file's name."""
-        return self.origin.suffix
-
-    @property
-    def extras(self) -> tuple[str, ...]:
-        """Contents of the file besides positions and triangles."""
-        return self.origin.extras
-
-    @property
-    def colors(self) -> np.ndarray | None:
-        """Vertex colours of the file."""
-        return self.origin.colors
-
-    def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
-        """Normals of the file, and the one of each corner."""
-        return self.origin.normals(mesh)
-
-    def texture(self, mesh: Mesh) -> Texture | None:
-        """Texture of the file."""
-        return self.origin.texture(mesh)
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3), in its own encoding."""

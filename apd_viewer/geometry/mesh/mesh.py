@@ -118,7 +118,7 @@ class Mesh:
         It came from the same file, and is written into it as a deformed shape would be.
         """
         read = self.origin.mesh if isinstance(self.origin, Baked) else self
-        origin = Baked(read, read.origin) if read.origin is not None else None
+        origin = Baked(read.origin, read) if read.origin is not None else None
         return Mesh.trusted(U, self.F, self.path, origin, self._welded, self.remarks, self.unit)
 
     def welded(self) -> Mesh:
@@ -152,7 +152,7 @@ class Mesh:
         """The mesh without its path."""
         origin = self.origin
         if isinstance(origin, Baked):
-            origin = Baked(origin.mesh.homeless(), origin.origin)
+            origin = Baked(origin.origin, origin.mesh.homeless())
         return Mesh.trusted(self.V, self.F, None, origin, self._welded, self.remarks, self.unit)
 
     @property
@@ -218,18 +218,14 @@ class Mesh:
 
 
 @dataclass(frozen=True, eq=False)
-class Baked:
-    """Origin of a mesh with baked rest positions.
+class DerivedOrigin:
+    """Origin made of another one, with the contents of that.
 
     Attributes
     ----------
-    mesh : Mesh
-        As it was read.
     origin : Origin
-        Of that.
     """
 
-    mesh: Mesh
     origin: Origin
 
     @property
@@ -241,6 +237,36 @@ class Baked:
     def extras(self) -> tuple[str, ...]:
         """Contents of the file besides positions and triangles."""
         return self.origin.extras
+
+    @property
+    def colors(self) -> np.ndarray | None:
+        """Vertex colours of the file."""
+        return self.origin.colors
+
+    def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
+        """Normals of the file, and the one of each corner."""
+        return self.origin.normals(mesh)
+
+    def texture(self, mesh: Mesh) -> Texture | None:
+        """Texture of the file."""
+        return self.origin.texture(mesh)
+
+    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+        """File content with positions ``U`` (n, 3)."""
+        return self.origin.rewritten(mesh, U)
+
+
+@dataclass(frozen=True, eq=False)
+class Baked(DerivedOrigin):
+    """Origin of a mesh with baked rest positions.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        As it was read from ``origin``.
+    """
+
+    mesh: Mesh
 
     @property
     def colors(self) -> np.ndarray | None:
