@@ -11,6 +11,7 @@ from apd_viewer.geometry.analysis.shape_findings import SEAMS
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.python_script import python_script
+from apd_viewer.session.model import memo
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import open_session, save_session
 
@@ -119,6 +120,13 @@ def test_a_baked_shape_stays_welded(tube, tmp_path):
     save_session(tmp_path / "tube.apd", state, View())
     found = open_session(tmp_path / "tube.apd")[0].document.mesh
     assert np.array_equal(found.weld.representative, COPIES)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_what_is_in_place_is_so_in_any_unit(scale):
+    large = Mesh(scale * V, F).welded()
+    there = [memo.in_place(mesh.V, mesh.weld) for mesh in (Mesh(V, F).welded(), large)]
+    assert there[1] == pytest.approx(scale * there[0], rel=1e-3)
 
 
 def test_a_damaged_weld_is_refused(tube, tmp_path, monkeypatch):

@@ -100,6 +100,11 @@ class RestMesh:
         check_mesh(V, F)
         return cls(V, F, Weld.of(V, F, SEAM) if weld else None)
 
+    @property
+    def in_place(self) -> float:
+        """How far from its target a held vertex in place may be, mesh units."""
+        return self.weld.in_place(self.diagonal)
+
     @cached_property
     def seams(self) -> Seams:
         """Boundary edges on others without being joined."""

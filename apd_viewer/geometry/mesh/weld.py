@@ -15,6 +15,9 @@ TOLERANCE = 1e-7
 # So are those closer than this on request: exporters round to four or five digits.
 SEAM = 1e-4
 
+# Rounding of held vertices, in bounding-box diagonals.
+_IN_PLACE = 1e-9
+
 # Of the shorter boundary edge at two vertices, how far apart they may be: nearer than to their neighbours.
 SHARE = 0.5
 
@@ -90,6 +93,10 @@ class Weld:
     def slack(self) -> float:
         """Tolerance between targets of welded vertices, mesh units."""
         return 0.0 if self.offset is None else 4.0 * float(np.linalg.norm(self.offset, axis=1).max())
+
+    def in_place(self, diagonal: float) -> float:
+        """How far from its target a held vertex in place may be, mesh units."""
+        return _IN_PLACE * diagonal + self.slack
 
     def offset_of(self, ids: np.ndarray) -> np.ndarray | float:
         """Offset of the file vertices ``ids`` from their welded positions."""

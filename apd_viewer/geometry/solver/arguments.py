@@ -167,7 +167,7 @@ def targets_of(
         raise InputError(tr("A target position is too far from the mesh; check the unit and the transform."))
     asked = targets[chosen] - rest.weld.offset_of(fixed[chosen])
     apart = targets - rest.weld.offset_of(fixed) - asked[inverse]
-    if np.abs(apart).max(initial=0.0) > 1e-9 * rest.diagonal + rest.weld.slack:
+    if np.abs(apart).max(initial=0.0) > rest.in_place:
         raise InputError(tr("A vertex has two target positions; give it one."))
     return targets, asked
 

@@ -19,8 +19,6 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, Soft, trans
 from apd_viewer.geometry.pose.falloff import Graph, distances, edge_graph, softened, strengths
 
 T = TypeVar("T")
-# Rounding of held vertices, in bounding-box diagonals.
-_IN_PLACE = 1e-9
 
 
 def once(find: Callable[..., T]) -> Callable[..., T]:
@@ -61,7 +59,7 @@ def centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
 @once
 def in_place(V: np.ndarray, weld: Weld) -> float:
     """Tolerance of held vertices in place, mesh units."""
-    return (_IN_PLACE + weld.slack) * diagonal(V)
+    return weld.in_place(diagonal(V))
 
 
 @once

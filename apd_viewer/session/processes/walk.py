@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.solver.deformation import Deformation
     from apd_viewer.session.model.document import Document
 
-# In bounding-box diagonals: held vertices as close as this are in place.
-_IN_PLACE = 1e-9
-
 
 class _Goal(NamedTuple):
     """Places of what is held, and of obstacles, as a document wants them."""
@@ -87,7 +84,7 @@ class Walk:
         if come is not None and not np.array_equal(come, shifts):
             return False
         away = float(np.abs(U[held.fixed] - held.targets).max(initial=0.0))
-        return away <= _IN_PLACE * self._solver.rest.diagonal + self._solver.rest.weld.slack
+        return away <= self._solver.rest.in_place
 
     @property
     def is_on_its_way(self) -> bool:

@@ -23,9 +23,6 @@ from apd_viewer.session.processes.walk import Walk
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.studies.turns import turns_in
 
-# Rounding of held vertices, in bounding-box diagonals.
-_IN_PLACE = 1e-9
-
 
 def replay(
     path: str | Path,
@@ -101,8 +98,7 @@ def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
     if document.traits.moves_handles:
         kept = np.setdiff1d(kept, np.concatenate(held.handles))
     away = frame.U[kept] - held.targets[np.searchsorted(held.fixed, kept)]
-    within = _IN_PLACE * solver.rest.diagonal + solver.rest.weld.slack
-    return bool(np.abs(away).max(initial=0.0) <= within)
+    return bool(np.abs(away).max(initial=0.0) <= solver.rest.in_place)
 
 
 def _come(state: State) -> np.ndarray | None:
