@@ -102,7 +102,7 @@ class RestMesh:
 
     @property
     def in_place(self) -> float:
-        """How far from its target a held vertex in place may be, mesh units."""
+        """Tolerance of held vertices in place, mesh units."""
         return self.weld.in_place(self.diagonal)
 
     @cached_property

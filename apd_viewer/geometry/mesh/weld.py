@@ -95,7 +95,7 @@ class Weld:
         return 0.0 if self.offset is None else 4.0 * float(np.linalg.norm(self.offset, axis=1).max())
 
     def in_place(self, diagonal: float) -> float:
-        """How far from its target a held vertex in place may be, mesh units."""
+        """Tolerance of held vertices in place, mesh units."""
         return _IN_PLACE * diagonal + self.slack
 
     def offset_of(self, ids: np.ndarray) -> np.ndarray | float:
