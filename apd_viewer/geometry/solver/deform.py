@@ -329,6 +329,7 @@ def result_of(
         )
     elif not frame.settled and frame.iteration == (most := solver.convergence.most_iterations):
         unsettled = (tr("The shape did not converge within {most:,} iterations.").format(most=most),)
+    touch = solver.contact is not None, method_named(solver.method).may_touch
     return Result(
         U=frame.U,
         method=solver.method,
@@ -351,7 +352,7 @@ def result_of(
         seconds=seconds,
         factor_seconds=solver.factor_seconds,
         seconds_per_iteration=seconds_per_iteration,
-        warnings=(*solver.warnings, *unsettled, *_passing(solver, frame, turns)),
+        warnings=(*solver.warnings, *unsettled, *passing_warnings(turns, frame, solver.rest.volume, *touch)),
         convergence=solver.convergence,
         share_reached=frame.share_reached,
         least_gap=None if frame.contact is None else frame.contact.least_gap,
@@ -362,13 +363,6 @@ def result_of(
         turned_held=tuple(turn.degrees[1] for turn in turns),
         load_excess=_load_excess(solver) if len(frame.loads) else None,
     )
-
-
-def _passing(solver: Deformation, frame: Frame, turns: Sequence[HeldTurn]) -> tuple[str, ...]:
-    """Sentences on passing through itself; of turns unless contact stops a handle."""
-    turns, volumes = turns if frame.share_reached == 1.0 else (), (frame.volume, solver.rest.volume)
-    touch = solver.contact is not None, method_named(solver.method).may_touch
-    return passing_warnings(turns, volumes, *touch)
 
 
 def _load_excess(solver: Deformation) -> float | None:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from apd_viewer.language import tr
 from apd_viewer.notation import written
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.pose.frame import Frame
 
 # Radians: a handle that is asked for less is not looked at, nor is a smaller difference one.
 LEAST_TURN = math.radians(5.0)
@@ -90,20 +93,23 @@ def most_lost(turns: Sequence[HeldTurn]) -> HeldTurn:
 
 def passing_warnings(
     turns: Sequence[HeldTurn],
-    volumes: tuple[float | None, float | None],
+    frame: Frame,
+    volume_rest: float | None,
     contact: bool,
     may_touch: bool,
     names: Sequence[str] = (),
 ) -> tuple[str, ...]:
     """Sentences on signs of a surface passing through itself on its way.
 
-    They are turns that it does not hold, and the volume of a closed surface turned inside out.
+    They are turns that it does not hold, unless contact stops a handle, and the volume of a closed surface
+    turned inside out.
 
     Parameters
     ----------
     turns : sequence of HeldTurn
-    volumes : tuple of two floats or None
-        Enclosed now and at rest.
+    frame : Frame
+    volume_rest : float or None
+        Enclosed at rest.
     contact, may_touch : bool
         Whether contact was on, and whether the method knows it.
     names : sequence of str, optional
@@ -111,7 +117,7 @@ def passing_warnings(
     """
     said = []
     for k, turn in enumerate(turns):
-        if turn.lost < LEAST_TURN:
+        if turn.lost < LEAST_TURN or frame.share_reached < 1.0:
             continue
         asked, held = (written(f"{round(angle or 0.0, 1) + 0.0:g}") for angle in turn.degrees)
         lost = tr("The surface holds {held} of the {asked} degrees asked").format(held=held, asked=asked)
@@ -120,8 +126,7 @@ def passing_warnings(
             name = names[k] if names else tr("Handle {n}").format(n=k + 1)
             sentence = tr("{name}: {sentence}").format(name=name, sentence=sentence)
         said.append(sentence)
-    now, rest = volumes
-    if now is not None and rest and now / rest < -_LITTLE:
+    if frame.volume is not None and volume_rest and frame.volume / volume_rest < -_LITTLE:
         said.append(_because(tr("The surface has turned inside out"), contact, may_touch))
     return tuple(said)
 

@@ -139,13 +139,12 @@ def of_crossings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]
 
 
 def of_passing(state: State, found: ShapeCheck | None) -> tuple[str, ...]:
-    """Sentences on passing through itself; of turns unless contact stops a handle."""
+    """Sentences on signs of a surface passing through itself, as far as known."""
     if found is None:
         return ()
-    turns = found.turns if state.frame.share_reached == 1.0 else ()
     names = [handle.name for handle in state.document.handles]
-    volumes = state.frame.volume, state.inspection.volume
-    return passing_warnings(turns, volumes, state.keeps_apart, state.document.traits.may_touch, names)
+    touch = state.keeps_apart, state.document.traits.may_touch
+    return passing_warnings(found.turns, state.frame, state.inspection.volume, *touch, names)
 
 
 def of_held_turn(found: ShapeCheck | None, k: int) -> str:

@@ -111,11 +111,9 @@ class Sweep:
         return self._passing(step)
 
     def _passing(self, step: SweepStep) -> tuple[str, ...]:
-        """Sentences on passing through itself; of turns unless contact stops a handle."""
         may_touch, names = method_named(step.method).may_touch, [each.name for each in self.document.handles]
-        turns = step.turns if step.frame.share_reached == 1.0 else ()
         touch = self.document.contact and may_touch, may_touch
-        return passing_warnings(turns, (step.frame.volume, step.volume_rest), *touch, names)
+        return passing_warnings(step.turns, step.frame, step.volume_rest, *touch, names)
 
     def document_at(self, part: float) -> Document:
         """The document with its handles at a part of their motion."""

@@ -1,6 +1,7 @@
 """Turns that surfaces hold, against shapes whose turns are known."""
 
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -161,7 +162,8 @@ def test_what_was_asked_is_read_from_places_on_the_way(degrees, seed):
 
 
 def warnings(turns, contact=False, may_touch=True, names=(), volumes=(None, None)):
-    return passing_warnings(turns, volumes, contact, may_touch, names)
+    frame = SimpleNamespace(volume=volumes[0], share_reached=1.0)
+    return passing_warnings(turns, frame, volumes[1], contact, may_touch, names)
 
 
 def test_a_closed_surface_turned_inside_out_is_said():
