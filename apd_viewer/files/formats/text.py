@@ -61,8 +61,9 @@ def _unmarked(content: bytes) -> Encoding | None:
 
 def plain(content: bytes) -> bytes:
     """Content of the same length with a line feed at the end of every line."""
-    alone = content.count(b"\r") - content.count(b"\r\n")
-    return re.sub(rb"\r(?!\n)", b"\n", content) if alone else content
+    if b"\r" not in content or content.count(b"\r") == content.count(b"\r\n"):
+        return content
+    return re.sub(rb"\r(?!\n)", b"\n", content)
 
 
 def lines(content: bytes) -> Iterator[tuple[int, bytes]]:
