@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
-from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
+from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS
 from apd_viewer.geometry.pressing.plate_way import plate_way
@@ -20,6 +20,7 @@ from apd_viewer.geometry.pressing.press_options import check_yield
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, material_of
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format, obstacle_readings
+from apd_viewer.session.model import memo
 from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.session.quantities.elastic_wall import metres
@@ -67,7 +68,7 @@ class PressDialog(StudyDialog):
             "Presses the mesh, with nothing held, between two plates that close on it in steps, and plots "
             "load and volume."
         )
-        self._cells = cell_stiffness(mesh.V, mesh.joined_F)
+        self._cells = memo.cell_stiffness(mesh.V, mesh.joined_F)
         usual = thickness_of(diagonal(self._points), None)
         self.wall = WallFields(self, unit, usual, document.thickness)
         rows = (
