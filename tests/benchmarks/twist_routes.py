@@ -2,8 +2,9 @@
 
     python tests/benchmarks/twist_routes.py [--angles DEG ...] [--steps N] [--no-contact]
 
-The ways are the command line, Python (legs of 60 degrees), the last step of a sweep, a case of a designed
-plan of as many steps, and a session with the solver's process, as the window has it, in which it is typed.
+The ways are the command line, Python (legs of 45 degrees, as those of the command line), the last step of a
+sweep, a case of a designed plan of as many steps, and a session with the solver's process, as the window has
+it, in which it is typed.
 Everything is at its default; without contact what each of them says is printed, too.
 """
 
@@ -34,7 +35,7 @@ from apd_viewer.session.model.status_text import of_passing
 
 RESOURCES = Path(__file__).parents[2] / "resources"
 MESH, SELECTION = RESOURCES / "bottle.obj", RESOURCES / "bottle.sel"
-LEG = 60.0  # degrees, of Python
+LEG = 45.0  # degrees, of Python; as long as those of the command line
 LONG = 1800.0  # seconds
 # What a sentence on a turn that was lost says in any case.
 SAID = "passed through itself"
