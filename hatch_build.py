@@ -37,7 +37,7 @@ class CustomBuildHook(BuildHookInterface[Any]):
                 build_data["force_include"][str(page)] = f"{home}/{page.relative_to(pages).as_posix()}"
 
     def _add_kernels(self, build_data: dict[str, Any]) -> None:
-        """Put kernels beside their modules, where numba looks for them; the wheel is then one of a system."""
+        """Put kernels beside their modules, where they are looked for; the wheel is then one of a system."""
         kernels = Path(self.root) / _KERNELS
         for file in sorted(kernels.rglob("*.nb?")):
             folder = file.parent.relative_to(kernels).as_posix()

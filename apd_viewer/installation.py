@@ -2,11 +2,10 @@
 
 import hashlib
 import os
-import shutil
 import sys
-import tempfile
-from contextlib import suppress
 from pathlib import Path
+
+import platformdirs
 
 
 def is_packaged() -> bool:
@@ -14,31 +13,24 @@ def is_packaged() -> bool:
     return getattr(sys, "frozen", False)
 
 
-def bring_kernels() -> None:
-    """Copy the packaged program's kernels to the user's folder, if that has none.
+def kernel_folders(modules: Path) -> list[Path]:
+    """Folders for the compiled kernels of the modules in a folder, best first.
 
-    Numba looks for them in NUMBA_CACHE_DIR, and adds those that were not brought or fit no other processor.
+    One in NUMBA_CACHE_DIR, where that is named; else that beside the modules, where a wheel brings them, and
+    then the user's. The packaged program brings its own.
     """
-    kernels = Path(os.environ.get("NUMBA_CACHE_DIR", os.curdir))
-    if is_packaged() and not kernels.exists():
-        # Without them the program compiles its kernels, which takes a minute and nothing else.
-        with suppress(OSError):
-            _copy_kernels(Path(__file__).parents[1], kernels)
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    if named:
+        folders = [Path(named) / cache_name(modules)]
+    else:
+        users = Path(platformdirs.user_cache_dir("apd-viewer", appauthor=False))
+        folders = [modules / "__pycache__", users / "kernels" / cache_name(modules)]
+    if is_packaged():
+        program = Path(__file__).parents[1]
+        folders.append(program / "kernels" / modules.relative_to(program))
+    return folders
 
 
-def _copy_kernels(program: Path, kernels: Path) -> None:
-    """Copy kernels from folders like those of their modules; all, or none."""
-    kernels.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=kernels.parent) as unfinished:
-        copied = Path(unfinished) / "kernels"
-        for file in (program / "kernels").rglob("*.nb?"):
-            named = copied / numba_folder(program / file.parent.relative_to(program / "kernels"))
-            named.mkdir(parents=True, exist_ok=True)
-            shutil.copy(file, named)
-        if copied.exists():
-            copied.rename(kernels)
-
-
-def numba_folder(modules: Path) -> str:
-    """Name of numba's folder in NUMBA_CACHE_DIR for the modules of a folder."""
+def cache_name(modules: Path) -> str:
+    """Name of a folder's own folder in one that holds kernels of all."""
     return f"{modules.name}_{hashlib.sha1(str(modules).encode()).hexdigest()}"

@@ -1,6 +1,7 @@
 """The rooms import in one direction and without circles; only the window's room knows Qt and VTK."""
 
 import ast
+import re
 import subprocess
 import sys
 import textwrap
@@ -108,7 +109,7 @@ LIBRARIES = {
     },
     "log": {"platformdirs"},
     "redaction": set(),
-    "installation": set(),
+    "installation": {"platformdirs"},
     "errors": set(),
     "language": {"platformdirs"},
     "notation": set(),
@@ -353,6 +354,16 @@ def test_a_violation_is_noticed(case, tmp_path):
     assert said
     assert all(words in line or "imports itself in a circle" in line for line in said), said
     assert any(words in line for line in said)
+
+
+def test_every_kernel_is_kept_by_the_program_s_own_cache():
+    """Numba's ends the program where a file is damaged or none can be written."""
+    own = ROOT / PACKAGE / "geometry" / "linalg" / "kernels.py"
+    source = {path: path.read_text(encoding="utf-8") for path in modules(ROOT).values()}
+    users = [
+        path for path, text in source.items() if re.search(r"from numba import.*jit|numba\.n?jit\(", text)
+    ]
+    assert users == [own]
 
 
 HEADLESS = """

@@ -169,40 +169,41 @@ def test_caches_are_the_user_s_and_variables_the_system_s(launched, tmp_path):
 
 
 KERNEL = """
-import numba
+from apd_viewer.geometry.linalg.kernels import njit
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def twice(number):
     return 2 * number
 """
 
 
-def test_kernels_that_the_program_brings_are_not_compiled_again(tmp_path, monkeypatch):
-    """Compiled in one place, packed, copied and found by numba in another."""
-    packed, program, cache, home = (
-        tmp_path / name for name in ("packed", "program", "cache", "home/kernels")
-    )
+def test_kernels_that_the_program_brings_are_not_compiled_again(tmp_path):
+    """Compiled in one place, packed, and found in another, where they are only read."""
+    packed, program, cache, home = (tmp_path / name for name in ("packed", "program", "cache", "home"))
     for place in (packed, program):
-        (place / "pack" / "inner").mkdir(parents=True)
-        (place / "pack" / "inner" / "module.py").write_text(KERNEL)
+        (place / "apd_viewer" / "inner").mkdir(parents=True)
+        (place / "apd_viewer" / "inner" / "module.py").write_text(KERNEL)
 
-    def hits(place, folder):
-        code = "from pack.inner.module import twice; twice(21); print(len(twice.stats.cache_hits))"
-        variables = {**os.environ, "PYTHONPATH": str(place), "NUMBA_CACHE_DIR": str(folder)}
-        return int(subprocess.check_output([sys.executable, "-c", code], env=variables, text=True))
+    def hits(place, folder, *prepare):
+        code = [
+            "import sys",
+            "from apd_viewer import installation",
+            *prepare,
+            f"sys.path.insert(0, {str(place / 'apd_viewer' / 'inner')!r})",
+            "from module import twice",
+            "twice(21); print(len(twice.stats.cache_hits))",
+        ]
+        variables = {**os.environ, "NUMBA_CACHE_DIR": str(folder)}
+        return int(subprocess.check_output([sys.executable, "-c", "\n".join(code)], env=variables, text=True))
 
     assert hits(packed, cache) == 0
-    brought = program / "kernels" / "pack" / "inner"
-    shutil.copytree(cache / installation.numba_folder(packed / "pack" / "inner"), brought)
-    monkeypatch.setattr(installation, "__file__", str(program / "apd_viewer" / "installation.py"))
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(home))
-    installation.bring_kernels()
-    assert not home.exists(), "this is no packaged program"
-    monkeypatch.setattr(sys, "frozen", True, raising=False)
-    installation.bring_kernels()
-    assert hits(program, home) == 1
-    assert [path.name for path in home.parent.iterdir()] == ["kernels"]
+    brought = program / "kernels" / "apd_viewer" / "inner"
+    shutil.copytree(cache / installation.cache_name(packed / "apd_viewer" / "inner"), brought)
+    moved = f"installation.__file__ = {str(program / 'apd_viewer' / 'installation.py')!r}"
+    assert hits(program, home, moved, "sys.frozen = True") == 1
+    assert not home.exists(), "nothing is copied"
+    assert hits(program, home, moved) == 0, "this is no packaged program"
 
 
 def test_a_packaged_program_says_what_it_cannot_do(monkeypatch, tmp_path):

@@ -3,7 +3,6 @@
 import os
 
 from apd_viewer.geometry.processor import compile_for_level
-from apd_viewer.installation import bring_kernels
 
 # GNU's OpenMP, which runs the parallel kernels on Linux, would otherwise let idle threads spin for as long as
 # they like: where another program, or the drawing of the view, wants a core too, a kernel of 50 us then takes
@@ -12,4 +11,3 @@ os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 # Before the first module with a kernel imports numba, which then asks the environment.
 compile_for_level()
-bring_kernels()

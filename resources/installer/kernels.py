@@ -2,8 +2,8 @@
 
     python resources/installer/kernels.py
 
-leaves those for a wheel in build/kernels, where hatch_build.py finds them. Numba looks for kernels beside
-their modules, and takes those whose source, processor, Python and version of numba are the same. Others are
+leaves those for a wheel in build/kernels, where hatch_build.py finds them. The program looks for kernels beside
+their modules, and takes those whose sources, processor, Python and version of numba are the same. Others are
 compiled as ever.
 """
 
@@ -16,7 +16,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from apd_viewer.installation import numba_folder
+from apd_viewer.installation import cache_name
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "kernels"
@@ -52,7 +52,7 @@ def compile_kernels(python: list[str], package: Path, folder: Path) -> int:
             environment.pop(name, None)
         subprocess.run([*python, "-c", _PROGRAM], env=environment, check=True)
         for module_folder in (package, *(path for path in package.rglob("*") if path.is_dir())):
-            compiled = Path(cache) / numba_folder(module_folder)
+            compiled = Path(cache) / cache_name(module_folder)
             if compiled.is_dir():
                 shutil.copytree(compiled, folder / module_folder.relative_to(package.parent))
     return sum(path.is_file() for path in folder.rglob("*"))

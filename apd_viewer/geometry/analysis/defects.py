@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.union_find import join, root
 
 # Faces at one edge compared with each other.

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.union_find import join, root
 from apd_viewer.geometry.picking.picking import ray_hit
 

@@ -8,10 +8,11 @@ a pair about their mean.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
 from apd_viewer.geometry.contact.distances import gap
 from apd_viewer.geometry.contact.gap_energy import gap_energy
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel, total
 
 # Part of a gap that is left at least.

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
-from numba import njit
 
 from apd_viewer.geometry.analysis.self_intersections import crossing_pairs
 from apd_viewer.geometry.contact.exempt_zones import exempt_zones, within_zones
 from apd_viewer.geometry.contact.followers import Followers, Nobody
 from apd_viewer.geometry.contact.near_pairs import NearPairs
 from apd_viewer.geometry.contact.obstacle_pairs import ObstaclePairs
+from apd_viewer.geometry.linalg.kernels import njit
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.contact.obstacles import Obstacle

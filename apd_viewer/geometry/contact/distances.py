@@ -8,8 +8,9 @@ distance of its two parts, ``|sum_k w_k x_k|`` with the weights of their nearest
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
 
 # Below this squared sine of an angle rounding may decide where edges or a triangle are nearest: their ends

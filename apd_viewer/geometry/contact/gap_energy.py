@@ -11,9 +11,9 @@ twice continuously differentiable and grows without bound where a gap closes.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from apd_viewer.geometry.contact.distances import gap
+from apd_viewer.geometry.linalg.kernels import njit
 
 _CLOSED = 1e-12  # of a gap that is no longer told from none
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
 from apd_viewer.geometry.contact.distances import edge_edge, vertex_triangle
 from apd_viewer.geometry.contact.patches import Patches, box_distance, boxes_within
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
 
 # Shared by any number of cores: pairs are listed task by task, and summed in that order.

@@ -10,8 +10,9 @@ quaternions ``q`` (n, 4): to turn by one costs less than to fetch a matrix.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.quaternions import load_rotation, quaternion_to_matrix, store_rotation, turned
 from apd_viewer.geometry.linalg.rotations import LANES, ROWS, fit_lanes
 from apd_viewer.geometry.linalg.threads import parallel, total

@@ -13,9 +13,10 @@ be sheared, but keeps its area).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
 from apd_viewer.geometry.energy.membrane_lanes import LANES, ROWS, project_lanes
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.quaternions import quaternion_to_matrix
 from apd_viewer.geometry.linalg.threads import parallel, total
 from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian, well_shaped

@@ -15,9 +15,10 @@ A triangle that is compressed would rather turn out of its plane: there the last
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
 from apd_viewer.geometry.energy.membrane import larger_stretch
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
 
 # Numbers per triangle: the frame U, the larger stretch's direction in the rest plane, the moduli.

@@ -7,7 +7,8 @@ or a root then takes no longer for eight triangles than for one.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from apd_viewer.geometry.linalg.kernels import njit
 
 # Twice as many doubles as the widest registers hold: one half proceeds while the other waits for a division.
 LANES = 16

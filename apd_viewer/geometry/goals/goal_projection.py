@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numba import njit
 
 from apd_viewer.geometry.goals.goals import Goal, GoalMeasures
 from apd_viewer.geometry.linalg import parallel_ops, row_ops
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.measures import nonzero_of_rows
 
 # Relative to the value at rest; ten times better than promised.

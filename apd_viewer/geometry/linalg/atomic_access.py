@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
+
+from apd_viewer.geometry.linalg.kernels import njit
 
 
 @intrinsic

@@ -14,9 +14,9 @@ half the memory to read: enough for steps, too little for results.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from apd_viewer.geometry.linalg import multifrontal, row_ops
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.nested_dissection import dissect
 from apd_viewer.geometry.linalg.supernodes import children_of, couplings
 from apd_viewer.geometry.linalg.threads import one_blas_thread

@@ -6,7 +6,8 @@ Only the upper triangle of a front is read and written.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from apd_viewer.geometry.linalg.kernels import njit
 
 # Columns of a product.
 _BLOCK = 96

@@ -7,9 +7,9 @@ Groups of unknowns, ``first``, and what they are coupled with, ``begin, later``,
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from apd_viewer.geometry.linalg.dense_elimination import condense, condense_by_blocks
+from apd_viewer.geometry.linalg.kernels import njit
 
 # From so many unknowns of a group on, calls of BLAS pay.
 _WIDE = 36

@@ -8,7 +8,8 @@ the axes cut a surface about as short as the best cuts of its graph do, and are 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from apd_viewer.geometry.linalg.kernels import njit
 
 # Parts of so few unknowns are not cut any more.
 _LEAF = 10

@@ -15,7 +15,8 @@ not positive definite the largest eigenvector of Horn's symmetric 4x4 matrix is 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from apd_viewer.geometry.linalg.kernels import njit
 
 # Matrices side by side: twice as many doubles as the widest registers hold, so that one
 # half proceeds while the other waits for a division.

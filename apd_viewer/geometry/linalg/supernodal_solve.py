@@ -7,8 +7,9 @@ the end, and the compiler makes vectors of the loops.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
 
 _ONE, _TWO, _THREE, _FOUR = (np.uintp(k) for k in (1, 2, 3, 4))

@@ -9,8 +9,8 @@ the tree, follows them. The tasks depend on the matrix alone, so sums are the sa
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.nested_dissection import dissect
 
 # No task has more than this part of the unknowns.

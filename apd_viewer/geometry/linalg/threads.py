@@ -29,6 +29,8 @@ import numpy as np
 import scipy.linalg.cython_blas  # noqa: F401  # what numba calls: it must be there to be limited
 from threadpoolctl import ThreadpoolController
 
+from apd_viewer.geometry.linalg.kernels import njit
+
 if TYPE_CHECKING:
     from typing import ParamSpec, TypeVar
 
@@ -52,7 +54,7 @@ def parallel(**options: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """
 
     def compiled(function: Callable[P, R]) -> Callable[P, R]:
-        kernel = numba.njit(cache=True, nogil=True, parallel=True, **options)(function)
+        kernel = njit(cache=True, nogil=True, parallel=True, **options)(function)
 
         @functools.wraps(function)
         def guarded(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -64,7 +66,7 @@ def parallel(**options: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
     return compiled
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def total(parts: np.ndarray) -> float:
     """Sum of the portions' ``parts`` (k,), first to last, for use in kernels."""
     found = 0.0
@@ -73,7 +75,7 @@ def total(parts: np.ndarray) -> float:
     return found
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True)
 def totals(parts: np.ndarray) -> np.ndarray:
     """Sums (m,) of the portions' ``parts`` (k, m), as :func:`total`."""
     found = np.zeros(parts.shape[1])

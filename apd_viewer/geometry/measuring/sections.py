@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.arrays import direction, place
 from apd_viewer.geometry.mesh.components import pieces
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from apd_viewer.geometry.linalg.kernels import njit
 
 ALONE = -1  # an edge of one triangle
 CROWDED = -2  # an edge of more than two, or of a triangle that has a corner twice

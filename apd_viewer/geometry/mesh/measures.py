@@ -6,8 +6,9 @@ A gradient is gathered corner by corner, so that the cores can share the vertice
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel, total, totals
 
 # Triangle areas at rest below this part of the mean are rounding: their change is none.

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from numba import njit
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.language import tr, trn
 
 

@@ -7,7 +7,8 @@ at each triangle once. Boxes around the triangles as they come cost no more than
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from apd_viewer.geometry.linalg.kernels import njit
 
 BLOCK = 128  # triangles per box; neighbours in a file are mostly neighbours in space
 _SLACK = 1e-9  # margin: rounding must not let a ray miss the box of a triangle it hits

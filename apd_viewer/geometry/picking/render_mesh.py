@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numba import njit
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.adjacency import ALONE, _normal
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.normals import CornerNormals

@@ -7,8 +7,8 @@ of :class:`Skin`. What a set says of the other vertices means nothing.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.picking.mirror_images import nearest_to_images
 from apd_viewer.geometry.picking.vertex_paths import _walk
 from apd_viewer.geometry.pose.mirror import MirrorPlane

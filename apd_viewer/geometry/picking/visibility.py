@@ -7,8 +7,9 @@ each of many vertices it is worth sorting the triangles first; then their order 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.picking.bounding_hierarchy import FAN, FAN_BITS, Boxes
 

@@ -13,9 +13,10 @@ the trapezoidal rule an expansion is exact for a displacement of second degree.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 from scipy.sparse import coo_array
 
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.quaternions import quaternion_to_matrix
 from apd_viewer.geometry.linalg.threads import parallel
 

@@ -1,0 +1,172 @@
+"""Compiled kernels, kept in files from one start to the next.
+
+Numba's own cache ends the program where a file of it is damaged, or where none can be written. Here a file
+counts only if it is whole, and made from the same sources for the same processor by the
+same numba and Python; otherwise the kernel is compiled. What is found and done is noted in the log.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import logging
+import pickle
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import numba
+from numba.core.caching import _Cache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+from apd_viewer.installation import kernel_folders
+
+_LOGGER = logging.getLogger(__name__)
+_DIGEST = hashlib.sha256().digest_size
+
+
+def njit(cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Compile a kernel as :func:`numba.njit` does, and keep it with ``cache``."""
+
+    def compiled(function: Callable[..., Any]) -> Any:
+        _source_digest(
+            inspect.getfile(function)
+        )  # of what is run: an update may replace the file at any time
+        kernel = numba.njit(**options)(function)
+        if cache:
+            # As numba's enable_caching does, which knows no other cache than its own.
+            kernel._cache = KernelCache(function)
+        return kernel
+
+    return compiled
+
+
+class KernelCache(_Cache):
+    """Files of a kernel, one for each combination of its arguments' types.
+
+    They are read from the first of the folders that has a whole one, and written to the first that takes it.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = function
+        self._name = f"{Path(inspect.getfile(function)).stem}.{function.__qualname__}"
+
+    @property
+    def cache_path(self) -> str:
+        """First folder of the files."""
+        return str(self._folders()[0])
+
+    def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
+        """Load the kernel for types ``sig``; None if it must be compiled."""
+        target_context.refresh()
+        made_for = self._made_for(sig, target_context.codegen())
+        for folder in self._folders():
+            file = folder / self._file_name(made_for)
+            try:
+                return CompileResult._rebuild(target_context, *_payload(file, self._stamp(made_for)))
+            except (OSError, _OtherSourcesError):  # none is there, or this user may not read it
+                continue
+            except Exception as error:  # a tuple of its arguments, say, that lies in another module now
+                _LOGGER.warning("%s is compiled again: %s", file, error)
+        return None
+
+    def save_overload(self, sig: Any, data: CompileResult) -> None:
+        """Keep what was compiled for types ``sig``, where a folder takes it."""
+        if data.library.has_dynamic_globals:  # addresses of this process
+            return
+        made_for = self._made_for(sig, data.codegen)
+        refused = ""
+        for folder in self._folders():
+            file = folder / self._file_name(made_for)
+            try:
+                _write(file, _sealed(self._stamp(made_for) + dumps(data._reduce())))
+            except OSError as error:
+                refused = error.strerror or str(error)
+                continue
+            _LOGGER.info("Compiled %s", file)
+            return
+        _say_that_none_is_kept(refused)
+
+    def enable(self) -> None:
+        """Stay enabled."""
+
+    def disable(self) -> None:
+        """Stay enabled."""
+
+    def flush(self) -> None:
+        """Keep all files: one that no longer fits is written anew."""
+
+    def _folders(self) -> list[Path]:
+        return kernel_folders(Path(inspect.getfile(self._function)).parent)
+
+    def _made_for(self, sig: Any, codegen: Any) -> str:
+        return repr((str(sig), codegen.magic_tuple(), sys.implementation.cache_tag, numba.__version__))
+
+    def _file_name(self, made_for: str) -> str:
+        return f"{self._name}-{hashlib.sha256(made_for.encode()).hexdigest()[:16]}.nbc"
+
+    def _stamp(self, made_for: str) -> bytes:
+        """Digest of all that the machine code depends on, kernels within the kernel included."""
+        told = hashlib.sha256(f"{self._name} {made_for}".encode())
+        for file in sorted(_sources(self._function)):
+            told.update(_source_digest(file))
+        return told.digest()
+
+
+class _OtherSourcesError(Exception):
+    """A file of a kernel as it was before."""
+
+
+def _sources(function: Callable[..., Any]) -> set[str]:
+    """Files with the function and the kernels that it calls, whose code becomes part of its own."""
+    known = [function]
+    for each in known:
+        called = (getattr(each.__globals__.get(name), "py_func", None) for name in each.__code__.co_names)
+        known.extend(inner for inner in called if inner is not None and inner not in known)
+    return {inspect.getfile(each) for each in known}
+
+
+@cache
+def _source_digest(file: str) -> bytes:
+    try:
+        return hashlib.sha256(Path(file).read_bytes()).digest()
+    except OSError:  # without sources no file of a kernel fits at another start
+        return uuid4().bytes
+
+
+def _sealed(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest() + content
+
+
+def _payload(file: Path, stamp: bytes) -> Any:
+    """Contents of a file with a seal and a stamp before them."""
+    sealed = file.read_bytes()
+    content = sealed[_DIGEST:]
+    if sealed != _sealed(content):
+        raise ValueError("the file is damaged")
+    if content[:_DIGEST] != stamp:
+        raise _OtherSourcesError
+    return pickle.loads(content[_DIGEST:])
+
+
+def _write(file: Path, content: bytes) -> None:
+    """Write a file that appears whole."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = file.with_name(f"{file.name}.{uuid4().hex[:8]}.part")
+    try:
+        unfinished.write_bytes(content)
+        unfinished.replace(file)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+@cache
+def _say_that_none_is_kept(reason: str) -> None:
+    _LOGGER.warning(
+        "Compiled kernels are not kept (%s); name a folder in NUMBA_CACHE_DIR, or wait at each start.",
+        reason,
+    )
