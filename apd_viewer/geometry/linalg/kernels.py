@@ -75,7 +75,7 @@ class KernelCache(_Cache):
         return None
 
     def save_overload(self, sig: Any, data: CompileResult) -> None:
-        """Keep what was compiled for types ``sig``, where a folder takes it."""
+        """Keep the kernel for types ``sig`` in the first folder to take it."""
         if data.library.has_dynamic_globals:  # addresses of this process
             return
         made_for = self._made_for(sig, data.codegen)
@@ -98,7 +98,7 @@ class KernelCache(_Cache):
         """Stay enabled."""
 
     def flush(self) -> None:
-        """Keep all files: one that no longer fits is written anew."""
+        """Keep all files; those of other sources are written anew."""
 
     def _folders(self) -> list[Path]:
         return kernel_folders(Path(inspect.getfile(self._function)).parent)
@@ -110,7 +110,7 @@ class KernelCache(_Cache):
         return f"{self._name}-{hashlib.sha256(made_for.encode()).hexdigest()[:16]}.nbc"
 
     def _stamp(self, made_for: str) -> bytes:
-        """Digest of all that the machine code depends on, kernels within the kernel included."""
+        """Digest of all sources of the machine code, kernels within it included."""
         told = hashlib.sha256(f"{self._name} {made_for}".encode())
         for file in sorted(_sources(self._function)):
             told.update(_source_digest(file))
@@ -122,7 +122,7 @@ class _OtherSourcesError(Exception):
 
 
 def _sources(function: Callable[..., Any]) -> set[str]:
-    """Files with the function and the kernels that it calls, whose code becomes part of its own."""
+    """Files with the function and the kernels within it."""
     known = [function]
     for each in known:
         called = (getattr(each.__globals__.get(name), "py_func", None) for name in each.__code__.co_names)
@@ -154,7 +154,7 @@ def _payload(file: Path, stamp: bytes) -> Any:
 
 
 def _write(file: Path, content: bytes) -> None:
-    """Write a file that appears whole."""
+    """Write a file, whole or not at all."""
     file.parent.mkdir(parents=True, exist_ok=True)
     unfinished = file.with_name(f"{file.name}.{uuid4().hex[:8]}.part")
     try:
