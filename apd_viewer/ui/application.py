@@ -42,6 +42,7 @@ from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.ui.background_imports import BackgroundImports
+from apd_viewer.ui.display import has_display, reached_display
 from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
 
@@ -134,9 +135,9 @@ def run(mesh: object = None, tells: bool = False) -> None:
     InputError
         If the mesh cannot be used, or there is no display.
     """
-    shown = Path(mesh) if tells and isinstance(mesh, str) and _has_display() else as_mesh(mesh)
-    _check_display()
-    application = make_application(sys.argv[:1])
+    shown = Path(mesh) if tells and isinstance(mesh, str) and has_display() else as_mesh(mesh)
+    with reached_display():
+        application = make_application(sys.argv[:1])
     # Imported only now: pyvistaqt must find the application as it was prepared above.
     from apd_viewer.ui.filing.file_open_events import FileOpenEvents
     from apd_viewer.ui.settings_page.preference_effects import limit_threads
@@ -217,19 +218,3 @@ def as_mesh(mesh: object) -> Mesh | Path | None:
             kind=type(mesh).__name__
         )
     )
-
-
-def _has_display() -> bool:
-    named = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))
-    return named or not sys.platform.startswith("linux")
-
-
-def _check_display() -> None:
-    """Raise InputError without a display: Qt would end the process."""
-    if not _has_display():
-        raise InputError(
-            tr(
-                "No display is available for the window; log in with one, or deform without a window: "
-                "apd-viewer deform --help."
-            )
-        )

@@ -1,0 +1,149 @@
+"""Display of the window, tried first: Qt ends the process without one."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+from PySide6.QtCore import QLibraryInfo, QPluginLoader
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+
+_NAMES = "DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"
+_WITHOUT_SCREEN = "offscreen", "minimal"
+_LONGEST = 60.0  # s; Qt takes 0.2 s where nothing else is done
+# Without a handler, Qt's fatal message would leave a core dump.
+_TRIAL = """
+import os
+from PySide6.QtCore import QtMsgType, qInstallMessageHandler
+from PySide6.QtGui import QGuiApplication
+qInstallMessageHandler(lambda kind, *_: os._exit(1) if kind == QtMsgType.QtFatalMsg else None)
+raise SystemExit(QGuiApplication([]).primaryScreen() is None)
+"""
+
+
+def has_display() -> bool:
+    """True with a display by name, and on systems with one always."""
+    return any(os.environ.get(name) for name in _NAMES) or not sys.platform.startswith("linux")
+
+
+@contextmanager
+def reached_display() -> Iterator[None]:
+    """Hold a display to be found by Qt.
+
+    The platform that Qt tries first is tried here, in milliseconds. Only where that fails, Qt itself is
+    tried in a process of its own: it may find another one.
+
+    Raises
+    ------
+    InputError
+        Without a display.
+    ImportError
+        Without a library to use it.
+    """
+    if not has_display():
+        raise InputError(
+            tr(
+                "No display is available for the window; log in with one, or deform without a window: "
+                "apd-viewer deform --help."
+            )
+        )
+    if not sys.platform.startswith("linux"):
+        yield
+        return
+    # Held, since an X server may begin anew when its only client leaves, and refuses the next one meanwhile.
+    with _x_server() as answers:
+        trouble = _trouble(answers)
+        if trouble is not None and not _qt_starts():
+            raise trouble
+        yield
+
+
+def _trouble(x_answers: bool) -> Exception | None:
+    """Error to be raised if Qt cannot start; None if it can."""
+    fallback = "wayland" if os.environ.get("WAYLAND_DISPLAY") else "xcb"
+    platform = (os.environ.get("QT_QPA_PLATFORM") or fallback).split(";")[0].split(":")[0]
+    if platform in _WITHOUT_SCREEN:
+        return None
+    if platform not in ("xcb", "wayland"):
+        return InputError(
+            tr(
+                "QT_QPA_PLATFORM names “{name}”, by which no window can be opened here; unset it, or deform "
+                "without a window: apd-viewer deform --help."
+            ).format(name=platform)
+        )
+    if not (x_answers if platform == "xcb" else _wayland_answers()):
+        variable = "DISPLAY" if platform == "xcb" else "WAYLAND_DISPLAY"
+        return InputError(
+            tr(
+                "{variable} names “{name}”, where no display can be reached; correct it, or deform without a "
+                "window: apd-viewer deform --help."
+            ).format(variable=variable, name=os.environ.get(variable, ""))
+        )
+    plugins = Path(QLibraryInfo.path(QLibraryInfo.LibraryPath.PluginsPath))
+    plugin = QPluginLoader(str(plugins / "platforms" / f"libq{platform}.so"))
+    return None if plugin.load() else ImportError(plugin.errorString())
+
+
+def _wayland_answers() -> bool:
+    """True with a compositor at WAYLAND_DISPLAY, or a connection from it."""
+    if os.environ.get("WAYLAND_SOCKET"):
+        return True
+    path = Path(os.environ.get("XDG_RUNTIME_DIR", ""), os.environ.get("WAYLAND_DISPLAY") or "wayland-0")
+    with closing(socket.socket(socket.AF_UNIX)) as tried:
+        try:
+            tried.connect(str(path))
+        except OSError:
+            return False
+    return True
+
+
+@contextmanager
+def _x_server() -> Iterator[bool]:
+    """Hold a connection to the X server of DISPLAY; False where it gives none."""
+    try:
+        xcb = ctypes.CDLL("libxcb.so.1")
+    except OSError:  # Qt's plugin says so
+        yield True
+        return
+    xcb.xcb_connect.restype = ctypes.c_void_p
+    with _silence():
+        connection = ctypes.c_void_p(xcb.xcb_connect(None, None))
+    try:
+        yield not xcb.xcb_connection_has_error(connection)
+    finally:
+        xcb.xcb_disconnect(connection)
+
+
+def _qt_starts() -> bool:
+    """True if Qt starts, in a process of its own."""
+    try:
+        tried = subprocess.run([sys.executable, "-c", _TRIAL], capture_output=True, timeout=_LONGEST)
+    except subprocess.TimeoutExpired:
+        return False
+    return tried.returncode == 0
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep what a library prints from the standard error."""
+    try:
+        error = os.dup(2)
+    except OSError:  # it is closed
+        yield
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    try:
+        yield
+    finally:
+        os.dup2(error, 2)
+        os.close(error)
+        os.close(nowhere)

@@ -1,0 +1,94 @@
+"""Displays that cannot be used end in one sentence, and never in Qt's abort."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from apd_viewer.ui.display import reached_display
+
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="others always have a display")
+
+NAMES = "DISPLAY", "WAYLAND_DISPLAY", "XDG_SESSION_TYPE", "QT_QPA_PLATFORM", "XDG_RUNTIME_DIR"
+NOT_REACHED = ", where no display can be reached; correct it"
+NOT_OPENED = ", by which no window can be opened here; unset it"
+WITHOUT = ", or deform without a window: apd-viewer deform --help."
+
+
+def run(*words, **variables):
+    """Exit status, output and errors of Python, where no other display is named."""
+    kept = {name: value for name, value in os.environ.items() if name not in NAMES}
+    done = subprocess.run([sys.executable, *words], env=kept | variables, capture_output=True, text=True)
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("variables", "sentence"),
+    [
+        ({"DISPLAY": ":999"}, "DISPLAY names “:999”" + NOT_REACHED),
+        ({"DISPLAY": "nonsense"}, "DISPLAY names “nonsense”" + NOT_REACHED),
+        ({"WAYLAND_DISPLAY": "gone"}, "WAYLAND_DISPLAY names “gone”" + NOT_REACHED),
+        ({"QT_QPA_PLATFORM": "wayland;xcb"}, "WAYLAND_DISPLAY names “”" + NOT_REACHED),
+        ({"QT_QPA_PLATFORM": "nonsense"}, "QT_QPA_PLATFORM names “nonsense”" + NOT_OPENED),
+    ],
+)
+def test_an_unreachable_display_is_a_sentence(variables, sentence):
+    assert run("-m", "apd_viewer", **variables) == (2, "", f"error: {sentence}{WITHOUT}\n")
+
+
+def test_an_x_server_that_refuses_is_a_sentence(tmp_path):
+    """With the address of a server, and without the cookie that it asks for."""
+    read, write = os.pipe()
+    cookies = tmp_path / "server"
+    # An entry: any family, address, number, name, data; each with its length before, in two bytes.
+    parts = b"", b"", b"MIT-MAGIC-COOKIE-1", bytes(range(16))
+    cookies.write_bytes(b"\xff\xff" + b"".join(len(part).to_bytes(2, "big") + part for part in parts))
+    server = subprocess.Popen(
+        ["Xvfb", "-auth", cookies, "-displayfd", str(write)], pass_fds=[write], stderr=subprocess.DEVNULL
+    )
+    try:
+        os.close(write)
+        with os.fdopen(read) as told:
+            name = f":{int(told.readline())}"
+        (tmp_path / "user").touch()
+        status, out, err = run("-m", "apd_viewer", DISPLAY=name, XAUTHORITY=str(tmp_path / "user"))
+        assert (status, out) == (2, "")
+        assert re.fullmatch(f"error: DISPLAY names “{name}”, where no display can be reached; .+\n", err)
+        starts = "from apd_viewer.ui.display import reached_display\nwith reached_display(): print('reached')"
+        assert run("-c", starts, DISPLAY=name, XAUTHORITY=str(cookies)) == (0, "reached\n", "")
+    finally:
+        server.terminate()
+        server.wait()
+
+
+def test_a_library_that_is_missing_is_named(tmp_path):
+    (tmp_path / "libxcb-cursor.so.0").touch()  # found first, and no library
+    status, out, err = run("-m", "apd_viewer", DISPLAY=os.environ["DISPLAY"], LD_LIBRARY_PATH=str(tmp_path))
+    assert (status, out) == (2, "")
+    assert re.fullmatch(
+        r"error: A library that the window needs is missing \(.*libxcb-cursor.+README\.\n", err
+    )
+
+
+def test_qt_s_own_choice_of_another_display_is_kept():
+    code = (
+        "from PySide6.QtWidgets import QApplication\n"
+        "from apd_viewer.ui.display import reached_display\n"
+        "with reached_display(): application = QApplication([])\n"
+        "print(application.platformName())"
+    )
+    status, out, _ = run("-c", code, WAYLAND_DISPLAY="gone", DISPLAY=os.environ["DISPLAY"])
+    assert (status, out) == (0, "xcb\n")
+
+
+def test_a_closed_standard_error_is_no_hindrance(monkeypatch):
+    kept = os.dup(2)
+    os.close(2)
+    try:
+        with reached_display():
+            pass
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
