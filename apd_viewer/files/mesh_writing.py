@@ -13,6 +13,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import FORMATS, LARGEST, VTK, WRITTEN, largest, parsed
 from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.links import leads_in_a_circle
 from apd_viewer.files.storage.reading import in_one_line, quietly
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -37,6 +38,10 @@ def check_target(path: str | Path) -> Path:
 
 def check_place(path: Path) -> None:
     """Raise InputError unless ``path`` is in a folder, and is none itself."""
+    if leads_in_a_circle(path):
+        raise InputError(
+            tr("{path} is a link that leads to itself; remove it, or choose another name.").format(path=path)
+        )
     if not os.path.isdir(path.parent):  # noqa: PTH112
         raise InputError(
             tr("There is no folder {folder}; create it or choose another.").format(folder=path.parent)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.commands.terminal.output_files import check_names
 from apd_viewer.files.animations.animation_files import ANIMATED, check_animation
 from apd_viewer.files.storage.atomic_folder import filling
+from apd_viewer.files.storage.links import followed
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ class AnimationTargets:
 
     def __init__(self, options: argparse.Namespace, versions: Sequence[str]) -> None:
         self._asked: list[Path] = options.animation
-        self._folder: Path = options.output.resolve()
+        self._folder: Path = followed(options.output)
         self._versions = versions
         self._check()
 
@@ -100,7 +101,7 @@ class AnimationTargets:
 
     def _is_in_output(self, path: Path) -> bool:
         """True in the output folder, possibly not created yet."""
-        return path.resolve().parent == self._folder
+        return followed(path).parent == self._folder
 
     def begun(self, path: Path, scratch: Path, beside: ExitStack) -> Path:
         """Scratch path of a file until all is written.

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_place
+from apd_viewer.files.storage.links import followed
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ def check_names(paths: Iterable[Path]) -> None:
     """Raise InputError if two of the files are the same."""
     seen = set()
     for path in paths:
-        place = path.resolve()
+        place = followed(path)
         if place in seen:
             raise InputError(
                 tr("{name} would be written twice; give each file a name of its own.").format(name=path.name)

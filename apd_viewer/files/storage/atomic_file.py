@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.links import followed, refuse_circle
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -34,8 +35,9 @@ def replacing(path: Path, at_once: bool = False) -> Iterator[Path]:
         If the operating system refuses; the message says what to do.
     """
     scratch: Path | None = None
-    path = Path(os.path.realpath(path))  # a link stays a link
+    path = followed(path)  # a link stays a link
     try:
+        refuse_circle(path)
         _clear_away(path)
         # The suffix is kept: writers choose the format by it.
         suffix = _PART + path.suffix

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.links import followed, refuse_circle
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def filling(folder: Path) -> Iterator[Path]:
     InputError
         If the operating system refuses; the message says what to do.
     """
-    folder = Path(os.path.realpath(folder))
+    folder = followed(folder)
     scratch: Path | None = None
     try:
         beside = _nearest(folder)
@@ -78,6 +79,7 @@ def place(scratch: Path, folder: Path) -> None:
 def _nearest(folder: Path) -> Path:
     """Nearest existing folder at or above the given one."""
     while not folder.exists() and folder != folder.parent:
+        refuse_circle(folder)
         folder = folder.parent
     if not folder.is_dir():
         raise NotADirectoryError(None, f"{folder.name} is not a folder")

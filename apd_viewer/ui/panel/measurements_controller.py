@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QObject
 
+from apd_viewer.files.storage.links import followed
 from apd_viewer.presentation.number_format import to_type
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.status_text import of_crossings, of_exempt
@@ -75,7 +76,7 @@ class Measuring(QObject):
         if mesh not in self._walls:
             path = own_file(mesh)
             known = {} if path is None else self._memory.walls
-            self._walls[mesh] = NO_WALL if path is None else known.get(path.resolve(), NO_WALL)
+            self._walls[mesh] = NO_WALL if path is None else known.get(followed(path), NO_WALL)
         self._panel.measures.show_wall(self._walls[mesh])
 
     def follow(self, old: State | None, new: State) -> None:

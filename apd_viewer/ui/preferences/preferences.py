@@ -12,6 +12,7 @@ from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.files.samples import resource
+from apd_viewer.files.storage.links import followed
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import UNITS, Unit
 from apd_viewer.session.quantities.wall_mass import Wall
@@ -101,7 +102,7 @@ class Preferences:
 
     def remember(self, path: Path) -> None:
         """Put ``path`` at the head of the recent files."""
-        path = path.resolve()
+        path = followed(path)
         recent = [path, *(other for other in self.recent if other != path)][:_MOST_RECENT]
         self._settings.setValue("recent", [str(other) for other in recent])
         self._settings.setValue("folder", str(path.parent))
@@ -118,7 +119,7 @@ class Preferences:
 
     def remember_unit(self, path: Path, unit: Unit) -> None:
         """Put the choice of ``unit`` for the file at ``path`` before all others."""
-        path = path.resolve()
+        path = followed(path)
         units = {path: unit, **{other: old for other, old in self.units.items() if other != path}}
         lines = [f"{unit.symbol or '-'} {other}" for other, unit in units.items()]
         self._settings.setValue("units", lines[:_MOST_UNITS])
@@ -131,7 +132,7 @@ class Preferences:
 
     def remember_up_axis(self, path: Path, axis: UpAxis) -> None:
         """Put the up axis of the file at ``path`` first."""
-        path = path.resolve()
+        path = followed(path)
         axes = {path: axis, **{other: old for other, old in self.up_axes.items() if other != path}}
         lines = [f"{axis.value} {other}" for other, axis in axes.items()]
         self._settings.setValue("up_axes", lines[:_MOST_UNITS])
@@ -148,7 +149,7 @@ class Preferences:
 
     def remember_wall(self, path: Path, wall: Wall) -> None:
         """Put the wall of the file at ``path`` first."""
-        path = path.resolve()
+        path = followed(path)
         walls = {path: wall, **{other: old for other, old in self.walls.items() if other != path}}
         lines = [json.dumps([str(other), *wall]) for other, wall in walls.items()]
         self._settings.setValue("walls", lines[:_MOST_UNITS])

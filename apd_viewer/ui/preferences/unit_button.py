@@ -10,6 +10,7 @@ from PySide6.QtCore import QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QActionGroup, QIcon, QPainter, QPaintEvent
 from PySide6.QtWidgets import QMenu, QToolButton
 
+from apd_viewer.files.storage.links import followed
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.preferences import own_file
@@ -133,8 +134,8 @@ class Units:
 
     def _unchosen(self, mesh: Mesh, path: Path | None) -> Unit:
         units = self._memory.units
-        if path is not None and path.resolve() in units:
-            return units[path.resolve()]
+        if path is not None and followed(path) in units:
+            return units[followed(path)]
         if mesh.unit or path is None:
             return Unit(mesh.unit)
         if (usual := self._usual()) is not None:

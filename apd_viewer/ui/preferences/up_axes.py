@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
+from apd_viewer.files.storage.links import followed
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.preferences.preferences import own_file
 
@@ -36,7 +37,7 @@ class UpAxes:
         is_sample = mesh.path is not None and path is None
         suffix = "" if mesh.path is None else mesh.path.suffix
         default = UpAxis.of_suffix(suffix, UpAxis.PLUS_Y if is_sample else self._usual())
-        return self._chosen.get(mesh) or (default if path is None else known.get(path.resolve(), default))
+        return self._chosen.get(mesh) or (default if path is None else known.get(followed(path), default))
 
     def choose(self, mesh: Mesh, axis: UpAxis) -> None:
         """Remember an up axis for a mesh and its file."""

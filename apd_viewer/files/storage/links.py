@@ -1,0 +1,26 @@
+"""Symbolic links, which may lead in a circle."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+
+def followed(path: Path) -> Path:
+    """Absolute path behind all links; one in a circle stays as it is.
+
+    ``Path.resolve`` raises RuntimeError there, before Python 3.13.
+    """
+    return Path(os.path.realpath(path))
+
+
+def leads_in_a_circle(path: Path) -> bool:
+    """True for a link to itself, also by way of others."""
+    return followed(path).is_symlink()
+
+
+def refuse_circle(path: Path) -> None:
+    """Raise OSError for a link to itself, which a file or folder would replace."""
+    if leads_in_a_circle(path):
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
