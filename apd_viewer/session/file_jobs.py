@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.files.fe_deck import write_deck
+from apd_viewer.files.known_file import KnownFile
 from apd_viewer.files.mesh_writing import check_target, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
@@ -35,7 +36,8 @@ from apd_viewer.session.model.view import SUFFIX, View
 from apd_viewer.session.quantities.deck_wall import WallWords, deck_wall
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.saved_work import SavedDocument
-from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.storage.checked_save import FileChangedError, save_over
+from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.studies.deck_setup import deck_of
 
 if TYPE_CHECKING:
@@ -97,22 +99,26 @@ class Files:
         """
         title = tr("Opening {name}").format(name=name)
 
-        def parsed() -> State | tuple[State, View]:
+        def parsed() -> tuple[State | tuple[State, View], KnownFile | None]:
+            # First: what is written between the two is then taken for a change, and asked about.
+            file = None if path is None else KnownFile(path)
             found = work()
             state = found[0] if isinstance(found, tuple) else found
             # Seconds in a large file; kept from now on.
             _ = state.document.mesh.colors, state.document.mesh.texture
-            return found
+            return found, file
 
-        self._jobs.run(title, parsed, lambda found: self._opened(found, name, path, saved))
+        self._jobs.run(title, parsed, lambda done: self._opened(name, saved, *done))
 
-    def _opened(self, found: State | tuple[State, View], name: str, path: Path | None, saved: bool) -> None:
+    def _opened(
+        self, name: str, saved: bool, found: State | tuple[State, View], file: KnownFile | None
+    ) -> None:
         state, view = found if isinstance(found, tuple) else (found, None)
         before, self._gestures.before = self._gestures.before or self._store.state, None
         if before is not None:
             self._gestures.history.record(tr("Open {name}").format(name=name), before)
         if saved:
-            self._saved_work.note(SavedDocument(state.document, path))
+            self._saved_work.note(SavedDocument(state.document, file))
         self._store.jump(state)
         if view is not None:
             self._listener.viewed(view)
@@ -174,21 +180,48 @@ class Files:
         embed: bool = False,
         then: Callable[[], object] = lambda: None,
         picture: bytes = b"",
+        changed: Callable[[KnownFile], object] | None = None,
+        over: KnownFile | None = None,
     ) -> None:
         """Save a session, in the background, without the gesture under way.
 
-        ``then()`` follows if all went well. ``picture`` is a PNG file of it, if there is one.
+        Its own file is replaced only if that still holds what was opened or saved last. ``then()`` follows
+        if all went well.
+
+        Parameters
+        ----------
+        path, view, embed
+            See :func:`apd_viewer.session.storage.session_file.save_session`.
+        then : callable
+        picture : bytes
+            A PNG file of it, if there is one.
+        changed : callable
+            ``changed(file)``: somebody else has changed the file, and nothing was written. None says so in
+            a sentence.
+        over : KnownFile or None
+            What may be replaced besides: such a file.
         """
         path, state = Path(path), self._gestures.before or self._store.required()
+        known = over or self._saved_work.known_at(path)
 
-        def write() -> str:
-            return about_session(path.name, save_session(path, state, view, embed, picture=picture))
+        def write() -> tuple[bool, KnownFile] | FileChangedError:
+            try:
+                return save_over(known, path, state, view, embed, picture)
+            except FileChangedError as error:
+                return error
 
-        def saved() -> None:
-            self._saved_work.note(SavedDocument(state.document, path, embed))
-            then()
+        def written(done: tuple[bool, KnownFile] | FileChangedError) -> None:
+            if isinstance(done, tuple):
+                embedded, file = done
+                self._saved_work.note(SavedDocument(state.document, file, embed))
+                self._listener.told(about_session(path.name, embedded))
+                then()
+            elif changed is None:
+                self._listener.failed(str(done))
+            else:
+                changed(done.now)
 
-        self._write(tr("Saving {name}").format(name=path.name), write, saved)
+        self._jobs.run(tr("Saving {name}").format(name=path.name), write, written, can_be_cancelled=False)
 
     def load_selection(self, path: str | Path) -> None:
         """Replace the paint by a selection file, in the background.

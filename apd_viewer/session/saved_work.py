@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
+
+from apd_viewer.files.known_file import Fate, KnownFile
+from apd_viewer.session.model.status_text import about_lost_file
 
 if TYPE_CHECKING:
     import numpy as np
 
     from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.store import Store
+
+_PATIENCE = 1.0  # s, for a disk that does not answer
 
 
 class SavedDocument(NamedTuple):
@@ -19,14 +26,14 @@ class SavedDocument(NamedTuple):
     Attributes
     ----------
     document : Document
-    path : Path or None
+    file : KnownFile or None
         None where it came from a mesh and has never been saved.
     embeds : bool
         Whether the file has a copy of the mesh.
     """
 
     document: Document
-    path: Path | None = None
+    file: KnownFile | None = None
     embeds: bool = False
 
 
@@ -40,11 +47,14 @@ class SavedWork:
     ----------
     store : Store
     gestures : Gestures
+    listener : Listener
     """
 
-    def __init__(self, store: Store, gestures: Gestures) -> None:
-        self._store, self._gestures = store, gestures
+    def __init__(self, store: Store, gestures: Gestures, listener: Listener) -> None:
+        self._store, self._gestures, self._listener = store, gestures, listener
         self._saved: list[SavedDocument] = []
+        self._looking: threading.Thread | None = None
+        self._seen = threading.Event()
 
     def note(self, saved: SavedDocument) -> None:
         """Note a document as safe; those out of reach of undo are forgotten."""
@@ -63,15 +73,61 @@ class SavedWork:
         return next((each for each in self._saved if _F(each) is state.document.mesh.F), None)
 
     @property
-    def path(self) -> Path | None:
+    def file(self) -> KnownFile | None:
         """The session file of the mesh on screen."""
-        return self.last.path if self.last else None
+        return self.last.file if self.last else None
+
+    @property
+    def path(self) -> Path | None:
+        """Path of the session file of the mesh on screen."""
+        return self.file.path if self.file else None
+
+    def known_at(self, path: Path) -> KnownFile | None:
+        """The session file of the mesh on screen if it is at ``path``."""
+        file = self.file
+        return file if file is not None and file.path.absolute() == path.absolute() else None
 
     @property
     def unsaved(self) -> bool:
-        """True if anything was said since the mesh was opened or last saved."""
+        """True if what is on screen is in no file, by the last look at it."""
         state, last = self._store.state, self.last
-        return state is not None and (last is None or last.document is not state.document)
+        if state is None:
+            return False
+        lost = last is not None and last.file is not None and last.file.found is not Fate.SAME
+        return last is None or lost or last.document is not state.document
+
+    # What becomes of the file elsewhere
+
+    def look(self) -> None:
+        """Look on a thread whether the file has changed since."""
+        file = self.file
+        if file is not None and (self._looking is None or not self._looking.is_alive()):
+            self._looking = threading.Thread(target=self._look, args=(file,), name="saved file", daemon=True)
+            self._looking.start()
+
+    def look_now(self) -> None:
+        """Look, and wait for the disk, but not for long."""
+        self.look()
+        self.close()
+
+    def receive(self) -> None:
+        """Say what a look has found, if that is news."""
+        if self._seen.is_set():
+            self._seen.clear()
+            if (file := self.file) is not None and file.found is not Fate.SAME:
+                self._listener.told(about_lost_file(file.path.name, file.found is Fate.GONE))
+            self._listener.status_changed()
+
+    def close(self) -> None:
+        """Wait for a look under way."""
+        if self._looking is not None:
+            self._looking.join(_PATIENCE)
+
+    def _look(self, file: KnownFile) -> None:
+        before = file.found
+        if file.look() is not before:
+            self._seen.set()
+            self._listener.wake()
 
 
 def _F(saved: SavedDocument) -> np.ndarray:

@@ -82,7 +82,7 @@ class Session:
         self.typed = TypedValues(store)
         self.rest_shape = RestShape(store, gestures, self.jobs, listener)
         self.target_shapes = TargetShapes(store, gestures, self.jobs, listener)
-        self.saved_work = SavedWork(store, gestures)
+        self.saved_work = SavedWork(store, gestures, listener)
         self.files = Files(store, gestures, self.saved_work, self.jobs, listener)
         self.autosave = Autosave(store, gestures, self.saved_work, self.files, listener)
         self.shape_checks = ShapeChecks(store, gestures, listener)
@@ -93,6 +93,8 @@ class Session:
         self.jobs.receive()
         self.store.receive()
         self.autosave.receive()
+        if self.jobs.current is None:  # what is being written here is no news
+            self.saved_work.receive()
         self.measuring.receive()
         self.shape_checks.receive()
 
@@ -109,6 +111,7 @@ class Session:
     def close(self) -> None:
         """Stop the worker; a file being written is finished first."""
         self.jobs.close()
+        self.saved_work.close()
         self.autosave.close()
         self.shape_checks.close()
         self.measuring.close()

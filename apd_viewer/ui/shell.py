@@ -43,6 +43,8 @@ class Shell(QMainWindow):
     closing : Signal(QCloseEvent)
         The window is about to be closed; a slot can ignore the event.
     closed : Signal()
+    activated : Signal()
+        The user has come to the window, maybe from another program.
     escaped : Signal()
         Esc was pressed, and no widget used it.
     themed : Signal(Theme)
@@ -50,6 +52,7 @@ class Shell(QMainWindow):
 
     closing = Signal(object)
     closed = Signal()
+    activated = Signal()
     escaped = Signal()
     themed = Signal(object)
 
@@ -139,10 +142,12 @@ class Shell(QMainWindow):
             pass_wheel(cast(QTabBar, event.child()))
 
     def changeEvent(self, event: QEvent) -> None:
-        """Follow the platform from light to dark."""
+        """Follow the platform from light to dark; announce the user."""
         follows = self.memory.values[COLOR_SCHEME] is Qt.ColorScheme.Unknown
         if event.type() == QEvent.Type.ThemeChange and follows:
             QTimer.singleShot(0, self, self._apply_theme)
+        if event.type() == QEvent.Type.ActivationChange and self.isActiveWindow():
+            self.activated.emit()
         super().changeEvent(event)
 
     def closeEvent(self, event: QCloseEvent) -> None:

@@ -237,6 +237,7 @@ class Workbench(QObject):
         self.shell.closing.connect(self.case_studies.ask_before_closing)
         self.shell.closed.connect(self._close)
         self.shell.escaped.connect(self._escape)
+        self.shell.activated.connect(self.session.saved_work.look)
         connect_menu(self.memory.values, self.actions_.view.schemes)
         connect_language(self.memory.values, self.notice.fail)
         self.shell.themed.connect(self._set_theme)

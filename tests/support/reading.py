@@ -26,6 +26,7 @@ from PySide6.QtWidgets import (
     QMessageBox,
 )
 
+from apd_viewer.files.known_file import Fate
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -36,7 +37,7 @@ from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.store import Activity
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.filing import file_dialogs, unsaved_question
+from apd_viewer.ui.filing import changed_file_question, file_dialogs, unsaved_question
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import Wish
 from apd_viewer.ui.tools.toolbox import Tool, Way
@@ -410,6 +411,9 @@ def files(driver):
     file_dialogs.about(window)
     for closes in (True, False):
         unsaved_question.ask_before_leaving(window.shell, "mesh.obj", closes)
+    for found in Fate:
+        unsaved_question.ask_before_leaving(window.shell, "mesh.apd", True, found)
+    changed_file_question.ask_about_change(window.shell, "mesh.apd")
     file_dialogs.ask_for_mesh(window, folder)
     file_dialogs.ask_for_session(window, folder, session.store.state.document.mesh)
     file_dialogs.ask_for_selection(window, folder)

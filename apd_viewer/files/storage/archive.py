@@ -7,7 +7,7 @@ import math
 import re
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
@@ -37,10 +37,16 @@ def npy(array: np.ndarray) -> bytes:
     return stream.getvalue()
 
 
-def write_archive(path: Path, members: Mapping[str, bytes], at_once: bool = False) -> None:
+def write_archive(
+    path: Path,
+    members: Mapping[str, bytes],
+    at_once: bool = False,
+    finish: Callable[[Path], object] = lambda _: None,
+) -> None:
     """Write the members by their names; the same ones give the same file.
 
     ``at_once`` is for a file that is wanted in a moment: not packed, and there before it is on the disk.
+    ``finish`` is that of :func:`apd_viewer.files.storage.atomic_file.replacing`.
 
     Raises
     ------
@@ -48,7 +54,7 @@ def write_archive(path: Path, members: Mapping[str, bytes], at_once: bool = Fals
         If the file cannot be written.
     """
     kind = zipfile.ZIP_STORED if at_once else zipfile.ZIP_DEFLATED
-    with replacing(path, at_once) as scratch, zipfile.ZipFile(scratch, "w") as archive:
+    with replacing(path, at_once, finish) as scratch, zipfile.ZipFile(scratch, "w") as archive:
         for name, content in members.items():
             entry = zipfile.ZipInfo(name)
             entry.external_attr = 0o644 << 16

@@ -15,7 +15,7 @@ from apd_viewer.files.storage.links import followed, refuse_circle
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
 _PART = ".part"
 _MOST_OF_A_NAME = 40  # a scratch file's name must not be too long where its target's is not
@@ -23,11 +23,14 @@ _LONG_AGO = 3600.0  # s
 
 
 @contextmanager
-def replacing(path: Path, at_once: bool = False) -> Iterator[Path]:
+def replacing(
+    path: Path, at_once: bool = False, finish: Callable[[Path], object] = lambda _: None
+) -> Iterator[Path]:
     """Scratch file beside ``path``, moved over it once it is whole.
 
     Whatever goes wrong on the way, the file that was at ``path`` before stays as it was. With ``at_once``
     that holds for whatever becomes of this program, but not where power fails before :func:`flush_to_disk`.
+    ``finish(scratch)`` is called last, with the whole file; where it raises, nothing is moved.
 
     Raises
     ------
@@ -48,6 +51,7 @@ def replacing(path: Path, at_once: bool = False) -> Iterator[Path]:
         if not at_once:
             flush_to_disk(scratch)
         scratch.chmod(_usual_mode(path))
+        finish(scratch)
         scratch.replace(path)
     except OSError as error:
         reason = error.strerror or str(error)

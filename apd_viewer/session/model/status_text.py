@@ -68,6 +68,16 @@ def about_session(name: str, embedded: bool) -> str:
     return said.format(name=name)
 
 
+def about_lost_file(name: str, gone: bool) -> str:
+    """Sentence about a session file changed or gone since it was saved."""
+    said = tr("{name} has been changed by another window or program; what is shown here is in no file.")
+    if gone:
+        said = tr(
+            "{name} has been moved or deleted; what is shown here is in no file until you save it again."
+        )
+    return said.format(name=name)
+
+
 def about_selection(name: str, left_out: Sequence[str]) -> str:
     """Sentence about a saved selection."""
     said = tr("Saved {name}, without the {things}.") if left_out else tr("Saved {name}.")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from importlib import metadata
@@ -52,6 +53,7 @@ def save_session(
     embed: bool = False,
     at_once: bool = False,
     picture: bytes = b"",
+    finish: Callable[[Path], object] = lambda _: None,
 ) -> bool:
     """Write a session to a file, whole or not at all.
 
@@ -69,6 +71,8 @@ def save_session(
         :func:`apd_viewer.files.storage.archive.write_archive`.
     picture : bytes
         A PNG file that shows the session in a file manager; empty for none.
+    finish : callable
+        Called last, see :func:`apd_viewer.files.storage.atomic_file.replacing`.
 
     Returns
     -------
@@ -110,7 +114,7 @@ def save_session(
     text = json.dumps(said, indent=1, allow_nan=False).encode()
     members = {f"{name}.npy": npy(array) for name, array in arrays.items()}
     members |= {**copy, **copy_of_target, **({PICTURE: picture} if picture else {})}
-    write_archive(path, {_TEXT: text, **members}, at_once)
+    write_archive(path, {_TEXT: text, **members}, at_once, finish)
     return bool(copy)
 
 

@@ -7,15 +7,18 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.session.storage.recovery import Leftover, leftovers
-from apd_viewer.ui.filing import file_dialogs, unsaved_question
+from apd_viewer.ui.filing import changed_file_question, file_dialogs, unsaved_question
+from apd_viewer.ui.filing.changed_file_question import Decision
 from apd_viewer.ui.filing.unsaved_question import Answer
 from apd_viewer.ui.preferences.preferences import Preferences, own_file
 
 if TYPE_CHECKING:
+    from apd_viewer.files.known_file import KnownFile
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
@@ -101,15 +104,15 @@ class Filing:
             self._session.files.export_deck(path, self._view())
 
     def save(self, then: Callable[[], object] = lambda: None) -> None:
-        """Save the session to its file; ask for one if there is none.
+        """Save the session to its file; ask for one if there is none or no folder.
 
         ``then()`` follows once it is saved.
         """
         last = self._session.saved_work.last
-        if last is None or last.path is None:
+        if last is None or last.file is None or not last.file.path.parent.is_dir():
             self.save_as(then)
         else:
-            self._session.files.save(last.path, self._view(), last.embeds, then, self._picture())
+            self._save(last.file.path, last.embeds, then)
 
     def save_as(self, then: Callable[[], object] = lambda: None) -> None:
         """Choose a target for the session, with or without the mesh."""
@@ -120,7 +123,25 @@ class Filing:
         if found is not None:
             path, embeds = found
             self._memory.remember(path)
-            self._session.files.save(path, self._view(), embeds, then, self._picture())
+            self._save(path, embeds, then)
+
+    def _save(
+        self, path: Path, embeds: bool, then: Callable[[], object], over: KnownFile | None = None
+    ) -> None:
+        def changed(file: KnownFile) -> None:
+            # Later: the session is still delivering what was found.
+            QTimer.singleShot(0, self._window, lambda: self._ask_about_change(file, embeds, then))
+
+        self._session.files.save(path, self._view(), embeds, then, self._picture(), changed, over)
+
+    def _ask_about_change(self, file: KnownFile, embeds: bool, then: Callable[[], object]) -> None:
+        choice = changed_file_question.ask_about_change(self._window, file.path.name)
+        if choice is Decision.OVERWRITE:
+            self._save(file.path, embeds, then, over=file)
+        elif choice is Decision.SAVE_AS:
+            self.save_as(then)
+        elif choice is Decision.RELOAD:
+            self._session.files.open(file.path)
 
     def opened(self, state: State) -> None:
         """Add the files of another mesh to the recent ones."""
@@ -172,10 +193,12 @@ class Filing:
         Otherwise it is done once the user has saved or exported, or never.
         """
         state, work = self._session.store.state, self._session.saved_work
+        work.look_now()
         if state is None or not work.unsaved:
             return True
-        name = work.path.name if work.path else state.document.mesh.name
-        answer = unsaved_question.ask_before_leaving(self._window, name, closes)
+        file, mesh = work.file, state.document.mesh
+        asked = (mesh.name, closes) if file is None else (file.path.name, closes, file.found)
+        answer = unsaved_question.ask_before_leaving(self._window, *asked)
         if answer is Answer.SAVE:
             self.save(partial(self.leave_for, go, closes))  # the work may go on while it is written
         elif answer is Answer.EXPORT:

@@ -6,7 +6,9 @@ from enum import Enum
 
 from PySide6.QtWidgets import QMessageBox, QWidget
 
+from apd_viewer.files.known_file import Fate
 from apd_viewer.language import tr
+from apd_viewer.ui.filing.question import Question, ask
 
 
 class Answer(Enum):
@@ -24,24 +26,18 @@ _ROLES = {
     Answer.DISCARD: QMessageBox.ButtonRole.DestructiveRole,
     Answer.CANCEL: QMessageBox.ButtonRole.RejectRole,
 }
+_LOST = {
+    Fate.GONE: tr("The file has been moved or deleted."),
+    Fate.CHANGED: tr("The file has been changed by another window or program."),
+}
 
 
-def ask_before_leaving(parent: QWidget, name: str, closes: bool) -> Answer:
+def ask_before_leaving(parent: QWidget, name: str, closes: bool, found: Fate = Fate.SAME) -> Answer:
     """Ask about unsaved work before closing, or before opening another file."""
-    box = QMessageBox(parent)
-    box.setIcon(QMessageBox.Icon.Question)
-    box.setWindowTitle(tr("Unsaved changes"))
     said = tr("Save changes to “{name}” before closing?")
     if not closes:
         said = tr("Save changes to “{name}” before opening another file?")
-    box.setText(said.format(name=name))
-    box.setInformativeText(
-        tr("A session keeps paint, handles, targets, settings and the shape; a mesh only the shape.")
-    )
-    buttons = {answer: box.addButton(answer.value, role) for answer, role in _ROLES.items()}
-    box.setDefaultButton(buttons[Answer.SAVE])
-    box.setEscapeButton(buttons[Answer.CANCEL])
-    box.exec()
-    clicked = box.clickedButton()
-    box.deleteLater()
-    return next((answer for answer, button in buttons.items() if button is clicked), Answer.CANCEL)
+    kept = tr("A session keeps paint, handles, targets, settings and the shape; a mesh only the shape.")
+    about = f"{_LOST[found]}\n{kept}" if found in _LOST else kept
+    question = Question(tr("Unsaved changes"), said, name, about)
+    return ask(parent, question, _ROLES, Answer.SAVE, Answer.CANCEL)

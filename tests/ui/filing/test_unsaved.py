@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from answering import LEFT, Person
 from driving import idle
-from PySide6.QtCore import QMimeData, QPointF, Qt, QTimer, QUrl
+from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
-from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
+from PySide6.QtWidgets import QFileDialog
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE
@@ -16,7 +16,6 @@ from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import Answer
 
 ASK = unsaved_question.ask_before_leaving
-LEFT = Qt.MouseButton.LeftButton
 CHANGES = {
     "paint": lambda session: paint(session),
     "setting": lambda session: session.settings.set_stiffness(0.01),
@@ -29,41 +28,6 @@ def paint(session):
     session.gestures.begin()
     session.painting.paint(free[:20], BASE)
     session.painting.end_stroke("Paint base")
-
-
-class Person:
-    """Answers the real question, and the dialogs of files; a question is noted."""
-
-    def __init__(self, window):
-        self.window = window
-        self.answers = []
-        self.asked = []
-        self.target = ""
-
-    def will(self, *answers):
-        self.answers = list(answers)
-        QTimer.singleShot(20, self._answer)
-
-    def _answer(self):
-        box = QApplication.activeModalWidget()
-        if isinstance(box, QMessageBox):
-            answer = self.answers.pop(0)
-            self.asked.append(box.text())
-            if isinstance(answer, Qt.Key):
-                QTest.keyClick(box, answer)
-            else:
-                button = next(each for each in box.buttons() if each.text() == answer.value)
-                QTest.mouseClick(button, LEFT)
-        if self.answers:
-            QTimer.singleShot(20, self._answer)
-
-    def choose(self, *_):
-        path = self.target
-        return (
-            (str(path), "Session (*.apd)" if str(path).endswith("apd") else "OBJ (*.obj)")
-            if path
-            else ("", "")
-        )
 
 
 @pytest.fixture

@@ -1,0 +1,38 @@
+"""The question before a file changed elsewhere is replaced."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+from PySide6.QtWidgets import QMessageBox, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.ui.filing.question import Question, ask
+
+
+class Decision(Enum):
+    """An answer to the question."""
+
+    SAVE_AS = tr("Save &as…")
+    OVERWRITE = tr("&Overwrite")
+    RELOAD = tr("&Reload")
+    CANCEL = tr("Cancel")
+
+
+_ROLES = {
+    Decision.SAVE_AS: QMessageBox.ButtonRole.AcceptRole,
+    Decision.OVERWRITE: QMessageBox.ButtonRole.DestructiveRole,
+    Decision.RELOAD: QMessageBox.ButtonRole.ActionRole,
+    Decision.CANCEL: QMessageBox.ButtonRole.RejectRole,
+}
+
+
+def ask_about_change(parent: QWidget, name: str) -> Decision:
+    """Ask before overwriting a changed file; ``Enter`` loses nothing."""
+    said = tr("“{name}” has been changed by another window or program. Overwrite it?")
+    about = tr(
+        "Overwrite loses what is in the file. Reload opens the file instead and takes this window’s "
+        "changes away; Undo brings them back."
+    )
+    question = Question(tr("File changed"), said, name, about)
+    return ask(parent, question, _ROLES, Decision.SAVE_AS, Decision.CANCEL)

@@ -1,0 +1,55 @@
+"""A question with answers of its own in a message box."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QMessageBox, QWidget
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+E = TypeVar("E", bound=Enum)
+_LONGEST_NAME = 300  # px
+
+
+class Question(NamedTuple):
+    """Words of a question.
+
+    Attributes
+    ----------
+    title : str
+    text : str
+        The question, with ``{name}`` where the file is named.
+    name : str
+    about : str
+        What to know before it is answered.
+    """
+
+    title: str
+    text: str
+    name: str
+    about: str
+
+
+def ask(
+    parent: QWidget, question: Question, roles: Mapping[E, QMessageBox.ButtonRole], default: E, escape: E
+) -> E:
+    """Ask; ``Enter`` gives the answer ``default``, ``Esc`` the answer ``escape``."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Question)
+    box.setTextFormat(Qt.TextFormat.PlainText)
+    box.setWindowTitle(question.title)
+    elide = box.fontMetrics().elidedText
+    name = elide(question.name, Qt.TextElideMode.ElideMiddle, _LONGEST_NAME)
+    box.setText(question.text.format(name=name))
+    box.setInformativeText(question.about)
+    buttons = {answer: box.addButton(answer.value, role) for answer, role in roles.items()}
+    box.setDefaultButton(buttons[default])
+    box.setEscapeButton(buttons[escape])
+    box.exec()
+    clicked = box.clickedButton()
+    box.deleteLater()
+    return next((answer for answer, button in buttons.items() if button is clicked), escape)

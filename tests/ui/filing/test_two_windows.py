@@ -1,0 +1,275 @@
+"""Two windows on one session: the second to save is asked, and neither loses its work without a word."""
+
+import os
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from answering import Person
+from driving import drag, idle, ring_grip, show
+from PySide6.QtCore import QSettings, Qt
+from PySide6.QtWidgets import QFileDialog
+
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.ui.filing import unsaved_question
+from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.workbench import Workbench
+
+ASK = unsaved_question.ask_before_leaving
+SLOW = 20_000  # ms; nothing here should come near it
+# Whoever saves in another process, and leaves no window behind.
+OTHER = """
+import sys
+from apd_viewer.session.storage.session_file import open_session, save_session
+state, view = open_session(sys.argv[1])
+save_session(sys.argv[1], state, view, embed=True)
+"""
+
+
+@pytest.fixture
+def path(tmp_path, painted_bottle):
+    """A session in a folder of its own."""
+    (tmp_path / "work").mkdir()
+    save_session(tmp_path / "work" / "two.apd", painted_bottle, View())
+    return tmp_path / "work" / "two.apd"
+
+
+@pytest.fixture
+def open_window(qtbot, path, tmp_path, monkeypatch):
+    """Opens windows on the session."""
+    windows = []
+
+    def open_window():
+        settings = QSettings(str(tmp_path / f"{len(windows)}.ini"), QSettings.Format.IniFormat)
+        window = Workbench(Shell(settings), tmp_path / "recovery")
+        windows.append(window)
+        show(qtbot, window.shell, window.canvas.viewport)
+        window.filing.open_path(path)
+        idle(qtbot, window)
+        return window
+
+    yield open_window
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+    for window in windows:
+        window.shell.close()
+        window.shell.deleteLater()
+    qtbot.wait(10)
+
+
+@pytest.fixture
+def person(monkeypatch):
+    """Someone at the windows, who has given all answers at the end."""
+    person = Person()
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", person.choose)
+    yield person
+    assert person.answers == [], "a question was not asked"
+
+
+def pull(qtbot, window, by=(25, 0)):
+    drag(qtbot, window, ring_grip(window, 1), by, steps=4)
+    idle(qtbot, window)
+
+
+def save(qtbot, window):
+    window.actions_.file.save.trigger()
+    idle(qtbot, window)
+
+
+def come_to(qtbot, window):
+    """Look elsewhere and come back."""
+    window.shell.activated.emit()
+    qtbot.waitUntil(lambda: not window.session.saved_work._looking.is_alive())
+    qtbot.wait(20)
+
+
+def shape(path):
+    return open_session(path)[0].frame.U
+
+
+def clash(qtbot, open_window, path):
+    """Two windows with different work, of which the first has been saved."""
+    first, second = open_window(), open_window()
+    pull(qtbot, first, (25, 0))
+    pull(qtbot, second, (-25, 5))
+    save(qtbot, first)
+    assert np.array_equal(shape(path), first.session.store.state.frame.U)
+    assert not first.session.saved_work.unsaved
+    return first, second
+
+
+def saved(qtbot, person, window):
+    """Save, until the question is answered and what follows is done."""
+    save(qtbot, window)
+    qtbot.waitUntil(lambda: person.answers == [], timeout=SLOW)
+    qtbot.wait(30)
+    idle(qtbot, window)
+
+
+QUESTION = "“two.apd” has been changed by another window or program. Overwrite it?"
+
+
+@pytest.mark.parametrize("answer", ["Cancel", Qt.Key.Key_Escape, Qt.Key.Key_Return, "Save as…"])
+def test_the_second_to_save_is_asked_and_loses_nothing_by_a_key(qtbot, open_window, path, person, answer):
+    first, second = clash(qtbot, open_window, path)
+    before, U = path.read_bytes(), second.session.store.state.frame.U
+    person.target = path.with_name("mine.apd")
+    person.will(answer)
+    saved(qtbot, person, second)
+    assert person.asked == [QUESTION]
+    assert path.read_bytes() == before
+    renamed = answer in (Qt.Key.Key_Return, "Save as…")
+    assert person.target.exists() == renamed
+    assert second.session.saved_work.unsaved != renamed
+    assert np.array_equal(second.session.store.state.frame.U, U)
+    if renamed:
+        assert np.array_equal(shape(person.target), U)
+    assert not first.session.saved_work.unsaved
+
+
+def test_what_is_overwritten_is_unsaved_where_it_came_from(qtbot, open_window, path, person):
+    first, second = clash(qtbot, open_window, path)
+    person.will("Overwrite")
+    saved(qtbot, person, second)
+    assert np.array_equal(shape(path), second.session.store.state.frame.U)
+    assert not second.session.saved_work.unsaved
+    come_to(qtbot, first)
+    assert first.shell.isWindowModified()
+    assert "two.apd has been changed by another window or program" in first.notice.text
+    person.will(Answer.CANCEL)
+    first.shell.close()
+    assert person.asked[1:] == ["Save changes to “two.apd” before closing?"]
+    assert first.shell.isVisible()
+
+
+def test_reload_shows_the_file_and_undo_brings_the_work_back(qtbot, open_window, path, person):
+    first, second = clash(qtbot, open_window, path)
+    U = second.session.store.state.frame.U
+    person.will("Reload")
+    saved(qtbot, person, second)
+    assert np.array_equal(second.session.store.state.frame.U, first.session.store.state.frame.U)
+    assert not second.session.saved_work.unsaved
+    save(qtbot, second)
+    second.session.gestures.undo()
+    assert np.array_equal(second.session.store.state.frame.U, U)
+    assert second.session.saved_work.unsaved
+    person.will("Cancel")
+    saved(qtbot, person, second)
+    assert person.asked == [QUESTION] * 2, "what the other window saved is not lost by this way either"
+
+
+def test_an_answer_is_for_what_was_there_and_not_for_what_came_later(qtbot, open_window, path, person):
+    _, second = clash(qtbot, open_window, path)
+    person.will("Overwrite", "Cancel")
+    third = path.read_bytes() + b"\0"
+    replaced = second.session.files.save
+
+    def slow(*args):
+        if args[-1] is not None:  # what was agreed to
+            path.write_bytes(third)
+        replaced(*args)
+
+    second.session.files.save = slow
+    saved(qtbot, person, second)
+    assert person.asked == [QUESTION] * 2
+    assert path.read_bytes() == third
+
+
+def test_closing_asks_for_both_and_closes_once_it_is_safe(qtbot, open_window, path, person):
+    _, second = clash(qtbot, open_window, path)
+    U = second.session.store.state.frame.U
+    person.will(Answer.SAVE, "Cancel")
+    second.shell.close()
+    qtbot.waitUntil(lambda: person.answers == [], timeout=SLOW)
+    qtbot.wait(50)
+    assert second.shell.isVisible()
+    person.will(Answer.SAVE, "Overwrite")
+    second.shell.close()
+    qtbot.waitUntil(lambda: second.shell.is_closed, timeout=SLOW)
+    assert np.array_equal(shape(path), U)
+
+
+def test_another_process_is_another_window(qtbot, open_window, path, person):
+    window = open_window()
+    pull(qtbot, window)
+    subprocess.run([sys.executable, "-c", OTHER, str(path)], check=True)
+    other = path.read_bytes()
+    person.will(Qt.Key.Key_Escape)
+    saved(qtbot, person, window)
+    assert person.asked == [QUESTION]
+    assert path.read_bytes() == other
+
+
+def test_nobody_is_asked_about_a_touch_or_the_same_again(qtbot, open_window, path, person):
+    window = open_window()
+    content = path.read_bytes()
+    path.with_name("synced").write_bytes(content)
+    path.with_name("synced").replace(path)
+    os.utime(path, (time.time() + 1e8,) * 2)
+    come_to(qtbot, window)
+    assert not window.shell.isWindowModified()
+    for k in range(3):
+        pull(qtbot, window, (10, k))
+        save(qtbot, window)
+        os.utime(path, (0, 0))
+    assert not window.session.saved_work.unsaved
+    assert np.array_equal(shape(path), window.session.store.state.frame.U)
+
+
+# A file that goes
+
+
+@pytest.mark.parametrize("folder", [False, True], ids=["file", "folder"])
+def test_what_has_gone_is_unsaved_in_title_recovery_and_question(
+    qtbot, open_window, path, person, tmp_path, folder
+):
+    window = open_window()
+    pull(qtbot, window)
+    save(qtbot, window)
+    qtbot.waitUntil(lambda: list((tmp_path / "recovery").glob("*.apd")) == [], timeout=SLOW)
+    path.unlink()
+    if folder:
+        path.parent.rmdir()
+    come_to(qtbot, window)
+    assert window.shell.isWindowModified()
+    assert "two.apd has been moved or deleted" in window.notice.text
+    qtbot.waitUntil(lambda: list((tmp_path / "recovery").glob("*.apd")) != [], timeout=SLOW)
+    (kept,) = (tmp_path / "recovery").glob("*.apd")
+    U = window.session.store.state.frame.U
+    assert np.array_equal(shape(kept), U)
+    person.target = tmp_path / "elsewhere.apd"
+    person.will(Answer.SAVE)
+    window.shell.close()
+    qtbot.waitUntil(lambda: window.shell.is_closed, timeout=SLOW)
+    assert np.array_equal(shape(person.target if folder else path), U)
+
+
+def test_closing_alone_finds_that_it_has_gone(qtbot, open_window, path, person):
+    window = open_window()
+    path.unlink()
+    person.will(Answer.CANCEL)
+    window.shell.close()
+    assert person.asked == ["Save changes to “two.apd” before closing?"]
+    assert window.shell.isVisible()
+
+
+def test_what_comes_back_is_saved_again(qtbot, open_window, path, person):
+    window = open_window()
+    path.rename(path.with_name("moved.apd"))
+    come_to(qtbot, window)
+    assert window.shell.isWindowModified()
+    path.with_name("moved.apd").rename(path)
+    come_to(qtbot, window)
+    assert not window.shell.isWindowModified()
+
+
+def test_coming_to_the_window_looks(qtbot, open_window, path):
+    window, other = open_window(), open_window()
+    path.unlink()
+    window.shell.activateWindow()
+    qtbot.waitUntil(window.shell.isWindowModified, timeout=SLOW)
+    other.shell.activateWindow()
+    qtbot.waitUntil(other.shell.isWindowModified, timeout=SLOW)
