@@ -9,6 +9,7 @@ found must open, and hold what was done SOON before that at the latest.
 import os
 import random
 import signal
+import stat
 import subprocess
 import sys
 import tempfile
@@ -32,7 +33,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.storage import autosave_writer, recovery
-from apd_viewer.session.storage.recovery import LONGEST_KEPT, ago, leftovers, lock_path
+from apd_viewer.session.storage.recovery import ago, leftovers, lock_path
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 ROOT = Path(__file__).parents[2]
@@ -242,10 +243,10 @@ def test_a_step_is_safe_once_it_is_done_though_the_shape_before_it_is_being_writ
     check_kept(folder, session)
     begun, write = threading.Event(), save_session
 
-    def unhurried(*copy, at_once):
+    def unhurried(*copy, **more):
         begun.set()
         time.sleep(0.05)
-        return write(*copy, at_once=at_once)
+        return write(*copy, **more)
 
     session.drag(*(pose(k / 50) for k in range(1, 30)))
     monkeypatch.setattr(autosave_writer, "save_session", unhurried)
@@ -277,11 +278,11 @@ def test_a_slow_disk_keeps_nobody_waiting_and_gets_the_newest(session, folder, m
     check_kept(folder, session)
     entered, go_on, written = threading.Event(), threading.Event(), []
 
-    def slow(path, state, view, at_once):
+    def slow(path, state, view, at_once, finish):
         entered.set()
         assert go_on.wait(SLOW)
         written.append(state.document.handles[0].name)
-        return save_session(path, state, view, at_once=at_once)
+        return save_session(path, state, view, at_once=at_once, finish=finish)
 
     monkeypatch.setattr(autosave_writer, "save_session", slow)
     session.parts.rename_handle(0, "first")
@@ -390,23 +391,84 @@ def test_what_is_offered_here_is_not_offered_elsewhere(folder, bar):
     assert list(folder.iterdir()) == []
 
 
-def test_the_newest_comes_first_and_the_oldest_are_cleared_away(folder, bar):
+def test_the_newest_comes_first_and_none_is_too_old(folder, bar):
     for name, age in (
         ("1-1", 60.0),
         ("2-1", 0.0),
-        ("3-1", LONGEST_KEPT + 60.0),
-        ("4-1", LONGEST_KEPT - 60.0),
+        ("3-1", 4000 * 86400.0),
+        ("4-1", -1e9),
+        ("6-1", time.time()),
     ):
         left_behind(folder, bar, name, age)
     (folder / "5-1.lock").touch()
     (folder / ".1-1.apd-killed.part.apd").touch()
     (folder / "mine.apd").write_bytes((folder / "3-1.apd").read_bytes())
     found = leftovers(folder)
-    assert [left.path.stem for left in found] == ["2-1", "1-1", "4-1"]
+    assert [left.path.stem for left in found] == ["4-1", "2-1", "1-1", "3-1", "6-1"]
     assert {left.name for left in found} == {"bar.obj"}
     for left in found:
         left.discard()
     assert [path.name for path in folder.iterdir()] == ["mine.apd"], "which is none of the program's"
+
+
+def test_what_cannot_be_read_now_or_is_none_of_the_programs_stays(folder, bar, monkeypatch):
+    path = left_behind(folder, bar)
+    (folder / "2-1.apd").mkdir()
+    (folder / "3-1.apd").symlink_to(path)
+    os.mkfifo(folder / "4-1.apd")
+    read = Path.open
+
+    def broken(path, *args, **more):
+        if path.suffix == ".apd":
+            raise OSError(5, "Input/output error")
+        return read(path, *args, **more)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "open", broken)
+        (left,) = leftovers(folder)
+        assert left.name == "a damaged session"
+        left.release()
+    (left,) = leftovers(folder)
+    assert left.name == "bar.obj"
+    left.release()
+    assert {each.name for each in folder.glob("*.apd")} == {"1-1.apd", "2-1.apd", "3-1.apd", "4-1.apd"}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="whose folders of users are private")
+def test_nobody_else_can_read_what_is_kept_or_left(session, folder, bar, tmp_path):
+    check_kept(folder, session)
+    assert mode(folder) == 0o700
+    assert {mode(path) for path in folder.glob("*.apd")} == {0o600}
+    session.parts.rename_handle(0, "neck")
+    check_kept(folder, session)
+    assert {mode(path) for path in folder.glob("*.apd")} == {0o600}
+    older = tmp_path / "older"
+    path = left_behind(older, bar)
+    older.chmod(0o755)
+    path.chmod(0o644)
+    (left,) = leftovers(older)
+    left.release()
+    assert (mode(older), mode(path)) == (0o700, 0o600)
+    session.files.save(tmp_path / "mine.apd", VIEW)
+    session.until(lambda: session.jobs.current is None)
+    assert mode(tmp_path / "mine.apd") == mode(bar.path), "which others may read where the user lets them"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="whose folders of users are private")
+def test_a_folder_of_an_older_version_is_closed_before_anything_is_written(folder, bar):
+    folder.mkdir(mode=0o755)
+    folder.chmod(0o755)
+    again = Driven()
+    again.autosave.keep_in(folder)
+    again.show_now(bar)
+    again.paint_ends()
+    again.until(lambda: kept(folder))
+    again.close()
+    assert mode(folder) == 0o700
+
+
+def mode(path):
+    return stat.S_IMODE(path.stat().st_mode)
 
 
 def test_no_folder_is_no_leftover(folder):
@@ -428,9 +490,11 @@ def test_a_lock_of_a_file_that_is_gone_is_none(tmp_path, monkeypatch):
 
 
 def test_how_long_ago_in_words():
-    said = [ago(seconds) for seconds in (-5, 0, 59, 60, 125, 3599, 3600, 86399, 2 * 86400)]
+    now = time.time()
+    said = [ago(now - seconds) for seconds in (-5, 0, 59, 61, 125, 3598, 3601, 86398, 2 * 86401)]
     minutes = ["1 minute ago", "2 minutes ago", "59 minutes ago"]
     assert said == ["just now"] * 3 + minutes + ["1 hour ago", "23 hours ago", "2 days ago"]
+    assert {ago(time) for time in (0.0, 86400.0, now + 1e9)} == {"at an unknown time"}
 
 
 def test_restoring_is_one_step_and_is_kept_again_before_the_file_goes(session, folder, bar):

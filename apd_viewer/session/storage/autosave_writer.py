@@ -20,7 +20,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
-from apd_viewer.session.storage.recovery import Leftover, owned, remove
+from apd_viewer.session.storage.recovery import Leftover, keep_private, owned, remove
 from apd_viewer.session.storage.session_file import save_session
 
 _LOGGER = logging.getLogger(__name__)
@@ -153,5 +153,5 @@ class AutosaveWriter:
             self._mine = None
         if self._mine is None:
             self._mine = owned(self._folder)
-        save_session(self._mine[0], copy.state, copy.view, at_once=True)
+        save_session(self._mine[0], copy.state, copy.view, at_once=True, finish=keep_private)
         return self._mine[0]

@@ -1,7 +1,8 @@
 """Leftovers of killed programs, found at the next start.
 
 Beside every file lies another one, which is locked while the program lives that writes it, and while another
-one offers it. A process id tells nothing: it may be somebody else's by now.
+one offers it. A process id tells nothing: it may be somebody else's by now. Nor does a time, since clocks may
+be wrong: however old a leftover seems, it stays until it is restored or discarded.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+import stat
 import time
 from pathlib import Path, PurePath
 
@@ -22,10 +24,10 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SUFFIX, View
 from apd_viewer.session.storage.session_file import open_session
 
-LONGEST_KEPT = 30 * 86400.0  # s
 _NAME = re.compile(r"\d+-\d+")
 _DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0  # s
 _MOST_TRIES = 5
+_FIRST = 1577836800.0  # 2020: a clock that was earlier had not been set
 
 
 class Leftover:
@@ -35,23 +37,24 @@ class Leftover:
     ----------
     path : Path
     lock : Lock
+    time : float
 
     Attributes
     ----------
     name : str
         Of the mesh, for people.
     time : float
-        When it was written, in seconds of :func:`time.time`.
+        When it was written by the clock of then, in seconds of :func:`time.time`.
     mesh : Mesh or None
         What has been read of it.
     taken : bool
         It has been restored: the program that did so keeps it safe.
     """
 
-    def __init__(self, path: Path, lock: Lock) -> None:
+    def __init__(self, path: Path, lock: Lock, time: float) -> None:
         self.path = path
         self.name = _name_of_mesh(path)
-        self.time = path.stat().st_mtime
+        self.time = time
         self.mesh: Mesh | None = None
         self.taken = False
         self._lock = lock
@@ -78,7 +81,8 @@ class Leftover:
 
 
 def leftovers(folder: Path) -> list[Leftover]:
-    """Leftovers in a folder, newest first; those too old are removed."""
+    """Leftovers in a folder, newest first."""
+    keep_private(folder, 0o700)
     try:
         stems = {path.stem for path in folder.iterdir() if _NAME.fullmatch(path.stem)}
     except OSError:
@@ -96,18 +100,22 @@ def _claimed(path: Path) -> Leftover | None:
     if lock is None:
         return None
     try:
-        left = Leftover(path, lock)
+        found = path.lstat()
+        if stat.S_ISREG(found.st_mode):
+            keep_private(path)
+            return Leftover(path, lock, found.st_mtime)
+        lock.release()  # it is none of the program's
+    except FileNotFoundError:
+        remove(path, lock)
     except OSError:
-        left = None
-    if left is not None and time.time() - left.time <= LONGEST_KEPT:
-        return left
-    remove(path, lock)
+        lock.release()
     return None
 
 
 def owned(folder: Path) -> tuple[Path, Lock]:
     """A path in ``folder`` for this program alone, and its lock; raises OSError."""
-    folder.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    keep_private(folder, 0o700)
     for _ in range(_MOST_TRIES):  # a program starting just now may be testing the lock
         path = folder / f"{os.getpid()}-{time.time_ns()}{SUFFIX}"
         if (lock := take(lock_path(path))) is not None:
@@ -128,8 +136,18 @@ def remove(path: Path, lock: Lock) -> None:
     lock.remove()
 
 
-def ago(seconds: float) -> str:
-    """Age of a file in words."""
+def keep_private(path: Path, mode: int = 0o600) -> None:
+    """Let nobody else read it, unless the disk knows no owners."""
+    with contextlib.suppress(OSError):
+        if stat.S_IMODE(path.stat().st_mode) & ~mode:
+            path.chmod(mode)
+
+
+def ago(written: float) -> str:
+    """Age of a file in words, by the time when it was written."""
+    seconds = time.time() - written
+    if written < _FIRST or seconds < -_MINUTE:
+        return tr("at an unknown time")
     days, hours, minutes = (int(max(seconds, 0.0) // size) for size in (_DAY, _HOUR, _MINUTE))
     if days:
         return trn("{n} day ago", "{n} days ago", days).format(n=days)
@@ -141,9 +159,10 @@ def ago(seconds: float) -> str:
 
 
 def _name_of_mesh(path: Path) -> str:
-    """Mesh entry of a session file; raises OSError if there is no such file."""
+    """Mesh entry of a session file."""
     try:
-        said = Fields.of(Archive(path.read_bytes()).content("session.json"), path.name)
+        with path.open("rb") as stream:  # which may be large
+            said = Fields.of(Archive(stream).content("session.json"), path.name)
         return PurePath(said.part("mesh").text("name")).name
-    except ValueError:
+    except (OSError, ValueError):
         return tr("a damaged session")

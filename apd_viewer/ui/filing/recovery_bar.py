@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
@@ -29,7 +28,7 @@ _BESIDE_WORDS = 80  # px, for symbol and margins, if the buttons are below
 
 
 class RecoveryBar(QFrame):
-    """Offers the leftovers one after another, the newest first, until one is restored.
+    """Offers leftovers, the newest first, until one is restored.
 
     Parameters
     ----------
@@ -47,6 +46,7 @@ class RecoveryBar(QFrame):
         shield(self)
         self._canvas = canvas
         self._waiting: list[Leftover] = []
+        self._at = 0  # in them
         self.setObjectName("notice")
         self._symbol = QLabel()
         self._text = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
@@ -55,11 +55,12 @@ class RecoveryBar(QFrame):
         )
         self.restore.setObjectName("primary")
         self.discard = self._button(tr("Discard"), tr("Delete the unsaved work permanently"), self._discard)
+        self.next = self._button(tr("Next"), tr("Show the next unsaved work"), self._show_next)
         self.later = QToolButton(
             accessibleName=tr("Not now"), toolTip=tr("Ask at the next start"), iconSize=SIZE
         )
-        self.later.clicked.connect(self._put_off)
-        self._buttons = self.restore, self.discard, self.later
+        self.later.clicked.connect(self.close_all)
+        self._buttons = self.restore, self.discard, self.next, self.later
         words, answers = QHBoxLayout(spacing=8), QHBoxLayout(spacing=8)
         for part in (self._symbol, self._text):
             words.addWidget(part)
@@ -90,14 +91,14 @@ class RecoveryBar(QFrame):
     def offer(self, leftovers: list[Leftover]) -> None:
         """Offer recovered sessions locked for this window."""
         self._waiting = leftovers
-        self._show_next()
+        self._show(0)
 
     def follow(self, session: Session) -> None:
         """Go once the offer has been taken; while a file is being opened nothing can be."""
         for button in self._buttons:
             button.setEnabled(session.jobs.current is None)
-        if self._waiting and self._waiting[0].taken:
-            del self._waiting[0]
+        if self._waiting and self._waiting[self._at].taken:
+            del self._waiting[self._at]
             self.close_all()
 
     def close_all(self) -> None:
@@ -113,24 +114,27 @@ class RecoveryBar(QFrame):
         self._symbol.setPixmap(icon("history", theme).pixmap(SIZE, self.devicePixelRatioF()))
 
     def _restore(self) -> None:
-        self.restore_asked.emit(self._waiting[0])
+        self.restore_asked.emit(self._waiting[self._at])
 
     def _discard(self) -> None:
-        self._waiting.pop(0).discard()
-        self._show_next()
-
-    def _put_off(self) -> None:
-        self._waiting.pop(0).release()
-        self._show_next()
+        self._waiting.pop(self._at).discard()
+        self._show(self._at)
 
     def _show_next(self) -> None:
-        self.setVisible(bool(self._waiting))
-        if self._waiting:
-            left = self._waiting[0]
+        self._show(self._at + 1)
+
+    def _show(self, at: int) -> None:
+        n = len(self._waiting)
+        self.setVisible(n > 0)
+        if n > 0:
+            self._at = at % n
+            left = self._waiting[self._at]
             name = self.fontMetrics().elidedText(left.name, Qt.TextElideMode.ElideMiddle, _LONGEST_NAME)
-            self._text.setText(
-                tr("Unsaved work: {name}, {when}").format(name=name, when=ago(time.time() - left.time))
+            said = (
+                tr("Unsaved work {k} of {n}: {name}, {when}") if n > 1 else tr("Unsaved work: {name}, {when}")
             )
+            self._text.setText(said.format(k=self._at + 1, n=n, name=name, when=ago(left.time)))
+            self.next.setVisible(n > 1)
             self.raise_()
             self._place()
 

@@ -162,16 +162,54 @@ def test_the_newest_is_offered_first_and_the_others_stay(qtbot, started, folder,
     leave(folder, duck, "3-1", age=3 * 86400.0)
     leave(folder, duck, "4-1", age=31 * 86400.0)
     window = started()
-    assert files(folder) == ["1-1.apd", "2-1.apd", "3-1.apd"]
-    assert window.recovery.text.endswith("bottle.obj, 1 minute ago")
+    assert files(folder) == ["1-1.apd", "2-1.apd", "3-1.apd", "4-1.apd"]
+    assert window.recovery.text == "Unsaved work 1 of 4: bottle.obj, 1 minute ago"
     click(window.recovery.discard)
-    assert window.recovery.text.endswith("my duck.obj, 2 hours ago")
+    assert window.recovery.text == "Unsaved work 1 of 3: my duck.obj, 2 hours ago"
     restore(qtbot, window)
     assert not window.recovery.text
     qtbot.waitUntil(lambda: "1-1.apd" not in files(folder), timeout=SLOW)
     window.shell.close()
-    assert files(folder) == ["3-1.apd"]
-    assert started().recovery.text.endswith("my duck.obj, 3 days ago")
+    assert files(folder) == ["3-1.apd", "4-1.apd"]
+    assert started().recovery.text == "Unsaved work 1 of 2: my duck.obj, 3 days ago"
+
+
+def test_none_is_too_old_and_each_can_be_reached_restored_and_put_off(qtbot, started, folder, duck):
+    ages = {"1-1": time.time(), "2-1": -9e8, "3-1": 400 * 86400.0, "4-1": 61.0}
+    for name, age in ages.items():
+        leave(folder, duck, name, age)
+    window = started()
+    said = []
+    for _ in range(5):
+        said.append(window.recovery.text)
+        click(window.recovery.next)
+    words = ["at an unknown time", "1 minute ago", "400 days ago", "at an unknown time"]
+    assert said[:4] == [f"Unsaved work {k + 1} of 4: my duck.obj, {words[k]}" for k in range(4)]
+    assert said[4] == said[0]
+    assert window.canvas.viewport.rect().contains(window.recovery.geometry())
+    click(window.recovery.next)
+    click(window.recovery.next)
+    restore(qtbot, window)
+    qtbot.waitUntil(lambda: "1-1.apd" not in files(folder), timeout=SLOW)
+    assert len(files(folder)) == 4, "the other three, and that of this window"
+    window.shell.close()
+    assert files(folder) == ["2-1.apd", "3-1.apd", "4-1.apd"]
+    window = started()
+    click(window.recovery.later)
+    assert not window.recovery.text
+    window.shell.close()
+    assert files(folder) == ["2-1.apd", "3-1.apd", "4-1.apd"]
+
+
+def test_a_single_one_has_no_next(qtbot, started, folder, duck):
+    leave(folder, duck, "1-1")
+    leave(folder, duck, "2-1")
+    window = started()
+    assert window.recovery.next.isVisible()
+    click(window.recovery.next)
+    click(window.recovery.discard)
+    assert window.recovery.text.startswith("Unsaved work: my duck.obj")
+    assert not window.recovery.next.isVisible()
 
 
 def test_what_is_damaged_is_refused_and_goes_only_when_it_is_discarded(qtbot, started, folder, duck):
