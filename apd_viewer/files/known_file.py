@@ -15,11 +15,12 @@ from apd_viewer.files.fingerprint import fingerprint
 
 
 class Fate(Enum):
-    """State of a known file."""
+    """State of a known file; incomplete where another one that it needs has gone."""
 
     SAME = "same"
     CHANGED = "changed"
     GONE = "gone"
+    INCOMPLETE = "incomplete"
 
 
 class KnownFile:
@@ -35,18 +36,18 @@ class KnownFile:
     ----------
     path : Path
     found : Fate
-        By the last look.
+        By the last look; whoever knows its format says whether it is incomplete.
     """
 
     def __init__(self, path: Path, scratch: Path | None = None) -> None:
         self.path = path
         self.found = Fate.SAME
-        self._stamp = None if scratch is not None else _stamp(path)
+        self._stamp = None if scratch is not None else stamp_of(path)
         self._content = _content(scratch or path)
 
     def look(self) -> Fate:
         """Compare the file with what is known; on any thread."""
-        stamp = _stamp(self.path)
+        stamp = stamp_of(self.path)
         if stamp is None:
             self.found = Fate.GONE
         elif stamp == self._stamp or _content(self.path) == self._content:
@@ -58,10 +59,10 @@ class KnownFile:
 
 def _content(path: Path) -> str | None:
     """Digest of a regular file; nothing else is opened."""
-    return None if _stamp(path) is None else fingerprint(path).sha256
+    return None if stamp_of(path) is None else fingerprint(path).sha256
 
 
-def _stamp(path: Path) -> tuple[int, ...] | None:
+def stamp_of(path: Path) -> tuple[int, ...] | None:
     """Marks of a regular file; where they stay it need not be read.
 
     The time of the last change of its entry, which no tool can set, is among them.

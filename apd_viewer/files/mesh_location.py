@@ -10,6 +10,7 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.known_file import stamp_of
 from apd_viewer.files.meshes import FORMATS, open_mesh, read_mesh
 from apd_viewer.files.samples import SAMPLES, resource
 from apd_viewer.files.storage.archive import Archive, npy
@@ -23,7 +24,7 @@ _NOWHERE = Path(os.devnull)
 _ARRAYS = ("V", "F")
 _REST = "rest.npy"  # rest positions, if different from the file's
 # State of mesh files when last verified; reading a large one takes a second.
-_found: WeakKeyDictionary[Mesh, tuple[int, int, int]] = WeakKeyDictionary()
+_found: WeakKeyDictionary[Mesh, tuple[int, ...] | None] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,17 +63,15 @@ def is_there(mesh: Mesh) -> bool:
     """True if the mesh's file still holds it; reread only if written since."""
     if mesh.path is None or isinstance(mesh.origin, Baked):
         return False
-    try:
-        status = mesh.path.stat()
-        stamp = status.st_mtime_ns, status.st_size, status.st_ino
-        # A .gltf may keep its arrays in another file.
-        if _found.get(mesh) != stamp or mesh.path.suffix.lower() == ".gltf":
-            if open_mesh(mesh.path).digest != mesh.digest:
-                return False
+    stamp = stamp_of(mesh.path)
+    # A .gltf may keep its arrays in another file.
+    if stamp is None or (_found.get(mesh) == stamp and mesh.path.suffix.lower() != ".gltf"):
+        return stamp is not None
+    with contextlib.suppress(InputError):
+        if open_mesh(mesh.path).digest == mesh.digest:
             _found[mesh] = stamp
-    except (InputError, OSError):
-        return False
-    return True
+            return True
+    return False
 
 
 def copy_of(mesh: Mesh, prefix: str = "") -> dict[str, bytes]:
@@ -120,12 +119,14 @@ def find_mesh(told: Fields, session: Path, archive: Archive, prefix: str = "") -
     places, problems = _places(told, session, name), []
     there = [path for path in places if os.path.isfile(path)]  # noqa: PTH113  # it says no where Path raises
     for path in there:
+        stamp = stamp_of(path)
         try:
             mesh = open_mesh(path)
         except InputError as error:
             problems.append(str(error))
             continue
         if mesh.digest == digest:
+            _found[mesh] = stamp
             return mesh
         problems.append(_not_the_one(mesh, told, session))
     if told.says("embedded"):

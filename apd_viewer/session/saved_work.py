@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.files.known_file import Fate, KnownFile
 from apd_viewer.session.model.status_text import about_lost_file
+from apd_viewer.session.storage.session_meshes import keeps_mesh
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.document import Document
@@ -100,9 +102,10 @@ class SavedWork:
 
     def look(self) -> None:
         """Look on a thread whether the file has changed since."""
-        file = self.file
-        if file is not None and (self._looking is None or not self._looking.is_alive()):
-            self._looking = threading.Thread(target=self._look, args=(file,), name="saved file", daemon=True)
+        last, under_way = self.last, self._looking is not None and self._looking.is_alive()
+        if last is not None and last.file is not None and not under_way:
+            args = last.file, last.document.mesh
+            self._looking = threading.Thread(target=self._look, args=args, name="saved file", daemon=True)
             self._looking.start()
 
     def look_now(self) -> None:
@@ -115,7 +118,7 @@ class SavedWork:
         if self._seen.is_set():
             self._seen.clear()
             if (file := self.file) is not None and file.found is not Fate.SAME:
-                self._listener.told(about_lost_file(file.path.name, file.found is Fate.GONE))
+                self._listener.told(about_lost_file(file.path.name, file.found))
             self._listener.status_changed()
 
     def close(self) -> None:
@@ -123,9 +126,11 @@ class SavedWork:
         if self._looking is not None:
             self._looking.join(_PATIENCE)
 
-    def _look(self, file: KnownFile) -> None:
+    def _look(self, file: KnownFile, mesh: Mesh) -> None:
         before = file.found
-        if file.look() is not before:
+        if file.look() is Fate.SAME and not keeps_mesh(file.path, mesh):
+            file.found = Fate.INCOMPLETE
+        if file.found is not before:
             self._seen.set()
             self._listener.wake()
 

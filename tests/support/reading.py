@@ -413,7 +413,8 @@ def files(driver):
         unsaved_question.ask_before_leaving(window.shell, "mesh.obj", closes)
     for found in Fate:
         unsaved_question.ask_before_leaving(window.shell, "mesh.apd", True, found)
-    changed_file_question.ask_about_change(window.shell, "mesh.apd")
+    changed_file_question.ask_soon(window.shell, "mesh.apd", {})
+    driver.wait()
     file_dialogs.ask_for_mesh(window, folder)
     file_dialogs.ask_for_session(window, folder, session.store.state.document.mesh)
     file_dialogs.ask_for_selection(window, folder)

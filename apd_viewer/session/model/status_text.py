@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from apd_viewer.files.known_file import Fate
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.turns.held_turn import passing_warnings
 from apd_viewer.language import tr, trn
@@ -68,14 +69,16 @@ def about_session(name: str, embedded: bool) -> str:
     return said.format(name=name)
 
 
-def about_lost_file(name: str, gone: bool) -> str:
-    """Sentence about a session file changed or gone since it was saved."""
-    said = tr("{name} has been changed by another window or program; what is shown here is in no file.")
-    if gone:
-        said = tr(
-            "{name} has been moved or deleted; what is shown here is in no file until you save it again."
-        )
-    return said.format(name=name)
+_LOST = {
+    Fate.CHANGED: tr("{name} has been changed by another window or program."),
+    Fate.GONE: tr("{name} has been moved or deleted."),
+    Fate.INCOMPLETE: tr("The mesh of {name} has been moved, changed or deleted."),
+}
+
+
+def about_lost_file(name: str, found: Fate) -> str:
+    """Sentences about a session file changed or gone since it was saved."""
+    return f"{_LOST[found].format(name=name)} {tr('What is shown here is in no file until you save it.')}"
 
 
 def about_selection(name: str, left_out: Sequence[str]) -> str:

@@ -23,6 +23,7 @@ from apd_viewer.language import tr, trn
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SUFFIX, View
 from apd_viewer.session.storage.session_file import open_session
+from apd_viewer.session.storage.session_meshes import TEXT
 
 _NAME = re.compile(r"\d+-\d+")
 _DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0  # s
@@ -162,7 +163,7 @@ def _name_of_mesh(path: Path) -> str:
     """Mesh entry of a session file."""
     try:
         with path.open("rb") as stream:  # which may be large
-            said = Fields.of(Archive(stream).content("session.json"), path.name)
+            said = Fields.of(Archive(stream).content(TEXT), path.name)
         return PurePath(said.part("mesh").text("name")).name
     except (OSError, ValueError):
         return tr("a damaged session")

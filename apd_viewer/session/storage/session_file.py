@@ -35,11 +35,10 @@ from apd_viewer.session.storage.session_json import (
     view_of,
     view_said,
 )
-from apd_viewer.session.storage.session_meshes import mesh_said, target_said, with_target
+from apd_viewer.session.storage.session_meshes import TEXT, mesh_said, target_said, with_target
 from apd_viewer.session.storage.session_picture import PICTURE
 
 FORMAT, VERSION = "apd-session", 1
-_TEXT = "session.json"
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
 _WELD = "weld"  # for each vertex the one that it is welded to, where seams were welded
 # In bounding-box diagonals; positions farther away are no shape of this mesh.
@@ -114,7 +113,7 @@ def save_session(
     text = json.dumps(said, indent=1, allow_nan=False).encode()
     members = {f"{name}.npy": npy(array) for name, array in arrays.items()}
     members |= {**copy, **copy_of_target, **({PICTURE: picture} if picture else {})}
-    write_archive(path, {_TEXT: text, **members}, at_once, finish)
+    write_archive(path, {TEXT: text, **members}, at_once, finish)
     return bool(copy)
 
 
@@ -140,7 +139,7 @@ def open_session(path: str | Path) -> tuple[State, View]:
     path = Path(path)
     with explained(path):
         archive = Archive(_content(path))
-        said = Fields.of(archive.content(_TEXT), _TEXT)
+        said = Fields.of(archive.content(TEXT), TEXT)
         _check_version(said, path)
         mesh = _welded(find_mesh(said.part("mesh"), path, archive), said, archive)
         state, arrays = opened(mesh), _arrays(said, archive, mesh)

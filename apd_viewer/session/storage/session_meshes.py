@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_location import MissingMesh, copy_of, find_mesh, is_there, whereabouts
+from apd_viewer.files.storage.archive import Archive
+from apd_viewer.files.storage.json_fields import Fields
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from apd_viewer.files.storage.archive import Archive
-    from apd_viewer.files.storage.json_fields import Fields
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.document import Document
 
+TEXT = "session.json"  # member with all that is said in words
 _OF_TARGET = "target-"  # members of the target shape begin with it
 
 
@@ -36,6 +37,19 @@ def target_said(
         return mesh_said(document.target.mesh, session, embed, _OF_TARGET)
     missing = document.missing_target
     return None if missing is None else missing.told, {}
+
+
+def keeps_mesh(path: Path, mesh: Mesh) -> bool:
+    """True if the session at ``path`` has the mesh, or still finds it."""
+    if is_there(mesh):
+        return True
+    try:
+        with path.open("rb") as stream:
+            archive = Archive(stream)
+            said = Fields.of(archive.content(TEXT), TEXT).part("mesh")
+            return said.says("embedded") or find_mesh(said, path, archive).digest == mesh.digest
+    except (OSError, ValueError):
+        return False
 
 
 def with_target(document: Document, said: Fields, path: Path, archive: Archive) -> Document:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from enum import Enum
 
+from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QMessageBox, QWidget
 
 from apd_viewer.language import tr
@@ -27,8 +29,15 @@ _ROLES = {
 }
 
 
-def ask_about_change(parent: QWidget, name: str) -> Decision:
-    """Ask before overwriting a changed file; ``Enter`` loses nothing."""
+def ask_soon(parent: QWidget, name: str, ways: Mapping[Decision, Callable[[], object]]) -> None:
+    """Ask about a changed file in the next event, and go on as is decided.
+
+    Whoever has found the change may still be at work. ``Enter`` loses nothing.
+    """
+    QTimer.singleShot(0, parent, lambda: ways.get(_decision(parent, name), lambda: None)())
+
+
+def _decision(parent: QWidget, name: str) -> Decision:
     said = tr("“{name}” has been changed by another window or program. Overwrite it?")
     about = tr(
         "Overwrite loses what is in the file. Reload opens the file instead and takes this window’s "

@@ -7,18 +7,17 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QWidget
 
+from apd_viewer.files.known_file import Fate, KnownFile
 from apd_viewer.language import tr
 from apd_viewer.session.storage.recovery import Leftover, leftovers
-from apd_viewer.ui.filing import changed_file_question, file_dialogs, unsaved_question
-from apd_viewer.ui.filing.changed_file_question import Decision
+from apd_viewer.ui.filing import file_dialogs, unsaved_question
+from apd_viewer.ui.filing.changed_file_question import Decision, ask_soon
 from apd_viewer.ui.filing.unsaved_question import Answer
 from apd_viewer.ui.preferences.preferences import Preferences, own_file
 
 if TYPE_CHECKING:
-    from apd_viewer.files.known_file import KnownFile
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
@@ -121,27 +120,21 @@ class Filing:
         mesh = state.document.mesh
         found = file_dialogs.ask_for_session(self._window, self._memory.folder, mesh)
         if found is not None:
-            path, embeds = found
-            self._memory.remember(path)
-            self._save(path, embeds, then)
+            self._memory.remember(found[0])
+            self._save(*found, then)
 
     def _save(
         self, path: Path, embeds: bool, then: Callable[[], object], over: KnownFile | None = None
     ) -> None:
         def changed(file: KnownFile) -> None:
-            # Later: the session is still delivering what was found.
-            QTimer.singleShot(0, self._window, lambda: self._ask_about_change(file, embeds, then))
+            ways = {
+                Decision.OVERWRITE: partial(self._save, path, embeds, then, file),
+                Decision.SAVE_AS: partial(self.save_as, then),
+                Decision.RELOAD: partial(self._session.files.open, path),
+            }
+            ask_soon(self._window, path.name, ways)
 
         self._session.files.save(path, self._view(), embeds, then, self._picture(), changed, over)
-
-    def _ask_about_change(self, file: KnownFile, embeds: bool, then: Callable[[], object]) -> None:
-        choice = changed_file_question.ask_about_change(self._window, file.path.name)
-        if choice is Decision.OVERWRITE:
-            self._save(file.path, embeds, then, over=file)
-        elif choice is Decision.SAVE_AS:
-            self.save_as(then)
-        elif choice is Decision.RELOAD:
-            self._session.files.open(file.path)
 
     def opened(self, state: State) -> None:
         """Add the files of another mesh to the recent ones."""
@@ -196,9 +189,9 @@ class Filing:
         work.look_now()
         if state is None or not work.unsaved:
             return True
-        file, mesh = work.file, state.document.mesh
-        asked = (mesh.name, closes) if file is None else (file.path.name, closes, file.found)
-        answer = unsaved_question.ask_before_leaving(self._window, *asked)
+        file, name = work.file, work.path.name if work.path else state.document.mesh.name
+        found = Fate.SAME if file is None else file.found
+        answer = unsaved_question.ask_before_leaving(self._window, name, closes, found)
         if answer is Answer.SAVE:
             self.save(partial(self.leave_for, go, closes))  # the work may go on while it is written
         elif answer is Answer.EXPORT:

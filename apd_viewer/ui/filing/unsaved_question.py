@@ -29,6 +29,7 @@ _ROLES = {
 _LOST = {
     Fate.GONE: tr("The file has been moved or deleted."),
     Fate.CHANGED: tr("The file has been changed by another window or program."),
+    Fate.INCOMPLETE: tr("The mesh of the session has been moved, changed or deleted."),
 }
 
 

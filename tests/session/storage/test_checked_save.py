@@ -3,6 +3,8 @@
 import pytest
 from driven_session import BENT, VIEW, Driven, bar, check_equal, pose
 
+from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.session import file_jobs
 from apd_viewer.session.storage import checked_save
 from apd_viewer.session.storage.session_file import open_session, save_session
@@ -126,7 +128,7 @@ def test_undo_across_files_does_not_forget_what_each_held(session, path):
     assert path.read_bytes() == newer
 
 
-# What becomes of a saved file
+# What becomes of a saved file, and of the mesh in another
 
 
 def look(session):
@@ -141,7 +143,7 @@ def test_a_saved_file_that_has_gone_is_unsaved_work_until_it_is_back(session, pa
     told = len(session.told)
     assert look(session)
     assert session.told[told:] == [
-        "a.apd has been moved or deleted; what is shown here is in no file until you save it again."
+        "a.apd has been moved or deleted. What is shown here is in no file until you save it."
     ]
     assert look(session)
     assert len(session.told) == told + 1, "and said once"
@@ -182,3 +184,54 @@ def test_a_look_during_its_own_save_is_no_news(session, path):
     session.receive()
     assert session.told[told:] == ["Saved a.apd, including a copy of the mesh."] * 20
     assert not session.saved_work.unsaved
+
+
+def remove(mesh):
+    mesh.unlink()
+
+
+def change(mesh):
+    mesh.write_text(mesh.read_text().replace("v 0", "v 1", 1))
+
+
+def move_beside(mesh):
+    mesh.rename(mesh.parent.parent / mesh.name)
+
+
+def rewrite(mesh):
+    content = mesh.read_bytes() + b"# looked at"
+    mesh.unlink()
+    mesh.write_bytes(content)
+
+
+@pytest.mark.parametrize("embeds", [False, True])
+@pytest.mark.parametrize("opens", [False, True], ids=["saved", "opened"])
+@pytest.mark.parametrize("act", [remove, change, move_beside, rewrite])
+def test_a_session_is_safe_as_long_as_it_opens(session, tmp_path, act, opens, embeds):
+    """Its mesh is in a file of its own, or in the session, or nowhere any more."""
+    mesh = tmp_path / "meshes" / "bar.obj"
+    mesh.parent.mkdir()
+    save_mesh(bar(), bar().V, mesh)
+    session.files.open(mesh)
+    wait(session)
+    session.paint_ends()
+    path = tmp_path / "a.apd"
+    save(session, path, embed=embeds)
+    if opens:
+        session.files.open(path)
+        wait(session)
+    assert not look(session)
+    act(mesh)
+    unsaved = look(session)
+    try:
+        open_session(path)
+        opened = True
+    except InputError:
+        opened = False
+    assert unsaved != opened
+    assert opened == (embeds or act in (move_beside, rewrite))
+    if unsaved:
+        assert session.told[-1].startswith("The mesh of a.apd has been moved, changed or deleted.")
+        assert save(session, path)[1] == []
+        assert not look(session)
+        check_equal(open_session(path)[0], session.store.state)
