@@ -1,11 +1,14 @@
-"""Atomic writes of several files: all or none."""
+"""Atomic writes of several files: all or none.
+
+Beside each scratch folder lies a file, which is locked while the folder is being filled. So it is known which
+ones were left by a killed program, whatever the clock says.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import os
 import shutil
-import tempfile
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,13 +16,13 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.links import followed, refuse_circle
+from apd_viewer.files.storage.lock import Lock, take
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_PREFIX, _PART = ".apd-viewer-", ".part"
-_LONG_AGO = 24 * 3600.0  # s
+_PREFIX, _PART, _LOCK = ".apd-viewer-", ".part", ".lock"
 
 
 @contextmanager
@@ -35,10 +38,13 @@ def filling(folder: Path) -> Iterator[Path]:
     """
     folder = followed(folder)
     scratch: Path | None = None
+    lock: Lock | None = None
     try:
         beside = _nearest(folder)
         _clear_away(beside)
-        scratch = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-", suffix=_PART, dir=beside))
+        scratch = beside / f"{_PREFIX}{os.getpid()}-{time.time_ns()}{_PART}"
+        lock = _locked(scratch)
+        scratch.mkdir(mode=0o700)
         yield scratch
         place(scratch, folder)
     except OSError as error:
@@ -46,6 +52,8 @@ def filling(folder: Path) -> Iterator[Path]:
     finally:
         if scratch is not None:
             shutil.rmtree(scratch, ignore_errors=True)
+        if lock is not None:
+            lock.remove()
 
 
 def not_written(folder: Path, error: OSError) -> InputError:
@@ -86,18 +94,24 @@ def _nearest(folder: Path) -> Path:
     return folder
 
 
-def _clear_away(folder: Path) -> None:
-    """Remove scratch folders of programs killed long ago."""
-    for scratch in folder.glob(f"{_PREFIX}*{_PART}"):
-        with contextlib.suppress(OSError):
-            if time.time() - scratch.stat().st_mtime > _LONG_AGO:
-                shutil.rmtree(scratch, ignore_errors=True)
+def _locked(scratch: Path) -> Lock | None:
+    """The lock beside a scratch folder; None on a disk without locks."""
+    with contextlib.suppress(OSError):
+        return take(scratch.with_suffix(_LOCK))
+    return None
+
+
+def _clear_away(folder: Path, process: str = "*") -> None:
+    """Remove scratch folders of killed programs."""
+    for path in folder.glob(f"{_PREFIX}{process}-*{_LOCK}"):
+        if (lock := _locked(path)) is not None:
+            shutil.rmtree(path.with_suffix(_PART), ignore_errors=True)
+            lock.remove()
 
 
 def clear_after(process: int, folder: Path) -> None:
     """Remove what a process of this number, since killed, was filling in ``folder``."""
-    for scratch in folder.glob(f"{_PREFIX}{process}-*{_PART}"):
-        shutil.rmtree(scratch, ignore_errors=True)
+    _clear_away(folder, str(process))
 
 
 def unused_folder(folder: Path, name: str) -> Path:

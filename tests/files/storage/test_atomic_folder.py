@@ -1,10 +1,15 @@
 """Folders that are filled: all files or none, and no scratch is left."""
 
 import os
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import pytest
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage import lock
 from apd_viewer.files.storage.atomic_folder import filling
 
 
@@ -42,11 +47,39 @@ def test_a_file_in_the_way_is_said_before_any_work(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["taken"]
 
 
-def test_scratch_of_the_day_before_is_cleared_away(tmp_path):
-    old, new = tmp_path / ".apd-viewer-old.part", tmp_path / ".apd-viewer-new.part"
-    for folder in (old, new):
-        folder.mkdir()
-    os.utime(old, (0, 0))
-    with filling(tmp_path):
-        pass
-    assert [path.name for path in tmp_path.iterdir()] == [new.name]
+KILLED = """
+import os, sys
+from pathlib import Path
+from apd_viewer.files.storage.atomic_folder import filling
+with filling(Path(sys.argv[1])) as scratch:
+    (scratch / "half.txt").write_text("half")
+    print(scratch, flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.mark.parametrize("age", [-1e8, 0.0, 1e8], ids=["of the future", "of now", "of 3 years ago"])
+def test_only_the_scratch_of_the_dead_is_cleared_away_whatever_its_age(tmp_path, age):
+    command = [sys.executable, "-c", KILLED, str(tmp_path / "out")]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        theirs = Path(other.stdout.readline().strip())
+        os.utime(theirs, (time.time() - age,) * 2)
+        with filling(tmp_path):
+            assert (theirs / "half.txt").read_text() == "half", "it is being filled"
+        other.kill()
+        other.wait()
+        assert theirs.exists()
+        os.utime(theirs, (time.time() - age,) * 2)
+        with filling(tmp_path):
+            pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disk_without_locks_is_written_to(tmp_path, monkeypatch):
+    def refused(descriptor):
+        raise OSError(95, "Operation not supported")
+
+    monkeypatch.setattr(lock, "_lock", refused)
+    with filling(tmp_path / "out") as scratch:
+        (scratch / "one.txt").write_text("1")
+    assert (tmp_path / "out" / "one.txt").read_text() == "1"
