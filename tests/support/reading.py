@@ -149,8 +149,9 @@ class Driver:
     def _leave(folder):
         folder.mkdir()
         mesh, labels = open_sample("duck")
-        save_session(folder / "1-1.apd", opened(mesh, labels), View())
-        os.utime(folder / "1-1.apd", (time.time() - 7300.0,) * 2)
+        for name, written in (("1-1.apd", time.time() - 7300.0), ("2-1.apd", 0.0)):
+            save_session(folder / name, opened(mesh, labels), View())
+            os.utime(folder / name, (written,) * 2)
 
     def wait(self, until=lambda: True, seconds=60.0):
         end = time.monotonic() + seconds
@@ -191,6 +192,8 @@ def start(driver):
     window = driver.window = Workbench(driver.shell, driver.folder / "recovery")
     driver.wait()
     driver.scene("no mesh, and work that was left")
+    window.recovery.next.click()
+    driver.scene("work of an unknown time")
     window.recovery.later.click()
     window.filing.open_sample("bottle")
     driver.scene("opening")
