@@ -23,6 +23,7 @@ from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
+from apd_viewer.geometry import kernel_signals  # before the first kernel is compiled
 from apd_viewer.installation import kernel_folders
 
 _LOGGER = logging.getLogger(__name__)
@@ -127,7 +128,7 @@ def _sources(function: Callable[..., Any]) -> set[str]:
     for each in known:
         called = (getattr(each.__globals__.get(name), "py_func", None) for name in each.__code__.co_names)
         known.extend(inner for inner in called if inner is not None and inner not in known)
-    return {inspect.getfile(each) for each in known}
+    return {kernel_signals.__file__, *(inspect.getfile(each) for each in known)}
 
 
 @cache

@@ -202,4 +202,4 @@ class Pressing:
         """One iteration."""
         with cores_for(len(self.rest.shape.V)):
             self._descent.step()
-        self.iterations += 1
+            self.iterations += 1

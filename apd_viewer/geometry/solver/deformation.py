@@ -189,9 +189,9 @@ class Deformation:
 
     @tolerance.setter
     def tolerance(self, tolerance: float) -> None:
-        self._kept.tolerance = tolerance
-        if self._traits.has_tolerance:
-            with cores_for(len(self.rest.shape.V)):
+        with cores_for(len(self.rest.shape.V)):
+            self._kept.tolerance = tolerance
+            if self._traits.has_tolerance:
                 self._solver.keep(self._kept.goals)
 
     @property
@@ -202,11 +202,11 @@ class Deformation:
     @convergence.setter
     def convergence(self, convergence: Convergence) -> None:
         check_convergence(convergence)
-        if convergence.energy_tolerance != self._convergence.energy_tolerance:
-            with cores_for(len(self.rest.shape.V)):
+        with cores_for(len(self.rest.shape.V)):
+            if convergence.energy_tolerance != self._convergence.energy_tolerance:
                 self._solver.stop_at(convergence.energy_tolerance)
-            self._begin()
-        self._convergence = convergence
+                self._begin()
+            self._convergence = convergence
 
     def keep(
         self,
@@ -219,7 +219,7 @@ class Deformation:
         with cores_for(len(self.rest.shape.V)):
             self._kept.ask(area, volume, regions, calm and len(self.fixed) > 0)
             self._solver.keep(self._kept.goals)
-        self._begin()
+            self._begin()
 
     def surround(self, obstacles: Sequence[Obstacle]) -> None:
         """Put other obstacles around the surface; nothing is factored for it.
@@ -228,10 +228,10 @@ class Deformation:
         """
         check_obstacles(obstacles, self.contact is not None)
         check_method(self.method, self._held.handle_of, len(obstacles) > 0)
-        if self.contact is not None:
-            with cores_for(len(self.rest.shape.V)):
+        with cores_for(len(self.rest.shape.V)):
+            if self.contact is not None:
                 self.contact.surround(moved_by(obstacles, -self.rest.centre))
-        self._begin()
+            self._begin()
 
     def aim(
         self,
@@ -264,8 +264,8 @@ class Deformation:
         count = 0 if self.contact is None else len(self.contact.shifts)
         shifts = shifts_of(shifts, count)
         begin = shifts if begin is None else shifts_of(begin, count)
-        self._held.ask(targets)
         with cores_for(len(self.rest.shape.V)):
+            self._held.ask(targets)
             if self._kept.restore_calm():
                 self._solver.keep(self._kept.goals)
             if self.contact is not None:
@@ -277,7 +277,7 @@ class Deformation:
                 drawn = self.rest.local(numbers(soft_targets, "Soft targets")[self._drawn])
             asked = self._held.asked
             self._solver.aim(np.concatenate([asked, drawn]) if len(drawn) else asked)
-        self._begin()
+            self._begin()
 
     def _begin(self) -> None:
         self._iteration = 0
@@ -291,18 +291,17 @@ class Deformation:
     def iterate(self) -> None:
         """One iteration, without the readings of its shape."""
         solver = self._solver
-        if self._kept.may_retry_calm and self._would_settle:
-            self._kept.retry_calm()
-            solver.keep(self._kept.goals)
-        before = solver.U
-        with cores_for(len(before)):
+        with cores_for(len(solver.U)):
+            if self._kept.may_retry_calm and self._would_settle:
+                self._kept.retry_calm()
+                solver.keep(self._kept.goals)
+            before = solver.U
             solver.step()
             if self._kept.keeps_calm and not solver.met:
                 self._let_calm_go(before)
-            step = largest_difference(solver.U, before)
-        self._iteration += 1
-        self._total += 1
-        self._steps.append(step / self.rest.diagonal)
+            self._steps.append(largest_difference(solver.U, before) / self.rest.diagonal)
+            self._iteration += 1
+            self._total += 1
 
     def _let_calm_go(self, before: np.ndarray) -> None:
         """Step from ``before`` again, without the areas of calm parts."""

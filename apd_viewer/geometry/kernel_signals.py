@@ -1,0 +1,45 @@
+"""Signals while numba compiles, loads or runs a kernel: their handlers wait for its end.
+
+Handlers run as soon as any Python does, in the main thread. Numba is not made for what they raise, such as
+KeyboardInterrupt:
+
+* it asks a Python function for the class of every array that a kernel returns, and goes on without it. The
+  exception became a SystemError, was lost, or ended the process;
+* broken off while it compiles, it is lost in a callback of LLVM, or nothing can be compiled any more.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+from numba.core import types
+from numba.core.boxing import box_array
+from numba.core.dispatcher import Dispatcher
+from numba.core.pythonapi import _boxers
+
+from apd_viewer.geometry.late_signals import LATE_SIGNALS
+
+
+def _boxed(kind: Any, value: Any, compiler: Any) -> Any:
+    """Numba's own boxing, with the class among the constants of the kernel."""
+    constants = compiler.env_manager
+    array_class = constants.read_const(constants.add_const(kind.box_type))
+    compiler.pyapi.unserialize = lambda _: array_class
+    try:
+        return box_array(kind, value, compiler)
+    finally:
+        del compiler.pyapi.unserialize
+
+
+def _late(compile_: Any) -> Any:
+    @functools.wraps(compile_)
+    def compiled(*args: Any) -> Any:
+        with LATE_SIGNALS:
+            return compile_(*args)
+
+    return compiled
+
+
+_boxers.functions[types.Array] = _boxed
+Dispatcher.compile = _late(Dispatcher.compile)  # type: ignore[method-assign]
