@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import apd_viewer
 from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.surroundings import drop_output, ended_by_signals, tell, use_streams
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
@@ -39,30 +39,40 @@ apd-viewer thumbnail FILE OUT.png    draw a small picture of a session or a mesh
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status, 2 after an ``error:`` line."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    options = _parsed(words)
-    # Here, because --version and --help, which end before, take twice as long with it.
-    from apd_viewer import log
-
+    use_streams()
     try:
-        with log.recording(options.log_level):
-            options.run(options)
-            sys.stdout.flush()
+        _run(words)
     except InputError as error:
-        print(tr("error: {sentence}").format(sentence=" ".join(str(error).split())), file=sys.stderr)
+        tell(tr("error: {sentence}").format(sentence=" ".join(str(error).split())))
         return 2
     except BrokenPipeError:  # the reader, such as head, has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        drop_output()
     except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        print(
-            tr("error: the output cannot be written ({reason}).").format(reason=error.strerror or error),
-            file=sys.stderr,
-        )
+        drop_output()
+        tell(tr("error: the output cannot be written ({reason}).").format(reason=error.strerror or error))
         return 2
     except KeyboardInterrupt:
-        print(tr("interrupted; nothing was written"), file=sys.stderr)
+        tell(tr("interrupted; nothing was written"))
         return 130
     return 0
+
+
+def _run(words: list[str]) -> None:
+    try:
+        options = _parsed(words)
+        # Here, because --version and --help, which end before, take twice as long with it.
+        from apd_viewer import log
+
+        with log.recording(options.log_level):
+            if words and words[0] in _COMMANDS:
+                with ended_by_signals():
+                    options.run(options)
+            else:
+                options.run(options)
+    except SystemExit:
+        sys.stdout.flush()
+        raise
+    sys.stdout.flush()
 
 
 def _parsed(words: list[str]) -> argparse.Namespace:

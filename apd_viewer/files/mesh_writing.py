@@ -12,7 +12,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import FORMATS, LARGEST, VTK, WRITTEN, largest, parsed
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import is_stream, not_written, replacing
 from apd_viewer.files.storage.links import leads_in_a_circle
 from apd_viewer.files.storage.reading import in_one_line, quietly
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -37,7 +37,7 @@ def check_target(path: str | Path) -> Path:
 
 
 def check_place(path: Path) -> None:
-    """Raise InputError unless ``path`` is in a folder, and is none itself."""
+    """Raise InputError unless ``path`` is in a folder, and is a place of a file or of a stream."""
     if leads_in_a_circle(path):
         raise InputError(
             tr("{path} is a link that leads to itself; remove it, or choose another name.").format(path=path)
@@ -50,6 +50,10 @@ def check_place(path: Path) -> None:
         raise InputError(
             tr("{path} cannot be written (it is a folder); choose another name.").format(path=path)
         )
+    try:
+        is_stream(path)
+    except OSError as error:
+        raise not_written(path, error) from error
 
 
 class Written(NamedTuple):

@@ -22,7 +22,8 @@ def replacing_series(paths: Sequence[Path]) -> Iterator[None]:
 
 
 def _listed(paths: Sequence[Path]) -> set[Path]:
-    return {file for path in paths if path.suffix.lower() == ".pvd" for file in _files(path)}
+    series = [path for path in paths if path.suffix.lower() == ".pvd" and path.is_file()]
+    return {file for path in series for file in _files(path)}
 
 
 def _files(path: Path) -> list[Path]:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
+import shutil
+import stat
 import tempfile
 import time
 from contextlib import contextmanager
@@ -12,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.links import followed, refuse_circle
+from apd_viewer.geometry.late_signals import LATE_SIGNALS
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -26,11 +30,14 @@ _LONG_AGO = 3600.0  # s
 def replacing(
     path: Path, at_once: bool = False, finish: Callable[[Path], object] = lambda _: None
 ) -> Iterator[Path]:
-    """Scratch file beside ``path``, moved over it once it is whole.
+    """Scratch file, moved to ``path`` once it is whole; it lies beside that.
 
     Whatever goes wrong on the way, the file that was at ``path`` before stays as it was. With ``at_once``
     that holds for whatever becomes of this program, but not where power fails before :func:`flush_to_disk`.
     ``finish(scratch)`` is called last, with the whole file; where it raises, nothing is moved.
+
+    What is no regular file stays: a pipe that a program reads from, a character device such as /dev/null and
+    this program's own output get the whole content at once, and anything else is refused.
 
     Raises
     ------
@@ -38,31 +45,84 @@ def replacing(
         If the operating system refuses; the message says what to do.
     """
     scratch: Path | None = None
-    path = followed(path)  # a link stays a link
     try:
         refuse_circle(path)
-        _clear_away(path)
+        streams = is_stream(path)
+        if not streams:
+            path = followed(path)  # a link stays a link
+            _clear_away(path)
         # The suffix is kept: writers choose the format by it.
-        suffix = _PART + path.suffix
-        handle, name = tempfile.mkstemp(prefix=_prefix(path), suffix=suffix, dir=path.parent)
-        scratch = Path(name)
+        suffix, folder = _PART + path.suffix, None if streams else path.parent
+        with LATE_SIGNALS:
+            handle, made = tempfile.mkstemp(prefix=_prefix(path), suffix=suffix, dir=folder)
+            scratch = Path(made)
         os.close(handle)
         yield scratch
+        if streams:
+            _write_through(scratch, path)
+            return
         if not at_once:
             flush_to_disk(scratch)
         scratch.chmod(_usual_mode(path))
         finish(scratch)
         scratch.replace(path)
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(
-            tr("{path} cannot be written ({reason}); choose another location. Nothing was changed.").format(
-                path=path, reason=reason
-            )
-        ) from error
+        raise not_written(path, error) from error
     finally:
         if scratch is not None:
             scratch.unlink(missing_ok=True)
+
+
+def not_written(path: Path, error: OSError) -> InputError:
+    """Sentence on a path and the error of writing there."""
+    reason = error.strerror or str(error)
+    return InputError(
+        tr("{path} cannot be written ({reason}); choose another location. Nothing was changed.").format(
+            path=path, reason=reason
+        )
+    )
+
+
+def is_stream(path: Path) -> bool:
+    """True if what is at ``path`` takes content and is not replaced; raises OSError if it does neither."""
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        return False
+    if _own_output(path) is not None or stat.S_ISFIFO(mode) or stat.S_ISCHR(mode):
+        return True
+    if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
+        return False
+    raise OSError(errno.EINVAL, tr("it is no regular file"))
+
+
+def _own_output(path: Path) -> int | None:
+    """Descriptor of the standard output or error, if ``path`` is where that goes."""
+    for descriptor in (1, 2):
+        with contextlib.suppress(OSError):
+            if os.path.samestat(os.fstat(descriptor), path.stat()):
+                return descriptor
+    return None
+
+
+def _write_through(scratch: Path, path: Path) -> None:
+    """Write the content of a file to a stream; raises OSError."""
+    own = _own_output(path)
+    try:
+        # Without waiting for a reader of a pipe: there may never be one.
+        stream = os.open(path, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0)) if own is None else os.dup(own)
+    except OSError as error:
+        if error.errno == errno.ENXIO:
+            error.strerror = tr("no program reads from it")
+        raise
+    with (
+        contextlib.suppress(BrokenPipeError),  # the reader, such as head, has seen enough
+        os.fdopen(stream, "wb") as sink,
+        scratch.open("rb") as source,
+    ):
+        if own is None and hasattr(os, "O_NONBLOCK"):
+            os.set_blocking(stream, True)
+        shutil.copyfileobj(source, sink)
 
 
 def _prefix(path: Path) -> str:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.links import followed, refuse_circle
 from apd_viewer.files.storage.lock import Lock, take
+from apd_viewer.geometry.late_signals import LATE_SIGNALS
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -42,18 +43,21 @@ def filling(folder: Path) -> Iterator[Path]:
     try:
         beside = _nearest(folder)
         _clear_away(beside)
-        scratch = beside / f"{_PREFIX}{os.getpid()}-{time.time_ns()}{_PART}"
-        lock = _locked(scratch)
-        scratch.mkdir(mode=0o700)
+        with LATE_SIGNALS:
+            scratch = beside / f"{_PREFIX}{os.getpid()}-{time.time_ns()}{_PART}"
+            lock = _locked(scratch)
+            scratch.mkdir(mode=0o700)
         yield scratch
-        place(scratch, folder)
+        with LATE_SIGNALS:
+            place(scratch, folder)
     except OSError as error:
         raise not_written(folder, error) from error
     finally:
         if scratch is not None:
-            shutil.rmtree(scratch, ignore_errors=True)
-        if lock is not None:
-            lock.remove()
+            with LATE_SIGNALS:
+                shutil.rmtree(scratch, ignore_errors=True)
+                if lock is not None:
+                    lock.remove()
 
 
 def not_written(folder: Path, error: OSError) -> InputError:
@@ -79,8 +83,8 @@ def place(scratch: Path, folder: Path) -> None:
     for path in files:
         target = folder / path.relative_to(scratch)
         target.parent.mkdir(parents=True, exist_ok=True)
-        if target.is_dir():
-            raise IsADirectoryError(None, f"{target.name} in it is a folder")
+        if target.exists() and not target.is_file():
+            raise FileExistsError(None, tr("{name} in it is no regular file").format(name=target.name))
         shutil.move(path, target)
 
 

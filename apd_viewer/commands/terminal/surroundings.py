@@ -1,0 +1,71 @@
+"""Surroundings of a command: standard streams of any kind, and signals that end it."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import sys
+import threading
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_ENDING = "SIGTERM", "SIGHUP", "SIGBREAK"  # as far as the system has them
+
+
+def use_streams() -> None:
+    """Have texts written to the standard streams, whatever these are.
+
+    What a stream cannot encode is written as a question mark. A closed one swallows what is written: the next
+    file to be opened would take its number, and its place.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def drop_output() -> None:
+    """Write nothing more to the standard output, which takes nothing more."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def tell(sentence: str) -> None:
+    """Write a sentence to the standard error, if that takes it."""
+    with suppress(OSError):
+        print(sentence, file=sys.stderr)
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """Have signals that end the program raise SystemExit, so that it leaves nothing behind.
+
+    Those that have another handler, or are ignored as by nohup, stay as they are.
+    """
+    numbers = [getattr(signal, name) for name in _ENDING if hasattr(signal, name)]
+    if threading.current_thread() is not threading.main_thread():
+        numbers = []
+    numbers = [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]
+
+    def end(number: int, _: Any) -> None:
+        for each in numbers:
+            signal.signal(each, signal.SIG_IGN)
+        raise SystemExit(128 + number)
+
+    for number in numbers:
+        signal.signal(number, end)
+    try:
+        yield
+    finally:
+        for number in numbers:
+            signal.signal(number, signal.SIG_DFL)
