@@ -210,7 +210,7 @@ def test_a_packaged_program_says_what_it_cannot_do(monkeypatch, tmp_path):
     monkeypatch.setattr(sys, "frozen", True, raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match="This program has no Dask"):
-        cluster.local_cluster(1)
+        cluster.connected("tcp://127.0.0.1:9", None)
     import imageio_ffmpeg
 
     def none():

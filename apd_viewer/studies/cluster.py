@@ -1,12 +1,10 @@
-"""Engine of Dask workers: started here, or by others behind a scheduler.
+"""Engine of Dask workers behind a scheduler that somebody has started.
 
 Tasks travel as pickles, which are programs: a scheduler is for people who trust each other.
 """
 
 from __future__ import annotations
 
-import os
-import signal
 import time
 from contextlib import suppress
 from functools import cache
@@ -16,7 +14,6 @@ from apd_viewer.errors import InputError
 from apd_viewer.installation import is_packaged
 from apd_viewer.language import tr
 from apd_viewer.studies.worker import work as work_on_case
-from apd_viewer.studies.worker_birth import workers_born
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -27,13 +24,7 @@ if TYPE_CHECKING:
 _PATIENCE = 20  # s that a scheduler may take to answer
 _GONE = 30.0  # s without a scheduler, after which it does not come back
 _LOOK = 2.0  # s between two looks at the workers
-# Dask trims freed memory at once, which costs a third of the time of a case.
-_TRIM = "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_"
 _PROFILE_CALLBACKS = ("profile", "profile-cycle")
-_SETTINGS = {
-    _TRIM: str(1 << 28),
-    "distributed.nanny.pre-spawn-environ.NUMBA_NUM_THREADS": 1,
-}
 
 
 class Cluster:
@@ -49,8 +40,8 @@ class Cluster:
     # A worker has the next cases at hand already, and Dask blames them too.
     knows_whose_fault = False
 
-    def __init__(self, client: Any, work: Work = work_on_case, cluster: Any = None) -> None:
-        self._client, self._work, self._cluster = client, work, cluster
+    def __init__(self, client: Any, work: Work = work_on_case) -> None:
+        self._client, self._work = client, work
         self._executor = client.get_executor(pure=False, retries=2)
         self._futures: set[Future[CaseAnswer]] = set()
         self.overdue: set[Future[CaseAnswer]] = set()
@@ -98,22 +89,12 @@ class Cluster:
             )
 
     def close(self, at_once: bool) -> None:
-        """Take back cases not begun, and end the workers started here."""
+        """Take back cases not begun."""
         if self._alive:
             self._executor.shutdown(wait=False)
-        # Dask says that it has not ended in time by an OSError; the processes end with this one.
+        # Dask says that it has not ended in time by an OSError; it ends with this process.
         with suppress(OSError):
-            if self._cluster is not None and at_once:
-                self._kill()
             self._client.close(timeout=1 if at_once else _PATIENCE)
-            if self._cluster is not None:
-                self._cluster.close(timeout=_PATIENCE)
-
-    def _kill(self) -> None:
-        """End the workers started here with their cases."""
-        for nanny in self._cluster.workers.values():
-            nanny.auto_restart = False
-            os.kill(nanny.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
 
 
 def _undisturbed(work: Work, task: Task) -> CaseAnswer:
@@ -135,19 +116,6 @@ def _end_profile() -> None:
     for name in _PROFILE_CALLBACKS:
         if callback := worker.periodic_callbacks.get(name):
             worker.loop.add_callback(callback.stop)
-
-
-def local_cluster(workers: int, work: Work = work_on_case) -> Cluster:
-    """Dask workers on this machine; raises InputError without Dask."""
-    distributed = _distributed()
-    # Here, as it is part of Dask.
-    import dask
-
-    with dask.config.set(_SETTINGS), workers_born():
-        cluster = distributed.LocalCluster(
-            n_workers=workers, threads_per_worker=1, dashboard_address=None, memory_limit=0
-        )
-    return Cluster(distributed.Client(cluster), work, cluster)
 
 
 def connected(address: str | None, scheduler_file: Path | None, work: Work = work_on_case) -> Cluster:

@@ -7,8 +7,8 @@
 
 ``simulated`` replaces the solver by a sleep and a result of the size of the sample bottle's; ``bottles`` runs
 the sample bottle of 13,000 vertices; ``kills`` ends workers, scheduler and client at random and compares what
-the resumed study found, bit for bit, with an undisturbed one. ``bits`` compares two cases by the local pool,
-by one and by eight workers, and the files of deform and sweep with 1, 2 and 4 threads. "tcp" starts a
+the resumed study found, bit for bit, with an undisturbed one. ``bits`` compares two cases by two, one and
+eight processes, and the files of deform and sweep with 1, 2 and 4 threads. "tcp" starts a
 scheduler and workers of Dask by their own commands, without any setting.
 """
 
@@ -332,9 +332,7 @@ def bits(_):
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         plan = design(folder, 2, "--set", "steps=2", "--set", "iterations=60")
-        runs = {"by the local pool": ["--processes", "2"]}
-        for workers in (1, 8):
-            runs[f"by {workers} workers"] = ["--workers", str(workers)]
+        runs = {f"by {count} processes": ["--processes", str(count)] for count in (2, 1, 8)}
         for name, words in runs.items():
             command = [
                 sys.executable,

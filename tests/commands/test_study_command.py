@@ -9,6 +9,7 @@ import sys
 import time
 
 import pytest
+from listening import listening, tree_of
 from painted_meshes import write_bar
 
 from apd_viewer.__main__ import main
@@ -85,6 +86,7 @@ def test_what_cannot_be_run_is_said(bar, capsys):
     for words, said in (
         (["--limit", "0"], "greater than 0"),
         (["--processes", "0"], "--processes must be 1 to 1000"),
+        (["--workers", "1001"], "--processes must be 1 to 1000"),
         (["--scheduler-file", str(bar / "gone.json")], "There is no file"),
         (["-o", plan], f"The folder {plan}"),
         (["-o", plan, "--dry-run"], f"The folder {plan} cannot be written (Not a directory)"),
@@ -125,3 +127,28 @@ def test_an_interrupt_finishes_what_runs_and_a_second_ends_at_once(bar):
     assert f"{once} done, {399 - once} not done yet" in out
     twice, _ = interrupted(2)
     assert once < twice < 399
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems list their sockets otherwise")
+@pytest.mark.parametrize("option", ["--processes", "--workers"])
+def test_nobody_else_can_speak_to_the_processes_of_a_study(bar, option):
+    """Whoever reaches a worker by a socket can have it run anything as the user."""
+    plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=30)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "apd_viewer", "study", plan, "-o", str(bar / "out"), option, "2"],
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        end, found = time.monotonic() + 60.0, []
+        while len(list(bar.glob("out/cases/*/*.case"))) < 3 and time.monotonic() < end:
+            found += listening(tree_of(process.pid))
+            time.sleep(0.05)
+        tree = tree_of(process.pid)
+        assert process.poll() is None
+        assert len(tree) >= 3, "two workers"
+        assert [*found, *listening(tree)] == []
+    finally:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()

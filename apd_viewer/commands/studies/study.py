@@ -14,7 +14,7 @@ from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.language import show_numbers, tr
 from apd_viewer.studies.case_session import INPUTS
-from apd_viewer.studies.cluster import connected, local_cluster
+from apd_viewer.studies.cluster import connected
 from apd_viewer.studies.forecast import work_left
 from apd_viewer.studies.local_pool import LocalPool, cores
 from apd_viewer.studies.plans.plan import read_plan
@@ -47,10 +47,11 @@ def study_parser() -> Parser:
     )
     engine = parser.add_mutually_exclusive_group()
     engine.add_argument(
-        "--processes", metavar="N", type=int, help=tr("on this machine; default: one for each core")
-    )
-    engine.add_argument(
-        "--workers", metavar="N", type=int, help=tr("workers of Dask on this machine, instead")
+        "--processes",
+        "--workers",
+        metavar="N",
+        type=int,
+        help=tr("on this machine; default: one for each core"),
     )
     engine.add_argument(
         "--scheduler",
@@ -82,10 +83,8 @@ def _study(options: argparse.Namespace) -> None:
     show_numbers(False)  # its sentences stand in files, which are the same however it is run
     if options.limit is not None and not options.limit > 0.0:
         raise InputError(tr("--limit must be greater than 0 seconds."))
-    for name in ("processes", "workers"):
-        count = getattr(options, name)
-        if count is not None and not 1 <= count <= 1000:
-            raise InputError(tr("--{option} must be 1 to 1000.").format(option=name))
+    if options.processes is not None and not 1 <= options.processes <= 1000:
+        raise InputError(tr("--processes must be 1 to 1000."))
     if options.dry_run:
         plan = read_plan(options.plan, Sources(options.output / INPUTS, keep=False))
         left = work_left(plan, options.output, options.retry_failed)
@@ -125,8 +124,6 @@ def _run(study: Study, options: argparse.Namespace) -> None:
 
 
 def _engine(options: argparse.Namespace) -> Engine:
-    if options.workers:
-        return local_cluster(options.workers)
     if options.scheduler or options.scheduler_file:
         return connected(options.scheduler, options.scheduler_file)
     return LocalPool(_processes(options))
@@ -136,7 +133,7 @@ def _processes(options: argparse.Namespace) -> int:
     """Number of cases at a time; 1 for workers of others."""
     if options.scheduler or options.scheduler_file:
         return 1
-    return int(options.processes or options.workers or cores())
+    return int(options.processes or cores())
 
 
 @contextmanager

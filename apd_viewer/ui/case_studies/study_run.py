@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 RUN = "run.json"
 _SCHEDULERS = "--scheduler", "--scheduler-file"
 # Each with a value. A folder may come from anybody: nothing else reaches the command.
-_KEPT = (*_SCHEDULERS, "--processes", "--workers", "--limit")
+_KEPT = (*_SCHEDULERS, "--processes", "--limit")
 
 
 class StudyRun(QObject):
