@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeAlias
@@ -12,6 +13,15 @@ import numpy as np
 from apd_viewer.files.storage.atomic_file import replacing
 
 Cell: TypeAlias = float | str | None
+
+# Spreadsheets compute what begins so; those of Japan take the wide signs, too.
+_FORMULA = "(?=[ ']*[=+\\-@\uff1d\uff0b\uff0d\uff20])"
+# Where a cell begins, for a spreadsheet of another separator too.
+_START = r"(?<![^;\t\r\n])"
+_BLANK = r"(?=[ ']*[\t\r\n])"
+_UNGUARDED = re.compile(f"{_START}{_FORMULA}|^{_BLANK}")
+_GUARDED = re.compile(f"{_START}'{_FORMULA}|^'{_BLANK}")
+_NUMBER = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eE][+-]?\d+)?\s?%?")
 
 
 def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[Sequence[Cell]]) -> None:
@@ -23,7 +33,8 @@ def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[
     columns : sequence of str
         Names, for the first line.
     rows : (r, c) float array, or sequence of rows that have words too
-        Read back, they are the same to the last digit; whole numbers are written as such.
+        Read back, they are the same to the last digit; whole numbers are written as such, and words as by
+        :func:`text_cell`.
 
     Raises
     ------
@@ -32,14 +43,27 @@ def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[
     """
     with replacing(path) as scratch, scratch.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
-        writer.writerow(columns)
+        writer.writerow([text_cell(column) for column in columns])
         writer.writerows([_written(cell) for cell in row] for row in rows)
 
 
 def _written(cell: Cell) -> str:
     if isinstance(cell, str):
-        return cell
+        return text_cell(cell)
     if cell is None or cell != cell:
         return ""
     value = float(cell)
     return str(int(value)) if value.is_integer() and abs(value) < 2**53 else repr(value)
+
+
+def text_cell(text: str) -> str:
+    """A text as a cell that spreadsheets take for text, with ' before what they would compute.
+
+    Numbers stay as they are. :func:`text_in` gives the text again.
+    """
+    return text if _NUMBER.fullmatch(text) else _UNGUARDED.sub("'", text)
+
+
+def text_in(cell: str) -> str:
+    """The text of a cell that :func:`text_cell` has made."""
+    return _GUARDED.sub("", cell)

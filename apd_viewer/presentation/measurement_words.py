@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from apd_viewer.files.tables import text_cell
 from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import grouped, signed, significant
@@ -123,7 +124,7 @@ def _from_rest(there: str, by: str) -> str:
 def table(readings: Sequence[MeasurementReading], unit: Unit) -> str:
     """All values as lines of text with tabs, for a spreadsheet."""
     head = tr("Measurement"), tr("Now"), tr("At rest"), tr("Change")
-    return "\n".join("\t".join(row) for row in (head, *rows(readings, unit))) + "\n"
+    return "\n".join("\t".join(map(text_cell, row)) for row in (head, *rows(readings, unit))) + "\n"
 
 
 def _title(reading: MeasurementReading, name: str) -> str:

@@ -1,10 +1,23 @@
 import csv
+import re
 
 import numpy as np
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.tables import write_table
+from apd_viewer.files.tables import text_cell, text_in, write_table
+
+SIGNS = "=+-@\N{FULLWIDTH EQUALS SIGN}\N{FULLWIDTH COMMERCIAL AT}"
+FORMULAS = ["=1+1", "+1+1", "-2+3+cmd|' /C calc'!A0", "@SUM(A1)", "\t=1+1", "\r=1+1", " =1+1"]
+FORMULAS += ["a;=1+1", "b\t@x"]
+
+
+def computed(cell):
+    """Whether a spreadsheet, by whichever separator it reads the cell, computes a part of it."""
+    parts = [part.lstrip(" ") for part in re.split(r"[;\t\r\n]", cell)]
+    return any(part[:1] in SIGNS for part in parts if part) or cell[:1] in ("\t", "\r")
 
 
 def test_what_is_read_back_is_the_same_to_the_last_digit(tmp_path):
@@ -39,3 +52,39 @@ def test_a_table_that_cannot_be_written_leaves_what_was_there(tmp_path):
     with pytest.raises(InputError, match="cannot be written"):
         write_table(tmp_path / "nowhere" / "table.csv", ("a",), np.ones((1, 1)))
     assert [path.name for path in tmp_path.iterdir()] == ["taken.csv"]
+
+
+def is_number(text):
+    try:
+        float(text.removesuffix("%"))
+    except ValueError:
+        return False
+    return True
+
+
+@given(st.text(st.sampled_from("=+-@'; \t\r\n,1a.%\N{FULLWIDTH EQUALS SIGN}")) | st.text())
+@example("-1.5")
+@example("'=1+1")
+def test_a_text_is_never_a_formula_and_comes_back(text):
+    cell = text_cell(text)
+    assert text_in(cell) == text
+    if is_number(text):
+        assert cell == text
+    elif re.search("[^-+=@.,;%' \t\r\n0-9]", text):
+        assert not computed(cell)
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_a_formula_stays_text_in_the_file(tmp_path, text):
+    assert computed(text)
+    write_table(tmp_path / "a.csv", [text, "n"], [[text, -1.5], ["-1.5", None]])
+    with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as stream:
+        lines = list(csv.reader(stream))
+    assert not any(map(computed, (lines[0][0], lines[1][0])))
+    assert [text_in(lines[0][0]), text_in(lines[1][0])] == [text, text]
+    assert [lines[1][1], lines[2][0]] == ["-1.5", "-1.5"]
+
+
+@pytest.mark.parametrize("text", ["no = formula", "twist 30deg; push 10%", "it's", "-20%", "+2.34 %", ""])
+def test_other_texts_are_written_as_they_are(text):
+    assert text_cell(text) == text

@@ -9,6 +9,7 @@ from driven_session import BENT, VIEW
 
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
+from apd_viewer.files.tables import text_in
 from apd_viewer.geometry.measuring.geodesics import geodesic_path, path_length
 from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Plane
@@ -184,3 +185,11 @@ def test_words_tell_values_changes_and_what_is_missing(session):
     session.until(lambda: readings(session)[2].now.values[0] is not None, COLD)
     assert done[2].now.values == pytest.approx(readings(session)[2].now.values, rel=1e-9)
     assert "°" in rows[1][1]
+
+
+def test_a_name_stays_text_in_the_spreadsheet_it_is_copied_to(session):
+    session.measurements.add(Kind.DISTANCE, POINTS[:2])
+    session.measurements.rename(0, "=1+1\t@x")
+    line = words.table(readings(session), Unit.MILLIMETRE).splitlines()[1]
+    assert not [cell for cell in line.split("\t") if cell[:1] in ("=", "@")]
+    assert text_in(line).startswith("=1+1\t@x\t")

@@ -168,6 +168,18 @@ def test_the_table_has_what_it_promises(run, bar):
     assert set(READINGS) <= set(found[0])
 
 
+def test_notes_of_a_plan_stay_text(run, planned, bar):
+    """Whoever opens the table in a spreadsheet must not run what a stranger wrote."""
+    notes = ["=1+1", "@SUM(A1)", "+2+3", "-1.5", "see above"]
+    _, table = run(*({"motion": f"twist {k + 1}deg", "# who": note} for k, note in enumerate(notes)))
+    assert [row.cells[-1] for row in table.rows] == notes
+    with (bar / "out" / "results.csv").open(newline="", encoding="utf-8") as stream:
+        cells = [row["# who"] for row in csv.DictReader(stream)]
+    assert not [cell for cell in cells if cell[0] in "=+-@" and cell != "-1.5"]
+    again = planned(*({"# who": cell} for cell in cells))
+    assert [row.cells[-1] for row in again.rows] == notes
+
+
 def test_the_rest_is_forecast_by_what_was_measured(written, planned, bar):
     study = Study(written(*ROWS), bar / "out")
     assert work_left(study.plan, bar / "out").seconds is None

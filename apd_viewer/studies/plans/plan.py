@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.reading import content_of
+from apd_viewer.files.tables import text_in
 from apd_viewer.language import tr
 from apd_viewer.studies.plans.case import StudyCase
 from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE
@@ -130,7 +131,7 @@ def _lines(text: str, path: Path) -> Iterator[tuple[int, tuple[str, ...]]]:
                             name=path.name, most=MOST_ROWS
                         )
                     )
-                yield line, tuple(cell.strip() for cell in cells)
+                yield line, tuple(text_in(cell.strip()) for cell in cells)
     except csv.Error as error:
         raise InputError(
             tr("{name} is no table: line {line} cannot be read ({reason}).").format(
