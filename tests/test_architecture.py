@@ -93,7 +93,7 @@ LIBRARIES = {
     "figures": {"numpy", "matplotlib", "PIL", "imageio_ffmpeg", "pyvista"},
     "ui": SCREEN | {"numpy"},
     "presentation": {"numpy"},
-    "studies": {"numpy", "scipy", "distributed", "dask", "pyarrow", "threadpoolctl"},
+    "studies": {"numpy", "scipy", "distributed", "pyarrow", "threadpoolctl"},
     "session": {"numpy"},
     "files": {"numpy", "trimesh", "PIL", "vtkmodules"},
     "geometry": {
@@ -142,7 +142,6 @@ CONFINED = {
     "vtk": DRAWS,
     "vtkmodules": DRAWS | {"files/animations/paraview_series.py"},  # which writes without a picture
     "distributed": {"studies/cluster.py"},
-    "dask": {"studies/cluster.py"},
     "pyarrow": {"studies/results.py"},
     "threadpoolctl": {"geometry/linalg/threads.py", "studies/worker.py"},
     "qtpy": set(),  # the binding that pyvistaqt chooses is its own affair

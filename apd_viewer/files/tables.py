@@ -57,7 +57,7 @@ def _written(cell: Cell) -> str:
 
 
 def text_cell(text: str) -> str:
-    """A text as a cell that spreadsheets take for text, with ' before what they would compute.
+    """A text as a cell that stays text, with ' before what spreadsheets would compute.
 
     Numbers stay as they are. :func:`text_in` gives the text again.
     """

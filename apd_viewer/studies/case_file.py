@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import io
 import json
 import os
 import struct
+import sys
 import zlib
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -21,9 +21,12 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from pathlib import Path
 
+Curves: TypeAlias = dict[str, list[float | None]]
+
 SUFFIX = ".case"
 DONE, FAILED = "done", "failed"
 _MAGIC = b"apd-case\x01"
+_LARGEST = sys.float_info.max
 _HEAD = struct.Struct("<IQQ")  # CRC-32 of what follows, lengths of text and array
 
 
@@ -55,7 +58,7 @@ class CaseResult:
     status: str
     sentence: str = ""
     readings: dict[str, float | None] = field(default_factory=dict)
-    curves: dict[str, list[float | None]] = field(default_factory=dict)
+    curves: Curves = field(default_factory=dict)
     frame: dict[str, Any] = field(default_factory=dict)
     U: np.ndarray | None = None
 
@@ -85,9 +88,36 @@ def unpacked(content: bytes, shape: bool = True) -> CaseResult:
     body = memoryview(content)[start:]
     if len(body) != text + array or zlib.crc32(body) != crc:
         raise ValueError(tr("it is damaged"))
-    said = json.loads(bytes(body[:text]))
-    U = frozen(np.load(io.BytesIO(body[text:]), allow_pickle=False)) if shape and array else None
-    return CaseResult(**said, U=U)
+    try:
+        said = json.loads(bytes(body[:text]))
+        return _checked(CaseResult(**said, U=_shape(body[text:]) if shape and array else None))
+    except (ValueError, TypeError, RecursionError) as error:  # made by somebody else
+        raise ValueError(tr("it is damaged")) from error
+
+
+def _shape(content: memoryview) -> np.ndarray:
+    """A shape as it was packed; raises ValueError for anything else."""
+    start = 10 + int.from_bytes(content[8:10], "little")
+    U = np.frombuffer(content, "<f8", offset=start).reshape(-1, 3).astype(np.float64)
+    if npy(U) != content:
+        raise ValueError
+    return frozen(U)
+
+
+def _checked(result: CaseResult) -> CaseResult:
+    """A result of the types that it should have; raises TypeError or ValueError."""
+    texts, parts = (result.key, result.status, result.sentence), (result.case, result.frame)
+    if not all(isinstance(each, str) for each in texts) or not all(isinstance(each, dict) for each in parts):
+        raise TypeError
+    rows = list(zip(*result.curves.values(), strict=True))
+    if not all(is_reading(value) for row in (result.readings.values(), *rows) for value in row):
+        raise ValueError
+    return result
+
+
+def is_reading(value: object) -> bool:
+    """True for a finite number, or None."""
+    return value is None or (isinstance(value, int | float) and -_LARGEST <= value <= _LARGEST)
 
 
 def write_case(path: Path, content: bytes) -> None:
@@ -105,13 +135,18 @@ def case_path(folder: Path, key: str) -> Path:
 
 def read_case(folder: Path, key: str, shape: bool = False) -> CaseResult:
     """Read a finished case; raises InputError if it is not there or damaged."""
-    path = case_path(folder, key)
     try:
-        return unpacked(path.read_bytes(), shape)
+        return unpacked(case_path(folder, key).read_bytes(), shape)
     except OSError as error:
         raise InputError(tr("This case is not done yet, or its study was moved; open it again.")) from error
     except ValueError as error:
-        raise InputError(tr("{name} is damaged; run the study again.").format(name=path.name)) from error
+        raise damaged_case(folder, key) from error
+
+
+def damaged_case(folder: Path, key: str) -> InputError:
+    """Sentence on a damaged file."""
+    name = case_path(folder, key).name
+    return InputError(tr("{name} is damaged; run the study again.").format(name=name))
 
 
 def case_sizes(folder: Path) -> dict[str, int]:

@@ -11,8 +11,9 @@ from apd_viewer.session.posing.motion_path import posed_along
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.storage.session_json import frame_of
 from apd_viewer.studies.case_document import OpenedMeshes, part_of_motion, state_of, sweep_of_case
-from apd_viewer.studies.case_file import read_case
+from apd_viewer.studies.case_file import damaged_case, read_case
 from apd_viewer.studies.plans.case import StudyCase
+from apd_viewer.studies.plans.plan_row import value_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -41,9 +42,16 @@ def case_session(folder: Path, key: str) -> tuple[State, View]:
     result = read_case(folder, key, shape=True)
     if result.U is None:
         raise InputError(tr("This case has no shape: {sentence}").format(sentence=result.sentence))
-    case = StudyCase.of(result.case, folder / INPUTS)
     try:
+        case = StudyCase.of(result.case, folder / INPUTS)
+        value_of("steps", str(case.steps))
         state, view, motion = state_of(case, OpenedMeshes(lambda source: source.path.read_bytes()))
+        if len(state.document.mesh.V) != len(result.U):
+            raise ValueError
+    except InputError:
+        raise
+    except (ValueError, TypeError, KeyError, AttributeError) as error:  # made by somebody else
+        raise damaged_case(folder, key) from error
     except OSError as error:
         raise InputError(
             tr("The mesh of this case is gone from {folder}; run the study again.").format(

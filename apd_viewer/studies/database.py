@@ -1,9 +1,13 @@
-"""The database of a study: its plan, and the readings of its cases."""
+"""The database of a study: its plan, and the readings of its cases.
+
+It is made anew from the files of the cases wherever it is damaged; so nothing in it is believed unseen.
+"""
 
 from __future__ import annotations
 
+import os
 import sqlite3
-from contextlib import closing, suppress
+from contextlib import closing, contextmanager, suppress
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
@@ -11,11 +15,13 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
 DATABASE = "study.sqlite"
 _PATIENCE = 60.0  # s that a reader or the writer waits for the other
 _TABLES = """
+begin;
 create table if not exists facts (name text primary key, value text not null);
 create table if not exists plan (
     position integer primary key, line integer not null, key text, mistake text not null, same_as integer,
@@ -25,7 +31,12 @@ create table if not exists cases (
     key text primary key, size integer not null, status text not null, sentence text not null,
     seconds real, readings text not null
 );
+commit;
 """
+# What SQLite says of a damaged database may quote bytes of it that are no text.
+DATABASE_ERRORS = sqlite3.DatabaseError, UnicodeDecodeError
+# Errors of a sound database.
+_FOR_NOW = "locked", "is full", "unable to open", "disk I/O"
 
 
 def opened_database(folder: Path) -> sqlite3.Connection:
@@ -33,38 +44,79 @@ def opened_database(folder: Path) -> sqlite3.Connection:
 
     A damaged one is put aside, and a new one takes its place.
     """
-    path, base = folder / DATABASE, None
+    path = folder / DATABASE
+    if not path.exists() or path.is_file():
+        try:
+            return _connected(path)
+        except DATABASE_ERRORS as error:
+            if not is_damage(error, folder):
+                raise unwritable(folder, error) from error
+    put_aside(folder)
     try:
-        base = _connected(path)
-        base.execute("select count(*), max(size) from cases").fetchone()
-        return base
-    except sqlite3.DatabaseError as error:
-        if base is not None:
-            base.close()
-        if isinstance(error, sqlite3.OperationalError) and not str(error).startswith("no such"):
-            # Locked, or the disk is full: nothing is wrong with it.
-            raise InputError(
-                tr("{path} cannot be opened now ({reason}); try again.").format(path=path, reason=error)
-            ) from error
-        for each in (path, path.with_name(f"{path.name}-journal")):
-            with suppress(OSError):
-                each.replace(each.with_name(f"{each.name}.damaged"))
         return _connected(path)
+    except DATABASE_ERRORS as error:
+        raise unwritable(folder, error) from error
 
 
 def _connected(path: Path) -> sqlite3.Connection:
     base = sqlite3.connect(path, timeout=_PATIENCE)
+    base.text_factory = _decoded
     try:
         # Not the write-ahead log: it does not work over a network, where others read.
         base.executescript(f"pragma journal_mode = delete; pragma synchronous = normal; {_TABLES}")
+        _check_tables(base)
+        if base.execute("pragma integrity_check(1)").fetchone() != ("ok",):
+            raise sqlite3.DatabaseError(DATABASE)
     except BaseException:
         base.close()
         raise
     return base
 
 
-def unreadable(folder: Path, error: sqlite3.DatabaseError) -> InputError:
+def _decoded(text: bytes) -> str:
+    return text.decode(errors="replace")
+
+
+def _check_tables(base: sqlite3.Connection) -> None:
+    """Raise sqlite3.DatabaseError for other tables, and for views and triggers."""
+    with closing(sqlite3.connect(":memory:")) as new:
+        new.executescript(_TABLES)
+        said = "select type, name, sql from sqlite_master order by name"
+        if base.execute(said).fetchall() != new.execute(said).fetchall():
+            raise sqlite3.DatabaseError(DATABASE)
+
+
+def is_damage(error: Exception, folder: Path) -> bool:
+    """True unless the database is in use, the disk is full or the like."""
+    said = str(error)
+    if "readonly" in said:  # or it has been moved away
+        return os.access(folder, os.W_OK) and (
+            not (folder / DATABASE).exists() or os.access(folder / DATABASE, os.W_OK)
+        )
+    return not any(word in said for word in _FOR_NOW)
+
+
+def put_aside(folder: Path) -> None:
+    """Give the damaged database of a study another name, so that it can be looked at."""
+    path = folder / DATABASE
+    for each in (path, path.with_name(f"{path.name}-journal")):
+        with suppress(OSError):
+            each.replace(each.with_name(f"{each.name}.damaged"))
+
+
+def unwritable(folder: Path, error: Exception) -> InputError:
+    """Sentence on the database and the error of writing it."""
+    return InputError(
+        tr("{path} cannot be opened now ({reason}); try again.").format(path=folder / DATABASE, reason=error)
+    )
+
+
+def unreadable(folder: Path, error: Exception) -> InputError:
     """Sentence on results and the error of reading them."""
+    if is_damage(error, folder):
+        return InputError(
+            tr("The results in {folder} are damaged; run the study again.").format(folder=folder)
+        )
     return InputError(
         tr("The results in {folder} cannot be read now ({reason}); try again.").format(
             folder=folder, reason=error
@@ -72,13 +124,14 @@ def unreadable(folder: Path, error: sqlite3.DatabaseError) -> InputError:
     )
 
 
-def reading(folder: Path) -> closing[sqlite3.Connection]:
+@contextmanager
+def reading(folder: Path) -> Iterator[sqlite3.Connection]:
     """The database of a study, for reading only, also while it runs.
 
     Raises
     ------
     InputError
-        If there is none.
+        If there is none, or it cannot be read.
     """
     path = folder / DATABASE
     if not path.is_file():
@@ -86,4 +139,10 @@ def reading(folder: Path) -> closing[sqlite3.Connection]:
     # As a path alone: SQLite refuses the URI of a file on another computer.
     place = quote(path.absolute().as_posix())
     place = place if place.startswith("/") else f"/{place}"
-    return closing(sqlite3.connect(f"file://{place}?mode=ro", uri=True, timeout=_PATIENCE))
+    try:
+        with closing(sqlite3.connect(f"file://{place}?mode=ro", uri=True, timeout=_PATIENCE)) as base:
+            base.text_factory = _decoded
+            _check_tables(base)
+            yield base
+    except DATABASE_ERRORS as error:
+        raise unreadable(folder, error) from error

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import errno
 import os
-import sqlite3
 from collections import defaultdict
 from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_folder import not_written
 from apd_viewer.studies.case_file import FAILED, case_sizes, read_case
-from apd_viewer.studies.database import DATABASE, reading, unreadable
+from apd_viewer.studies.database import reading
+from apd_viewer.studies.database_rows import known_cases
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from apd_viewer.studies.database_rows import KnownCase
     from apd_viewer.studies.plans.case import StudyCase
     from apd_viewer.studies.plans.plan import Plan
 
@@ -42,19 +43,13 @@ class WorkLeft(NamedTuple):
     seconds: float | None
 
 
-class _Known(NamedTuple):
-    size: int
-    status: str
-    seconds: float | None
-
-
 def work_left(plan: Plan, folder: Path, retry_failed: bool = False) -> WorkLeft:
     """Work left of a plan, and its time; the folder of its results need not be there.
 
     Raises
     ------
     InputError
-        If the results cannot be read, or the folder is a file.
+        If the folder is a file.
     """
     if folder.exists() and not folder.is_dir():
         raise not_written(folder, NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR)))
@@ -66,23 +61,20 @@ def work_left(plan: Plan, folder: Path, retry_failed: bool = False) -> WorkLeft:
         done, failed = done - failed, set()
     wrong = sum(row.case is None for row in plan.rows)
     left = [case for key, case in cases.items() if key not in done]
-    timed = [(cases[key], each.seconds) for key, each in known.items() if key in cases]
+    timed = [(cases[key], each.readings.get("seconds")) for key, each in known.items() if key in cases]
     return WorkLeft(len(cases), len(done), len(failed), wrong, _seconds(left, timed))
 
 
-def _known(folder: Path) -> dict[str, _Known]:
-    """Finished cases in the database of the folder, by their keys."""
-    if not (folder / DATABASE).is_file():
-        return {}
+def _known(folder: Path) -> dict[str, KnownCase]:
+    """Finished cases in the database, by their keys; none if that cannot be read."""
     try:
         with reading(folder) as base:
-            rows = base.execute("select key, size, status, seconds from cases").fetchall()
-    except sqlite3.DatabaseError as error:
-        raise unreadable(folder, error) from error
-    return {key: _Known(*values) for key, *values in rows}
+            return known_cases(base)
+    except InputError:
+        return {}
 
 
-def _sound(folder: Path, key: str, size: int, known: dict[str, _Known]) -> bool:
+def _sound(folder: Path, key: str, size: int, known: dict[str, KnownCase]) -> bool:
     """True if a file is as the database knows it, or whole."""
     if key in known and known[key].size == size:
         return True

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sqlite3
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -10,16 +9,21 @@ from typing import TYPE_CHECKING
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
-from apd_viewer.studies.case_file import DONE, FAILED, read_case
-from apd_viewer.studies.database import reading, unreadable
+from apd_viewer.studies.case_file import DONE, FAILED
+from apd_viewer.studies.database import DATABASE, reading, unreadable
+from apd_viewer.studies.database_rows import checked, from_json, readings_in
 from apd_viewer.studies.run_case import FINAL
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
+    from typing import Any
 
     from apd_viewer.files.tables import Cell
+    from apd_viewer.studies.case_file import Curves
 
 WAITING, WRONG, DUPLICATE = "waiting", "wrong", "duplicate"
+_STATES = DONE, FAILED, WAITING, WRONG, DUPLICATE
 # Behind the plan's columns; others may rely on these and their order.
 PROMISED = ("area_error", "volume", "volume_capped", "energy", "crossings", "seconds")
 READINGS = (*PROMISED, *FINAL)
@@ -83,17 +87,35 @@ class ResultTable:
 
 def read_results(folder: Path) -> ResultTable:
     """Read the results so far; raises InputError without a study."""
+    with reading(folder) as base:
+        found = _found(base)
+    # Once the database is closed: as long as rows are read its writer has to wait.
     try:
-        with reading(folder) as base:
-            found = base.execute("select value from facts where name = 'columns'").fetchone()
-            rows = base.execute(
-                "select line, plan.key, cells, mistake, same_as, status, sentence, readings"
-                " from plan left join cases on plan.key = cases.key order by position"
-            ).fetchall()
+        return _table(*found)
     except sqlite3.DatabaseError as error:
         raise unreadable(folder, error) from error
-    # Once the database is closed: as long as rows are read its writer has to wait.
-    return ResultTable(tuple(json.loads(found[0])) if found else (), tuple(_row(*row) for row in rows))
+
+
+def results_in(base: sqlite3.Connection) -> ResultTable:
+    """The results in an open database; raises one of DATABASE_ERRORS."""
+    return _table(*_found(base))
+
+
+def _found(base: sqlite3.Connection) -> tuple[Any, list[Any]]:
+    columns = base.execute("select value from facts where name = 'columns'").fetchone()
+    rows = base.execute(
+        "select line, plan.key, cells, mistake, same_as, status, sentence, readings"
+        " from plan left join cases on plan.key = cases.key order by position"
+    )
+    return columns, rows.fetchall()
+
+
+def _table(columns: Any, rows: list[Any]) -> ResultTable:
+    names = tuple(checked(name, str) for name in from_json(columns[0], list)) if columns else ()
+    found = tuple(_row(*row) for row in rows)
+    if any(len(row.cells) != len(names) for row in found):
+        raise sqlite3.DatabaseError(DATABASE)
+    return ResultTable(names, found)
 
 
 def _row(
@@ -108,10 +130,17 @@ def _row(
 ) -> ResultRow:
     if key is None:
         status, sentence = WRONG, mistake
+    elif not checked(key, str).isalnum():  # it names a file
+        raise sqlite3.DatabaseError(DATABASE)
     elif same_as is not None:
         status, sentence = DUPLICATE, mistake
-    found = json.loads(readings) if readings else {}
-    return ResultRow(line, key or "", tuple(json.loads(cells)), status or WAITING, sentence or "", found)
+    found = readings_in(readings) if readings is not None else {}
+    said = tuple(checked(cell, str) for cell in from_json(cells, list))
+    if (status or WAITING) not in _STATES:
+        raise sqlite3.DatabaseError(DATABASE)
+    return ResultRow(
+        checked(line, int), key or "", said, status or WAITING, checked(sentence or "", str), found
+    )
 
 
 def write_results(folder: Path, table: ResultTable) -> None:
@@ -122,14 +151,17 @@ def write_results(folder: Path, table: ResultTable) -> None:
     _write_parquet(folder, columns, rows, len(table.columns))
 
 
-def write_curves(folder: Path, table: ResultTable) -> None:
-    """Write ``curves.csv``, a row a step of every finished case; raises InputError."""
+def write_curves(folder: Path, table: ResultTable, known: Mapping[str, Curves]) -> None:
+    """Write ``curves.csv``, a row a step of every case with known curves.
+
+    Raises InputError where it cannot be written.
+    """
     rows: list[list[Cell]] = []
     names: list[str] = []
     for row in table.rows:
-        if row.status != DONE:
+        if row.status != DONE or row.key not in known:
             continue
-        curves = read_case(folder, row.key).curves
+        curves = known[row.key]
         names = names or list(curves)
         rows += [[row.line, step, *values] for step, values in enumerate(zip(*curves.values(), strict=True))]
     write_table(folder / "curves.csv", ["line", "step", *names], rows)

@@ -11,22 +11,29 @@
 
 from __future__ import annotations
 
-import json
 import time
-from typing import TYPE_CHECKING
+from contextlib import suppress
+from typing import TYPE_CHECKING, TypeVar
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_folder import not_written
 from apd_viewer.files.storage.lock import Lock, take
+from apd_viewer.files.storage.reading import content_of
 from apd_viewer.language import tr
-from apd_viewer.studies.case_file import CaseResult, case_path, case_sizes, unpacked, write_case
-from apd_viewer.studies.database import opened_database
+from apd_viewer.studies.case_file import FAILED, CaseResult, case_path, case_sizes, unpacked, write_case
+from apd_viewer.studies.database import DATABASE_ERRORS, is_damage, opened_database, put_aside, unwritable
+from apd_viewer.studies.database_rows import known_cases, write_plan, write_result
+from apd_viewer.studies.results import results_in
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
     from pathlib import Path
 
+    from apd_viewer.studies.case_file import Curves
     from apd_viewer.studies.plans.plan import Plan
+    from apd_viewer.studies.results import ResultTable
+
+T = TypeVar("T")
 
 # Seconds between two commits: what is lost with the program is read from the files again.
 _COMMIT = 1.0
@@ -40,6 +47,11 @@ class StudyStore:
     folder : Path
         Made where it is not there.
 
+    Attributes
+    ----------
+    damaged : int
+        Number of files that were damaged, whose cases count as not done.
+
     Raises
     ------
     InputError
@@ -47,7 +59,8 @@ class StudyStore:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.folder = folder
+        self.folder, self.damaged = folder, 0
+        self._plan: Plan | None = None
         try:
             (folder / "cases").mkdir(parents=True, exist_ok=True)
             self._lock = self._taken()
@@ -72,12 +85,33 @@ class StudyStore:
 
     def close(self) -> None:
         """Write the rest, and let others write."""
-        self._base.commit()
+        with suppress(*DATABASE_ERRORS):  # the files have it all
+            self._base.commit()
         self._base.close()
         self._lock.remove()
 
-    def path(self, key: str) -> Path:
-        """File of a finished case."""
+    def _safely(self, act: Callable[[], T]) -> T:
+        """Act on the database, and again on a new one if damaged; raises InputError."""
+        try:
+            return act()
+        except DATABASE_ERRORS as error:
+            if not is_damage(error, self.folder):
+                raise unwritable(self.folder, error) from error
+        try:
+            self._make_anew()
+            return act()
+        except DATABASE_ERRORS as error:
+            raise unwritable(self.folder, error) from error
+
+    def _make_anew(self) -> None:
+        """Make another database, from the files of the cases."""
+        self._base.close()
+        put_aside(self.folder)
+        self._base = opened_database(self.folder)
+        if self._plan is not None:
+            self._begun(self._plan)
+
+    def _path(self, key: str) -> Path:
         return case_path(self.folder, key)
 
     def begin(self, plan: Plan, retry_failed: bool = False) -> set[str]:
@@ -89,49 +123,60 @@ class StudyStore:
         retry_failed : bool
             Whether failed cases count as not done.
         """
-        self._write_plan(plan)
+        self._plan = plan
+        done = self._safely(lambda: self._begun(plan))
+        if retry_failed:  # they stay until there is another result
+            known = self._safely(lambda: known_cases(self._base))
+            done -= {key for key in done if known[key].status == FAILED}
+        return done
+
+    def _begun(self, plan: Plan) -> set[str]:
+        """Keys of finished cases, which the database then has, with the plan."""
+        write_plan(self._base, plan)
         wanted = set(plan.cases)
         sizes = case_sizes(self.folder)
-        known = dict(self._base.execute("select key, size from cases"))
+        known = {key: case.size for key, case in known_cases(self._base).items()}
         done = {key for key in wanted if sizes.get(key) == known.get(key, -1)}
-        for key in (wanted & sizes.keys()) - done:  # written just before the program was killed, or damaged
-            if self._read_again(key):
-                done.add(key)
+        # Written just before the program was killed, or damaged.
+        done |= {key for key in (wanted & sizes.keys()) - done if self._read_again(key) is not None}
         self._forget(wanted & known.keys() - done)
-        if retry_failed:  # they stay until there is another result
-            done -= {key for (key,) in self._base.execute("select key from cases where status = 'failed'")}
         self._base.commit()
         return done
 
-    def _write_plan(self, plan: Plan) -> None:
-        rows = (
-            (
-                k,
-                row.line,
-                None if row.case is None else row.case.key,
-                row.mistake,
-                row.same_as,
-                json.dumps(row.cells),
-            )
-            for k, row in enumerate(plan.rows)
-        )
-        self._base.execute("delete from plan")
-        self._base.executemany("insert into plan values (?, ?, ?, ?, ?, ?)", rows)
-        self._base.execute("insert or replace into facts values ('columns', ?)", (json.dumps(plan.columns),))
+    def _read_again(self, key: str) -> CaseResult | None:
+        """Take the result of a file, which is right; remove a damaged one.
 
-    def _read_again(self, key: str) -> bool:
-        """Take the result of a file; remove a damaged one."""
+        Raises InputError if it is there and cannot be read now.
+        """
+        path = self._path(key)
+        content = content_of(path) if path.exists() else b""
         try:
-            content = self.path(key).read_bytes()
-            self._insert(unpacked(content, shape=False), len(content))
-        except (ValueError, OSError):
-            self.path(key).unlink(missing_ok=True)
-            return False
-        return True
+            result = unpacked(content, shape=False)
+            if result.key != key:
+                raise ValueError
+        except ValueError:
+            self.damaged += path.exists()
+            self._forget({key})
+            return None
+        write_result(self._base, result, len(content))
+        return result
+
+    def curves(self, keys: Iterable[str]) -> dict[str, Curves]:
+        """Curves of finished cases, whose files are all compared with the database.
+
+        A case whose file is damaged is not among them, and no longer finished.
+        """
+        found = self._safely(lambda: {key: self._read_again(key) for key in sorted(keys)})
+        self.commit()
+        return {key: result.curves for key, result in found.items() if result is not None}
+
+    def results(self) -> ResultTable:
+        """The results so far."""
+        return self._safely(lambda: results_in(self._base))
 
     def _forget(self, keys: Iterable[str]) -> None:
         for key in keys:
-            self.path(key).unlink(missing_ok=True)
+            self._path(key).unlink(missing_ok=True)
             self._base.execute("delete from cases where key = ?", (key,))
 
     def add(self, content: bytes) -> CaseResult:
@@ -143,20 +188,13 @@ class StudyStore:
             If it cannot be written.
         """
         result = unpacked(content, shape=False)
-        write_case(self.path(result.key), content)
-        self._insert(result, len(content))
+        write_case(self._path(result.key), content)
+        self._safely(lambda: write_result(self._base, result, len(content)))
         if time.monotonic() - self._committed > _COMMIT:
             self.commit()
         return result
 
     def commit(self) -> None:
         """Commit the results added so far."""
-        self._base.commit()
+        self._safely(lambda: self._base.commit())
         self._committed = time.monotonic()
-
-    def _insert(self, result: CaseResult, size: int) -> None:
-        readings = result.readings
-        self._base.execute(
-            "insert or replace into cases values (?, ?, ?, ?, ?, ?)",
-            (result.key, size, result.status, result.sentence, readings.get("seconds"), json.dumps(readings)),
-        )

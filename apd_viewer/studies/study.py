@@ -12,7 +12,7 @@ from apd_viewer.studies.engine import Runner
 from apd_viewer.studies.pace import Pace
 from apd_viewer.studies.plans.plan import read_plan
 from apd_viewer.studies.plans.sources import Sources
-from apd_viewer.studies.results import read_results, write_curves, write_results
+from apd_viewer.studies.results import write_curves, write_results
 from apd_viewer.studies.store import StudyStore
 
 if TYPE_CHECKING:
@@ -61,6 +61,11 @@ class Study:
         self._table, self._took = time.monotonic(), 0.0
 
     @property
+    def damaged(self) -> int:
+        """Number of results that were damaged; their cases are left, or were run again."""
+        return self._store.damaged
+
+    @property
     def left(self) -> dict[str, StudyCase]:
         """Unfinished cases by their keys."""
         return {key: case for key, case in self._cases.items() if key not in self._done}
@@ -90,7 +95,15 @@ class Study:
         InputError
             If the engine is gone or the folder cannot be written; what is done is kept.
         """
-        failed = self._failed(read_results(self.folder))
+        table = self._round(engine, limit, told)
+        if self.left and not self._stopping:  # files that were found damaged at the end
+            table = self._round(engine, limit, told)
+        return table
+
+    def _round(
+        self, engine: Engine, limit: float | None, told: Callable[[CaseCounts], object]
+    ) -> ResultTable:
+        failed = self._failed(self._store.results())
         pace = Pace(len(self._cases), len(self._done), failed)
 
         def finished(content: bytes) -> None:
@@ -113,9 +126,11 @@ class Study:
         return self.finish()
 
     def finish(self) -> ResultTable:
-        """Write all tables; return the results."""
+        """Write all tables, and return the results; damaged cases are left."""
+        curves = self._store.curves(self._done)
+        self._done &= curves.keys()
         table = self.write()
-        write_curves(self.folder, table)
+        write_curves(self.folder, table, curves)
         return table
 
     def stop(self) -> None:
@@ -128,7 +143,7 @@ class Study:
         """Write the table of the results as they are, and return it."""
         started = time.monotonic()
         self._store.commit()
-        table = read_results(self.folder)
+        table = self._store.results()
         write_results(self.folder, table)
         self._table = time.monotonic()
         self._took = self._table - started

@@ -6,6 +6,7 @@ import sqlite3
 from contextlib import closing
 
 import pytest
+from immediate import Here
 from study_work import quick
 
 from apd_viewer.errors import InputError
@@ -18,32 +19,6 @@ from apd_viewer.studies.study import Study
 from apd_viewer.studies.worker import CaseAnswer, Task
 
 ROWS = [{"motion": f"twist {angle}deg"} for angle in (10, 20, 30, 40)]
-
-
-class Here:
-    """An engine that runs every case at once, here, and remembers which."""
-
-    knows_whose_fault = True
-
-    def __init__(self, work=quick):
-        self.work, self.ran, self.overdue = work, [], set()
-
-    def room(self):
-        return 1
-
-    def running(self):
-        return 0
-
-    def start(self, task):
-        from concurrent.futures import Future
-
-        self.ran.append(task.case.motion[0])
-        future = Future()
-        future.set_result(self.work(task))
-        return future
-
-    def look_after(self):
-        pass
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from apd_viewer.commands.studies.study_output import mistakes, planned, summary
+from apd_viewer.commands.studies.study_output import damaged, mistakes, planned, summary
 from apd_viewer.commands.studies.study_progress import StudyProgress
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
@@ -104,12 +104,12 @@ def _run(study: Study, options: argparse.Namespace) -> None:
     at_once = True
     engine: Engine | None = None
     try:
+        if not study.left:
+            table = study.finish()
         if study.left:
             engine = _engine(options)
             with _interruptible(study):
                 table = study.run(engine, options.limit, progress.show)
-        else:
-            table = study.finish()
         at_once = False
     except KeyboardInterrupt:
         table = study.write()
@@ -118,6 +118,7 @@ def _run(study: Study, options: argparse.Namespace) -> None:
         if engine is not None:
             engine.close(at_once)
     print(summary(table, options.output))
+    print(damaged(study.damaged), end="", file=sys.stderr)
     if study.left:
         print(tr("interrupted; the same command goes on"), file=sys.stderr)
         raise SystemExit(_INTERRUPTED)

@@ -63,6 +63,14 @@ def summary(table: ResultTable, folder: Path) -> str:
     return "\n".join([*lines, *_first(failed)])
 
 
+def damaged(count: int) -> str:
+    """A line on results that were damaged; empty without any."""
+    said = trn(
+        "{count:,} damaged result is computed again", "{count:,} damaged results are computed again", count
+    )
+    return said.format(count=count) + "\n" if count else ""
+
+
 def _on_line(line: int, sentence: str) -> str:
     return tr("line {line}: {sentence}").format(line=line, sentence=sentence)
 

@@ -43,7 +43,12 @@ class Source:
 
     @classmethod
     def of(cls, said: dict[str, str], inputs: Path) -> Source:
-        """The source again, with its copy in a folder of inputs."""
+        """The source again, with its copy in a folder of inputs.
+
+        Raises ValueError if that would be elsewhere.
+        """
+        if not said["digest"].isalnum() or Path(said["name"]).name != said["name"]:
+            raise ValueError
         path = copy_of(inputs, said["digest"], said["name"])
         return cls(said["digest"], path.suffix.lower(), path)
 
@@ -114,7 +119,13 @@ class StudyCase:
 
     @classmethod
     def of(cls, said: dict[str, Any], inputs: Path) -> StudyCase:
-        """The case again, with its files in a folder of inputs."""
+        """The case again, with its files in a folder of inputs.
+
+        Raises
+        ------
+        ValueError, TypeError, KeyError, AttributeError
+            If it says something else.
+        """
         selection = said["selection"] and Source.of(said["selection"], inputs)
         mesh, settings = Source.of(said["mesh"], inputs), tuple(said["settings"].items())
         return cls(mesh, selection, tuple(said["motion"]), said["unit"], said["steps"], settings)

@@ -24,7 +24,7 @@ _IN_PARTS = ".gltf"
 
 
 class Sources:
-    """Copies of meshes, selections and sessions, each made once.
+    """Copies of meshes, selections and sessions, each made once, and again if damaged.
 
     A study goes on with what it began with where a file is changed meanwhile, and can be taken elsewhere.
 
@@ -71,7 +71,7 @@ class Sources:
         if suffix != SUFFIX:
             return self._kept(content, path)
         source = self._source(content, path)
-        if not source.path.exists():
+        if not _opens(source.path):
             # With its mesh in it, which may be elsewhere.
             state, view = open_session(path)
             if self._keep:
@@ -81,7 +81,7 @@ class Sources:
 
     def _kept(self, content: bytes, path: Path) -> Source:
         source = self._source(content, path)
-        if self._keep and not source.path.exists():
+        if self._keep and not (source.path.is_file() and source.path.read_bytes() == content):
             make_folder(source.path.parent)
             with replacing(source.path) as scratch:
                 scratch.write_bytes(content)
@@ -90,3 +90,11 @@ class Sources:
     def _source(self, content: bytes, path: Path) -> Source:
         digest = hashlib.sha256(content).hexdigest()
         return Source(digest, path.suffix.lower(), copy_of(self._folder, digest, path.name))
+
+
+def _opens(path: Path) -> bool:
+    """True if a session is there and whole."""
+    try:
+        return bool(open_session(path))
+    except InputError:
+        return False

@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import tr
+from apd_viewer.studies.local_pool import cores
 from apd_viewer.ui.case_studies.study_files import PLAN
 from apd_viewer.ui.studies.command_process import CommandProcess
 
@@ -18,8 +19,9 @@ if TYPE_CHECKING:
 
 RUN = "run.json"
 _SCHEDULERS = "--scheduler", "--scheduler-file"
+_PROCESSES = "--processes"
 # Each with a value. A folder may come from anybody: nothing else reaches the command.
-_KEPT = (*_SCHEDULERS, "--processes", "--limit")
+_KEPT = (*_SCHEDULERS, _PROCESSES, "--limit")
 
 
 class StudyRun(QObject):
@@ -116,9 +118,14 @@ def kept_options(folder: Path) -> list[str]:
     try:
         said: Any = json.loads((folder / RUN).read_text(encoding="utf-8"))
         words = [str(word) for word in said["options"]]
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return []  # begun elsewhere, or edited: it runs here
-    return words if set(words[::2]) <= set(_KEPT) and len(words) % 2 == 0 else []
+    if not set(words[::2]) <= set(_KEPT) or len(words) % 2:
+        return []
+    said = dict(zip(words[::2], words[1::2], strict=True))
+    if said.get(_PROCESSES, "").isdecimal():  # perhaps of a larger machine
+        said[_PROCESSES] = str(min(int(said[_PROCESSES][:4]), cores()))
+    return [word for pair in said.items() for word in pair]
 
 
 def scheduler_in(options: Sequence[str]) -> str:

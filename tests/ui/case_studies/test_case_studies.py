@@ -1,6 +1,7 @@
 """Studies in the window: designed, run, stopped, continued and looked at, with a real mouse and process."""
 
 import csv
+import os
 import sqlite3
 from contextlib import closing
 from dataclasses import replace
@@ -8,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from driving import NONE, Mouse, centre, idle
+from listening import listening, tree_of
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtWidgets import QMessageBox
 from study_driving import click, finished, press_row, tick
@@ -119,6 +121,7 @@ def test_a_study_is_run_stopped_and_continued(qtbot, bar, dialog, studied):
     assert bar.docks["study"].isVisible()
     qtbot.waitUntil(lambda: (panel.status.share or 0.0) > 0.0, timeout=60_000)
     assert panel.bar.isVisible()
+    assert listening([os.getpid(), *tree_of(cases.run._command.number)]) == []
     click(panel.stop)
     assert panel.stop.text() == "Stop now"
     qtbot.waitUntil(lambda: not cases.run.running, timeout=60_000)

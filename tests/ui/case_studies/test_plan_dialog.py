@@ -11,6 +11,7 @@ from study_driving import click, finished, press_row, tick
 
 from apd_viewer.errors import InputError
 from apd_viewer.studies.case_file import read_case
+from apd_viewer.studies.local_pool import cores
 from apd_viewer.ui.case_studies.scheduler_check import SchedulerCheck, place_of
 from apd_viewer.ui.case_studies.study_files import PLAN
 from apd_viewer.ui.case_studies.study_run import RUN, kept_options, scheduler_in
@@ -220,6 +221,10 @@ def test_a_folder_gives_the_command_no_other_options(tmp_path):
     for odd in ('["-o", "/elsewhere"]', '["--processes"]', '["--scheduler=tcp://x:1", "2"]', '"--limit"'):
         (tmp_path / RUN).write_text(f'{{"options": {odd}}}', encoding="utf-8")
         assert kept_options(tmp_path) == []
+    (tmp_path / RUN).write_text('{"options": ["--limit", "9", "--processes", "900"]}', encoding="utf-8")
+    assert kept_options(tmp_path) == ["--limit", "9", "--processes", str(cores())], (
+        "it is of a larger machine"
+    )
     (tmp_path / RUN).write_text('{"options": ["--limit", "9", "--scheduler", "tcp://x:1"]}', encoding="utf-8")
     assert scheduler_in(kept_options(tmp_path)) == "tcp://x:1"
 

@@ -1,0 +1,38 @@
+"""An engine for studies in tests that runs every case at once, here, and remembers which."""
+
+from concurrent.futures import Future
+
+from study_work import quick
+
+
+class Here:
+    """Runs every case at once.
+
+    Attributes
+    ----------
+    ran : list of str
+        First step of the motion of each case.
+    """
+
+    knows_whose_fault = True
+
+    def __init__(self, work=quick):
+        self.work, self.ran, self.overdue = work, [], set()
+
+    def room(self):
+        """One at a time."""
+        return 1
+
+    def running(self):
+        """None, as they are done at once."""
+        return 0
+
+    def start(self, task):
+        """Run a case."""
+        self.ran.append(task.case.motion[0])
+        future = Future()
+        future.set_result(self.work(task))
+        return future
+
+    def look_after(self):
+        """Nothing is ever overdue."""
