@@ -123,6 +123,8 @@ def is_reading(value: object) -> bool:
 def write_case(path: Path, content: bytes) -> None:
     """Write the bytes of a result; raises InputError."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    if path.is_symlink():  # a stranger's, to be written through
+        path.unlink()
     with replacing(path) as scratch:
         scratch.write_bytes(content)
 
@@ -159,6 +161,7 @@ def case_sizes(folder: Path) -> dict[str, int]:
     for each in folders:
         with os.scandir(each) as entries:
             for entry in entries:
-                if entry.name.endswith(SUFFIX) and not entry.name.startswith("."):
+                is_case = entry.name.endswith(SUFFIX) and not entry.name.startswith(".")
+                if is_case and entry.is_file(follow_symlinks=False):
                     sizes[entry.name.removesuffix(SUFFIX)] = entry.stat().st_size
     return sizes

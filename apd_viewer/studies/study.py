@@ -14,6 +14,7 @@ from apd_viewer.studies.plans.plan import read_plan
 from apd_viewer.studies.plans.sources import Sources
 from apd_viewer.studies.results import write_curves, write_results
 from apd_viewer.studies.store import StudyStore
+from apd_viewer.studies.study_folder import check_links
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,6 +49,7 @@ class Study:
 
     def __init__(self, plan: Path, folder: Path, retry_failed: bool = False) -> None:
         self.folder = folder
+        check_links(folder)
         self.plan: Plan = read_plan(plan, Sources(folder / INPUTS))
         self._store = StudyStore(folder)
         try:

@@ -81,6 +81,29 @@ def test_a_failed_case_is_counted_and_may_be_tried_again(bar, capsys):
         assert capsys.readouterr().out.splitlines()[: len(said)] == said
 
 
+def test_a_damaged_result_is_computed_again_and_the_others_are_kept(bar, capsys):
+    """As after a fault of a disk, which leaves the size as it is."""
+    words = ["study", plan_of(bar, ["twist 30", "push 10%"]), "-o", str(bar / "out"), "--processes", "1"]
+    assert main(words) == 0
+    tables = rows_of(bar / "out"), (bar / "out" / "curves.csv").read_bytes()
+    damaged, other = sorted(bar.glob("out/cases/*/*.case"))
+    before, content = other.stat().st_mtime_ns, bytearray(damaged.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    damaged.write_bytes(content)
+    database = (bar / "out" / "study.sqlite").read_bytes()
+    capsys.readouterr()
+    for said in ("1 damaged result is computed again\n", ""):
+        assert main(words) == 0
+        assert capsys.readouterr().err == said
+        rows, curves = rows_of(bar / "out"), (bar / "out" / "curves.csv").read_bytes()
+        assert [{**row, "seconds": ""} for row in rows] == [{**row, "seconds": ""} for row in tables[0]]
+        assert curves == tables[1]
+    assert other.stat().st_mtime_ns == before
+    (bar / "out" / "study.sqlite").write_bytes(database[:4096] + bytes(len(database) - 4096))
+    assert main(words) == 0
+    assert rows_of(bar / "out") == rows
+
+
 def test_what_cannot_be_run_is_said(bar, capsys):
     plan = plan_of(bar, ["twist 30"])
     for words, said in (

@@ -171,6 +171,42 @@ def test_a_folder_in_the_place_of_the_database_is_put_aside(whole):
     assert run(plan, folder) == ([], 0, tables)
 
 
+@pytest.mark.parametrize(
+    "name", ["results.csv", "curves.csv", ".lock", DATABASE, "cases", "inputs", "a copy"]
+)
+def test_nothing_is_written_through_a_link_out_of_the_folder(whole, planned, name):
+    """An unpacked folder of a stranger can have one in the place of anything that is written."""
+    plan, folder, _ = whole
+    copy = next(iter(planned(*ROWS[:1]).cases.values())).selection.path
+    path = folder / "inputs" / copy.parent.name / copy.name if name == "a copy" else folder / name
+    outside = plan.with_name("precious")
+    if path.exists():
+        path.rename(outside)
+    elif name == ".lock":
+        outside.write_bytes(b"mine")
+    precious = outside if outside.is_file() else outside / "precious"
+    precious.write_bytes(b"mine")
+    path.symlink_to(outside)
+    with pytest.raises(InputError, match="leads out of the study; remove it"):
+        Study(plan, folder)
+    assert precious.read_bytes() == b"mine"
+    path.unlink()
+    assert run(plan, folder)[1] == 0
+
+
+def test_a_case_takes_the_place_of_a_link(whole):
+    plan, folder, tables = whole
+    path = case_path(folder, read_results(folder).rows[3].key)
+    for outside in (plan.with_name("precious"), plan.with_name("nowhere")):
+        path.unlink()
+        path.symlink_to(outside)
+        plan.with_name("precious").write_bytes(b"mine")
+        assert run(plan, folder) == (["4deg"], 0, tables)
+        assert not path.is_symlink()
+    assert plan.with_name("precious").read_bytes() == b"mine"
+    assert not plan.with_name("nowhere").exists()
+
+
 def test_a_damaged_copy_of_a_mesh_is_made_again(whole, planned):
     plan, folder, _ = whole
     case = next(iter(planned(*ROWS[:1]).cases.values()))
