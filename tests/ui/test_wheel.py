@@ -4,7 +4,15 @@ import pytest
 from driving import centre, document, idle
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractSlider, QAbstractSpinBox, QComboBox, QLineEdit, QScrollBar, QTabBar
+from PySide6.QtWidgets import (
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QDialog,
+    QLineEdit,
+    QScrollBar,
+    QTabBar,
+)
 
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.motions import TypedMotion
@@ -41,13 +49,19 @@ def value(widget):
     return widget.text() if isinstance(widget, QLineEdit) else widget.value()
 
 
-def check(qtbot, window, unmoved=lambda: None, reveal=lambda _: None):
-    """Turn the wheel over all controls of a window, one after the other."""
-    found, before = controls(window), unmoved()
-    keys = window.focusWidget()
+def in_use(widget):
+    """The widget with the keys, once those are a control's as by a click into it."""
+    widget.setFocus(Qt.FocusReason.MouseFocusReason)
+    return widget.window().focusWidget()
+
+
+def check(qtbot, window, unmoved=lambda: None, reveal=lambda _: None, used=False):
+    """Turn the wheel over all controls of a window, one after the other, each in use or not."""
+    found = controls(window)
     for widget in found:
         reveal(widget)
-        shown = value(widget)
+        keys = in_use(widget) if used else window.focusWidget()
+        shown, before = value(widget), unmoved()
         turn(qtbot, widget)
         assert value(widget) == shown, widget
         assert window.focusWidget() is keys, widget
@@ -78,8 +92,9 @@ def full(qtbot, bottle):
     return bottle
 
 
+@pytest.mark.parametrize("used", [False, True])
 @pytest.mark.parametrize("method", ["local", "paper"])
-def test_the_wheel_over_the_controls_of_the_window_changes_nothing(qtbot, full, method):
+def test_the_wheel_over_the_controls_of_the_window_changes_nothing(qtbot, full, method, used):
     full.session.settings.set_method(method)
     full.session.settings.set_volume(100.0)
     idle(qtbot, full)
@@ -88,7 +103,7 @@ def test_the_wheel_over_the_controls_of_the_window_changes_nothing(qtbot, full, 
         if full.panel.isAncestorOf(widget):
             full.panel.ensureWidgetVisible(widget)
 
-    found = check(qtbot, full.shell, lambda: document(full), reveal)
+    found = check(qtbot, full.shell, lambda: document(full), reveal, used)
     kinds = {kind for kind in CONTROLS for widget in found if isinstance(widget, kind)}
     assert kinds == set(CONTROLS), "the test is blind"
     assert len([w for w in found if full.panel.isAncestorOf(w)]) > 10
@@ -106,42 +121,98 @@ def test_the_wheel_over_a_field_scrolls_the_panel(qtbot, full):
         assert bar.value() > before, widget
 
 
-def test_a_field_that_was_clicked_into_takes_the_wheel(qtbot, full):
-    field = full.panel.area.target.field
+def test_the_wheel_over_a_field_that_was_clicked_into_scrolls_the_panel(qtbot, full):
+    full.shell.resize(1280, 700)
+    field, bar = full.panel.area.target.field, full.panel.verticalScrollBar()
+    bar.setValue(0)
+    full.panel.ensureWidgetVisible(field)
     QTest.mouseClick(field.lineEdit(), Qt.MouseButton.LeftButton)
-    turn(qtbot, field)
-    assert field.value() == 98.0
+    before, shown = bar.value(), field.value()
+    turn(qtbot, field, 1)
+    assert (field.value(), bar.value() > before) == (shown, True)
 
 
-def dialog_of(window, name):
-    actions = window.actions_
-    if name == "sweep":
-        actions.pose.sweep.trigger()
-        return window.studies.dialogs["sweep"]
-    if name == "press":
-        actions.pose.press.trigger()
-        return window.studies.dialogs["press"]
-    if name == "settings":
-        window.actions_.settings.trigger()
-        return window.settings_page.dialog
-    if name == "paper":
-        window.studies.paper()
-        return window.studies.dialogs["paper"]
-    if name == "compare":
-        window.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
-        actions.pose.compare.trigger()
-        return window.comparing.window
+def case_study(window):
+    window.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
+    window.case_studies.design()
+    return window.case_studies.dialog
+
+
+def studied(name):
+    def dialog(window):
+        getattr(window.actions_.pose, name).trigger()
+        return window.studies.dialogs[name]
+
+    return dialog
+
+
+def settings(window):
+    window.actions_.settings.trigger()
+    return window.settings_page.dialog
+
+
+def paper(window):
+    window.studies.paper()
+    return window.studies.dialogs["paper"]
+
+
+def comparison(window):
+    window.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
+    window.actions_.pose.compare.trigger()
+    return window.comparing.window
+
+
+def animation(window):
+    window.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
+    window.studies.animate()
+    return window.studies.dialogs["animate"]
+
+
+def picture(window):
     pictures = window.reporting.pictures
     dialog = PictureDialog(window.shell, pictures, Wish(pictures.view_size))
     dialog.show()
     return dialog
 
 
-@pytest.mark.parametrize("name", ["sweep", "press", "paper", "compare", "picture", "settings"])
-def test_the_wheel_over_the_controls_of_a_dialog_changes_nothing(qtbot, bottle, name):
-    dialog = dialog_of(bottle, name)
+DIALOGS = {
+    "SweepDialog": studied("sweep"),
+    "PressDialog": studied("press"),
+    "SettingsDialog": settings,
+    "PaperDialog": paper,
+    "ComparisonWindow": comparison,
+    "PlanDialog": case_study,
+    "PictureDialog": picture,
+    "AnimationDialog": animation,
+}
+
+
+def leaves(kind):
+    """The classes below a class that have none below them."""
+    below = kind.__subclasses__()
+    return {leaf for each in below for leaf in leaves(each)} if below else {kind}
+
+
+def test_no_dialog_is_left_out():
+    own = {kind.__name__ for kind in leaves(QDialog) if kind.__module__.startswith("apd_viewer.ui.")}
+    assert own == DIALOGS.keys() - {"ComparisonWindow"}
+
+
+@pytest.mark.parametrize("used", [False, True])
+@pytest.mark.parametrize("name", DIALOGS)
+def test_the_wheel_over_the_controls_of_a_dialog_changes_nothing(qtbot, bottle, name, used):
+    dialog = DIALOGS[name](bottle)
+    assert type(dialog).__name__ == name
     qtbot.waitExposed(dialog)
     dialog.setFocus()
-    found = check(qtbot, dialog, lambda: document(bottle))
-    assert found or name == "paper", "the test is blind"
+    idle(qtbot, bottle)
+    found = check(qtbot, dialog, lambda: document(bottle), used=used)
+    assert found or name == "PaperDialog", "the test is blind"
     dialog.close()
+
+
+def test_the_wheel_over_the_results_of_a_study_changes_nothing(qtbot, window):
+    window.docks["study"].show()
+    qtbot.waitUntil(window.case_studies.panel.isVisible)
+    for used in (False, True):
+        check(qtbot, window.shell, used=used)

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QObject, Qt
-from PySide6.QtWidgets import QAbstractSpinBox, QWidget
+from PySide6.QtWidgets import QWidget
 
 
 class _Past(QObject):
-    def eventFilter(self, control: QObject, event: QEvent) -> bool:
-        """Ignore the wheel, so that it goes on to the parent; a field in use takes it."""
+    def eventFilter(self, _: QObject, event: QEvent) -> bool:
+        """Ignore the wheel, so that it goes on to the parent."""
         if event.type() is not QEvent.Type.Wheel:
-            return False
-        if isinstance(control, QAbstractSpinBox) and control.hasFocus():
             return False
         event.ignore()
         return True
 
 
 def pass_wheel(control: QWidget) -> None:
-    """Let the wheel over a control change neither its value nor the focus."""
+    """Let the wheel over a control change neither its value nor the focus, also while it is in use.
+
+    A filter of the whole application would be called in Python for every event of every widget.
+    """
     if control.focusPolicy() is Qt.FocusPolicy.WheelFocus:
         control.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     control.installEventFilter(_Past(control))
