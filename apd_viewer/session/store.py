@@ -11,6 +11,7 @@ from enum import Enum
 
 import numpy as np
 
+from apd_viewer.language import tr
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
@@ -31,6 +32,12 @@ class Activity(Enum):
     UNREACHED = "not reached"
 
 
+def silence_words(seconds: int) -> str:
+    """Sentence on a solver that has not answered for so long; empty for 0."""
+    words = tr("The solver has not answered for {n} s; wait, undo the last step, or restart the solver.")
+    return words.format(n=seconds) if seconds else ""
+
+
 class Store:
     """The state on screen, and the activity of the solver.
 
@@ -49,6 +56,8 @@ class Store:
         The readings on the way to the shape on screen.
     unit : Unit
         Of the lengths of the mesh.
+    silence : str
+        Sentence on a solver that does not answer; empty while it does.
     """
 
     def __init__(self, listener: Listener, worker: Worker) -> None:
@@ -57,6 +66,7 @@ class Store:
         self.activity = Activity.IDLE
         self.seconds_per_iteration = 0.0
         self.unit = Unit.NONE
+        self.silence = ""
         self._listener = listener
         self._worker = worker
         self._generation = 0
@@ -126,6 +136,11 @@ class Store:
             self._worker.ask(asked)
             self._listener.status_changed()
 
+    def restart_solver(self) -> None:
+        """End the process of the solver, and go on from the shape on screen in another."""
+        self._factored = ()
+        self._worker.restart()
+
     def revert(self, document: Document) -> None:
         """Go back to a document; the solver is asked unless it was its last request."""
         (self.set_document if document is self._asked else self.solve)(document)
@@ -148,13 +163,22 @@ class Store:
         self.jump(replace(state, frame=frame))
 
     def receive(self) -> None:
-        """Receive the newest reply of the worker."""
+        """Receive the newest reply of the worker, and whether it is silent."""
+        self._hear_silence()
         reply = self._worker.take()
         if reply is not None and reply.news:
             self._factored = ()
             self._listener.told(reply.news)
         if reply is not None and reply.generation == self._generation:
             self._accept(reply)
+
+    def _hear_silence(self) -> None:
+        sentence = silence_words(self._worker.silent)
+        if sentence != self.silence:
+            self.silence = sentence
+            if sentence:
+                self._listener.told(sentence)
+            self._listener.status_changed()
 
     def _accept(self, reply: Reply) -> None:
         if reply.warning and reply.warning != self._warned:

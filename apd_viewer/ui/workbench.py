@@ -217,6 +217,7 @@ class Workbench(QObject):
         self.shell.history.chosen.connect(self.editing.travel)
         self.status.cancel_asked.connect(self.session.jobs.cancel)
         self.status.pause_asked.connect(self.session.store.pause_or_resume)
+        self.status.restart_asked.connect(self.session.store.restart_solver)
 
     def _connect_canvas(self) -> None:
         canvas = self.canvas
@@ -339,6 +340,7 @@ class Workbench(QObject):
         self.panel.show_status(session)
         self.empty.setVisible(state is None and session.jobs.current is None)
         self.status.show_session(session)
+        self.notice.hold(session.store.silence)
         self.recovery.follow(session)
         self.help.follow()
 

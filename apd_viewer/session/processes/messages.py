@@ -40,6 +40,8 @@ class OrderStage(Enum):
 
     RECEIVED = "received"
     TURNED_TO = "turned to"  # all earlier orders are answered or dropped
+    UNDER_WAY = "under way"  # said every second in which something is done for it
+    ANSWERED = "answered"  # or dropped; nothing more is said of it
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,15 @@ from functools import partial
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.jobs.silence_watch import SilenceWatch
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_process import START, ChildProcess
 from apd_viewer.session.processes.messages import Compiling, Message, Order, OrderStage, unpacked
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
 
+_PATIENCE = 5  # s
+_AT_START = 30  # s, until its libraries are loaded from a slow disk
 _START = START.format(module="processes.solver_main")
 
 
@@ -40,6 +43,9 @@ class Child:
         Called on that thread with a mesh and its thinnings, once the process has found them.
     compiling : callable
         Called on that thread with the share of the kernels compiled so far.
+    silence : callable
+        Called with the seconds in which the process has said nothing though it should, 0 once it does again;
+        see :class:`SilenceWatch`.
     ended : callable
         Called on that thread, last, when the process has come to its end, for whatever reason.
 
@@ -60,6 +66,7 @@ class Child:
         publish: Callable[[Reply, Callable[[], object]], object],
         learned: Callable[[Mesh, tuple[Thinning, ...]], object],
         compiling: Callable[[float], object],
+        silence: Callable[[int], object],
         ended: Callable[[Child], object],
     ) -> None:
         self.alive = True
@@ -75,6 +82,7 @@ class Child:
         self._finder_of: Mesh | None = None
         self._received = threading.Event()
         self._received.set()
+        self._watch = SilenceWatch(silence, _AT_START)
         self._thread = threading.Thread(target=self._listen, name="answers", daemon=True)
         self._thread.start()
 
@@ -89,6 +97,7 @@ class Child:
         """
         self._received.clear()
         number, tray = next(self._numbers), self._tray_for(request)
+        self._watch.expect(number, _patience(len(request.document.mesh.F)))
         self._requests[number], self._trays[number] = request, tray
         # With every order: the process may skip earlier ones. It has the decimations it computed itself.
         known = () if request.document.mesh is self._finder_of else thinnings
@@ -141,12 +150,14 @@ class Child:
                 self._hear(unpacked(message, self._requests))
         finally:
             self.alive = False
+            self._watch.close()
             self._process.end()
             self._discard_envelope()
             self._received.set()
             self._ended(self)
 
     def _hear(self, message: Message | logging.LogRecord) -> None:
+        self._watch.hear()
         if isinstance(message, logging.LogRecord):
             logging.getLogger(message.name).handle(message)
         elif isinstance(message.content, Reply):
@@ -157,6 +168,8 @@ class Child:
         elif message.content is OrderStage.TURNED_TO:
             for number in [n for n in list(self._requests) if n < message.number]:
                 del self._requests[number], self._trays[number]
+        elif message.content is OrderStage.ANSWERED:
+            self._watch.hear(answered=message.number)
         elif isinstance(message.content, Compiling):
             self._compiling(message.content.share)
         elif isinstance(message.content, tuple):
@@ -179,6 +192,15 @@ class Child:
         envelope, self._packer.envelope = self._packer.envelope, None
         if envelope is not None:
             envelope.discard()
+
+
+def _patience(faces: int) -> int:
+    """Seconds after which silence is told.
+
+    Native code holds the interpreter, and with it the pulse of the process, at most 2.4 s for a million
+    triangles, on two busy cores.
+    """
+    return max(_PATIENCE, round(1e-5 * faces))
 
 
 def _nothing() -> None:

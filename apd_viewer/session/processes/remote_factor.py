@@ -57,15 +57,16 @@ class FarFactor:
     def ready(self) -> bool:
         """True if :meth:`solve` would not wait for the factorization."""
         self.begin()
-        return not self._factors
+        return not self.factoring
 
     @property
-    def _factors(self) -> bool:
+    def factoring(self) -> bool:
+        """True while the process has the matrix and no factor yet."""
         return self._thread is not None and self._thread.is_alive()
 
     def begin(self) -> None:
         """Start a process, if there is none or it has died."""
-        if self._factors or not self._missing or self._error is not None:
+        if self.factoring or not self._missing or self._error is not None:
             return
         if self._process.pid is not None:
             self._deaths += 1

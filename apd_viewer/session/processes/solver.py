@@ -92,9 +92,15 @@ class Solver:
                 said = str(error) or type(error).__name__
                 stopped = tr("The solver stopped ({said}); undo the last step.").format(said=said)
                 self._fail(order, _NO_ROOM if isinstance(error, MemoryError) else stopped)
+            self._tell(Message(order.number, OrderStage.ANSWERED))
             if not done and not self._orders.waiting:
                 done = self._rested(at_leisure)
         self._drop()
+
+    @property
+    def factoring(self) -> bool:
+        """True while another process factors."""
+        return any(factor.factoring for factor in self._factors)
 
     def _rested(self, at_leisure: Callable[[Callable[[], bool]], object]) -> bool:
         """Call ``at_leisure``; False if an order came first."""

@@ -10,6 +10,7 @@ import contextlib
 import logging
 import os
 import threading
+import time
 from collections.abc import Callable
 from logging.handlers import QueueHandler
 from typing import BinaryIO
@@ -21,6 +22,9 @@ from apd_viewer.session.processes.compilation import Compilation
 from apd_viewer.session.processes.messages import Message, Order, OrderStage, packed
 from apd_viewer.session.processes.shared_memory import leave_blocks_to_their_owner
 from apd_viewer.session.processes.solver import Solver
+
+_BEAT = 1.0  # s
+_LEAST_SPENT = 0.001  # s of the processor in a beat; a loop that waits for a flag spends 20 times as much
 
 
 def main(replies: int) -> None:
@@ -48,6 +52,41 @@ class Teller:
         # An owner that stopped listening is gone: the source of requests ends as well.
         with self._one_at_a_time, contextlib.suppress(OSError, ValueError):
             array_pipe.write(self._sink, packed(message))
+
+
+class _Pulse:
+    """Tells the owner every second that an order is under way, while anything is done for it.
+
+    A process that waits for what never comes spends no time of the processor.
+    """
+
+    def __init__(self, tell: Teller, factoring: Callable[[], bool]) -> None:
+        self._tell, self._factoring = tell, factoring
+        self._beats = threading.Event()
+        self._ended = False
+        threading.Thread(target=self._run, name="pulse", daemon=True).start()
+
+    def tell(self, message: Message) -> None:
+        """Send a message of the solver, and beat from its taking up an order to its answer."""
+        self._tell(message)
+        if message.content is OrderStage.TURNED_TO:
+            self._beats.set()
+        elif message.content is OrderStage.ANSWERED:
+            self._beats.clear()
+
+    def end(self) -> None:
+        """Beat no more."""
+        self._ended = True
+        self._beats.set()
+
+    def _run(self) -> None:
+        before = 0.0
+        while self._beats.wait() and not self._ended:
+            time.sleep(_BEAT)
+            spent = time.process_time() - time.thread_time()
+            if spent - before > _LEAST_SPENT or self._factoring():
+                self._tell(Message(0, OrderStage.UNDER_WAY))
+            before = spent
 
 
 class _Forwarder(QueueHandler):
@@ -94,5 +133,9 @@ def serve(
 
     reader = threading.Thread(target=receive, name="orders", daemon=True)
     reader.start()
-    Solver(orders, tell).run(at_leisure)
+    solver: Solver
+    pulse = _Pulse(tell, lambda: solver.factoring)
+    solver = Solver(orders, pulse.tell)
+    solver.run(at_leisure)
+    pulse.end()
     reader.join()

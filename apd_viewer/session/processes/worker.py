@@ -66,10 +66,14 @@ class Worker:
     ----------
     compiled : float or None
         Share of the kernels compiled for this computer so far; None before that is known.
+    silent : int
+        Seconds after which it was found that the process does not answer; 0 while it does. ``wake`` is called
+        when it changes.
     """
 
     def __init__(self, wake: Callable[[], object]) -> None:
         self.compiled: float | None = None
+        self.silent = 0
         self._wake = wake
         self._requests: Mailbox[Request | _Call] = Mailbox()
         self._replies: Mailbox[tuple[Reply, Callable[[], object]]] = Mailbox()
@@ -99,6 +103,11 @@ class Worker:
         looked()
         news = self._news.take()
         return replace(reply, news=news) if news else reply
+
+    def restart(self) -> None:
+        """End the process, whatever it is doing; the next one goes on from the last shape."""
+        if (child := self._child) is not None:
+            child.dismiss()
 
     def close(self) -> None:
         """End the process, whatever it is doing, and the threads."""
@@ -162,7 +171,7 @@ class Worker:
             if self._closed:
                 return None
             try:
-                self._child = Child(self._publish, self._learned, self._compiling, self._ended)
+                self._child = Child(self._publish, self._learned, self._compiling, self._silence, self._ended)
             except OSError as error:
                 self._fail(request, _NOT_STARTED.format(why=error.strerror or error))
             return self._child
@@ -213,6 +222,10 @@ class Worker:
 
     def _compiling(self, share: float) -> None:
         self.compiled = share
+
+    def _silence(self, seconds: int) -> None:
+        self.silent = seconds
+        self._wake()
 
     def _ended(self, _: Child) -> None:
         if not self._closed:

@@ -70,6 +70,7 @@ class Notice(QFrame):
         self._timer = QTimer(self, singleShot=True, interval=_READING_TIME)
         self._timer.timeout.connect(self.hide)
         self._kind = "message"
+        self._held = ""
         self.hide()
         self.stand_above(below)
         canvas.resized.connect(self._place)
@@ -106,6 +107,16 @@ class Notice(QFrame):
         _LOGGER.warning(sentence)
         self._show(sentence, "failure")
         self._timer.stop()
+
+    def hold(self, sentence: str) -> None:
+        """Show a failure while it lasts: until this is called with nothing."""
+        if sentence == self._held:
+            return
+        before, self._held = self._held, sentence
+        if sentence:
+            self.fail(sentence)
+        elif self.text == before:
+            self.hide()
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""

@@ -55,15 +55,16 @@ class StatusBar(QStatusBar):
 
     Attributes
     ----------
-    cancel_asked, pause_asked : Signal()
+    cancel_asked, pause_asked, restart_asked : Signal()
     pause : QToolButton
-        Stops the solver, or lets it go on.
+        Stops the solver, or lets it go on; restarts it while it does not answer.
     progress : ConvergenceProgress
     compiling : CompilingProgress
     """
 
     cancel_asked = Signal()
     pause_asked = Signal()
+    restart_asked = Signal()
 
     def __init__(self, badge: QWidget) -> None:
         super().__init__()
@@ -72,7 +73,8 @@ class StatusBar(QStatusBar):
         self._cancel = QToolButton(text=tr("Cancel"))
         self._cancel.clicked.connect(self.cancel_asked)
         self.pause = QToolButton(text=tr("Pause"))
-        self.pause.clicked.connect(self.pause_asked)
+        self.pause.clicked.connect(self._press_pause)
+        self._silence = ""
         policy = self.pause.sizePolicy()
         policy.setRetainSizeWhenHidden(True)  # every drag shows it, and nothing is to jump
         self.pause.setSizePolicy(policy)
@@ -121,6 +123,7 @@ class StatusBar(QStatusBar):
         self._size.setToolTip(_extent(state, session.store.unit) if state else "")
         self.compiling.watch(session.store)
         activity = session.store.activity
+        self._silence = session.store.silence
         self._show_pause(activity)
         self.progress.follow(state.frame if state else None, activity.value == _SOLVING)
         iteration = state.frame.iteration if state else 0
@@ -130,7 +133,15 @@ class StatusBar(QStatusBar):
         words = measured if pace else tr("iteration {iteration:,}")
         self._pace.say(words.format(iteration=iteration, pace=pace) if iteration else "")
 
+    def _press_pause(self) -> None:
+        (self.restart_asked if self._silence else self.pause_asked).emit()
+
     def _show_pause(self, activity: Activity) -> None:
+        if self._silence:
+            self.pause.setText(tr("Restart solver"))
+            self.pause.setToolTip(tr("Restart the solver from the shape on screen"))
+            self.pause.show()
+            return
         paused = activity.value == _PAUSED
         self.pause.setText(tr("Continue") if paused else tr("Pause"))
         self.pause.setToolTip(tr("Continue solving") if paused else tr("Pause the solver"))

@@ -1,0 +1,78 @@
+"""Watch over answers that are awaited from another process."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+_TICK = 1.0  # s
+
+
+class SilenceWatch:
+    """Thread noticing that an answer is awaited and nothing is heard.
+
+    It counts seconds in which it ran itself, so that a computer that slept has missed nothing. While nothing
+    is awaited it rests.
+
+    Parameters
+    ----------
+    changed : callable
+        ``changed(seconds)``, called on a thread of the watch or of who hears: the seconds of silence so far
+        when it is noticed, and 0 when it is over; must only pass it on.
+    at_start : int
+        Seconds that are allowed until the first word, at least.
+    """
+
+    def __init__(self, changed: Callable[[int], object], at_start: int) -> None:
+        self._changed, self._at_start = changed, at_start
+        self._patience = 0
+        self._told = threading.Condition()
+        self._awaited = self._answered = 0
+        self._quiet = 0
+        self._silent = self._closed = False
+        self._thread = threading.Thread(target=self._run, name="silence", daemon=True)
+        self._thread.start()
+
+    def expect(self, number: int, patience: int) -> None:
+        """Await answer ``number``; whatever comes before it breaks the silence."""
+        with self._told:
+            if not self._awaits:
+                self._quiet = 0
+                self._told.notify()
+            self._awaited, self._patience = number, patience
+
+    def hear(self, answered: int = 0) -> None:
+        """Note a sign of life, be it the last word of an answer."""
+        with self._told:
+            self._at_start = self._quiet = 0
+            self._answered = max(answered, self._answered)
+            self._break_silence()
+
+    def close(self) -> None:
+        """End the watch."""
+        with self._told:
+            self._closed = True
+            self._break_silence()
+            self._told.notify()
+        self._thread.join()
+
+    @property
+    def _awaits(self) -> bool:
+        return self._answered < self._awaited
+
+    def _break_silence(self) -> None:
+        if self._silent:
+            self._silent = False
+            self._told.notify()
+            self._changed(0)
+
+    def _run(self) -> None:
+        with self._told:
+            while not self._closed:
+                if self._silent or not self._awaits:
+                    self._told.wait()
+                elif not self._told.wait(_TICK):
+                    self._quiet += 1
+                    if self._quiet >= max(self._patience, self._at_start) and self._awaits:
+                        self._silent = True
+                        self._changed(self._quiet)

@@ -1,0 +1,147 @@
+"""A solver that does not answer is said, with what to do; one that computes for long is left alone."""
+
+import os
+import signal
+import sys
+import textwrap
+import time
+
+import numpy as np
+import pytest
+from driven_session import pose
+
+from apd_viewer.session.jobs.silence_watch import SilenceWatch
+from apd_viewer.session.processes import process_client
+from apd_viewer.session.store import Activity
+
+SOON = 12.0  # s; it is told after 5
+TWISTED = 0.4
+
+stoppable = pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
+
+
+def pid_of(session):
+    return session._worker._child._process.pid
+
+
+def stop(session):
+    """Stop the solver in the middle of a drag."""
+    session.gestures.begin()
+    session.handles.drag(pose(0.1))
+    before = session.U
+    session.until(lambda: session.U is not before)
+    os.kill(pid_of(session), signal.SIGSTOP)
+    session.handles.drag(pose(TWISTED))
+    session.gestures.end("Move handle")
+
+
+@stoppable
+def test_a_stopped_solver_is_said_until_it_goes_on_or_is_restarted(process, session):
+    session.settle()
+    stop(session)
+    began = time.monotonic()
+    session.until(lambda: session.store.silence, SOON)
+    assert time.monotonic() - began > 3.0
+    assert "restart" in session.store.silence
+    assert session.told == [session.store.silence]
+    os.kill(pid_of(session), signal.SIGCONT)
+    session.until(lambda: not session.store.silence, SOON)
+    session.settle()
+    reached = session.U
+    session.gestures.undo()
+    session.settle()
+
+    stop(session)
+    session.until(lambda: session.store.silence, SOON)
+    stopped = pid_of(session)
+    session.store.restart_solver()
+    session.until(lambda: not session.store.silence, SOON)
+    session.settle()
+    assert pid_of(session) != stopped
+    assert session.store.activity is Activity.SETTLED
+    assert np.abs(session.U - reached).max() < 1e-3
+    assert session.failed == []
+
+
+HANGS = """
+import threading, time
+from apd_viewer.geometry.solver.deformation import Deformation
+real, calls = Deformation.iterate, []
+def iterate(self):
+    real(self)
+    calls.append(None)
+    until = time.monotonic() + 6.5
+    while len(calls) == 1 and time.monotonic() < until:
+        pass
+    if len(calls) == 2:
+        threading.Event().wait()
+Deformation.iterate = iterate
+"""
+
+
+@pytest.fixture
+def hanging(process, monkeypatch):
+    """The solver computes for long in its first iteration, and waits for ever in its second."""
+    main = "from apd_viewer.session.processes.solver_main import main\n"
+    altered = process_client._START.replace(main, main + textwrap.dedent(HANGS))
+    monkeypatch.setattr(process_client, "_START", altered)
+
+
+def test_a_long_iteration_is_not_taken_for_one_that_hangs(hanging, session):
+    session.gestures.begin()
+    session.handles.drag(pose(TWISTED))
+    before = session.U
+    session.until(lambda: session.U is not before)
+    assert session.told == [], "it computed for longer than it may be silent"
+    session.until(lambda: session.store.silence, SOON)
+    session.gestures.cancel()
+
+
+@pytest.fixture
+def heard():
+    """What a watch tells that waits for a second, and the watch."""
+    told = []
+    watch = SilenceWatch(told.append, 1)
+    yield told, watch
+    watch.close()
+
+
+def wait(happened, seconds=5.0):
+    end = time.monotonic() + seconds
+    while not happened() and time.monotonic() < end:
+        time.sleep(0.01)
+    assert happened()
+
+
+def test_silence_is_told_once_and_so_is_its_end(heard):
+    told, watch = heard
+    watch.expect(1, 1)
+    wait(lambda: told)
+    watch.hear()
+    watch.hear()
+    assert (told[0] > 0, told[1:]) == (True, [0])
+    wait(lambda: len(told) == 3)
+    watch.close()
+    assert told[3:] == [0]
+
+
+def test_nothing_is_missed_where_nothing_is_awaited(heard):
+    told, watch = heard
+    watch.expect(1, 1)
+    watch.expect(2, 1)
+    watch.hear(answered=2)
+    watch.hear(answered=1)  # of an order that was overtaken
+    time.sleep(2.5)
+    assert told == []
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads the clock of another thread")
+def test_a_watch_rests_while_nothing_is_awaited(heard):
+    _, watch = heard
+    watch.expect(1, 1)
+    watch.hear(answered=1)
+    time.sleep(0.1)
+    clock = time.pthread_getcpuclockid(watch._thread.ident)
+    before = time.clock_gettime(clock)
+    time.sleep(1.5)
+    assert time.clock_gettime(clock) == before

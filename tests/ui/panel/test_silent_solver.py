@@ -1,0 +1,38 @@
+"""A solver that does not answer is said in the window, with a button that restarts it."""
+
+import os
+import signal
+
+import pytest
+from driving import LEFT, idle
+
+from apd_viewer.session.model.motions import TypedMotion
+
+SOON = 15_000  # ms; it is said after 5 s
+
+pytestmark = [
+    pytest.mark.usefixtures("process"),
+    pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here"),
+]
+
+
+def test_a_stopped_solver_is_said_until_it_is_restarted(qtbot, bottle):
+    store, notice, button = bottle.session.store, bottle.notice, bottle.status.pause
+    bottle.session.handles.move_by(TypedMotion.TWIST, "5", 0)
+    idle(qtbot, bottle)
+    stopped = bottle.session._worker._child._process.pid
+    os.kill(stopped, signal.SIGSTOP)
+    bottle.session.handles.move_by(TypedMotion.TWIST, "20", 0)
+    before = store.state.frame.U
+    qtbot.waitUntil(lambda: bool(notice.text), timeout=SOON)
+    assert "has not answered" in notice.text
+    assert button.isVisible()
+    qtbot.wait(50)
+    assert "Restart" in button.text()
+    qtbot.mouseClick(button, LEFT)
+    qtbot.waitUntil(lambda: not notice.text, timeout=SOON)
+    idle(qtbot, bottle)
+    assert store.state.frame.U is not before
+    assert not notice.text
+    assert not button.isVisible()
+    assert bottle.session._worker._child._process.pid != stopped
