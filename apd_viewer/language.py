@@ -51,7 +51,8 @@ def choose_language(name: str) -> None:
 
 def _chosen() -> str:
     try:
-        return chosen_file().read_text(encoding="ascii").strip()
+        path = chosen_file()
+        return path.read_text(encoding="ascii").strip() if path.is_file() else ""  # a pipe would wait
     except (OSError, ValueError):  # none was chosen, or the file has been edited
         return ""
 

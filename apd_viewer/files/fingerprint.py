@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from apd_viewer.files.samples import resource
+from apd_viewer.files.storage.reading import opened
 
 _PORTION = 1 << 20  # bytes
 
@@ -33,7 +34,7 @@ def fingerprint(path: Path) -> Fingerprint:
     """Read a file once, for its fingerprint."""
     digest, size = hashlib.sha256(), 0
     try:
-        with path.open("rb") as stream:
+        with opened(path) as stream:
             while portion := stream.read(_PORTION):
                 digest.update(portion)
                 size += len(portion)

@@ -17,7 +17,7 @@ from apd_viewer.files.formats.stl import read_stl
 from apd_viewer.files.formats.text import decoded
 from apd_viewer.files.gltf.gltf_reader import read_gltf
 from apd_viewer.files.other_content import about_content, about_no_vertices
-from apd_viewer.files.storage.reading import in_one_line, quietly
+from apd_viewer.files.storage.reading import bytes_of, in_one_line, quietly
 from apd_viewer.files.vtk.legacy import read_vtk
 from apd_viewer.files.vtk.xml_surface import read_vtp, read_vtu
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -62,7 +62,7 @@ def open_mesh(path: str | Path) -> Mesh:
 def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     """Read the mesh in a file or ``content``; raises InputError like open_mesh."""
     try:
-        content = _read(path) if content is None else content
+        content = bytes_of(path) if content is None else content
         with quietly():
             V, F, origin, remarks, unit = parsed(content, path)
     except OSError as error:
@@ -129,10 +129,6 @@ def check_readable(path: Path, also: tuple[str, ...] = ()) -> None:
         )
     if path.stat().st_size == 0:
         raise InputError(tr("{name} is empty; export the mesh again.").format(name=path.name))
-
-
-def _read(path: Path) -> bytes:
-    return path.read_bytes()
 
 
 def parsed(content: bytes, path: Path) -> Parsed:

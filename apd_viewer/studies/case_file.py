@@ -15,6 +15,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.archive import npy
 from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.reading import bytes_of
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr
 
@@ -138,7 +139,7 @@ def case_path(folder: Path, key: str) -> Path:
 def read_case(folder: Path, key: str, shape: bool = False) -> CaseResult:
     """Read a finished case; raises InputError if it is not there or damaged."""
     try:
-        return unpacked(case_path(folder, key).read_bytes(), shape)
+        return unpacked(bytes_of(case_path(folder, key)), shape)
     except OSError as error:
         raise InputError(tr("This case is not done yet, or its study was moved; open it again.")) from error
     except ValueError as error:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.files.storage.reading import bytes_of
 from apd_viewer.language import tr
 from apd_viewer.session.posing.motion_path import posed_along
 from apd_viewer.session.storage.session_file import save_session
@@ -45,7 +46,7 @@ def case_session(folder: Path, key: str) -> tuple[State, View]:
     try:
         case = StudyCase.of(result.case, folder / INPUTS)
         value_of("steps", str(case.steps))
-        state, view, motion = state_of(case, OpenedMeshes(lambda source: source.path.read_bytes()))
+        state, view, motion = state_of(case, OpenedMeshes(lambda source: bytes_of(source.path)))
         if len(state.document.mesh.V) != len(result.U):
             raise ValueError
     except InputError:

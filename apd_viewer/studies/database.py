@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.reading import NotRegularError, check_regular
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 DATABASE = "study.sqlite"
+_BESIDE = "-journal", "-wal", "-shm"  # what SQLite opens with a database
 _PATIENCE = 60.0  # s that a reader or the writer waits for the other
 _TABLES = """
 begin;
@@ -45,6 +47,7 @@ def opened_database(folder: Path) -> sqlite3.Connection:
     A damaged one is put aside, and a new one takes its place.
     """
     path = folder / DATABASE
+    _check_beside(path)
     if not path.exists() or path.is_file():
         try:
             return _connected(path)
@@ -56,6 +59,20 @@ def opened_database(folder: Path) -> sqlite3.Connection:
         return _connected(path)
     except DATABASE_ERRORS as error:
         raise unwritable(folder, error) from error
+
+
+def _check_beside(path: Path) -> None:
+    """Raise InputError where SQLite would open no regular file beside the database."""
+    for ending in _BESIDE:
+        part = path.with_name(f"{path.name}{ending}")
+        try:
+            check_regular(part)
+        except NotRegularError as error:
+            raise InputError(
+                tr("{path} is a folder, a pipe or a device; remove it.").format(path=part)
+            ) from error
+        except OSError:  # there is none, or SQLite says what is wrong
+            continue
 
 
 def _connected(path: Path) -> sqlite3.Connection:
@@ -136,6 +153,7 @@ def reading(folder: Path) -> Iterator[sqlite3.Connection]:
     path = folder / DATABASE
     if not path.is_file():
         raise InputError(tr("{folder} holds no study; choose the folder of one.").format(folder=folder))
+    _check_beside(path)
     # As a path alone: SQLite refuses the URI of a file on another computer.
     place = quote(path.absolute().as_posix())
     place = place if place.startswith("/") else f"/{place}"

@@ -14,6 +14,7 @@ from concurrent.futures import BrokenExecutor, CancelledError, Future
 from typing import TYPE_CHECKING, Protocol
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.reading import bytes_of
 from apd_viewer.language import tr
 from apd_viewer.studies.case_file import packed
 from apd_viewer.studies.run_case import failed
@@ -126,7 +127,7 @@ class Runner:
 
     def _start(self, key: str) -> None:
         sources = self._cases[key].sources if key in self._sent else ()
-        sent = {source.digest: source.path.read_bytes() for source in sources}
+        sent = {source.digest: bytes_of(source.path) for source in sources}
         future = self._engine.start(Task(self._cases[key], self._limit, sent))
         self._running[future] = key
         future.add_done_callback(self._ended.put)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from threadpoolctl import threadpool_limits
 
+from apd_viewer.files.storage.reading import bytes_of
 from apd_viewer.geometry.analysis.self_intersections import search_by_one_core
 from apd_viewer.geometry.linalg.threads import use_one_core
 from apd_viewer.session.jobs.freed_memory import give_back_freed_memory, keep_freed_memory
@@ -100,6 +101,6 @@ def _content(source: Source) -> bytes:
     if source.digest in _sent:
         return _sent[source.digest]
     try:
-        return source.path.read_bytes()
+        return bytes_of(source.path)
     except OSError:
         raise MissingSourceError from None

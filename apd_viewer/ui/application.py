@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import logging
 import os
@@ -144,7 +145,7 @@ def run(mesh: object = None, tells: bool = False) -> None:
     from apd_viewer.ui.settings_page.preference_table import THREADS
     from apd_viewer.ui.shell import Shell
 
-    settings = QSettings()
+    settings = own_settings()
     limit_threads(PreferenceValues(settings)[THREADS])
     shell = Shell(settings)
     if shown is None:
@@ -170,6 +171,17 @@ def run(mesh: object = None, tells: bool = False) -> None:
     imports.join()
     if imports.error is not None:
         raise ImportError(str(imports.error)) from imports.error
+
+
+def own_settings() -> QSettings:
+    """The user's settings; what Qt would wait for in the place of their file is put aside."""
+    folder = Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericConfigLocation))
+    name = f"{QCoreApplication.applicationName()}.conf"
+    for path in (folder / name, folder / QCoreApplication.organizationName() / name):
+        with contextlib.suppress(OSError):
+            if path.exists() and not path.is_file():
+                path.rename(path.with_name(f"{name}.damaged"))
+    return QSettings()
 
 
 def recovery_folder() -> Path:

@@ -246,14 +246,14 @@ def test_a_file_that_may_not_be_read(suffix, tmp_path, monkeypatch, refused_by_t
     path = tmp_path / f"secret.{suffix}"
     path.write_text({"obj": OBJ, "off": OFF, "ply": PLY}[suffix])
     mode = path.stat().st_mode
-    real = open_mesh.__globals__["_read"]
+    real = open_mesh.__globals__["bytes_of"]
 
     def denied(wanted):  # root may read everything, so permissions cannot be taken away here
         if wanted == path:
             raise PermissionError(13, "Permission denied", str(wanted))
         return real(wanted)
 
-    monkeypatch.setitem(open_mesh.__globals__, "_read", denied)
+    monkeypatch.setitem(open_mesh.__globals__, "bytes_of", denied)
     with pytest.raises(InputError, match=r"cannot be read \(Permission denied\)"):
         open_mesh(path)
     refused_by_the_command_line(path, ["cannot be read", "Permission denied"])

@@ -9,6 +9,8 @@ import sys
 from pathlib import Path
 from typing import IO
 
+from apd_viewer.files.storage.reading import check_regular
+
 if sys.platform == "win32":
     import msvcrt
 else:
@@ -57,6 +59,8 @@ def take(path: Path) -> Lock | None:
     OSError
         If there can be no such file, or no locks on its disk.
     """
+    with contextlib.suppress(FileNotFoundError):
+        check_regular(path)
     stream = path.open("ab")
     try:
         _lock(stream.fileno())

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import os
 import re
-import stat
 from pathlib import Path
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.reading import opened
 from apd_viewer.language import tr
 
 # Bytes: 44 million vertices with normals in single precision, far more than can be deformed. What a small
@@ -20,10 +20,8 @@ LARGEST = 1 << 30
 _LONGEST = 80  # characters quoted from a file
 # Schemes and drives; a file beside needs no colon.
 _ELSEWHERE = re.compile(r"[/\\]|[^/\\]*:")
-# Never waits for a writer, as a named pipe would, nor follows a link made since the name was resolved.
-_FLAGS = os.O_RDONLY | sum(
-    getattr(os, name, 0) for name in ("O_NONBLOCK", "O_NOFOLLOW", "O_CLOEXEC", "O_BINARY")
-)
+# No link made since the name was resolved is followed.
+_FLAGS = getattr(os, "O_NOFOLLOW", 0)
 
 
 def content_beside(named: str, mesh: Path | None, most: int | None = None) -> bytes | None:
@@ -49,11 +47,9 @@ def content_beside(named: str, mesh: Path | None, most: int | None = None) -> by
     # os.path: Path raises on names that are too long.
     if place is None or not os.path.isfile(place):  # noqa: PTH113
         return None
-    with os.fdopen(os.open(place, _FLAGS), "rb") as stream:
-        status = os.fstat(stream.fileno())
-        if not stat.S_ISREG(status.st_mode):
-            return None
-        wanted = status.st_size if most is None else min(most, status.st_size)
+    with opened(place, _FLAGS) as stream:
+        size = os.fstat(stream.fileno()).st_size
+        wanted = size if most is None else min(most, size)
         if wanted > LARGEST:
             raise too_large(named)
         return stream.read(wanted)

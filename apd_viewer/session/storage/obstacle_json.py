@@ -11,6 +11,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import numbered
 from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.files.storage.reading import bytes_of
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
@@ -75,7 +76,7 @@ def read_obstacles(path: Path) -> tuple[NamedObstacle, ...]:
         If it cannot be read; the message says why.
     """
     try:
-        said = Fields({"obstacles": json.loads(path.read_text("utf-8"))}, "obstacles")
+        said = Fields({"obstacles": json.loads(bytes_of(path))}, "obstacles")
         each = said.parts("obstacles", MOST_OBSTACLES)
         return tuple(obstacle_of(one, numbered(tr("Obstacle"), k)) for k, one in enumerate(each, start=1))
     except OSError as error:

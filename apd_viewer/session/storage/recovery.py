@@ -18,6 +18,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.archive import Archive
 from apd_viewer.files.storage.json_fields import Fields
 from apd_viewer.files.storage.lock import Lock, take
+from apd_viewer.files.storage.reading import opened
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr, trn
 from apd_viewer.session.model.state import State
@@ -162,7 +163,7 @@ def ago(written: float) -> str:
 def _name_of_mesh(path: Path) -> str:
     """Mesh entry of a session file."""
     try:
-        with path.open("rb") as stream:  # which may be large
+        with opened(path) as stream:  # which may be large
             said = Fields.of(Archive(stream).content(TEXT), path.name)
         return PurePath(said.part("mesh").text("name")).name
     except (OSError, ValueError):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.files.storage.archive import Archive
+from apd_viewer.files.storage.reading import opened
 from apd_viewer.session.storage.session_errors import explained
 
 if TYPE_CHECKING:
@@ -22,6 +23,6 @@ def picture_in(path: Path) -> bytes | None:
     InputError
         If the file cannot be read, or is no session.
     """
-    with explained(path), path.open("rb") as stream:
+    with explained(path), opened(path) as stream:
         archive = Archive(stream)
         return archive.content(PICTURE) if archive.has(PICTURE) else None

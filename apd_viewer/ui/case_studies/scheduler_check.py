@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtNetwork import QAbstractSocket, QNetworkProxy, QTcpSocket
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.reading import content_of
 from apd_viewer.language import tr
 from apd_viewer.ui.case_studies.study_files import typed_path
 
@@ -114,9 +115,6 @@ def _in_file(path: Path) -> str:
         If there is no address in it.
     """
     try:
-        said = json.loads(path.read_text(encoding="utf-8"))
-        return str(said["address"])
-    except OSError as error:
-        raise InputError(tr("There is no file {path}; check the name.").format(path=path)) from error
+        return str(json.loads(content_of(path))["address"])
     except (KeyError, TypeError) as error:
         raise ValueError from error

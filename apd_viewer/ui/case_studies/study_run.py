@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.reading import bytes_of
 from apd_viewer.language import tr
 from apd_viewer.studies.local_pool import cores
 from apd_viewer.ui.case_studies.study_files import PLAN
@@ -116,7 +117,7 @@ def _keep_options(folder: Path, options: Sequence[str]) -> None:
 def kept_options(folder: Path) -> list[str]:
     """Options of the command of the last time, as the folder has them."""
     try:
-        said: Any = json.loads((folder / RUN).read_text(encoding="utf-8"))
+        said: Any = json.loads(bytes_of(folder / RUN))
         words = [str(word) for word in said["options"]]
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return []  # begun elsewhere, or edited: it runs here

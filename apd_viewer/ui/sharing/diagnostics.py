@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from apd_viewer import log
+from apd_viewer.files.storage.reading import bytes_of
 from apd_viewer.redaction import redacted
 
 _LINES = 100  # of the log
@@ -43,5 +44,5 @@ def _last_crash() -> list[str]:
 
 def _lines(path: Path) -> list[str]:
     with suppress(OSError):
-        return redacted(path.read_text(encoding="utf-8", errors="replace")).splitlines()
+        return redacted(bytes_of(path).decode(errors="replace")).splitlines()
     return []

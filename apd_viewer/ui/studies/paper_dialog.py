@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from apd_viewer.files.storage.reading import bytes_of
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import grouped, signed
 from apd_viewer.ui.studies.run_bar import RunBar
@@ -90,8 +91,7 @@ class PaperDialog(QDialog):
             resize_on_screen(self, QSize(self.width(), needed))
 
     def _show(self, folder: Path, said: str) -> None:
-        with (folder / "tables.csv").open(encoding="utf-8") as stream:
-            lines = list(csv.DictReader(stream))
+        lines = list(csv.DictReader(bytes_of(folder / "tables.csv").decode().splitlines()))
         page = QWidget(objectName="page")
         column = QVBoxLayout(page, spacing=16)
         column.setContentsMargins(0, 0, 12, 0)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QPainter, QPainterPath, QPaintEvent, QPixmap
 from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from apd_viewer.files.storage.reading import bytes_of
 
 _EDGE = 12  # px
 _ROUND = 8
@@ -24,7 +27,9 @@ class FigureView(QWidget):
 
     def __init__(self, path: Path, words: str) -> None:
         super().__init__()
-        self._picture, self._less = QPixmap(str(path)), 0
+        self._picture, self._less = QPixmap(), 0
+        with suppress(OSError):
+            self._picture.loadFromData(bytes_of(path))
         self.setAccessibleName(words)
         policy = QSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)

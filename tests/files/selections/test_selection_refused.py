@@ -40,7 +40,7 @@ def test_files_that_cannot_be_read_at_all(suffix, tmp_path, refused):
     with pytest.raises(InputError, match=r"There is no file .*gone"):
         read_selection_file(tmp_path / f"gone{suffix}", MESH)
     (tmp_path / f"folder{suffix}").mkdir()
-    with pytest.raises(InputError, match=r"folder.* cannot be read"):
+    with pytest.raises(InputError, match=r"folder.* name a file instead"):
         read_selection_file(tmp_path / f"folder{suffix}", MESH)
     with pytest.raises(InputError, match="cannot be read"):
         read_selection_file(tmp_path / f"{'x' * 300}{suffix}", MESH)
