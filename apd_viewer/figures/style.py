@@ -54,6 +54,7 @@ _LOOK: dict[Any, Any] = {
     "lines.markersize": 4.0,
     "legend.frameon": False,
     "axes.unicode_minus": True,
+    "text.parse_math": False,  # names of obstacles may have a $
     "svg.fonttype": "path",
     "svg.hashsalt": "apd-viewer",  # the same figure gives the same file
 }

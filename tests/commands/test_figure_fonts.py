@@ -8,6 +8,7 @@ import pytest
 from matplotlib import font_manager
 
 from apd_viewer.figures.fonts import families, font_file
+from apd_viewer.figures.style import draw
 
 
 @pytest.fixture
@@ -54,3 +55,12 @@ def test_a_system_without_chinese_fonts_draws_all_the_same(system):
     system()
     assert font_file("zh_CN") is None
     assert families("zh_CN") == ["DejaVu Sans"]
+
+
+@pytest.mark.parametrize("name", [r"$\frac{$", r"a $ \b $"])
+def test_a_name_with_dollars_is_no_formula(name, tmp_path):
+    def fill(figure):
+        figure.subplots().set_title(name)
+
+    draw(fill, (3.0, 2.0), tmp_path, "figure")
+    assert (tmp_path / "figure.svg").stat().st_size > 1000
