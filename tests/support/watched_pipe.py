@@ -1,8 +1,11 @@
 """A pipe that sees who opens it to read, and lets go of them."""
 
 import os
-import threading
+import subprocess
 from pathlib import Path
+
+# A process, as Qt holds the interpreter while it waits. The pipe goes, or it would be opened again and again.
+_WATCH = 'exec 3> "$1"; rm "$1"; touch "$1.opened"; exec 3>&-'
 
 
 class WatchedPipe:
@@ -11,29 +14,18 @@ class WatchedPipe:
     Parameters
     ----------
     path : path
-
-    Attributes
-    ----------
-    opened : bool
-        Whether anybody has waited for a writer.
     """
 
     def __init__(self, path):
-        self.path, self.opened = Path(path), False
+        self.path = Path(path)
         os.mkfifo(self.path)
-        self._ends = threading.Event()
-        self._watch = threading.Thread(target=self._look, daemon=True)
-        self._watch.start()
+        self._watch = subprocess.Popen(["sh", "-c", _WATCH, "sh", str(self.path)])
 
-    def _look(self):
-        while not self._ends.wait(0.005):
-            try:
-                writer = os.open(self.path, os.O_WRONLY | os.O_NONBLOCK)
-            except OSError:  # nobody reads
-                continue
-            self.opened = True
-            os.close(writer)
+    @property
+    def opened(self):
+        """Whether anybody has waited for a writer."""
+        return Path(f"{self.path}.opened").exists()
 
     def close(self):
-        self._ends.set()
-        self._watch.join()
+        self._watch.kill()
+        self._watch.wait()

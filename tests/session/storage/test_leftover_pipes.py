@@ -1,0 +1,16 @@
+"""A pipe in one's own folder of recovery is no leftover, and holds up nothing."""
+
+import pytest
+from watched_pipe import WatchedPipe
+
+from apd_viewer.session.storage.recovery import leftovers
+
+
+@pytest.mark.parametrize("ending", ["apd", "lock"])
+def test_a_pipe_among_the_leftovers_is_not_waited_for(ending, tmp_path):
+    pipe = WatchedPipe(tmp_path / f"1-1.{ending}")
+    try:
+        assert leftovers(tmp_path) == []
+        assert not pipe.opened
+    finally:
+        pipe.close()
