@@ -124,7 +124,7 @@ def record_dialogs(reader, folder):
 
     QMessageBox.exec = box
     QFileDialog.getOpenFileName = QFileDialog.getSaveFileName = staticmethod(files)
-    QMessageBox.question = QMessageBox.about = staticmethod(question)
+    QMessageBox.question = staticmethod(question)
 
 
 class Driver:

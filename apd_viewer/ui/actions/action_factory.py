@@ -86,4 +86,4 @@ class ActionMaker:
 
 def plain(text: str) -> str:
     """Text of an action or menu without its mnemonic, in any script."""
-    return re.sub(r"\(&\w\)", "", text).replace("&", "").rstrip("…")
+    return re.sub(r"&(.)", r"\1", re.sub(r"\(&\w\)", "", text)).rstrip("…")

@@ -22,6 +22,7 @@ from apd_viewer.ui.actions.tool_bar import add_tool_bar
 from apd_viewer.ui.actions.view_actions import ViewActions
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.widgets.names import in_menu
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
@@ -162,7 +163,7 @@ class Actions:
             (self.undo, tr("&Undo"), tr("&Undo “{gesture}”"), undo),
             (self.redo, tr("&Redo"), tr("&Redo “{gesture}”"), redo),
         ):
-            action.setText(verb.format(gesture=gesture) if gesture else bare)
+            action.setText(verb.format(gesture=in_menu(gesture)) if gesture else bare)
             action.setEnabled(gesture is not None)
 
     def set_theme(self, theme: Theme) -> None:

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QMenu
 
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
+from apd_viewer.ui.widgets.names import in_menu, told_apart
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -184,8 +185,8 @@ class FileActions:
     def fill_recent(self, paths: Sequence[Path]) -> None:
         """List recent files."""
         self.recent.clear()
-        for path in paths:
-            action = self.recent.addAction(path.name)
+        for path, name in zip(paths, told_apart(paths), strict=True):
+            action = self.recent.addAction(in_menu(name))
             action.setStatusTip(str(path))
             action.triggered.connect(lambda _checked=False, path=path: self._open_path(path))
         self.recent.setEnabled(bool(paths))

@@ -33,6 +33,7 @@ from apd_viewer.ui.studies.study_dialog import count_field, row_of
 from apd_viewer.ui.widgets.fields import Choice, Entry
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
+from apd_viewer.ui.widgets.names import in_title
 
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QLayout, QWidget
@@ -83,7 +84,7 @@ class PlanDialog(QDialog):
         self._state, self._handle, self._view, self._memory = session.store.required(), handle, view, memory
         self._preview = EndPreview(session, ghost)
         mesh = self._state.document.mesh
-        self.setWindowTitle(tr("Study – {name}").format(name=mesh.name))
+        self.setWindowTitle(tr("Study – {name}").format(name=in_title(mesh.name)))
         self.varied = VariedFields(self._state, Unit(view.unit))
         self.varied.changed.connect(self._count)
         self.varied.looked_at.connect(self._look)

@@ -28,6 +28,7 @@ from apd_viewer.ui.widgets.fields import Check
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 from apd_viewer.ui.widgets.icons import application_icon
+from apd_viewer.ui.widgets.names import in_title
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 
 if TYPE_CHECKING:
@@ -154,7 +155,7 @@ class ComparisonWindow(QWidget):
         if self.comparison is not None:
             self.comparison.stop()
         name = state.document.mesh.name
-        self.setWindowTitle(tr("Compare methods – {name}").format(name=name))
+        self.setWindowTitle(tr("Compare methods – {name}").format(name=in_title(name)))
         first = self._state is None or self._state.document.mesh is not state.document.mesh
         self._state = state
         self.comparison = Comparison(state.document, self._woken.emit)

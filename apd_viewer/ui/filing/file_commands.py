@@ -16,6 +16,7 @@ from apd_viewer.ui.filing import file_dialogs, unsaved_question
 from apd_viewer.ui.filing.changed_file_question import Decision, ask_soon
 from apd_viewer.ui.filing.unsaved_question import Answer
 from apd_viewer.ui.preferences.preferences import Preferences, own_file
+from apd_viewer.ui.widgets.names import in_title
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -171,7 +172,7 @@ class Filing:
             title = tr("{session}[*] – {mesh} – APD Viewer")
         self._window.setWindowFilePath(str(session or mesh.path or ""))
         self._window.setWindowTitle(
-            title.format(mesh=_verbatim(mesh.name), session=_verbatim(session.name if session else ""))
+            title.format(mesh=in_title(mesh.name), session=in_title(session.name if session else ""))
         )
         self._window.setWindowModified(self._session.saved_work.unsaved)
 
@@ -197,8 +198,3 @@ class Filing:
         elif answer is Answer.EXPORT:
             self.ask_for_target(go)
         return answer is Answer.DISCARD
-
-
-def _verbatim(name: str) -> str:
-    """Name in a title: Qt puts its mark of unsaved work at ``[*]``."""
-    return name.replace("[*]", "[*][*]")

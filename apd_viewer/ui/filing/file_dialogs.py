@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.metadata import version
 from pathlib import Path
 
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from apd_viewer.files.mesh_writing import dropped
@@ -18,6 +19,7 @@ _MESHES = " ".join("*" + suffix for suffix in FORMATS)
 _OPEN_FILTER = tr("Meshes and sessions ({endings})").format(endings=f"{_MESHES} *.apd")
 _MESH_FILTER = tr("Meshes ({endings})").format(endings=_MESHES)
 _WITHOUT, _WITH = tr("Session (*.apd)"), tr("Session including the mesh (*.apd)")
+_ICON = 64  # px, in the description of the program
 SELECTION_FORMATS = (".json", ".npz", ".ply", ".sel", ".dmat")
 _SELECTIONS = tr("Selections ({endings})").format(
     endings=" ".join("*" + suffix for suffix in SELECTION_FORMATS)
@@ -162,13 +164,15 @@ def ask_where(parent: QWidget, title: str, proposed: Path) -> Path | None:
 
 def about(parent: QWidget) -> None:
     """Describe the program and its libraries."""
-    QMessageBox.about(
-        parent,
-        tr("About APD Viewer"),
+    box = QMessageBox(parent, windowTitle=tr("About APD Viewer"), textFormat=Qt.TextFormat.RichText)
+    box.setIconPixmap(parent.windowIcon().pixmap(_ICON))
+    box.setText(
         tr(
             "<h3>APD Viewer {version}</h3>"
             "<p>Area-preserving deformation of 3D objects, after the method of Li and Hui.</p>"
             "<p>Built on NumPy, SciPy, Numba, cholespy, fast-simplification, trimesh, PyVista and "
             "Qt for Python. MIT licence.</p>"
-        ).format(version=version("apd-viewer")),
+        ).format(version=version("apd-viewer"))
     )
+    box.exec()
+    box.deleteLater()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from PySide6.QtWidgets import QAbstractButton, QWidget
 
 from apd_viewer.ui.actions.action_factory import plain
@@ -11,7 +9,7 @@ from apd_viewer.ui.widgets.slider_field import Dial
 
 
 def texts_of(widget: QWidget) -> tuple[str, str]:
-    """Title and tip of a control, both without mark-up; empty if missing."""
+    """Title and tip of a control, each on one line; empty if missing."""
     if isinstance(widget, Dial):
         widget = widget.field
     title = widget.accessibleName()
@@ -21,5 +19,5 @@ def texts_of(widget: QWidget) -> tuple[str, str]:
 
 
 def _flat(text: str) -> str:
-    """Text without tags, on one line."""
-    return " ".join(re.sub(r"<[^>]+>", " ", text).split())
+    """Text on one line."""
+    return " ".join(text.split())

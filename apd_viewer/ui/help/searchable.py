@@ -99,7 +99,7 @@ def _why_not(entry: ShortcutEntry, store: Store) -> str:
     if name.endswith("_obstacle"):
         return tr("click an obstacle first")
     said = entry.action.toolTip()  # such as: the file has no texture
-    return said if said and "<" not in said else tr("not with what is open")
+    return said if said and said != entry.whole_tip else tr("not with what is open")
 
 
 def controls(panel: Panel) -> Iterator[Searchable]:

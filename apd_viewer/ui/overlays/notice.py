@@ -54,7 +54,7 @@ class Notice(QFrame):
         self._theme = LIGHT
         self.setObjectName("notice")
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self._text = QLabel(wordWrap=True)
+        self._text = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
         self._symbol = QLabel()
         # Beside the frame, and not in it, so that it has the mouse.
         self._close = QToolButton(
@@ -163,7 +163,8 @@ class Invitation(QLabel):
     """Hint at the bottom of the canvas."""
 
     def __init__(self, canvas: Viewport) -> None:
-        super().__init__(canvas, wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
+        plain = Qt.TextFormat.PlainText
+        super().__init__(canvas, wordWrap=True, textFormat=plain, alignment=Qt.AlignmentFlag.AlignCenter)
         self._canvas = canvas
         self.setObjectName("invitation")
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)

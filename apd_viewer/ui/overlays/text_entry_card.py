@@ -47,7 +47,8 @@ class TypedCard(QFrame):
         self.text.textChanged.connect(self.asked)
         self.text.entered.connect(lambda act: self.entered.emit(self.text.text(), act))
         self.text.left.connect(self.close_card)
-        self._said = QLabel(help, objectName="quiet", wordWrap=True)
+        plain = Qt.TextFormat.PlainText
+        self._said = QLabel(help, objectName="quiet", wordWrap=True, textFormat=plain)
         line = QHBoxLayout(spacing=8)
         line.addWidget(QLabel(title))
         line.addWidget(self.text, 1)

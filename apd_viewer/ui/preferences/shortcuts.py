@@ -68,8 +68,13 @@ class ShortcutEntry:
     @keys.setter
     def keys(self, keys: str) -> None:
         self.action.setShortcuts([QKeySequence(key, _PORTABLE) for key in split(keys)])
-        said = f" ({native(keys)})" if keys else ""
-        self.action.setToolTip(f"<b>{self.title}</b>{said}<br>{self.tip}")
+        self.action.setToolTip(self.whole_tip)
+
+    @property
+    def whole_tip(self) -> str:
+        """Title, current keys and tip."""
+        said = f" ({native(self.keys)})" if self.keys else ""
+        return f"{self.title}{said}\n{self.tip}"
 
     @property
     def is_changed(self) -> bool:

@@ -17,6 +17,7 @@ from apd_viewer.ui.studies.animation_formats import format_choice
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
 from apd_viewer.ui.widgets.fields import Choice
+from apd_viewer.ui.widgets.names import in_title
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,7 +54,7 @@ class AnimationDialog(StudyDialog):
     ) -> None:
         mesh = state.document.mesh
         run = RunBar(tr("Export…"), f"{mesh.stem}-animation", memory)
-        title = tr("Export animation – {name}").format(name=mesh.name)
+        title = tr("Export animation – {name}").format(name=in_title(mesh.name))
         super().__init__(window, title, run, "sweep.png", tr("Curves of area, volume and energy"))
         self._state, self._view, self._memory = state, view, memory
         self._path: Path | None = None

@@ -30,6 +30,7 @@ from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
 from apd_viewer.ui.studies.wall_fields import WallFields
 from apd_viewer.ui.widgets.fields import Check, Choice, Number
+from apd_viewer.ui.widgets.names import in_title
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.material import Material
@@ -58,7 +59,7 @@ class PressDialog(StudyDialog):
         mesh = document.mesh
         self._pressed = f"pressed{suffix_for(mesh)}"
         run = RunBar(tr("Press"), f"{mesh.stem}-press", memory, self._pressed)
-        title = tr("Press between plates – {name}").format(name=mesh.name)
+        title = tr("Press between plates – {name}").format(name=in_title(mesh.name))
         super().__init__(window, title, run, "press.png", tr("Curves of load and volume"))
         run.asked.connect(self.begin)
         self._state, self._view, self._document, self._unit = state, view, document, unit

@@ -21,6 +21,7 @@ from apd_viewer.ui.studies.animation_formats import format_choice
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
 from apd_viewer.ui.widgets.fields import Check, Choice
+from apd_viewer.ui.widgets.names import in_title
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
@@ -47,7 +48,7 @@ class SweepDialog(StudyDialog):
     def __init__(self, window: QWidget, state: State, handle: int, view: View, memory: Preferences) -> None:
         mesh = state.document.mesh
         run = RunBar(tr("Sweep"), f"{mesh.stem}-sweep", memory)
-        title = tr("Sweep – {name}").format(name=mesh.name)
+        title = tr("Sweep – {name}").format(name=in_title(mesh.name))
         super().__init__(window, title, run, "sweep.png", tr("Curves of area, volume and energy"))
         run.asked.connect(self.begin)
         self._state, self._handle, self._view = state, handle, view

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QPoint, QTimer
+from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtGui import QAccessible, QAccessibleEvent
 from PySide6.QtWidgets import QAbstractScrollArea, QLabel, QWidget
 
@@ -20,7 +20,7 @@ class ErrorBubble(QLabel):
     """
 
     def __init__(self, field: QWidget) -> None:
-        super().__init__(field, objectName="error", wordWrap=True)
+        super().__init__(field, objectName="error", wordWrap=True, textFormat=Qt.TextFormat.PlainText)
         self._field = field
         self._leaving = QTimer(self, singleShot=True, interval=_AFTER_LEAVING)
         self._leaving.timeout.connect(self.hide)

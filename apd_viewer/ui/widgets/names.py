@@ -1,0 +1,33 @@
+"""Names as they are, where Qt has signs of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+
+def in_menu(name: str) -> str:
+    """Name in the text of an action, a button or a dock: Qt underlines what follows an ``&``."""
+    return name.replace("&", "&&")
+
+
+def in_title(name: str) -> str:
+    """Name in the title of a window: Qt puts its mark of unsaved work at ``[*]``."""
+    return name.replace("[*]", "[*][*]")
+
+
+def told_apart(paths: Sequence[Path]) -> list[str]:
+    """Name of each file; of those with one name, also the end of the folder that tells them apart."""
+    named = []
+    for path in paths:
+        others = [other for other in paths if other.name == path.name and other != path]
+        parts = path.parent.parts
+        least = max((_common(parts, other.parent.parts) for other in others), default=-1) + 1
+        named.append(f"{path.name} – {Path(*parts[-least:])}" if least else path.name)
+    return named
+
+
+def _common(parts: Sequence[str], others: Sequence[str]) -> int:
+    """Number of the last folders that two paths have in common."""
+    pairs = zip(reversed(parts), reversed(others), strict=False)
+    return next((k for k, (part, other) in enumerate(pairs) if part != other), min(len(parts), len(others)))
