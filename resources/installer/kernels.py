@@ -2,9 +2,9 @@
 
     python resources/installer/kernels.py
 
-leaves those for a wheel in build/kernels, where hatch_build.py finds them. The program looks for kernels beside
-their modules, and takes those whose sources, processor, Python and version of numba are the same. Others are
-compiled as ever.
+leaves those for a wheel in build/kernels, where hatch_build.py finds them. The program looks for kernels
+beside their modules, and takes those whose sources, processor, Python and version of numba are the same.
+Others are compiled as ever.
 """
 
 from __future__ import annotations
