@@ -78,7 +78,8 @@ _LOST = {
 
 def about_lost_file(name: str, found: Fate) -> str:
     """Sentences about a session file changed or gone since it was saved."""
-    return f"{_LOST[found].format(name=name)} {tr('What is shown here is in no file until you save it.')}"
+    remedy = tr("What is shown here is in no file until you save it.")
+    return f"{_LOST[found].format(name=name)} {remedy}"
 
 
 def about_selection(name: str, left_out: Sequence[str]) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QToolButton
 
-from apd_viewer.language import tr
+from apd_viewer.language import tr, trc
 from apd_viewer.session.storage.recovery import Leftover, ago
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
@@ -55,7 +55,9 @@ class RecoveryBar(QFrame):
         )
         self.restore.setObjectName("primary")
         self.discard = self._button(tr("Discard"), tr("Delete the unsaved work permanently"), self._discard)
-        self.next = self._button(tr("Next"), tr("Show the next unsaved work"), self._show_next)
+        self.next = self._button(
+            trc("unsaved work", "Next"), tr("Show the next unsaved work"), self._show_next
+        )
         self.later = QToolButton(
             accessibleName=tr("Not now"), toolTip=tr("Ask at the next start"), iconSize=SIZE
         )
