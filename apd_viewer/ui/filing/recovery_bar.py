@@ -55,9 +55,12 @@ class RecoveryBar(QFrame):
         )
         self.restore.setObjectName("primary")
         self.discard = self._button(tr("Discard"), tr("Delete the unsaved work permanently"), self._discard)
-        self.next = self._button(
-            trc("unsaved work", "Next"), tr("Show the next unsaved work"), self._show_next
+        self.next = QToolButton(
+            accessibleName=trc("unsaved work", "Next"),
+            toolTip=tr("Show the next unsaved work"),
+            iconSize=SIZE,
         )
+        self.next.clicked.connect(self._show_next)
         self.later = QToolButton(
             accessibleName=tr("Not now"), toolTip=tr("Ask at the next start"), iconSize=SIZE
         )
@@ -113,6 +116,7 @@ class RecoveryBar(QFrame):
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
         self.later.setIcon(icon("cancel", theme))
+        self.next.setIcon(icon("folded", theme))
         self._symbol.setPixmap(icon("history", theme).pixmap(SIZE, self.devicePixelRatioF()))
 
     def _restore(self) -> None:
