@@ -174,7 +174,7 @@ def run(mesh: object = None, tells: bool = False) -> None:
 
 
 def own_settings() -> QSettings:
-    """The user's settings; what Qt would wait for in the place of their file is put aside."""
+    """The user's settings; a pipe in the place of their file is put aside."""
     folder = Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericConfigLocation))
     name = f"{QCoreApplication.applicationName()}.conf"
     for path in (folder / name, folder / QCoreApplication.organizationName() / name):

@@ -48,7 +48,7 @@ class NotRegularError(OSError):
 
 
 def check_regular(path: str | Path) -> None:
-    """Raise NotRegularError where anything but a regular file is in the place; OSError where nothing is."""
+    """Raise NotRegularError for anything but a regular file, OSError for none."""
     # By itself, and not on what was opened: to open a device may do something already.
     if not stat.S_ISREG(os.stat(path).st_mode):  # noqa: PTH116, Path raises on names that are too long
         raise NotRegularError(path)

@@ -7,17 +7,17 @@ from pathlib import Path
 
 
 def in_menu(name: str) -> str:
-    """Name in the text of an action, a button or a dock: Qt underlines what follows an ``&``."""
+    """Name in the text of an action or a button, where ``&`` is a sign of Qt."""
     return name.replace("&", "&&")
 
 
 def in_title(name: str) -> str:
-    """Name in the title of a window: Qt puts its mark of unsaved work at ``[*]``."""
+    """Name in the title of a window, where ``[*]`` is a sign of Qt."""
     return name.replace("[*]", "[*][*]")
 
 
 def told_apart(paths: Sequence[Path]) -> list[str]:
-    """Name of each file; of those with one name, also the end of the folder that tells them apart."""
+    """Names of files, with the end of the folder where a name is not alone."""
     named = []
     for path in paths:
         others = [other for other in paths if other.name == path.name and other != path]
