@@ -15,6 +15,8 @@ from apd_viewer.files.meshes import FORMATS, LARGEST, VTK, WRITTEN, largest, par
 from apd_viewer.files.storage.atomic_file import is_stream, not_written, replacing
 from apd_viewer.files.storage.links import leads_in_a_circle
 from apd_viewer.files.storage.reading import in_one_line, quietly
+from apd_viewer.geometry.checked_arguments import check_type, checked
+from apd_viewer.geometry.mesh.arrays import numbers
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
@@ -102,6 +104,7 @@ def dropped(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
     return origin.extras
 
 
+@checked
 def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = None) -> Written:
     """Write ``mesh`` with the positions ``U``; the format follows the name.
 
@@ -137,8 +140,14 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
     >>> f"{written.area:.1f}", written.dropped
     ('1628.5', ())
     """
+    check_type("mesh", mesh, Mesh)
     path = check_target(path)
-    if np.shape(U) != mesh.V.shape:
+    if unit and unit not in METRES:
+        raise InputError(
+            tr("“{unit}” is no unit of length; use {units}.").format(unit=unit, units=", ".join(METRES))
+        )
+    U = numbers(U, tr("Positions"))
+    if U.shape != mesh.V.shape:
         raise InputError(tr("Give {n:,} positions, one for each vertex of the mesh.").format(n=len(mesh.V)))
     if not np.isfinite(U).all():
         raise InputError(tr("A position is not a finite number; nothing was written."))

@@ -20,6 +20,7 @@ from apd_viewer.files.other_content import about_content, about_no_vertices
 from apd_viewer.files.storage.reading import bytes_of, in_one_line, quietly
 from apd_viewer.files.vtk.legacy import read_vtk
 from apd_viewer.files.vtk.xml_surface import read_vtp, read_vtu
+from apd_viewer.geometry.checked_arguments import checked
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
@@ -34,6 +35,7 @@ _READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_o
 _READERS |= {".vtp": read_vtp, ".vtu": read_vtu, ".vtk": read_vtk}
 
 
+@checked
 def open_mesh(path: str | Path) -> Mesh:
     """Open a mesh: vertices and triangles in the order of the file.
 

@@ -9,6 +9,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.bounding_boxes import smallest_box
 from apd_viewer.geometry.analysis.convex_hull import convex_hull, minimum_width
+from apd_viewer.geometry.checked_arguments import checked, real
 from apd_viewer.geometry.mesh.arrays import far_centre
 from apd_viewer.language import tr
 
@@ -53,10 +54,11 @@ class HullReadings(NamedTuple):
 
         ``packing`` is the share of the container that they fill.
         """
-        if not 0.0 < packing <= 1.0:
+        if not 0.0 < real(packing) <= 1.0:
             raise InputError(tr("The packing must be a share above 0 and at most 1, such as 0.64."))
         return self.volume / packing
 
+    @checked
     def count_in(self, container: float, packing: float = PACKING) -> int:
         """Number of objects in a ``container``, cubic mesh units; 0 of a flat shape."""
         return int(container / self.bulk(packing) + _LITTLE) if self.volume > 0.0 else 0

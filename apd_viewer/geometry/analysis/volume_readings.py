@@ -11,6 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.double_wall import DoubleWall
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.checked_arguments import checked
 from apd_viewer.geometry.mesh.arrays import numbers, whole_numbers
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -65,6 +66,7 @@ class VolumeReadings(NamedTuple):
         return cls(area, enclosed, openings, hull, None if thickness is None else area * thickness)
 
 
+@checked
 def volume_readings(U: np.ndarray, F: np.ndarray, *, thickness: float | None = None) -> VolumeReadings:
     """Measure the volumes of a shape.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import check
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.followers import Followers
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
@@ -75,8 +75,7 @@ def thickness_of(diagonal: float, thickness: float | None) -> float:
     """
     if thickness is None:
         return _THICKNESS * diagonal
-    if not (isinstance(thickness, Real) and 0.0 < thickness < np.inf):
-        raise InputError(tr("The wall thickness must be greater than 0."))
+    check("thickness", thickness)
     if thickness > _THICKEST * diagonal:
         raise InputError(
             tr("The wall thickness must be at most {most:.3g} here; check the unit.").format(

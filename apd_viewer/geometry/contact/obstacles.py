@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import checked
 from apd_viewer.geometry.mesh.arrays import direction, place
 from apd_viewer.language import tr
 
@@ -81,6 +82,7 @@ class Obstacle:
         return pairs, np.arange(len(pairs)) >= len(pairs) - len(along)
 
 
+@checked
 def plate(point: np.ndarray, normal: np.ndarray, size: float) -> Obstacle:
     """Plane through ``point`` that keeps a surface on the side of ``normal``.
 
@@ -98,14 +100,13 @@ def plate(point: np.ndarray, normal: np.ndarray, size: float) -> Obstacle:
     [0.0, 0.0, 0.0]
     """
     point, normal = place(point), direction(normal)
-    if not 0.0 < size < np.inf:
-        raise InputError(tr("The size of a plate must be greater than 0."))
     across = direction(np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))]))
     other, r = np.cross(normal, across), _ENDLESS * size
     corners = [(np.cos(a), np.sin(a)) for a in 2.0 * np.pi / 3.0 * np.arange(3)]
     return Obstacle(np.array([point + r * (x * across + y * other) for x, y in corners]), 0.0)
 
 
+@checked
 def sphere(centre: np.ndarray, radius: float) -> Obstacle:
     """Sphere around ``centre`` (3,).
 
@@ -115,9 +116,10 @@ def sphere(centre: np.ndarray, radius: float) -> Obstacle:
     >>> apd_viewer.sphere((0, 0, 2), radius=0.5).radius
     0.5
     """
-    return Obstacle(np.array([place(centre)]), _checked(radius))
+    return Obstacle(np.array([place(centre)]), float(radius))
 
 
+@checked
 def capsule(a: np.ndarray, b: np.ndarray, radius: float) -> Obstacle:
     """Cylinder with round ends around the line from ``a`` to ``b``, both (3,).
 
@@ -130,7 +132,7 @@ def capsule(a: np.ndarray, b: np.ndarray, radius: float) -> Obstacle:
     ends = np.array([place(a), place(b)])
     if not np.linalg.norm(ends[1] - ends[0]) > 0.0:
         raise InputError(tr("The two ends of a cylinder must be apart."))
-    return Obstacle(ends, _checked(radius))
+    return Obstacle(ends, float(radius))
 
 
 def moved_by(obstacles: Sequence[Obstacle], shift: np.ndarray) -> Sequence[Obstacle]:
@@ -142,9 +144,3 @@ def _rows(of_surface: np.ndarray, of_obstacle: range | list[int], after: bool = 
     """Rows of vertices of the surface, with the same points of the obstacle in each."""
     own = np.broadcast_to(np.array(of_obstacle), (len(of_surface), len(of_obstacle)))
     return np.ascontiguousarray(np.hstack([of_surface, own] if after else [own, of_surface]), np.int32)
-
-
-def _checked(radius: float) -> float:
-    if not 0.0 < radius < np.inf:
-        raise InputError(tr("The radius of an obstacle must be greater than 0."))
-    return float(radius)

@@ -9,11 +9,10 @@ so that its pressure is ``p V0 / V``, and the surface feels that less ``p``.
 
 from __future__ import annotations
 
-from numbers import Real
-
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import check
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.language import tr
 
@@ -34,9 +33,7 @@ class EnclosedGas:
     """
 
     def __init__(self, rest: RestMesh, amount: float) -> None:
-        given: object = amount  # of a script, perhaps in words
-        if not isinstance(given, Real) or not 0.0 < amount < np.inf:
-            raise InputError(tr("The pressure of the gas must be greater than 0."))
+        check("gas", amount)
         volume = rest.volume if rest.caps is None else rest.volume_capped
         if not volume:
             raise InputError(tr("The mesh encloses no gas: cap it, or press it without."))

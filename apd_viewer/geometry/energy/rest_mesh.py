@@ -11,7 +11,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.arrays import check_mesh, diagonal, far_centre, numbers, whole_numbers
+from apd_viewer.geometry.mesh.arrays import diagonal, far_centre, mesh_arrays
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.measures import SLIVER, area_volume_change
@@ -96,8 +96,7 @@ class RestMesh:
     @classmethod
     def of(cls, V: object, F: object, weld: bool = False) -> RestMesh:
         """Rest mesh of a caller's arrays, checked; with ``weld`` its seams are welded."""
-        V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
-        check_mesh(V, F)
+        V, F = mesh_arrays(V, F)
         return cls(V, F, Weld.of(V, F, SEAM) if weld else None)
 
     @property

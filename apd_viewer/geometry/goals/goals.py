@@ -166,7 +166,7 @@ class GoalMeasures:
 
 def patch_of(rest: RestMesh, region: Region) -> Patch:
     """Triangles of a region, in vertices of the solve."""
-    if not isinstance(region, Region) or not region.name:
+    if not isinstance(region, Region) or not isinstance(region.name, str) or not region.name:
         raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
     vertices = whole_numbers(
         region.vertices, tr("The vertices of the region “{name}”").format(name=region.name)

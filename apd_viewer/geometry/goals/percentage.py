@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from numbers import Real
-
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import real
 from apd_viewer.language import tr
 
 # Targets beyond these are typing errors.
@@ -28,15 +27,15 @@ def percentage(said: float | str, name: str) -> float:
     is_signed = False
     if isinstance(said, str):
         value, is_signed = _number(said.strip().removesuffix(SIGN)), said.strip().endswith(SIGN)
-    if not isinstance(value, Real) or isinstance(value, bool) or not LEAST <= float(value) <= MOST:
+    if not LEAST <= (percent := real(value)) <= MOST:
         raise InputError(
             tr("The target of {name} must be a percentage from {least:g} to {most:g}, such as 100.").format(
                 name=GOAL_WORDS.get(name, name), least=LEAST, most=MOST
             )
         )
     if not is_signed:
-        check_no_factor(float(value))
-    return float(value)
+        check_no_factor(percent)
+    return percent
 
 
 def check_no_factor(value: float, factors: float = _FACTORS) -> None:

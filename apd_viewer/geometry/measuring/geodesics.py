@@ -19,6 +19,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.measuring.manifold_pieces import manifold_pieces, oriented
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
 from apd_viewer.geometry.mesh.adjacency import opposite_corners
+from apd_viewer.geometry.mesh.arrays import mesh_arrays
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def geodesic_path(
     >>> f"{np.linalg.norm(np.diff(path, axis=0), axis=1).sum():.4f}"
     '1.4142'
     """
-    V, F = np.asarray(V, dtype=float), np.asarray(F)
+    V, F = mesh_arrays(V, F)
     places = [p if isinstance(p, SurfacePoint) else SurfacePoint.at_vertex(F, p) for p in (start, end)]
     for point in places:
         point.check(F)
@@ -70,7 +71,7 @@ def geodesic_path(
     faces = [place.face for place in places]
     if faces[0] == faces[1] or np.array_equal(*ends):
         return ends
-    V, F, corners = _with_points(V, np.asarray(F, dtype=np.int64), places, ends)
+    V, F, corners = _with_points(V, F, places, ends)
     ids = [int(F[face, corner]) for face, corner in corners]
     first = _first_path(V, F, *ids)
     kept = _within_reach(V, F, ends, _length(V[first]))

@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.kinds import Kind
-from apd_viewer.geometry.measuring.sections import plane_section
+from apd_viewer.geometry.measuring.sections import section
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
 
 _ARC = 0.4  # radius of an angle's arc, of its shorter side
@@ -136,7 +136,7 @@ def _geodesic(U: np.ndarray, path: CarriedPath | None, is_current: bool) -> Meas
 
 def _section(plane: Plane, U: np.ndarray, F: np.ndarray) -> Measured:
     normal = np.array(plane.normal)
-    cut = plane_section(U, F, plane.offset * normal, normal)
+    cut = section(U, F, plane.offset * normal, normal)
     if not len(cut.segments):
         return Measured((float("nan"), float("nan")), cut.segments)
     A, B, C = U[F[cut.faces]].transpose(1, 0, 2)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.arrays import direction, place
+from apd_viewer.geometry.mesh.arrays import direction, mesh_arrays, place
 from apd_viewer.geometry.mesh.components import pieces
 
 
@@ -69,8 +69,12 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
     >>> cut.contours, f"{cut.length:.2f}", f"{cut.area:.2f}"
     (1, '19.61', '30.59')
     """
-    V, F, normal = np.asarray(V, dtype=float), np.asarray(F), direction(normal)
-    height = V @ normal - float(np.dot(place(point), normal))
+    return section(*mesh_arrays(V, F), place(point), direction(normal))
+
+
+def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray) -> PlaneSection:
+    """Section of arrays that are known to be a mesh, by a plane with a unit normal."""
+    height = V @ normal - float(np.dot(point, normal))
     faces = _met(height, F)
     above = (height >= 0.0)[F[faces]]
     if not len(faces):

@@ -61,6 +61,14 @@ def numbers(given: object, what: str) -> np.ndarray:
     return array.astype(np.float64)
 
 
+def vectors(given: object, count: int, what: str) -> np.ndarray:
+    """``given`` (count, 3) as floats; raises InputError unless they are finite."""
+    array = numbers(given, what)
+    if array.shape != (count, 3) or not np.isfinite(array).all():
+        raise InputError(tr("{what} must be {n:,} finite vectors.").format(what=what, n=count))
+    return array
+
+
 def place(given: object) -> np.ndarray:
     """``given`` (3,) as floats; raises InputError unless it is a point."""
     x = _three(given)
@@ -80,9 +88,10 @@ def direction(given: object) -> np.ndarray:
 
 def _three(given: object) -> np.ndarray | None:
     try:
-        x = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
+        x = np.asarray(given)
+    except ValueError:  # rows of different lengths
         return None
+    x = x.astype(float) if x.dtype.kind in "iuf" else np.empty(0)
     return x if x.shape == (3,) and np.isfinite(x).all() else None
 
 
@@ -95,6 +104,13 @@ def whole_numbers(given: object, what: str) -> np.ndarray:
     if not (np.abs(array) < 2.0**53).all() or (array != np.rint(array)).any():
         raise InputError(tr("{what} must be whole numbers: vertex IDs, counted from 0.").format(what=what))
     return array.astype(np.int64)
+
+
+def mesh_arrays(V: object, F: object) -> tuple[np.ndarray, np.ndarray]:
+    """Copies (n, 3) and (m, 3) of a caller's arrays; InputError unless they are a mesh."""
+    arrays = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
+    check_mesh(*arrays)
+    return arrays
 
 
 def check_mesh(V: np.ndarray, F: np.ndarray) -> None:

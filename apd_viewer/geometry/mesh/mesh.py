@@ -6,19 +6,18 @@ import contextlib
 import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import check
 from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, size_of, whole_numbers
 from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.geometry.mesh.weld import TOLERANCE, Weld
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 class Origin(Protocol):
@@ -88,11 +87,22 @@ class Mesh:
 
     def __post_init__(self) -> None:
         V, F = self.V, self.F
+        for name, without in (("path", None), ("origin", None), ("remarks", ()), ("unit", "")):
+            if (given := getattr(self, name)) is not without:
+                check(name, given)
+        if self.path is not None:
+            object.__setattr__(self, "path", Path(self.path))
         if self.origin is None:  # arrays read from a file are valid and unshared
             V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
         check_mesh(V, F)
         object.__setattr__(self, "V", frozen(V))
         object.__setattr__(self, "F", frozen(F))
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        """Restore a copy; its arrays are read-only again."""
+        self.__dict__.update(state)
+        frozen(self.V)
+        frozen(self.F)
 
     @classmethod
     def trusted(

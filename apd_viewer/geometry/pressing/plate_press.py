@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from numbers import Integral
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.checked_arguments import check, whole
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
 from apd_viewer.geometry.contact.obstacles import Obstacle, plate
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -66,7 +66,7 @@ class PlatePress:
         options: PressOptions = DEFAULT_OPTIONS,
     ) -> None:
         _check_count(steps, MOST_STEPS, tr("The number of steps must be a whole number from 1 to {most:,}."))
-        _check_count(iterations, 10**9, tr("The number of iterations must be a whole number of at least 1."))
+        check("iterations", iterations)
         self._rest, self._asked = rest, (axis, to, thickness_of(rest.diagonal, options.thickness))
         self._count, self._iterations = steps, iterations
         self._relaxes = options.start is not None
@@ -176,5 +176,5 @@ def _tick_at(tick: Callable[[float], object], step: int, count: int, done: float
 
 
 def _check_count(given: int, most: int, otherwise: str) -> None:
-    if not isinstance(given, Integral) or not 1 <= given <= most:
+    if not whole(given) or not 1 <= given <= most:
         raise InputError(otherwise.format(most=most))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import real
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
 from apd_viewer.geometry.mesh.arrays import diagonal, direction
 from apd_viewer.language import tr
@@ -63,7 +63,7 @@ def plate_way(points: np.ndarray, axis: np.ndarray, to: float, thickness: float 
     axis, apart = direction(axis), thickness_of(diagonal(points), thickness)
     height = points @ axis
     way = PlateWay(axis, float(height.min()) - apart, float(height.max()) + apart, to)
-    if not isinstance(to, Real) or not 0.0 < to < way.first:
+    if not 0.0 < real(to) < way.first:
         raise InputError(
             tr(
                 "The plates are {first:.4g} apart at first; enter a smaller distance, and greater than 0."

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from numbers import Real
 
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import check
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import numbers
@@ -86,7 +86,6 @@ def check_yield(radius: float | None, stiffness: float) -> None:
     """Raise InputError unless walls can yield at a radius; None is none."""
     if radius is None:
         return
-    if not isinstance(radius, Real) or not radius > 0.0:
-        raise InputError(tr("The yield radius must be greater than 0."))
+    check("yield_radius", radius)
     if not stiffness:
         raise InputError(tr("Walls without bending stiffness keep no creases; enter a stiffness, too."))

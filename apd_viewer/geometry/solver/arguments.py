@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import numbers, whole_numbers
+from apd_viewer.geometry.checked_arguments import check_type
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.arrays import numbers, vectors, whole_numbers
+from apd_viewer.geometry.pose.constraints import Soft
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.rest_mesh import RestMesh
-    from apd_viewer.geometry.pose.constraints import Soft
 
 # In diagonals of the bounding box; beyond, squares of lengths leave no digits for the mesh.
 _FARTHEST = 1e6
@@ -41,7 +39,8 @@ def handle_of(
     handle: np.ndarray | Sequence[np.ndarray] | None, rest: RestMesh, solve_ids: np.ndarray
 ) -> np.ndarray:
     """For each held vertex of the solve the number of its handle, from 1; 0 is base."""
-    if handle is not None and not isinstance(handle, (np.ndarray, Sequence)):
+    listed = isinstance(handle, Sequence) or (isinstance(handle, np.ndarray) and handle.ndim > 0)
+    if handle is not None and not listed:
         raise InputError(tr("The handle must be an array of vertex IDs, or a list of such arrays."))
     several = handle is not None and len(handle) > 0 and np.ndim(handle[0]) > 0
     handles = () if handle is None else handle if several else (handle,)
@@ -128,15 +127,31 @@ class HeldVertices:
         return max((float(np.linalg.norm(centre)) for centre in centres), default=0.0)
 
 
-def soft_of(soft: Soft, rest: RestMesh, solve_ids: np.ndarray) -> tuple[Soft, np.ndarray]:
-    """Soft vertices of the solve, and their places among the given ones.
+def rest_of(rest: RestMesh | None, V: np.ndarray, F: np.ndarray, weld: bool) -> RestMesh:
+    """Rest mesh as given, or of the arrays; raises InputError."""
+    if rest is None:
+        return RestMesh.of(V, F, weld)
+    check_type("rest", rest, RestMesh)
+    return rest
+
+
+def soft_of(soft: Soft, rest: RestMesh, solve_ids: np.ndarray) -> tuple[Soft, tuple[np.ndarray, int]]:
+    """Soft vertices of the solve, their places among the given ones, and the number of those.
 
     Held vertices are left out, and pieces without any held vertex.
     """
+    check_type("soft", soft, Soft)
     ids, which = np.unique(rest.weld.inverse[soft.ids], return_index=True)
     piece = rest.shape.piece
     free = np.isin(piece[ids], piece[solve_ids]) & ~np.isin(ids, solve_ids)
-    return soft.among(which[free])._replace(ids=ids[free]), which[free]
+    return soft.among(which[free])._replace(ids=ids[free]), (which[free], len(soft.ids))
+
+
+def drawn_to(given: object, rest: RestMesh, soft: Soft, places: np.ndarray, count: int) -> np.ndarray:
+    """Local targets (s, 3) of soft vertices; without those of all ``count``, to be at rest."""
+    if given is None:
+        return rest.shape.V[soft.ids]
+    return rest.local(vectors(given, count, tr("Soft targets"))[places])
 
 
 def targets_of(

@@ -53,7 +53,8 @@ def check_contact(method: Method, plain: bool) -> None:
 
 def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
     """Raise InputError unless they are obstacles, with contact if any."""
-    if not isinstance(obstacles, Sequence) or not all(isinstance(each, Obstacle) for each in obstacles):
+    listed = isinstance(obstacles, Sequence) and not isinstance(obstacles, str | bytes)
+    if not listed or not all(isinstance(each, Obstacle) for each in obstacles):
         raise InputError(tr("Obstacles must be a list of what plate, sphere and capsule make."))
     if len(obstacles) and not contact:
         raise InputError(tr("Obstacles need contact; switch it on, or remove the obstacles."))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from numbers import Integral, Real
 from typing import NamedTuple
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import real, whole
 from apd_viewer.language import tr
 
 # Settled: the last iteration moved no vertex by more than the step tolerance, and the remaining ones together
@@ -56,12 +56,12 @@ def check_convergence(convergence: Convergence) -> None:
     if not isinstance(convergence, Convergence):
         raise InputError(tr("The convergence must be an apd_viewer.Convergence."))
     most = convergence.most_iterations
-    if not isinstance(most, Integral) or not 1 <= most <= MOST_ITERATIONS:
+    if not whole(most) or not 1 <= most <= MOST_ITERATIONS:
         raise InputError(
             tr("The most iterations must be a whole number from 1 to {most:,}.").format(most=MOST_ITERATIONS)
         )
     for tolerance in (convergence.energy_tolerance, convergence.step_tolerance):
-        if not isinstance(tolerance, Real) or not 0.0 < tolerance <= LARGEST_TOLERANCE:
+        if not 0.0 < real(tolerance) <= LARGEST_TOLERANCE:
             sentence = tr("The tolerances of convergence must be above 0 and at most {most}, such as 1e-7.")
             raise InputError(sentence.format(most=LARGEST_TOLERANCE))
 

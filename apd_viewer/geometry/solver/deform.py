@@ -5,11 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from numbers import Integral
 
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import checked
 from apd_viewer.geometry.contact.obstacles import Obstacle
 from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -129,6 +129,7 @@ class Result:
     load_excess: float | None
 
 
+@checked
 def deform(
     V: np.ndarray,
     F: np.ndarray,
@@ -198,8 +199,6 @@ def deform(
     >>> bool(abs(result.area_error) < 1e-8)
     True
     """
-    if iterations is not None and (not isinstance(iterations, Integral) or iterations < 1):
-        raise InputError(tr("The number of iterations must be a whole number of at least 1."))
     started, told = time.perf_counter(), progress if callable(progress) else None
     rest = RestMesh.of(V, F, weld)
     size = method, len(rest.V)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import Uncopied, checked
 from apd_viewer.geometry.contact.contact_readings import contact_readings
 from apd_viewer.geometry.contact.obstacles import moved_by
 from apd_viewer.geometry.energy.elastic import Elastic
@@ -18,10 +19,10 @@ from apd_viewer.geometry.goals.calm_parts import calm_levels
 from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.arrays import frozen, numbers
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.geometry.solver.arguments import HeldVertices, shifts_of, soft_of, start_of
+from apd_viewer.geometry.solver.arguments import HeldVertices, drawn_to, rest_of, shifts_of, soft_of, start_of
 from apd_viewer.geometry.solver.contact_descent import check_contact, check_obstacles, in_contact, stopped_at
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.linalg.linear_solver import Factored
 
 
-class Deformation:
+class Deformation(Uncopied):
     """A mesh with some vertices held, deformed one iteration at a time.
 
     Parameters
@@ -120,6 +121,7 @@ class Deformation:
     0.0
     """
 
+    @checked
     def __init__(
         self,
         V: np.ndarray,
@@ -147,9 +149,8 @@ class Deformation:
         obstacles: Sequence[Obstacle] = (),
         weld: bool = False,
     ) -> None:
-        self.rest = rest = rest or RestMesh.of(V, F, weld)
-        self.method = method
-        self._total = 0
+        self.rest = rest = rest_of(rest, V, F, weld)
+        self.method, self._total = method, 0
         self._held = HeldVertices(fixed, handle, rest)
         held, handle_of = self._held.ids, self._held.handle_of
         check_obstacles(obstacles, contact)
@@ -208,6 +209,7 @@ class Deformation:
                 self._begin()
             self._convergence = convergence
 
+    @checked
     def keep(
         self,
         area: float | str | None = None,
@@ -272,9 +274,7 @@ class Deformation:
                 self.contact.destination, self.contact.origin = shifts, begin
             if U is not None:
                 self._solver.restart(self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first])))
-            drawn = self.rest.shape.V[self._soft.ids]
-            if soft_targets is not None:
-                drawn = self.rest.local(numbers(soft_targets, "Soft targets")[self._drawn])
+            drawn = drawn_to(soft_targets, self.rest, self._soft, *self._drawn)
             asked = self._held.asked
             self._solver.aim(np.concatenate([asked, drawn]) if len(drawn) else asked)
             self._begin()

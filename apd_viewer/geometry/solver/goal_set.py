@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
-from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import check
 from apd_viewer.geometry.goals.goal_projection import MET
 from apd_viewer.geometry.goals.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.goals.percentage import percentage
@@ -47,7 +47,7 @@ class GoalSet:
     def __init__(
         self, rest: RestMesh, name: str, method: Method, tolerance: float, levels: Callable[[], np.ndarray]
     ) -> None:
-        _check_tolerance(tolerance)
+        check("tolerance", tolerance)
         self._rest = rest
         self._levels = cache(levels)
         self._name = name
@@ -73,8 +73,6 @@ class GoalSet:
         InputError
             If the method cannot keep them, a percentage is no target, or there is nothing to measure.
         """
-        if not isinstance(regions, Sequence):
-            raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
         patches = [patch_of(self._rest, region) for region in regions]
         if area is None and self._method.keeps_total_area:
             area = 100.0
@@ -97,7 +95,7 @@ class GoalSet:
 
     @tolerance.setter
     def tolerance(self, tolerance: float) -> None:
-        _check_tolerance(tolerance)
+        check("tolerance", tolerance)
         self._tolerance = tolerance
         self.goals, self._dropped = self._tolerant(self.goals), self._tolerant(self._dropped)
 
@@ -181,9 +179,3 @@ class GoalSet:
 
 def _target(region: Region, rest: float) -> float | None:
     return None if region.area is None else rest * percentage(region.area, region.name) / 100.0
-
-
-def _check_tolerance(tolerance: float) -> None:
-    """Raise InputError unless the tolerance is greater than zero."""
-    if not isinstance(tolerance, Real) or not tolerance > 0.0:
-        raise InputError(tr("The tolerance must be greater than 0, such as 0.001 for 0.1 %."))

@@ -100,8 +100,7 @@ class LooseParts:
         """Mask of the pieces with these ``vertices`` of the file."""
         weld, piece = self._rest.weld, self._rest.shape.piece
         stays = np.zeros(len(piece), dtype=bool)
-        if len(vertices):
-            stays[piece[weld.inverse[vertex_ids(vertices, len(weld.inverse), "loose")]]] = True
+        stays[piece[weld.inverse[vertex_ids(vertices, len(weld.inverse), "loose")]]] = True
         return stays
 
     @property

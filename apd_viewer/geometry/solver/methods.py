@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from numbers import Real
 
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.checked_arguments import check
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.language import tr
 
@@ -190,11 +190,7 @@ def check_method(name: str, handle_of: np.ndarray, obstacles: bool = False) -> M
 
 def material_of(method: Method, stiffness: float, area_stiffness: float, shear_stiffness: float) -> Material:
     """Weights of the method's energy; raises InputError on invalid stiffness."""
-    for weight, otherwise in (
-        (stiffness, tr("The stiffness must be a number of at least 0.")),
-        (area_stiffness, tr("The area stiffness must be a number of at least 0.")),
-        (shear_stiffness, tr("The shear stiffness must be a number of at least 0.")),
-    ):
-        if not isinstance(weight, Real) or isinstance(weight, bool) or not 0.0 <= weight < np.inf:
-            raise InputError(otherwise)
+    check("stiffness", stiffness)
+    check("area_stiffness", area_stiffness)
+    check("shear_stiffness", shear_stiffness)
     return method.material(stiffness, area_stiffness, shear_stiffness)

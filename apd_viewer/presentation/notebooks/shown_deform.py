@@ -7,6 +7,8 @@ from collections.abc import Callable
 from functools import WRAPPER_ASSIGNMENTS, wraps
 from typing import ParamSpec
 
+import numpy as np
+
 from apd_viewer.geometry.mesh.arrays import frozen, numbers, whole_numbers
 from apd_viewer.geometry.solver.deform import Result
 from apd_viewer.geometry.solver.deform import deform as quietly_deform
@@ -19,6 +21,10 @@ P = ParamSpec("P")
 _SAME = [name for name in WRAPPER_ASSIGNMENTS if name != "__module__"]
 
 
+def _is_asked(progress: object) -> bool:
+    return isinstance(progress, bool | np.bool_) and bool(progress)
+
+
 def _shown(deform: Callable[P, Result]) -> Callable[P, PicturedResult]:
     """The function with the progress and the result of notebooks."""
     signature = inspect.signature(deform)
@@ -26,7 +32,7 @@ def _shown(deform: Callable[P, Result]) -> Callable[P, PicturedResult]:
     @wraps(deform, assigned=_SAME)
     def shown(*given: P.args, **named: P.kwargs) -> PicturedResult:
         arguments = signature.bind(*given, **named).arguments
-        line = ProgressLine(arguments.get("iterations")) if arguments.get("progress") is True else None
+        line = ProgressLine(arguments.get("iterations")) if _is_asked(arguments.get("progress")) else None
         if line is not None:
             named["progress"] = line
         try:

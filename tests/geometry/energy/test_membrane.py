@@ -144,11 +144,11 @@ def test_the_stiffnesses_do_what_their_names_say():
 
 
 @pytest.mark.parametrize("name", ["stiffness", "area_stiffness", "shear_stiffness"])
-@pytest.mark.parametrize("value", [-1.0, np.nan, np.inf, "much"])
+@pytest.mark.parametrize("value", [-1.0, np.nan, np.inf, 1e308, "much"])
 def test_stiffnesses_that_are_none_are_refused(name, value):
     V, F = tube(6, 5)
     fixed = np.concatenate(ends(V))
-    with pytest.raises(InputError, match=f"The {name.replace('_', ' ')} must be a number of at least 0"):
+    with pytest.raises(InputError, match=f"^{name} must be a number from 0"):
         deform(V, F, fixed, V[fixed], "local", 1, **{name: value})
 
 

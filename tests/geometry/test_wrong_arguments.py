@@ -1,0 +1,190 @@
+"""Every argument of every public name, given what it cannot be: a sentence, or a sound meaning.
+
+A table says which values are sound for which argument; all others must raise InputError, without a warning.
+"""
+
+import inspect
+
+import numpy as np
+import pytest
+from meshes import sphere
+
+import apd_viewer
+from apd_viewer.errors import InputError
+
+V, F = sphere(1)
+TOP, BOTTOM = np.flatnonzero(V[:, 2] > 0.8), np.flatnonzero(V[:, 2] < -0.8)
+FIXED = np.concatenate([TOP, BOTTOM])
+MESH = apd_viewer.Mesh(V, F)
+HELD = {"V": V, "F": F, "fixed": FIXED, "handle": TOP}
+TOUCHING = HELD | {"contact": True, "obstacles": [apd_viewer.sphere((0, 0, 3), 1.0)]}
+
+WRONG = {
+    "None": None,
+    "no": "no",
+    "empty": "",
+    "length": "1mm",
+    "True": True,
+    "np.False_": np.False_,
+    "0": 0,
+    "-1": -1,
+    "3": 3,
+    "np.int8": np.int8(1),
+    "np.float32": np.float32(0.5),
+    "1e308": 1e308,
+    "-1e308": -1e308,
+    "inf": np.inf,
+    "nan": np.nan,
+    "huge": 10**400,
+    "complex": 1 + 2j,
+    "[]": [],
+    "{}": {},
+    "bytes": b"x",
+    "object": object(),
+    "call": lambda *_: None,
+    "array": np.array([]),
+    "nans": np.array([np.nan]),
+    "text array": np.array(["a"]),
+    "objects": np.array([None, 1], object),
+}
+FLAGS, NOTHING = {"True", "np.False_"}, set()
+NUMBERS = {"0", "3", "np.int8", "np.float32"}
+LENGTHS = {"None", "3", "np.int8", "np.float32"}
+COUNTS = {"3", "np.int8"}
+NONE, VERTICES = {"None"}, {"0", "3", "np.int8"}
+IDS = {"0", "3", "np.int8", "[]", "array"}
+# Sound values by the name of the argument, or by function and name where they differ.
+SOUND = {
+    **dict.fromkeys(("calm", "plain", "weld", "contact", "release"), FLAGS),
+    **dict.fromkeys(("stiffness", "area_stiffness", "shear_stiffness", "container"), NUMBERS),
+    **dict.fromkeys(("tolerance", "radius", "size"), LENGTHS - {"None"}),
+    **dict.fromkeys(("thickness", "gas", "yield_radius"), LENGTHS),
+    **dict.fromkeys(("iterations", "steps", "most_iterations"), COUNTS),
+    **dict.fromkeys(("shifts", "begin", "soft_targets", "rest", "area", "volume"), NONE),
+    **dict.fromkeys(("start", "end", "vertex", "face"), VERTICES),
+    "vertices": IDS,
+    "loose": IDS,
+    "handle": {"None", "[]", "array"},
+    "regions": {"[]"},
+    "obstacles": {"[]"},
+    "factored": {"None", "call"},
+    "progress": {"call"},
+    "packing": {"np.float32", "np.int8"},
+    "name": {"no", "length"},
+    "unit": {"None", "empty"},
+    "origin": {"None"},
+    "deform iterations": COUNTS | {"None"},
+    "deform contact": {"None", "np.False_"},  # not with a number of iterations
+    "deform progress": FLAGS | {"None", "call"},
+    "press fixed": IDS,
+    "press start": {"None"},
+    "press to": {"np.float32", "np.int8"},
+    "press stiffness": NUMBERS,
+    "press yield_radius": {"None"},  # needs a stiffness
+    "Mesh unit": {"no", "empty", "length"},
+    "Mesh path": {"None", "no", "empty", "length"},
+    "aim U": NONE,
+    "in contact thickness": {"None"},  # the others are too thick for this mesh
+    "in contact plain": {"np.False_"},
+    "in contact contact": {"True"},  # with an obstacle
+    "press thickness": {"None"},
+    "sphere radius": LENGTHS - {"None"},
+    "capsule radius": LENGTHS - {"None"},
+}
+
+
+def deformed(**options):
+    return apd_viewer.deform(**HELD | {"targets": V[FIXED], "iterations": 1} | options)
+
+
+def settled(convergence):
+    return apd_viewer.deform(**HELD, targets=V[FIXED], contact=False, convergence=convergence)
+
+
+def set_tolerance(tolerance):
+    apd_viewer.Deformation(**HELD).tolerance = tolerance
+
+
+CALLS = {
+    "Deformation": (apd_viewer.Deformation, HELD),
+    "in contact": (apd_viewer.Deformation, TOUCHING),
+    "tolerance": (set_tolerance, {}),
+    "keep": (lambda **said: apd_viewer.Deformation(**HELD).keep(**said), apd_viewer.Deformation.keep),
+    "aim": (
+        lambda **said: apd_viewer.Deformation(**TOUCHING).aim(**{"targets": V[FIXED]} | said),
+        apd_viewer.Deformation.aim,
+    ),
+    "surround": (
+        lambda **said: apd_viewer.Deformation(**TOUCHING).surround(**said),
+        apd_viewer.Deformation.surround,
+    ),
+    "deform": (deformed, apd_viewer.deform),
+    "press": (
+        lambda **said: apd_viewer.press(
+            **{"V": V, "F": F, "axis": (0, 0, 1), "to": 1.8, "steps": 1, "iterations": 1} | said
+        ),
+        apd_viewer.press,
+    ),
+    "Mesh": (apd_viewer.Mesh, {"V": V, "F": F}),
+    "volume_readings": (apd_viewer.volume_readings, {"U": V, "F": F}),
+    "bulk": (apd_viewer.volume_readings(V, F).hull.bulk, {}),
+    "count_in": (apd_viewer.volume_readings(V, F).hull.count_in, {"container": 10.0}),
+    "sphere": (apd_viewer.sphere, {"centre": (0, 0, 0), "radius": 1.0}),
+    "capsule": (apd_viewer.capsule, {"a": (0, 0, 0), "b": (1, 0, 0), "radius": 1.0}),
+    "plate": (apd_viewer.plate, {"point": (0, 0, 0), "normal": (1, 0, 0), "size": 1.0}),
+    "plane_section": (
+        apd_viewer.plane_section,
+        {"V": V, "F": F, "point": (0, 0, 0.1), "normal": (0, 0, 1)},
+    ),
+    "geodesic_path": (apd_viewer.geodesic_path, {"V": V, "F": F, "start": 0, "end": 5}),
+    "at_vertex": (apd_viewer.SurfacePoint.at_vertex, {"F": F, "vertex": 0}),
+    "SurfacePoint": (
+        lambda **said: apd_viewer.geodesic_path(
+            V, F, apd_viewer.SurfacePoint(**{"face": 0, "weights": (0.2, 0.3, 0.5)} | said), 0
+        ),
+        apd_viewer.SurfacePoint,
+    ),
+    "Convergence": (
+        lambda **said: settled(apd_viewer.Convergence(**{"most_iterations": 3} | said)),
+        apd_viewer.Convergence,
+    ),
+    "Region": (
+        lambda **said: deformed(regions=[apd_viewer.Region(**{"name": "top", "vertices": TOP} | said)]),
+        apd_viewer.Region,
+    ),
+    "open_mesh": (apd_viewer.open_mesh, {}),
+    "save_mesh": (apd_viewer.save_mesh, {"mesh": MESH, "U": V, "path": "saved.obj"}),
+}
+# What only the program makes.
+MADE = {"Frame", "HullReadings", "InputError", "Obstacle", "PressStep", "Pressed", "Result", "VolumeReadings"}
+
+
+def arguments(call, given):
+    """Names of the arguments of a call."""
+    signature = inspect.signature(call if isinstance(given, dict) else given)
+    return [name for name in signature.parameters if name not in ("self", "cls")]
+
+
+def test_nothing_public_is_left_out():
+    assert set(apd_viewer.__all__) - MADE - {"view"} <= CALLS.keys()
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("function", CALLS)
+def test_a_wrong_argument_is_refused_or_has_a_sound_meaning(function, compiled, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    call, given = CALLS[function]
+    wrong = []
+    for name in arguments(call, given):
+        sound = SOUND.get(f"{function} {name}", SOUND.get(name, NOTHING))
+        for title, value in WRONG.items():
+            try:
+                call(**(given if isinstance(given, dict) else {}) | {name: value})
+                said = "accepted"
+            except InputError as error:
+                said = "refused" if str(error).endswith(".") else f"refused by {error}"
+            except Exception as error:
+                said = repr(error)
+            if said != ("accepted" if title in sound else "refused"):
+                wrong.append(f"{name}={title}: {said}")
+    assert wrong == []
