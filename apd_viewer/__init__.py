@@ -11,7 +11,13 @@ Neither importing the package nor deforming without a window loads Qt or VTK.
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
+
+# Where HOME is missing, and the user in no list, as in a container: a home in which nothing can be written,
+# so that nobody who asks for it has to think of that. Modules ask as they are imported.
+if not os.path.isabs(os.path.expanduser("~")):  # noqa: PTH111, PTH117, which raise
+    os.environ["HOME"] = os.devnull
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr

@@ -209,6 +209,10 @@ def build_workbench(shell: Shell, recovery: Path | None, on_bottle: bool) -> Wor
 
     workbench = Workbench(shell, recovery)
     workbench.help.greet(on_bottle)
+    if refusal := shell.memory.refusal:
+        # With the first document, which takes the notices before it away.
+        once = Qt.ConnectionType.SingleShotConnection
+        workbench.signals.changed.connect(lambda *_: workbench.notice.fail(refusal), once)
     _LOGGER.info("OpenGL %s", shell.canvas.viewport.opengl)
     return workbench
 

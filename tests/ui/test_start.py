@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 from driving import Mouse, centre, document, idle, settle, show
-from PySide6.QtCore import QPoint
+from PySide6.QtCore import QPoint, QSettings
 from PySide6.QtGui import QGuiApplication
 
 from apd_viewer.files.samples import open_sample
@@ -17,6 +17,23 @@ from apd_viewer.ui.application import build_workbench
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.workbench import Workbench
+
+
+def test_settings_that_cannot_be_kept_are_said(qtbot, tmp_path):
+    (tmp_path / "file").touch()
+    place = tmp_path / "file" / "settings.ini"  # below a file, where not even root can write
+    shell = Shell(QSettings(str(place), QSettings.Format.IniFormat))
+    show(qtbot, shell, shell.canvas.viewport)
+    corners, faces = np.vstack([np.zeros(3), np.eye(3)]), [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    shell.requests.show_mesh(Mesh(corners, np.array(faces)))
+    window = build_workbench(shell, None, on_bottle=False)
+    idle(qtbot, window)
+    assert window.notice.text == (
+        f"Settings and recent files are not kept, since {place} cannot be written; check its permissions."
+    )
+    shell.close()
+    shell.deleteLater()
+    qtbot.wait(10)
 
 
 @pytest.fixture

@@ -155,10 +155,12 @@ class ChildProcess:
         return cast("Process", process)
 
     def _read_errors(self, errors: BinaryIO) -> None:
-        """Keep the last lines, and copy all to our own standard error."""
+        """Keep the last lines, and copy all to the log and to our own standard error."""
         with errors:
             for line in errors:
-                self._last_words.append(line.decode(errors="replace").rstrip()[:_LINE_LENGTH])
+                words = line.decode(errors="replace").rstrip()[:_LINE_LENGTH]
+                self._last_words.append(words)
+                _log.info("The %s process says: %s", self.title, words)
                 if sys.__stderr__ is not None:  # a program without a console has none
                     with contextlib.suppress(OSError, ValueError):
                         os.write(sys.__stderr__.fileno(), line)

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.files.samples import resource
 from apd_viewer.files.storage.links import followed
+from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import UNITS, Unit
 from apd_viewer.session.quantities.wall_mass import Wall
@@ -94,6 +95,15 @@ class Preferences:
     @compared.setter
     def compared(self, names: list[str]) -> None:
         self._settings.setValue("compared", " ".join(names))
+
+    @property
+    def refusal(self) -> str:
+        """Sentence on settings that cannot be kept, or nothing."""
+        if self._settings.isWritable():
+            return ""
+        return tr(
+            "Settings and recent files are not kept, since {path} cannot be written; check its permissions."
+        ).format(path=self._settings.fileName())
 
     @property
     def folder(self) -> Path:

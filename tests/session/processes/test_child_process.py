@@ -51,6 +51,15 @@ def test_messages_come_and_go_until_it_is_ended(child, caplog):
     assert caplog.text == "", "it was ended on purpose"
 
 
+def test_what_it_prints_is_logged(child, caplog):
+    caplog.set_level("INFO", "apd_viewer")
+    child.start()
+    assert child.send(b"one")
+    assert child.receive() == b"one"
+    child.end()
+    assert caplog.messages == ["The echo process says: printed"]
+
+
 def test_one_that_is_killed_on_purpose_is_no_failure(child, caplog):
     child.start()
     child.send(b"sleep")
