@@ -75,6 +75,7 @@ ROOMS = [
     "geometry/pose",
     "geometry/mesh",
     "geometry/linalg",
+    "geometry/signals",
     "log",
     "redaction",
     "installation",

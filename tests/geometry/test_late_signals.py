@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from meshes import sphere
 
-from apd_viewer.geometry import late_signals
 from apd_viewer.geometry.contact.pair_search import PairSearch
 from apd_viewer.geometry.contact.patches import Patches
-from apd_viewer.geometry.late_signals import LATE_SIGNALS
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.laplacian import cotangents
 from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.signals import late_signals
+from apd_viewer.geometry.signals.late_signals import LATE_SIGNALS
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="timers of Unix")
 

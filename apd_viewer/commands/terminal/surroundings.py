@@ -1,4 +1,4 @@
-"""Surroundings of a command: standard streams of any kind, and signals that end it."""
+"""Standard streams and ending signals of a command."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ENDING = "SIGTERM", "SIGHUP", "SIGBREAK"  # as far as the system has them
 
 
 def use_streams() -> None:
-    """Have texts written to the standard streams, whatever these are.
+    """Prepare the standard streams for any text.
 
     What a stream cannot encode is written as a question mark. A closed one swallows what is written: the next
     file to be opened would take its number, and its place.
@@ -36,7 +36,7 @@ def use_streams() -> None:
 
 
 def drop_output() -> None:
-    """Write nothing more to the standard output, which takes nothing more."""
+    """Write nothing more to the standard output."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -48,7 +48,7 @@ def tell(sentence: str) -> None:
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """Have signals that end the program raise SystemExit, so that it leaves nothing behind.
+    """Have SIGTERM and the like raise SystemExit; nothing is left behind then.
 
     Those that have another handler, or are ignored as by nohup, stay as they are.
     """

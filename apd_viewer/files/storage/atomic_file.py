@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.links import followed, refuse_circle
-from apd_viewer.geometry.late_signals import LATE_SIGNALS
+from apd_viewer.geometry.signals.late_signals import LATE_SIGNALS
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def not_written(path: Path, error: OSError) -> InputError:
 
 
 def is_stream(path: Path) -> bool:
-    """True if what is at ``path`` takes content and is not replaced; raises OSError if it does neither."""
+    """True for a pipe or device to be written through; raises OSError for what takes nothing."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
@@ -97,7 +97,7 @@ def is_stream(path: Path) -> bool:
 
 
 def _own_output(path: Path) -> int | None:
-    """Descriptor of the standard output or error, if ``path`` is where that goes."""
+    """Descriptor of the standard output or error behind ``path``, or None."""
     for descriptor in (1, 2):
         with contextlib.suppress(OSError):
             if os.path.samestat(os.fstat(descriptor), path.stat()):

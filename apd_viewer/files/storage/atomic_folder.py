@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.links import followed, refuse_circle
 from apd_viewer.files.storage.lock import Lock, take
-from apd_viewer.geometry.late_signals import LATE_SIGNALS
+from apd_viewer.geometry.signals.late_signals import LATE_SIGNALS
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:

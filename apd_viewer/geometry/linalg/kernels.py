@@ -23,7 +23,7 @@ from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
-from apd_viewer.geometry import kernel_signals  # before the first kernel is compiled
+from apd_viewer.geometry.signals import kernel_signals  # before the first kernel is compiled
 from apd_viewer.installation import kernel_folders
 
 _LOGGER = logging.getLogger(__name__)

@@ -1,4 +1,4 @@
-"""Signals that are handled late: no state is left half-changed.
+"""Signals handled late: no state is left half-changed.
 
 Python runs handlers of signals in the main thread, between any two lines, and what they raise breaks off what
 was going on there. To compute in another thread, which no handler meets, would end that too, but takes two
@@ -24,9 +24,9 @@ _SIGNALS = sorted(valid_signals())
 
 
 class LateSignals:
-    """Context at whose end handlers of signals are called, each once, in the main thread; nestable.
+    """Context with the handlers of signals called at its end; nestable.
 
-    It takes 3 us. Other threads are met by no handler.
+    Each is called once, in the main thread. It takes 3 us. Other threads are met by no handler.
     """
 
     def __init__(self) -> None:

@@ -18,7 +18,7 @@ from numba.core.boxing import box_array
 from numba.core.dispatcher import Dispatcher
 from numba.core.pythonapi import _boxers
 
-from apd_viewer.geometry.late_signals import LATE_SIGNALS
+from apd_viewer.geometry.signals.late_signals import LATE_SIGNALS
 
 
 def _boxed(kind: Any, value: Any, compiler: Any) -> Any:

@@ -1,0 +1,1 @@
+"""Signals, and the kernels that they meet."""
