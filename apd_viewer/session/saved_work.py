@@ -59,12 +59,16 @@ class SavedWork:
         self._seen = threading.Event()
 
     def note(self, saved: SavedDocument) -> None:
-        """Note a document as safe; those out of reach of undo are forgotten."""
+        """Note a document as safe."""
+        self.forget()
+        self._saved = [*(each for each in self._saved if _F(each) is not _F(saved)), saved]
+
+    def forget(self) -> None:
+        """Forget what is out of reach of undo: it would keep its mesh in memory."""
         state, history = self._store.state, self._gestures.history
         documents = [each.document for each in (*history.states, *([state] if state else []))]
         within_reach = {id(document.mesh.F) for document in documents}
-        others = [each for each in self._saved if id(_F(each)) in within_reach and _F(each) is not _F(saved)]
-        self._saved = [*others, saved]
+        self._saved = [each for each in self._saved if id(_F(each)) in within_reach]
 
     @property
     def last(self) -> SavedDocument | None:

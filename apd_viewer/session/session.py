@@ -87,6 +87,7 @@ class Session:
         self.autosave = Autosave(store, gestures, self.saved_work, self.files, listener)
         self.shape_checks = ShapeChecks(store, gestures, listener)
         followers += [self.measuring.follow, self.shape_checks.follow, self.autosave.follow]
+        gestures.history.forgot = self.saved_work.forget
 
     def receive(self) -> None:
         """Receive results of the worker and of background jobs; call it when woken."""

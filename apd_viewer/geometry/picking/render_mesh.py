@@ -46,11 +46,6 @@ class RenderMesh:
     used: np.ndarray
     local: np.ndarray = field(default_factory=lambda: _NONE)
 
-    @property
-    def arrays(self) -> tuple[np.ndarray, ...]:
-        """All arrays kept."""
-        return self.F, self.copied, self.joined, self.leading, self.source, self.used, self.local
-
     def with_normals(self, normals: CornerNormals) -> RenderMesh:
         """The mesh with normals of a file, and vertices repeated where they differ."""
         n = len(self.used)

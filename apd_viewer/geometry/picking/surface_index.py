@@ -94,12 +94,6 @@ class Skin:
         named[self.joined] = True
         return np.flatnonzero(named)
 
-    @property
-    def arrays(self) -> tuple[np.ndarray, ...]:
-        """All arrays kept."""
-        filed = () if self.filed is None else self.filed.arrays
-        return *filed, *self.sharp.arrays, self.F, self.joined, self.source, self.start, self.neighbour
-
     def rendered(self, sharp: bool, filed: bool = False) -> RenderMesh:
         """Mesh for the renderer: normals of the file, or sharp or smooth edges."""
         return self.filed if filed and self.filed is not None else self.sharp if sharp else self.smooth

@@ -2,16 +2,30 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
 
 from apd_viewer.session.model.state import State
 
+_MANY = 1000  # items of a list, beyond which all count like the first
 
-class HistoryEntry(NamedTuple):
+
+@dataclass(frozen=True, eq=False)
+class HistoryEntry:
     """A gesture and the state on the other side of it."""
 
     gesture: str
     state: State
+
+    @cached_property
+    def held(self) -> dict[int, int]:
+        """Bytes that it keeps in memory, see :func:`held`."""
+        return held(self.state)
 
 
 class History:
@@ -21,12 +35,22 @@ class History:
     ----------
     most_bytes : int
         The oldest entries go when the states together pass this. At least one always stays.
+
+    Attributes
+    ----------
+    bytes : int
+        Memory of the states that can be undone.
+    forgot : callable
+        Called after entries were dropped.
     """
 
     def __init__(self, most_bytes: int = 512 * 2**20) -> None:
         self._most_bytes = most_bytes
         self._undo: list[HistoryEntry] = []
         self._redo: list[HistoryEntry] = []
+        self._keepers = Counter[int]()  # number of entries to undo that keep a thing in memory
+        self.bytes = 0
+        self.forgot: Callable[[], object] = lambda: None
 
     @property
     def latest(self) -> HistoryEntry | None:
@@ -65,36 +89,88 @@ class History:
 
     def record(self, gesture: str, before: State) -> None:
         """Push the state before a finished gesture."""
-        self._redo.clear()
-        self._undo.append(HistoryEntry(gesture, before))
-        self._drop_oldest()
+        undone, self._redo = self._redo, []
+        self._push(HistoryEntry(gesture, before))
+        self._drop_oldest(undone)
 
     def limit(self, most_bytes: int) -> None:
         """Set the budget, and drop what is beyond it."""
         self._most_bytes = most_bytes
-        self._drop_oldest()
+        self._drop_oldest([])
 
-    def _drop_oldest(self) -> None:
-        while len(self._undo) > 1 and _bytes(self._undo) > self._most_bytes:
-            del self._undo[0]
+    def _drop_oldest(self, dropped: list[HistoryEntry]) -> None:
+        while len(self._undo) > 1 and self.bytes > self._most_bytes:
+            dropped.append(self._pop(0))
+        if dropped:
+            self.forgot()
 
     def undo(self, now: State) -> State | None:
         """The state before the last gesture; None if there is none."""
-        return self._swap(self._undo, self._redo, now)
+        if not self._undo:
+            return None
+        entry = self._pop(-1)
+        self._redo.append(HistoryEntry(entry.gesture, now))
+        return entry.state
 
     def redo(self, now: State) -> State | None:
         """The state after the gesture undone last; None if there is none."""
-        return self._swap(self._redo, self._undo, now)
-
-    @staticmethod
-    def _swap(source: list[HistoryEntry], target: list[HistoryEntry], now: State) -> State | None:
-        if not source:
+        if not self._redo:
             return None
-        gesture, state = source.pop()
-        target.append(HistoryEntry(gesture, now))
-        return state
+        entry = self._redo.pop()
+        self._push(HistoryEntry(entry.gesture, now))
+        return entry.state
+
+    def _push(self, entry: HistoryEntry) -> None:
+        self._undo.append(entry)
+        for key, size in entry.held.items():
+            self.bytes += 0 if self._keepers[key] else size
+            self._keepers[key] += 1
+
+    def _pop(self, k: int) -> HistoryEntry:
+        entry = self._undo.pop(k)
+        for key, size in entry.held.items():
+            self._keepers[key] -= 1
+            if not self._keepers[key]:
+                del self._keepers[key]
+                self.bytes -= size
+        return entry
 
 
-def _bytes(entries: list[HistoryEntry]) -> int:
-    """Bytes of all arrays of the entries, each counted once."""
-    return sum({id(array): array.nbytes for entry in entries for array in entry.state.arrays}.values())
+def held(value: object) -> dict[int, int]:
+    """Bytes of all arrays and contents of files within a value, by identity: what is shared is there once.
+
+    It looks into everything of this package, and into tuples, lists and dictionaries.
+    """
+    found: dict[int, int] = {}
+    seen, left = set[int](), [value]
+    while left:
+        each = left.pop()
+        if id(each) in seen:
+            continue
+        seen.add(id(each))
+        if isinstance(each, np.ndarray | bytes):
+            owner, size = _owner(each)
+            found[id(owner)] = size
+        elif isinstance(each, list | tuple) and len(each) > _MANY:
+            found[id(each)] = len(each) * sum(map(sys.getsizeof, (each[0], *_items(each[0]))))
+        else:
+            left += _items(each)
+    return found
+
+
+def _owner(array: np.ndarray | bytes) -> tuple[np.ndarray | bytes, int]:
+    """What has the memory of an array, and its bytes."""
+    if isinstance(array, bytes):
+        return array, len(array)
+    while isinstance(array.base, np.ndarray):
+        array = array.base
+    base = array.base.obj if isinstance(array.base, memoryview) else array.base
+    return (base, len(base)) if isinstance(base, bytes) else (array, array.nbytes)
+
+
+def _items(value: object) -> Iterable[object]:
+    if isinstance(value, list | tuple):
+        return value
+    if isinstance(value, dict):
+        return value.values()
+    return vars(value).values() if type(value).__module__.startswith("apd_viewer.") else ()

@@ -48,15 +48,6 @@ class State:
     frame: Frame
 
     @property
-    def arrays(self) -> tuple[np.ndarray, ...]:
-        """Large arrays of this state; most are shared with other states."""
-        document = self.document
-        mesh = document.mesh
-        own = mesh.V, mesh.F, document.labels, document.grip, document.member, self.frame.U
-        target = () if document.target is None else (document.target.mesh.V, document.target.mesh.F)
-        return *own, *target, *self.skin.arrays
-
-    @property
     def region_counts(self) -> np.ndarray:
         """Number of the vertices with each region number, (256,) int array."""
         return memo.counts(self.document.member)

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QWidget
 
 from apd_viewer.files.known_file import Fate, KnownFile
 from apd_viewer.language import tr
+from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
 from apd_viewer.session.storage.recovery import Leftover, leftovers
 from apd_viewer.ui.filing import file_dialogs, unsaved_question
 from apd_viewer.ui.filing.changed_file_question import Decision, ask_soon
@@ -138,10 +139,11 @@ class Filing:
         self._session.files.save(path, self._view(), embeds, then, self._picture(), changed, over)
 
     def opened(self, state: State) -> None:
-        """Add the files of another mesh to the recent ones."""
+        """Add the files of another mesh to the recent ones, and make room."""
         for path in (own_file(state.document.mesh), self._session.saved_work.path):
             if path is not None and path.is_file():  # a mesh out of a session may have none
                 self._memory.remember(path)
+        give_back_freed_memory()  # of the meshes before, whose sizes may never be needed again
 
     def load_selection(self) -> None:
         """Choose a selection file to load."""

@@ -1,11 +1,15 @@
+import gc
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
 from meshes import box
 
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.history import History
+from apd_viewer.session.model.history import History, held
 from apd_viewer.session.model.state import State, opened
 
 REST = opened(Mesh(*box(1, 1, 2)))
@@ -64,13 +68,12 @@ def test_a_new_gesture_forgets_what_could_be_redone():
 
 def test_the_oldest_entries_go_when_the_budget_is_spent():
     states = _states(6)
-    mesh, U = states[0].document.mesh, states[0].frame.U
-    shared = sum(array.nbytes for array in states[0].skin.sharp.arrays)
-    history = History(most_bytes=mesh.V.nbytes + mesh.F.nbytes + shared + 4 * U.nbytes)
+    rest, U = sum(held(states[0]).values()), states[0].frame.U
+    history = History(most_bytes=rest + 3 * U.nbytes)
     for k, state in enumerate(states):
         history.record(str(k), state)
     kept = _undone(history)
-    assert 1 < len(kept) < 6
+    assert len(kept) == 4
     assert all(a is b for a, b in zip(kept, reversed(states), strict=False))
 
 
@@ -101,12 +104,39 @@ def test_a_mesh_that_entries_share_is_no_reason_to_forget_them():
 
 
 def test_the_regions_that_entries_keep_are_counted():
-    mesh, n = REST.document.mesh, len(REST.document.mesh.V)
+    n = len(REST.document.mesh.V)
     members = [frozen(np.full(n, k, dtype=np.uint8)) for k in range(20)]
     states = [replace(REST, document=replace(REST.document, member=member)) for member in members]
-    every = mesh.V, mesh.F, REST.document.labels, *REST.skin.arrays
-    shared = sum({id(array): array.nbytes for array in every}.values())
-    history = History(most_bytes=shared + 5 * n)
+    history = History(most_bytes=sum(held(states[0]).values()) + 4 * n)
     for k, state in enumerate(states):
         history.record(str(k), state)
     assert len(_undone(history)) == 5
+
+
+def test_all_that_a_mesh_keeps_of_its_file_is_counted(tmp_path):
+    """What a state makes the process hand out is what it counts, whatever its mesh came from."""
+    V, F = box(24, 24, 24)
+    for suffix in (".obj", ".off", ".ply", ".stl", ".glb"):
+        path = tmp_path / f"box{suffix}"
+        save_mesh(Mesh(V, F), V, path)
+        kept = [opened(open_mesh(path))]  # what is loaded once is there
+        tracemalloc.start()
+        kept.append(opened(open_mesh(path)))
+        gc.collect()
+        taken, _ = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert 0.75 * taken < sum(held(kept[1]).values()) < 1.1 * taken, suffix
+
+
+def test_what_is_undone_counts_no_more_and_what_is_redone_counts_again():
+    history, states = History(), _states(3)
+    for k, state in enumerate(states[:2]):
+        history.record(str(k), state)
+    both = history.bytes
+    history.undo(states[2])
+    assert history.bytes == both - states[1].frame.U.nbytes
+    history.undo(states[1])
+    assert history.bytes == 0
+    history.redo(states[0])
+    history.redo(states[1])
+    assert history.bytes == both
