@@ -81,6 +81,7 @@ class CaseStudies(QObject):
         self.watch = FolderWatch(self)
         self.watch.read.connect(self.panel.show_results)
         self.watch.failed.connect(notice.fail)
+        dock.visibilityChanged.connect(self.watch.show)
         self.run.reported.connect(self._report)
         self.run.ended.connect(self._end)
         self.panel.case_asked.connect(self._open_case)

@@ -51,6 +51,7 @@ class FolderWatch(QObject):
         self.folder: Path | None = None
         self._seen: tuple[int, int] | None = None
         self._next, self._said = 0.0, ""
+        self._shown = True
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
         self._timer = QTimer(self, interval=_EVERY)
@@ -59,8 +60,16 @@ class FolderWatch(QObject):
     def watch(self, folder: Path) -> None:
         """Read the results of a folder from now on; it need not hold any yet."""
         self.folder, self._seen, self._next, self._said = folder, None, 0.0, ""
-        self._timer.start()
-        self.look()
+        self.show(self._shown)
+
+    def show(self, on: bool) -> None:
+        """Look at the folder from now on, or leave it alone while nobody sees its results."""
+        self._shown = on
+        if on and self.folder is not None:
+            self._timer.start()
+            self.look()
+        else:
+            self._timer.stop()
 
     def look(self) -> None:
         """Read the results if they have changed."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from PySide6.QtCore import QObject, QRect, QTimer, Signal
+from PySide6.QtCore import QEvent, QObject, QRect, QTimer, Signal
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.language import tr
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.help.tour_targets import Places
     from apd_viewer.ui.tools.canvas import Canvas
 
-_LOOK = 33  # ms between updates of the target's place
+_LOOK = 33  # ms from a change on screen to the update of the target's place
 _READING_TIME = 1500  # ms for the area, once the shape has settled
 _RING, _AREA = 1, 2  # steps waiting for an action
 
@@ -115,9 +115,7 @@ class Tour(QObject):
         self._holds: Callable[[], bool] = lambda: True
         self._turned = False
         self._pose: np.ndarray = np.eye(4)
-        # The target moves with camera, layout, scroll bars and tool: polling is simpler than
-        # signals from all of them, and moves the card only if needed.
-        self._looking = QTimer(self, interval=_LOOK)
+        self._looking = QTimer(self, singleShot=True, interval=_LOOK)
         self._looking.timeout.connect(self.look)
         self._reading = QTimer(self, singleShot=True, interval=_READING_TIME)
         self._reading.timeout.connect(self._followed)
@@ -140,8 +138,8 @@ class Tour(QObject):
         ``rests`` says whether the shape on screen has settled, ``holds`` whether its method holds the area.
         """
         self._rests, self._holds = rests, holds
+        self._window.installEventFilter(self)
         self._show(0)
-        self._looking.start()
         self.began.emit()
 
     def end(self) -> bool:
@@ -149,6 +147,7 @@ class Tour(QObject):
         if not self.active:
             return False
         self._step_now = -1
+        self._window.removeEventFilter(self)
         self._looking.stop()
         self._reading.stop()
         if self.card.isAncestorOf(self._window.focusWidget()):
@@ -156,6 +155,15 @@ class Tour(QObject):
         self.card.hide()
         self.ended.emit()
         return True
+
+    def eventFilter(self, _: QObject, event: QEvent) -> bool:
+        """Look again soon after anything in the window is to be painted.
+
+        The target moves with camera, layout, scroll bars and tool; whatever moves it is painted anew.
+        """
+        if event.type() == QEvent.Type.UpdateRequest and not self._looking.isActive():
+            self._looking.start()
+        return False
 
     def _step(self, by: int) -> None:
         number = self._step_now + by

@@ -55,7 +55,9 @@ class _Tip(QWidget):
 
     def attach(self, card: QRect, target: QRect, side: str) -> None:
         """Stand at the edge of the card towards the target, one pixel over its line."""
-        self._side = side
+        if side != self._side:
+            self._side = side
+            self.update()
         level = side in ("left", "right")
         self.setFixedSize(_GAP, 2 * _HALF) if level else self.setFixedSize(2 * _HALF, _GAP)
         aim = target.center()
@@ -68,7 +70,6 @@ class _Tip(QWidget):
             "above": QPoint(x, card.bottom()),
         }
         self.move(places[side])
-        self.update()
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw a triangle with two lines, open towards the card."""

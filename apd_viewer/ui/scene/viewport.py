@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QColor, QNativeGestureEvent
+from PySide6.QtWidgets import QApplication
 from pyvistaqt import QtInteractor
 
 from apd_viewer.ui.appearance.antialiasing import Antialiasing
@@ -149,6 +150,9 @@ class Viewport(QtInteractor):
         vendor, renderer, version = (str(functions.glGetString(name)) for name in _GL_NAMES)
         self.opengl = f"{vendor}, {renderer}, {version}"
         self.antialiasing.choose(renderer)
+        if self.antialiasing.software:
+            # For each blink of a text cursor the processor would compose the whole window: 4 % of a core.
+            QApplication.setCursorFlashTime(0)
         self._stale = True
 
     def resizeGL(self, width: int, height: int) -> None:

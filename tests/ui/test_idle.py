@@ -1,0 +1,99 @@
+"""A window that is left alone does nothing: in all its states, hidden, minimised and after much use."""
+
+import gc
+import sys
+import weakref
+from pathlib import Path
+
+import meshes
+import numpy as np
+import pytest
+from driving import idle
+from PySide6.QtWidgets import QApplication
+from resting import Watch, drawn, gesture, iconify, states
+
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.motions import TypedMotion
+
+GESTURES = 20
+
+
+def test_it_rests_in_every_state(sample, painted_bottle, tmp_path):
+    """No paint, a handful of timers and hardly any processor time, whatever is open."""
+    watch = Watch()
+    found = {name: watch.restless() for name in states(sample, tmp_path, GESTURES, painted_bottle)}
+    assert len(found) > 45, "the test is blind"
+    assert {name: said for name, said in found.items() if said} == {}
+
+
+def test_a_text_cursor_over_the_view_does_not_have_the_window_composed_anew(qtbot, bottle):
+    """In software: for each of its blinks the whole window would be composed."""
+    bottle.shell.activateWindow()
+    bottle.editing.typed.open(bottle.editing.typed.vertices)
+    qtbot.waitUntil(bottle.editing.typed.vertices.text.hasFocus)
+    assert Watch().restless(1.2) == ""
+
+
+@pytest.mark.parametrize("away", ["minimised", "hidden"])
+def test_a_window_that_is_not_seen_draws_nothing_while_the_shape_changes(qtbot, bottle, away):
+    window, view = bottle, bottle.canvas.viewport
+    window.docks["plots"].show()
+    window.canvas.frame_mesh()
+    drawn(window)
+    Watch().wait(0.3)
+    iconify(window.shell, True) if away == "minimised" else window.shell.hide()
+    Watch().wait(0.2)
+    draws, before, watch = view.draws, window.session.store.state, Watch()
+    window.session.handles.move_by(TypedMotion.TWIST, "60deg", 0)
+    window.actions_.looks.switches["turntable"].setChecked(True)
+    counts = watch.count(0.6)
+    idle(qtbot, window)
+    assert window.session.store.state.frame is not before.frame
+    assert view.draws == draws
+    assert [who for who, kind in counts if kind == "Paint"] == []
+    window.actions_.looks.switches["turntable"].setChecked(False)
+    iconify(window.shell, False) if away == "minimised" else window.shell.show()
+    qtbot.waitUntil(lambda: view.draws > draws)
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Meshes of several kinds in several formats."""
+    found = []
+    for k, suffix in enumerate((".obj", ".off", ".ply", ".stl", ".glb")):
+        V, F = (meshes.sphere(3), meshes.tube(24, 16))[k % 2]
+        save_mesh(Mesh(V, F), V, tmp_path / f"{k}{suffix}")
+        found.append(tmp_path / f"{k}{suffix}")
+    return found
+
+
+def test_of_meshes_that_undo_no_longer_reaches_nothing_is_kept(window, files):
+    """Neither by the window nor by the solver nor by what was noted as saved."""
+    history, first = window.session.gestures.history, []
+    for k, path in enumerate([*files, *files]):
+        window.filing.open_path(path)
+        drawn(window)
+        window.session.gestures.begin()
+        window.session.painting.paint(np.arange(40), 0)
+        window.session.painting.end_stroke("Paint")
+        drawn(window)
+        if k == 2:
+            state, before = window.session.store.state, things(window)
+            first = [weakref.ref(each) for each in (state, state.document, state.document.mesh, state.skin)]
+            del state
+    assert things(window) == before
+    assert all(each() is not None for each in first), "undo leads there"
+    history.limit(1)
+    gesture(window, 0)
+    drawn(window)
+    gc.collect()
+    assert [each() for each in first] == [None] * len(first)
+
+
+def things(window):
+    """How many widgets and actors there are, and handles of the process."""
+    gc.collect()
+    props = window.canvas.viewport.renderer.GetViewProps().GetNumberOfItems()
+    handles = len(list(Path("/proc/self/fd").iterdir())) if sys.platform == "linux" else 0
+    return len(QApplication.allWidgets()), props, handles
