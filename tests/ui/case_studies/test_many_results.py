@@ -1,5 +1,6 @@
 """Results of thousands of cases: nothing is quadratic in the rows, and nothing is read on the UI thread."""
 
+import shutil
 import threading
 import time
 
@@ -149,3 +150,21 @@ def test_the_database_is_read_elsewhere_than_on_the_ui_thread(qtbot, folders, mo
     assert len(found.args[0].table.rows) == FEW
     assert all("longest" in column.__dict__ and "keys" in column.__dict__ for column in found.args[0].columns)
     assert threading.get_ident() not in threads
+
+
+def test_a_folder_is_left_alone_while_nobody_sees_its_results(qtbot, bar, tmp_path):
+    """The dock is closed, or behind another one; shown again, it has what is new."""
+    study, window = tmp_path / "study", bar
+    write_study(study, 5)
+    window.case_studies.open(study)
+    panel, dock = window.case_studies.panel, window.docks["study"]
+    qtbot.waitUntil(lambda: len(panel.model.rows) == 5, timeout=10_000)
+    dock.hide()
+    shutil.rmtree(study)
+    write_study(study, 7)
+    looked = []
+    window.case_studies.watch.read.connect(lambda _: looked.append(dock.isVisible()))
+    qtbot.wait(1300)
+    assert looked == []
+    dock.show()
+    qtbot.waitUntil(lambda: len(panel.model.rows) == 7, timeout=10_000)
