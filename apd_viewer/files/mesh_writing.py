@@ -39,7 +39,7 @@ def check_target(path: str | Path) -> Path:
 
 
 def check_place(path: Path) -> None:
-    """Raise InputError unless ``path`` is in a folder, and is a place of a file or of a stream."""
+    """Raise InputError unless ``path`` is in a folder, for a file or stream."""
     if leads_in_a_circle(path):
         raise InputError(
             tr("{path} is a link that leads to itself; remove it, or choose another name.").format(path=path)

@@ -84,7 +84,7 @@ def not_written(path: Path, error: OSError) -> InputError:
 
 
 def is_stream(path: Path) -> bool:
-    """True for a pipe or device to be written through; raises OSError for what takes nothing."""
+    """True for a pipe or device; raises OSError for what takes no content."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Signals while numba compiles, loads or runs a kernel: their handlers wait for its end.
+"""Signals during a kernel, or its compilation: handlers wait for its end.
 
 Handlers run as soon as any Python does, in the main thread. Numba is not made for what they raise, such as
 KeyboardInterrupt:
