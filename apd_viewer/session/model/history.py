@@ -137,7 +137,7 @@ class History:
 
 
 def held(value: object) -> dict[int, int]:
-    """Bytes of all arrays and contents of files within a value, by identity: what is shared is there once.
+    """Bytes of the arrays and file contents within a value, by their identity.
 
     It looks into everything of this package, and into tuples, lists and dictionaries.
     """
@@ -159,7 +159,7 @@ def held(value: object) -> dict[int, int]:
 
 
 def _owner(array: np.ndarray | bytes) -> tuple[np.ndarray | bytes, int]:
-    """What has the memory of an array, and its bytes."""
+    """Owner of the memory of an array, and its size in bytes."""
     if isinstance(array, bytes):
         return array, len(array)
     while isinstance(array.base, np.ndarray):

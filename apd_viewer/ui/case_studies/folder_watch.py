@@ -63,7 +63,7 @@ class FolderWatch(QObject):
         self.show(self._shown)
 
     def show(self, on: bool) -> None:
-        """Look at the folder from now on, or leave it alone while nobody sees its results."""
+        """Look at the folder from now on, or leave it alone, as nobody sees it."""
         self._shown = on
         if on and self.folder is not None:
             self._timer.start()
