@@ -59,6 +59,7 @@ def replacing(
         os.close(handle)
         yield scratch
         if streams:
+            finish(scratch)
             _write_through(scratch, path)
             return
         if not at_once:

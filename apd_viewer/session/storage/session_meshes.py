@@ -9,6 +9,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_location import MissingMesh, copy_of, find_mesh, is_there, whereabouts
 from apd_viewer.files.storage.archive import Archive
 from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.files.storage.reading import opened
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def keeps_mesh(path: Path, mesh: Mesh) -> bool:
     if is_there(mesh):
         return True
     try:
-        with path.open("rb") as stream:
+        with opened(path) as stream:
             archive = Archive(stream)
             said = Fields.of(archive.content(TEXT), TEXT).part("mesh")
             return said.says("embedded") or find_mesh(said, path, archive).digest == mesh.digest
