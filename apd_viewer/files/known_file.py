@@ -15,7 +15,7 @@ from apd_viewer.files.fingerprint import fingerprint
 
 
 class Fate(Enum):
-    """State of a known file; incomplete where another one that it needs has gone."""
+    """State of a known file; incomplete without another one it needs."""
 
     SAME = "same"
     CHANGED = "changed"
@@ -46,7 +46,7 @@ class KnownFile:
         self._content = _content(scratch or path)
 
     def look(self) -> Fate:
-        """Compare the file with what is known; on any thread."""
+        """Compare the file with the known content; on any thread."""
         stamp = stamp_of(self.path)
         if stamp is None:
             self.found = Fate.GONE
@@ -63,7 +63,7 @@ def _content(path: Path) -> str | None:
 
 
 def stamp_of(path: Path) -> tuple[int, ...] | None:
-    """Marks of a regular file; where they stay it need not be read.
+    """Marks of a regular file; unchanged, they spare reading it.
 
     The time of the last change of its entry, which no tool can set, is among them.
     """

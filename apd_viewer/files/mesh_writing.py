@@ -15,8 +15,8 @@ from apd_viewer.files.meshes import FORMATS, LARGEST, VTK, WRITTEN, largest, par
 from apd_viewer.files.storage.atomic_file import is_stream, not_written, replacing
 from apd_viewer.files.storage.links import leads_in_a_circle
 from apd_viewer.files.storage.reading import in_one_line, quietly
-from apd_viewer.geometry.checked_arguments import check_type, checked
 from apd_viewer.geometry.mesh.arrays import numbers
+from apd_viewer.geometry.mesh.checked_arguments import check_type, checked
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

@@ -20,7 +20,7 @@ from apd_viewer.files.other_content import about_content, about_no_vertices
 from apd_viewer.files.storage.reading import bytes_of, in_one_line, quietly
 from apd_viewer.files.vtk.legacy import read_vtk
 from apd_viewer.files.vtk.xml_surface import read_vtp, read_vtu
-from apd_viewer.geometry.checked_arguments import checked
+from apd_viewer.geometry.mesh.checked_arguments import checked
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

@@ -57,7 +57,7 @@ def _written(cell: Cell) -> str:
 
 
 def text_cell(text: str) -> str:
-    """A text as a cell that stays text, with ' before what spreadsheets would compute.
+    """Cell of a text, with ' before anything computed by spreadsheets.
 
     Numbers stay as they are. :func:`text_in` gives the text again.
     """
@@ -65,5 +65,5 @@ def text_cell(text: str) -> str:
 
 
 def text_in(cell: str) -> str:
-    """The text of a cell that :func:`text_cell` has made."""
+    """Text of a cell made by :func:`text_cell`."""
     return _GUARDED.sub("", cell)

@@ -64,7 +64,7 @@ class SavedWork:
         self._saved = [*(each for each in self._saved if _F(each) is not _F(saved)), saved]
 
     def forget(self) -> None:
-        """Forget what is out of reach of undo: it would keep its mesh in memory."""
+        """Forget documents out of reach of undo: they would keep meshes in memory."""
         state, history = self._store.state, self._gestures.history
         documents = [each.document for each in (*history.states, *([state] if state else []))]
         within_reach = {id(document.mesh.F) for document in documents}
@@ -95,7 +95,7 @@ class SavedWork:
 
     @property
     def unsaved(self) -> bool:
-        """True if what is on screen is in no file, by the last look at it."""
+        """True if the shape on screen is in no file, by the last look at it."""
         state, last = self._store.state, self.last
         if state is None:
             return False
@@ -118,7 +118,7 @@ class SavedWork:
         self.close()
 
     def receive(self) -> None:
-        """Say what a look has found, if that is news."""
+        """Tell the outcome of a look, if it is news."""
         if self._seen.is_set():
             self._seen.clear()
             if (file := self.file) is not None and file.found is not Fate.SAME:

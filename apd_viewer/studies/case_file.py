@@ -106,7 +106,7 @@ def _shape(content: memoryview) -> np.ndarray:
 
 
 def _checked(result: CaseResult) -> CaseResult:
-    """A result of the types that it should have; raises TypeError or ValueError."""
+    """A result of the right types; raises TypeError or ValueError."""
     texts, parts = (result.key, result.status, result.sentence), (result.case, result.frame)
     if not all(isinstance(each, str) for each in texts) or not all(isinstance(each, dict) for each in parts):
         raise TypeError

@@ -1,4 +1,4 @@
-"""Engine of Dask workers behind a scheduler that somebody has started.
+"""Engine of Dask workers behind a scheduler started by somebody.
 
 Tasks travel as pickles, which are programs: a scheduler is for people who trust each other.
 """

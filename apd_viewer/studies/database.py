@@ -114,7 +114,7 @@ def is_damage(error: Exception, folder: Path) -> bool:
 
 
 def put_aside(folder: Path) -> None:
-    """Give the damaged database of a study another name, so that it can be looked at."""
+    """Give the damaged database of a study another name, for a look at it."""
     path = folder / DATABASE
     for each in (path, path.with_name(f"{path.name}-journal")):
         with suppress(OSError):

@@ -68,7 +68,7 @@ def known_cases(base: sqlite3.Connection) -> dict[str, KnownCase]:
 
 
 def readings_in(text: object) -> dict[str, float | None]:
-    """Readings of a case from what a row says; raises sqlite3.DatabaseError."""
+    """Readings of a case from a row; raises sqlite3.DatabaseError."""
     found: dict[str, float | None] = from_json(text, dict)
     if not all(map(is_reading, found.values())):
         raise sqlite3.DatabaseError(DATABASE)

@@ -66,7 +66,7 @@ def work_left(plan: Plan, folder: Path, retry_failed: bool = False) -> WorkLeft:
 
 
 def _known(folder: Path) -> dict[str, KnownCase]:
-    """Finished cases in the database, by their keys; none if that cannot be read."""
+    """Finished cases in the database, by their keys; none if it cannot be read."""
     try:
         with reading(folder) as base:
             return known_cases(base)

@@ -131,7 +131,7 @@ class StudyStore:
         return done
 
     def _begun(self, plan: Plan) -> set[str]:
-        """Keys of finished cases, which the database then has, with the plan."""
+        """Keys of finished cases, all in the database then, with the plan."""
         write_plan(self._base, plan)
         wanted = set(plan.cases)
         sizes = case_sizes(self.folder)
@@ -144,7 +144,7 @@ class StudyStore:
         return done
 
     def _read_again(self, key: str) -> CaseResult | None:
-        """Take the result of a file, which is right; remove a damaged one.
+        """Take the result of a file as the right one; remove a damaged one.
 
         Raises InputError if it is there and cannot be read now.
         """
@@ -162,7 +162,7 @@ class StudyStore:
         return result
 
     def curves(self, keys: Iterable[str]) -> dict[str, Curves]:
-        """Curves of finished cases, whose files are all compared with the database.
+        """Curves of finished cases; their files are compared with the database.
 
         A case whose file is damaged is not among them, and no longer finished.
         """

@@ -64,7 +64,7 @@ class Study:
 
     @property
     def damaged(self) -> int:
-        """Number of results that were damaged; their cases are left, or were run again."""
+        """Number of damaged results; their cases are left, or were run again."""
         return self._store.damaged
 
     @property

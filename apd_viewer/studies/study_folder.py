@@ -1,4 +1,4 @@
-"""Folder of a study, which may have been packed by a stranger."""
+"""Folder of a study, perhaps packed by a stranger."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _WRITTEN = (
 
 
 def check_links(folder: Path) -> None:
-    """Raise InputError for a link by which files would be written elsewhere."""
+    """Raise InputError for a link out of the folder."""
     inside = os.path.realpath(folder)
     for path in (path for pattern in _WRITTEN for path in folder.glob(pattern)):
         if path.is_symlink() and not Path(os.path.realpath(path)).is_relative_to(inside):

@@ -107,7 +107,7 @@ def _wayland_answers() -> bool:
 
 @contextmanager
 def _x_server() -> Iterator[bool]:
-    """Hold a connection to the X server of DISPLAY; False where it gives none."""
+    """Hold a connection to the X server of DISPLAY; False if it gives none."""
     try:
         xcb = ctypes.CDLL("libxcb.so.1")
     except OSError:  # Qt's plugin says so
@@ -133,7 +133,7 @@ def _qt_starts() -> bool:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Keep what a library prints from the standard error."""
+    """Keep the words of a library from the standard error."""
     try:
         error = os.dup(2)
     except OSError:  # it is closed

@@ -64,7 +64,7 @@ def summary(table: ResultTable, folder: Path) -> str:
 
 
 def damaged(count: int) -> str:
-    """A line on results that were damaged; empty without any."""
+    """A line on damaged results; empty without any."""
     said = trn(
         "{count:,} damaged result is computed again", "{count:,} damaged results are computed again", count
     )

@@ -41,7 +41,7 @@ def drop_output() -> None:
 
 
 def tell(sentence: str) -> None:
-    """Write a sentence to the standard error, if that takes it."""
+    """Write a sentence to the standard error, if possible."""
     with suppress(OSError):
         print(sentence, file=sys.stderr)
 

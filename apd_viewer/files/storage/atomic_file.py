@@ -30,7 +30,7 @@ _LONG_AGO = 3600.0  # s
 def replacing(
     path: Path, at_once: bool = False, finish: Callable[[Path], object] = lambda _: None
 ) -> Iterator[Path]:
-    """Scratch file, moved to ``path`` once it is whole; it lies beside that.
+    """Scratch file, beside ``path`` and moved to it once it is whole.
 
     Whatever goes wrong on the way, the file that was at ``path`` before stays as it was. With ``at_once``
     that holds for whatever becomes of this program, but not where power fails before :func:`flush_to_disk`.
@@ -85,7 +85,7 @@ def not_written(path: Path, error: OSError) -> InputError:
 
 
 def is_stream(path: Path) -> bool:
-    """True for a pipe or device; raises OSError for what takes no content."""
+    """True for a pipe or device; raises OSError for a socket, say."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Symbolic links, which may lead in a circle."""
+"""Symbolic links, circles among them."""
 
 from __future__ import annotations
 
@@ -21,6 +21,6 @@ def leads_in_a_circle(path: Path) -> bool:
 
 
 def refuse_circle(path: Path) -> None:
-    """Raise OSError for a link to itself, which a file or folder would replace."""
+    """Raise OSError for a link to itself: a file or folder would replace it."""
     if leads_in_a_circle(path):
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))

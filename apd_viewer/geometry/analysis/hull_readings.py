@@ -9,8 +9,8 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.bounding_boxes import smallest_box
 from apd_viewer.geometry.analysis.convex_hull import convex_hull, minimum_width
-from apd_viewer.geometry.checked_arguments import checked, real
 from apd_viewer.geometry.mesh.arrays import far_centre
+from apd_viewer.geometry.mesh.checked_arguments import checked, real
 from apd_viewer.language import tr
 
 # Share of a container that convex bodies fill when they lie in it at random: equal spheres at their densest,

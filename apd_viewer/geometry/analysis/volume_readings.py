@@ -11,8 +11,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.double_wall import DoubleWall
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.inspection import inspect
-from apd_viewer.geometry.checked_arguments import checked
 from apd_viewer.geometry.mesh.arrays import numbers, whole_numbers
+from apd_viewer.geometry.mesh.checked_arguments import checked
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

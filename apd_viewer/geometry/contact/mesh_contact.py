@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.checked_arguments import check
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.followers import Followers
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.mesh.checked_arguments import check
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:

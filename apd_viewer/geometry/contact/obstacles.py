@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.checked_arguments import checked
 from apd_viewer.geometry.mesh.arrays import direction, place
+from apd_viewer.geometry.mesh.checked_arguments import checked
 from apd_viewer.language import tr
 
 _PLATE, _CAPSULE = 3, 2  # by the number of their points

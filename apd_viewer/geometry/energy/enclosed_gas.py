@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.checked_arguments import check
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.checked_arguments import check
 from apd_viewer.language import tr
 
 

@@ -73,7 +73,7 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
 
 
 def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray) -> PlaneSection:
-    """Section of arrays that are known to be a mesh, by a plane with a unit normal."""
+    """Section of checked arrays by a plane with a unit normal."""
     height = V @ normal - float(np.dot(point, normal))
     faces = _met(height, F)
     above = (height >= 0.0)[F[faces]]

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.checked_arguments import whole
 from apd_viewer.geometry.mesh.arrays import numbers, whole_numbers
+from apd_viewer.geometry.mesh.checked_arguments import whole
 from apd_viewer.language import tr
 
 _ROUNDING = 1e-6  # of weights that are typed or computed

@@ -107,7 +107,7 @@ def whole_numbers(given: object, what: str) -> np.ndarray:
 
 
 def mesh_arrays(V: object, F: object) -> tuple[np.ndarray, np.ndarray]:
-    """Copies (n, 3) and (m, 3) of a caller's arrays; InputError unless they are a mesh."""
+    """Copies of a caller's arrays (n, 3) and (m, 3); InputError if no mesh."""
     arrays = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
     check_mesh(*arrays)
     return arrays

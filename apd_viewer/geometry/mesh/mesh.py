@@ -12,8 +12,8 @@ from typing import Protocol
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.checked_arguments import check
 from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, size_of, whole_numbers
+from apd_viewer.geometry.mesh.checked_arguments import check
 from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.geometry.mesh.weld import TOLERANCE, Weld

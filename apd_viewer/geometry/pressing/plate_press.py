@@ -9,11 +9,11 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.checked_arguments import check, whole
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
 from apd_viewer.geometry.contact.obstacles import Obstacle, plate
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.mesh.checked_arguments import check, whole
 from apd_viewer.geometry.pressing.plate_way import plate_way
 from apd_viewer.geometry.pressing.press_options import DEFAULT_OPTIONS, PressOptions
 from apd_viewer.geometry.pressing.press_step import PressStep

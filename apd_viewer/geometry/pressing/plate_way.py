@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.checked_arguments import real
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
 from apd_viewer.geometry.mesh.arrays import diagonal, direction
+from apd_viewer.geometry.mesh.checked_arguments import real
 from apd_viewer.language import tr
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.checked_arguments import checked
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.checked_arguments import checked
 from apd_viewer.geometry.pressing.load_curve import LoadCurve, load_curve
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
 from apd_viewer.geometry.pressing.press_options import PressOptions

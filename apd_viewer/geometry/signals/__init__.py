@@ -1,1 +1,1 @@
-"""Signals, and the kernels that they meet."""
+"""Signals during kernels."""

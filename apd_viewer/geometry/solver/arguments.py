@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.checked_arguments import check_type
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import numbers, vectors, whole_numbers
+from apd_viewer.geometry.mesh.checked_arguments import check_type
 from apd_viewer.geometry.pose.constraints import Soft
 from apd_viewer.language import tr
 
@@ -136,7 +136,7 @@ def rest_of(rest: RestMesh | None, V: np.ndarray, F: np.ndarray, weld: bool) -> 
 
 
 def soft_of(soft: Soft, rest: RestMesh, solve_ids: np.ndarray) -> tuple[Soft, tuple[np.ndarray, int]]:
-    """Soft vertices of the solve, their places among the given ones, and the number of those.
+    """Soft vertices of the solve, their places among the given, and their number.
 
     Held vertices are left out, and pieces without any held vertex.
     """
@@ -148,7 +148,7 @@ def soft_of(soft: Soft, rest: RestMesh, solve_ids: np.ndarray) -> tuple[Soft, tu
 
 
 def drawn_to(given: object, rest: RestMesh, soft: Soft, places: np.ndarray, count: int) -> np.ndarray:
-    """Local targets (s, 3) of soft vertices; without those of all ``count``, to be at rest."""
+    """Local targets (s, 3) of soft vertices; without any, the rest of all ``count``."""
     if given is None:
         return rest.shape.V[soft.ids]
     return rest.local(vectors(given, count, tr("Soft targets"))[places])

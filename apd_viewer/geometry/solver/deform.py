@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.checked_arguments import checked
 from apd_viewer.geometry.contact.obstacles import Obstacle
 from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.mesh.arrays import numbers
+from apd_viewer.geometry.mesh.checked_arguments import checked
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP

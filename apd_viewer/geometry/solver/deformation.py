@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.checked_arguments import Uncopied, checked
 from apd_viewer.geometry.contact.contact_readings import contact_readings
 from apd_viewer.geometry.contact.obstacles import moved_by
 from apd_viewer.geometry.energy.elastic import Elastic
@@ -20,6 +19,7 @@ from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.checked_arguments import Uncopied, checked
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.arguments import HeldVertices, drawn_to, rest_of, shifts_of, soft_of, start_of

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.checked_arguments import check
 from apd_viewer.geometry.goals.goal_projection import MET
 from apd_viewer.geometry.goals.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.goals.percentage import percentage
 from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.mesh.checked_arguments import check
 from apd_viewer.geometry.solver.methods import Method
 from apd_viewer.language import listed, tr
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.checked_arguments import check
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.mesh.checked_arguments import check
 from apd_viewer.language import tr
 
 DEFAULT_METHOD = "exact"

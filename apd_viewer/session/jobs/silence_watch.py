@@ -1,4 +1,4 @@
-"""Watch over answers that are awaited from another process."""
+"""Watch over answers awaited from another process."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _TICK = 1.0  # s
 
 
 class SilenceWatch:
-    """Thread noticing that an answer is awaited and nothing is heard.
+    """Thread noticing silence while an answer is awaited.
 
     It counts seconds in which it ran itself, so that a computer that slept has missed nothing. While nothing
     is awaited it rests.

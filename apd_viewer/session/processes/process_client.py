@@ -195,7 +195,7 @@ class Child:
 
 
 def _patience(faces: int) -> int:
-    """Seconds after which silence is told.
+    """Seconds of silence before it is told.
 
     Native code holds the interpreter, and with it the pulse of the process, at most 2.4 s for a million
     triangles, on two busy cores.

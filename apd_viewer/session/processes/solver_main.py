@@ -55,19 +55,19 @@ class Teller:
 
 
 class _Pulse:
-    """Tells the owner every second that an order is under way, while anything is done for it.
+    """Tells the owner every second of an order under way.
 
     A process that waits for what never comes spends no time of the processor.
     """
 
     def __init__(self, tell: Teller, factoring: Callable[[], bool]) -> None:
         self._tell, self._factoring = tell, factoring
-        self._beats = threading.Event()
-        self._ended = False
-        threading.Thread(target=self._run, name="pulse", daemon=True).start()
+        self._beats, self._ended = threading.Event(), threading.Event()
+        self._thread = threading.Thread(target=self._run, name="pulse", daemon=True)
+        self._thread.start()
 
     def tell(self, message: Message) -> None:
-        """Send a message of the solver, and beat from its taking up an order to its answer."""
+        """Send a message of the solver, beating from an order to its answer."""
         self._tell(message)
         if message.content is OrderStage.TURNED_TO:
             self._beats.set()
@@ -76,13 +76,13 @@ class _Pulse:
 
     def end(self) -> None:
         """Beat no more."""
-        self._ended = True
+        self._ended.set()
         self._beats.set()
+        self._thread.join()
 
     def _run(self) -> None:
         before = 0.0
-        while self._beats.wait() and not self._ended:
-            time.sleep(_BEAT)
+        while self._beats.wait() and not self._ended.wait(_BEAT):
             spent = time.process_time() - time.thread_time()
             if spent - before > _LEAST_SPENT or self._factoring():
                 self._tell(Message(0, OrderStage.UNDER_WAY))

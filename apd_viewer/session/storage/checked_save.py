@@ -1,4 +1,4 @@
-"""Sessions saved again to files that others may have changed."""
+"""Sessions saved again to files changed by others meanwhile."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class FileChangedError(InputError):
 def save_over(
     known: KnownFile | None, path: Path, state: State, view: View, embed: bool = False, picture: bytes = b""
 ) -> tuple[bool, KnownFile]:
-    """Save a session, unless its file holds something else than what is known.
+    """Save a session, unless its file has changed.
 
     Looks before the work and once more right before the file is replaced. A file that has gone is written
     anew. ``known`` is None where anything may be replaced.

@@ -169,9 +169,7 @@ class Filing:
         if state is None:
             return
         mesh = state.document.mesh
-        title = tr("{mesh}[*] – APD Viewer")
-        if session is not None:
-            title = tr("{session}[*] – {mesh} – APD Viewer")
+        title = tr("{session}[*] – {mesh} – APD Viewer") if session else tr("{mesh}[*] – APD Viewer")
         self._window.setWindowFilePath(str(session or mesh.path or ""))
         self._window.setWindowTitle(
             title.format(mesh=in_title(mesh.name), session=in_title(session.name if session else ""))

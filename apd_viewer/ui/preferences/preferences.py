@@ -98,7 +98,7 @@ class Preferences:
 
     @property
     def refusal(self) -> str:
-        """Sentence on settings that cannot be kept, or nothing."""
+        """Sentence on settings impossible to keep, or nothing."""
         if self._settings.isWritable():
             return ""
         return tr(

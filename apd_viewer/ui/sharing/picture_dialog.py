@@ -116,9 +116,7 @@ class PictureDialog(QDialog):
         for part in (self.width_, QLabel("×"), self.height_):
             sides.addWidget(part)
         sides.addStretch(1)
-        size = QLabel(tr("Size"))
-        size.setBuddy(self.times)
-        grid.addWidget(size, 0, 0)
+        grid.addWidget(QLabel(tr("Size"), buddy=self.times), 0, 0)
         grid.addWidget(self.times, 0, 1)
         grid.addLayout(sides, 1, 1)
         for row, check in enumerate((self.transparent, self.legend, self.gizmo), start=2):

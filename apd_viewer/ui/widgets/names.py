@@ -1,4 +1,4 @@
-"""Names as they are, where Qt has signs of its own."""
+"""Names with signs of Qt in them."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from pathlib import Path
 
 
 def in_menu(name: str) -> str:
-    """Name in the text of an action or a button, where ``&`` is a sign of Qt."""
+    """Name in the text of an action or a button; ``&`` is a sign of Qt there."""
     return name.replace("&", "&&")
 
 
 def in_title(name: str) -> str:
-    """Name in the title of a window, where ``[*]`` is a sign of Qt."""
+    """Name in the title of a window; ``[*]`` is a sign of Qt there."""
     return name.replace("[*]", "[*][*]")
 
 
 def told_apart(paths: Sequence[Path]) -> list[str]:
-    """Names of files, with the end of the folder where a name is not alone."""
+    """Names of files, with the end of the folder if a name is not alone."""
     named = []
     for path in paths:
         others = [other for other in paths if other.name == path.name and other != path]
@@ -28,6 +28,6 @@ def told_apart(paths: Sequence[Path]) -> list[str]:
 
 
 def _common(parts: Sequence[str], others: Sequence[str]) -> int:
-    """Number of the last folders that two paths have in common."""
+    """Number of last folders common to two paths."""
     pairs = zip(reversed(parts), reversed(others), strict=False)
     return next((k for k, (part, other) in enumerate(pairs) if part != other), min(len(parts), len(others)))

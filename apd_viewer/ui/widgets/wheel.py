@@ -16,7 +16,7 @@ class _Past(QObject):
 
 
 def pass_wheel(control: QWidget) -> None:
-    """Let the wheel over a control change neither its value nor the focus, also while it is in use.
+    """Let the wheel over a control change neither value nor focus, even in use.
 
     A filter of the whole application would be called in Python for every event of every widget.
     """

@@ -1,4 +1,4 @@
-"""Arguments of public functions, checked by their names, and what is refused at all."""
+"""Arguments of public functions, checked by their names."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _MOST_ITERATIONS = 10**9
 
 
 class _Kind(NamedTuple):
-    """What an argument must be.
+    """Kind of an argument.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class _Kind(NamedTuple):
 
 
 def real(given: object) -> float:
-    """Float of a number; NaN for what is none, such as a truth value or a text."""
+    """Float of a number; NaN for anything else, such as a truth value or a text."""
     if not isinstance(given, Real) or isinstance(given, bool):
         return math.nan
     try:
@@ -48,7 +48,7 @@ def real(given: object) -> float:
 
 
 def whole(given: object) -> bool:
-    """True for a whole number, which a truth value is not."""
+    """True for a whole number, but not for a truth value."""
     return isinstance(given, Integral) and not isinstance(given, bool)
 
 
@@ -107,7 +107,7 @@ _KINDS = {
 
 
 def check(name: str, given: object, kind: _Kind | None = None) -> None:
-    """Raise InputError on an argument that is not what its name says.
+    """Raise InputError on an argument of another kind than its name says.
 
     Arrays, and what depends on the mesh, are checked where they are used.
     """
@@ -139,7 +139,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
 
 class Uncopied:
-    """Object that refuses to be copied or pickled, as its factor cannot be."""
+    """Object with a factor, refusing to be copied or pickled."""
 
     def __reduce_ex__(self, _: object) -> NoReturn:
         """Raise InputError."""
