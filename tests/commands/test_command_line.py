@@ -477,7 +477,7 @@ def test_a_missing_file(file, bar, refused):
 
 @pytest.mark.parametrize("file", ["sel", "def"])
 def test_a_folder_in_place_of_a_file(file, bar, refused):
-    assert "cannot be read" in refused(**{file: bar.folder})
+    assert "is a folder, a pipe or a device; name a file instead" in refused(**{file: bar.folder})
 
 
 @pytest.mark.parametrize(
