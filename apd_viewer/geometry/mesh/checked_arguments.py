@@ -90,7 +90,10 @@ _KINDS = {
     **dict.fromkeys(("iterations", "steps"), _COUNT),
     "regions": _LIST,
     "tolerance": _between(1e-12, 1e9),
-    "gas": _between(1.0 / _LARGEST, _LARGEST),
+    "gas": _Kind(
+        lambda given: 0.0 < real(given) <= _LARGEST,
+        tr("{name} must be a number greater than 0 and at most 1e38."),
+    ),
     "container": _between(0.0, _LARGEST),
     "factored": _CALL,
     "progress": _CALL,

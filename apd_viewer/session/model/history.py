@@ -173,4 +173,4 @@ def _items(value: object) -> Iterable[object]:
         return value
     if isinstance(value, dict):
         return value.values()
-    return vars(value).values() if type(value).__module__.startswith("apd_viewer.") else ()
+    return getattr(value, "__dict__", {}).values() if type(value).__module__.startswith("apd_viewer.") else ()

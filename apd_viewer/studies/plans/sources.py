@@ -9,7 +9,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.files.storage.atomic_folder import make_folder
-from apd_viewer.files.storage.reading import content_of
+from apd_viewer.files.storage.reading import bytes_of, content_of
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.session.storage.session_file import open_session, save_session
@@ -81,7 +81,7 @@ class Sources:
 
     def _kept(self, content: bytes, path: Path) -> Source:
         source = self._source(content, path)
-        if self._keep and not (source.path.is_file() and source.path.read_bytes() == content):
+        if self._keep and not (source.path.is_file() and bytes_of(source.path) == content):
             make_folder(source.path.parent)
             with replacing(source.path) as scratch:
                 scratch.write_bytes(content)

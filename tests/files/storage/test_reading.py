@@ -96,6 +96,7 @@ OF_THEIR_OWN = {
     "figures/drawing.py",
     "figures/shapes.py",
     "files/storage/atomic_file.py",
+    "geometry/linalg/kernels.py",
     "language.py",
     "ui/sharing/report_controller.py",
     "ui/widgets/icons.py",
