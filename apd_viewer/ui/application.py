@@ -165,12 +165,18 @@ def run(mesh: object = None, tells: bool = False) -> None:
     shell.canvas.viewport.frameSwapped.connect(imports.begin, Qt.ConnectionType.SingleShotConnection)
     QTimer.singleShot(PATIENCE, imports.begin)
     signal.signal(signal.SIGINT, lambda *_: application.closeAllWindows())
+    for name in ("SIGTERM", "SIGHUP"):  # nobody is asked: unsaved work is offered at the next start
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, lambda number, _: application.exit(128 + number))
     gc.freeze()  # what has been imported stays: to look through it for garbage delays the first picture
-    application.exec()
+    status = application.exec()
     gc.unfreeze()
     imports.join()
     if imports.error is not None:
         raise ImportError(str(imports.error)) from imports.error
+    if status:
+        raise SystemExit(status)
 
 
 def own_settings() -> QSettings:

@@ -241,3 +241,52 @@ def test_on_the_command_line_it_is_an_error_and_no_window_opens(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 2
     assert re.fullmatch(r"error: There is no file .*gone\.obj.*\n", done.stderr)
+
+
+ENDED = """
+import os, signal, sys
+from pathlib import Path
+from PySide6.QtCore import QTimer
+from apd_viewer.__main__ import main
+from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.ui import application
+
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # which nohup may have the tests ignore
+
+def built(*given, build=application.build_workbench):
+    workbench = build(*given)
+    session, own, stage = workbench.session, Path(os.environ["TMPDIR"]), []
+    def look():
+        if not stage and session.store.state is not None and session.jobs.current is None:
+            session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
+            workbench.actions_.pose.press.trigger()
+            workbench.studies.dialogs["press"].run.start.click()
+            stage.append("presses")
+        kept = list(given[1].glob("*.apd")) and list(own.glob("apd-viewer-*/results"))
+        if kept and stage == ["presses"]:
+            stage.append("ended")
+            os.kill(os.getpid(), getattr(signal, sys.argv.pop()))
+    QTimer(workbench, interval=20, timeout=look).start()
+    return workbench
+
+application.build_workbench = built
+sys.exit(main([]))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+@pytest.mark.parametrize(("name", "status"), [("SIGTERM", 143), ("SIGHUP", 129)])
+def test_a_window_that_is_ended_by_a_signal_leaves_unsaved_work_and_no_scratch(name, status, tmp_path):
+    own = tmp_path / "tmp"
+    own.mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", ENDED, name],
+        env=os.environ | {"HOME": str(tmp_path), "XDG_DATA_HOME": str(tmp_path / "data"), "TMPDIR": str(own)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert (done.returncode, done.stderr) == (status, "")
+    assert list(own.glob("apd-viewer-*")) == []
+    assert list(tmp_path.rglob("recovery/*.apd"))

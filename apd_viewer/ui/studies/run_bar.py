@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt, QUrl, Signal
+from PySide6.QtCore import QCoreApplication, Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import (
     QFileDialog,
@@ -78,6 +78,9 @@ class RunBar(QWidget):
         self._command.ended.connect(self._end)
         self._command.failed.connect(self.fail)
         self._delivered.connect(self._receive, Qt.ConnectionType.QueuedConnection)
+        application = QCoreApplication.instance()
+        assert application is not None
+        application.aboutToQuit.connect(self.close_all)  # ended by a signal, it closes no dialog
         self._lay_out(start)
         self._show_busy(False)
 

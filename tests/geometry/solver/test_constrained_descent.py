@@ -272,9 +272,9 @@ def test_what_a_given_number_of_iterations_has_not_met_is_said():
     [
         ({"handle": 3}, "The handle must be an array of vertex IDs"),
         ({"handle": {1, 2}}, "The handle must be an array of vertex IDs"),
-        ({"regions": None}, "Regions must be a list of Region"),
-        ({"regions": Region("lid", np.arange(3))}, "Regions must be a list of Region"),
-        ({"stiffness": True}, "The stiffness must be a number"),
+        ({"regions": None}, "regions must be a list"),
+        ({"regions": Region("lid", np.arange(3))}, "regions must be a list"),
+        ({"stiffness": True}, "stiffness must be a number"),
     ],
 )
 def test_wrong_arguments_are_refused_in_a_sentence(wrong, words):
