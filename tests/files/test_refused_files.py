@@ -2,6 +2,7 @@
 
 import contextlib
 import logging
+import os
 import struct
 import warnings
 
@@ -246,14 +247,14 @@ def test_a_file_that_may_not_be_read(suffix, tmp_path, monkeypatch, refused_by_t
     path = tmp_path / f"secret.{suffix}"
     path.write_text({"obj": OBJ, "off": OFF, "ply": PLY}[suffix])
     mode = path.stat().st_mode
-    real = open_mesh.__globals__["bytes_of"]
+    real = os.open
 
-    def denied(wanted):  # root may read everything, so permissions cannot be taken away here
+    def denied(wanted, *flags, **more):  # root may read everything, so permissions cannot be taken away here
         if wanted == path:
             raise PermissionError(13, "Permission denied", str(wanted))
-        return real(wanted)
+        return real(wanted, *flags, **more)
 
-    monkeypatch.setitem(open_mesh.__globals__, "bytes_of", denied)
+    monkeypatch.setattr(os, "open", denied)
     with pytest.raises(InputError, match=r"cannot be read \(Permission denied\)"):
         open_mesh(path)
     refused_by_the_command_line(path, ["cannot be read", "Permission denied"])
