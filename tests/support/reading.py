@@ -411,7 +411,7 @@ def help_(driver):
 
 def files(driver):
     window, session, folder = driver.window, driver.window.session, driver.folder
-    file_dialogs.about(window)
+    file_dialogs.about(window.shell)
     for closes in (True, False):
         unsaved_question.ask_before_leaving(window.shell, "mesh.obj", closes)
     for found in Fate:
