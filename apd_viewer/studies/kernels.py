@@ -11,6 +11,7 @@ import getpass
 import hashlib
 import os
 import socket
+import stat
 import subprocess
 import sys
 import tempfile
@@ -38,6 +39,8 @@ def compile_once() -> None:
     with contextlib.suppress(Exception):
         mark = _mark()
         mark.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if not _is_own(mark.parent):
+            return
         end = time.monotonic() + _LONGEST
         while not mark.exists() and time.monotonic() < end:
             lock = take(mark.with_suffix(".lock"))
@@ -64,6 +67,14 @@ def _compile() -> None:
         timeout=_LONGEST,
         check=False,
     )
+
+
+def _is_own(folder: Path) -> bool:
+    """True if nobody else can write to a folder; anybody may have made it in a place for all."""
+    there = folder.lstat()
+    if sys.platform == "win32":  # whose temporary folders are the user's
+        return True
+    return stat.S_ISDIR(there.st_mode) and there.st_uid == os.getuid() and not there.st_mode & 0o022
 
 
 def _mark() -> Path:
