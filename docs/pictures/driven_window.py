@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
+from unittest.mock import patch
 
 import ink
 import matplotlib as mpl
@@ -104,8 +105,8 @@ class DrivenWindow:
     def close(self) -> None:
         """Close the window, unless there is none."""
         if "window" in self.__dict__:
-            unsaved_question.ask_before_leaving = lambda *_: Answer.DISCARD  # type: ignore[assignment]
-            self.window.shell.close()
+            with patch.object(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD):
+                self.window.shell.close()
             self.window.shell.deleteLater()
             self.pause(10)
 
