@@ -17,6 +17,7 @@ from PySide6.QtCore import QSettings
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 import resting
+from process_tree import tree_of
 
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.filing import unsaved_question
@@ -27,20 +28,6 @@ from apd_viewer.ui.workbench import Workbench
 ALLOWED = 2.0  # percent of a core
 GESTURES = 300
 _TICKS = os.sysconf("SC_CLK_TCK")
-
-
-def family():
-    """This process and those that have come from it."""
-    parents = {}
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            parents[int(stat.parent.name)] = int(stat.read_text().rpartition(")")[2].split()[1])
-        except OSError:
-            continue
-    found = {os.getpid()}
-    while more := {child for child, parent in parents.items() if parent in found} - found:
-        found |= more
-    return found
 
 
 def spent(pid):
@@ -78,7 +65,7 @@ def main():
         if wanted not in name:
             continue
         watch.wait(4.0)  # a shape that rests is checked once, in a process
-        others = family() - {os.getpid()}
+        others = set(tree_of(os.getpid())) - {os.getpid()}
         before = [spent(os.getpid()), *map(spent, others)]
         began = time.monotonic()
         counts = watch.count(seconds)

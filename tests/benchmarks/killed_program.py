@@ -23,9 +23,11 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "support")]
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+from process_tree import tree_of
 
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT))
 SEED = 7
 LONGEST = 10.0  # s that a program is used
 PATIENCE = 90.0  # s, for a program to start on a busy machine
@@ -232,20 +234,6 @@ def play(journal: Path, seed: int) -> None:
 # Outside: what kills, and looks at what is left
 
 
-def family(pid: int) -> set[int]:
-    """The processes that have come from one, and that one."""
-    parents = {}
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            parents[int(stat.parent.name)] = int(stat.read_text().rpartition(")")[2].split()[1])
-        except OSError:
-            continue
-    found = {pid}
-    while more := {child for child, parent in parents.items() if parent in found} - found:
-        found |= more
-    return found
-
-
 def alive(pid: int) -> bool:
     """Whether it is there, and not one of the dead who nobody has looked after yet."""
     try:
@@ -308,7 +296,7 @@ class Work:
         try:
             self._wait_for(word, journal, program)
             time.sleep(after)
-            pids = family(program.pid)
+            pids = set(tree_of(program.pid))
             shared = blocks(pids)
             assert program.poll() is None, f"it ended by itself: see {self._home}"
         finally:

@@ -9,8 +9,9 @@ import sys
 import time
 
 import pytest
-from listening import listening, tree_of
+from listening import listening
 from painted_meshes import write_bar
+from process_tree import tree_of
 
 from apd_viewer.__main__ import main
 

@@ -2,16 +2,9 @@
 
 from pathlib import Path
 
+from process_tree import text_of
+
 _WAITS = 0x10000  # flag of a socket of this machine that others may connect to
-
-
-def tree_of(process):
-    """Numbers of a process and of all below it."""
-    found = [process]
-    for each in found:
-        for task in Path(f"/proc/{each}/task").glob("*/children"):
-            found += map(int, _text_of(task).split())
-    return found
 
 
 def listening(processes):
@@ -28,18 +21,11 @@ def listening(processes):
 
 def _open_to_others():
     for name in ("tcp", "tcp6", "udp", "udp6"):
-        for line in _text_of(Path("/proc/net") / name).splitlines()[1:]:
+        for line in text_of(Path("/proc/net") / name).splitlines()[1:]:
             words = line.split()
             if name.startswith("udp") or words[3] == "0A":  # LISTEN
                 yield words[9], f"{name} {words[1]}"
-    for line in _text_of(Path("/proc/net/unix")).splitlines()[1:]:
+    for line in text_of(Path("/proc/net/unix")).splitlines()[1:]:
         words = line.split()
         if int(words[3], 16) & _WAITS:
             yield words[6], f"unix {words[7:]}"
-
-
-def _text_of(path):
-    try:
-        return path.read_text()
-    except OSError:
-        return ""

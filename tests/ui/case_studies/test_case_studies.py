@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from driving import NONE, Mouse, centre, idle
-from listening import listening, tree_of
+from listening import listening
+from process_tree import tree_of
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtWidgets import QMessageBox
 from study_driving import click, finished, press_row, tick
