@@ -28,6 +28,7 @@ from process_tree import tree_of
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
+
 SEED = 7
 LONGEST = 10.0  # s that a program is used
 PATIENCE = 90.0  # s, for a program to start on a busy machine

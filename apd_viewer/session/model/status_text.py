@@ -76,10 +76,15 @@ _LOST = {
 }
 
 
+def lost_file(name: str, found: Fate) -> str:
+    """Sentence about a session file changed or gone; empty if it is neither."""
+    return _LOST[found].format(name=name) if found in _LOST else ""
+
+
 def about_lost_file(name: str, found: Fate) -> str:
-    """Sentences about a session file changed or gone since it was saved."""
+    """Sentences about a lost file, and what to do."""
     remedy = tr("What is shown here is in no file until you save it.")
-    return f"{_LOST[found].format(name=name)} {remedy}"
+    return f"{lost_file(name, found)} {remedy}"
 
 
 def about_selection(name: str, left_out: Sequence[str]) -> str:

@@ -24,8 +24,9 @@ class Question(NamedTuple):
     text : str
         The question, with ``{name}`` where the file is named.
     name : str
+        Of the file; a long one is shortened.
     about : str
-        What to know before it is answered.
+        What to know before it is answered, with ``{name}`` likewise.
     """
 
     title: str
@@ -45,7 +46,7 @@ def ask(
     elide = box.fontMetrics().elidedText
     name = elide(question.name, Qt.TextElideMode.ElideMiddle, _LONGEST_NAME)
     box.setText(question.text.format(name=name))
-    box.setInformativeText(question.about)
+    box.setInformativeText(question.about.format(name=name))
     buttons = {answer: box.addButton(answer.value, role) for answer, role in roles.items()}
     box.setDefaultButton(buttons[default])
     box.setEscapeButton(buttons[escape])

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QMessageBox, QWidget
 
 from apd_viewer.files.known_file import Fate
 from apd_viewer.language import tr
+from apd_viewer.session.model.status_text import lost_file
 from apd_viewer.ui.filing.question import Question, ask
 
 
@@ -26,11 +27,6 @@ _ROLES = {
     Answer.DISCARD: QMessageBox.ButtonRole.DestructiveRole,
     Answer.CANCEL: QMessageBox.ButtonRole.RejectRole,
 }
-_LOST = {
-    Fate.GONE: tr("The file has been moved or deleted."),
-    Fate.CHANGED: tr("The file has been changed by another window or program."),
-    Fate.INCOMPLETE: tr("The mesh of the session has been moved, changed or deleted."),
-}
 
 
 def ask_before_leaving(parent: QWidget, name: str, closes: bool, found: Fate = Fate.SAME) -> Answer:
@@ -39,6 +35,6 @@ def ask_before_leaving(parent: QWidget, name: str, closes: bool, found: Fate = F
     if not closes:
         said = tr("Save changes to “{name}” before opening another file?")
     kept = tr("A session keeps paint, handles, targets, settings and the shape; a mesh only the shape.")
-    about = f"{_LOST[found]}\n{kept}" if found in _LOST else kept
-    question = Question(tr("Unsaved changes"), said, name, about)
+    lost = lost_file("{name}", found)
+    question = Question(tr("Unsaved changes"), said, name, f"{lost}\n{kept}".lstrip())
     return ask(parent, question, _ROLES, Answer.SAVE, Answer.CANCEL)
