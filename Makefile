@@ -39,6 +39,7 @@ environment = env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11
 test: lint ## set up what is missing, then run every check: ruff, mypy, pytest
 	@.ci/system-packages calculix-ccx || echo "Without CalculiX the tests that compute FE decks are skipped."
 	@.ci/system-packages chromium || echo "Without Chromium the test of looking at pages is skipped."
+	@.ci/system-packages desktop-file-utils || echo "Without desktop-file-utils two tests of desktop entries are skipped."
 	@echo "== pytest"
 	@$(environment) .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
 
