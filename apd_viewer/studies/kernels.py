@@ -70,7 +70,10 @@ def _compile() -> None:
 
 
 def _is_own(folder: Path) -> bool:
-    """True if nobody else can write to a folder; anybody may have made it in a place for all."""
+    """True if nobody else can write to a folder.
+
+    Anybody may have made it in a place for all.
+    """
     there = folder.lstat()
     if sys.platform == "win32":  # whose temporary folders are the user's
         return True
