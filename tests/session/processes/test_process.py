@@ -283,8 +283,7 @@ def test_the_shape_follows_the_hand_while_it_is_factored(factoring, method):
         if method == "exact":
             assert abs(frame.area_error) <= 1e-9
     factoring.gestures.end("Move handle")
-    factoring.listen(1.0)
-    assert np.array_equal(factoring.U[held.fixed], held.targets)
+    factoring.until(lambda: np.array_equal(factoring.U[held.fixed], held.targets), 20.0)
     assert factoring.store.activity is Activity.REFINING, "the shape of the fine surface is still to come"
     assert factoring.failed == []
 
