@@ -8,7 +8,7 @@ from functools import cache
 
 import pytest
 from babel.messages.catalog import Catalog
-from babel.messages.mofile import write_mo
+from babel.messages.mofile import read_mo, write_mo
 from babel.messages.pofile import read_po
 from plain_markdown import escaped
 from pseudo import KEPT, ROOT, messages
@@ -116,10 +116,19 @@ def test_what_a_reader_must_check_comes_with_a_question(path):
 
 @EACH
 def test_the_catalogue_is_compiled(path):
-    """``make texts`` compiles it; fuzzy texts are shown too."""
-    compiled = io.BytesIO()
-    write_mo(compiled, read(path), use_fuzzy=True)
-    assert path.with_suffix(".mo").read_bytes() == compiled.getvalue()
+    """``make texts`` compiles it; fuzzy texts are shown too. Its head may name another release of Babel."""
+    wanted = io.BytesIO()
+    write_mo(wanted, read(path), use_fuzzy=True)
+    wanted.seek(0)
+    with path.with_suffix(".mo").open("rb") as compiled:
+        assert texts_of(read_mo(compiled)) == texts_of(read_mo(wanted))
+
+
+def texts_of(catalogue):
+    """Translation of each text of a catalogue, by context and text."""
+    return {
+        (message.context, forms(message.id)): forms(message.string) for message in catalogue if message.id
+    }
 
 
 @pytest.mark.parametrize(
