@@ -115,8 +115,7 @@ clean: ## remove the environment and all caches, but not out/
 	@echo "Installing apd-viewer and its libraries into .venv (a download of 360 MB the first time)"
 	@.venv/bin/python -m pip install --quiet --editable .
 	@echo "Compiling the kernels, so that neither the window nor the first drag waits for it (about 100 s)"
-	@.venv/bin/python -c 'from apd_viewer.geometry import warmup; from apd_viewer.geometry.picking import surface_index; \
-	    surface_index.warm_up(); warmup.warm_up()'
+	@.venv/bin/python -c 'from apd_viewer.geometry.warmup import warm_up; warm_up()'
 	@touch $@
 
 # pip supports dependency groups since version 25.1.

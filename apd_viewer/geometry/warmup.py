@@ -1,119 +1,102 @@
-"""Compile the kernels of a deformation before they are needed."""
+"""Compile the kernels before they are needed.
+
+Numba compiles a kernel when it is first called with arrays of some types. ``kernels.txt`` has a row for each
+kernel that is called, and for each types of its arguments, in the order in which a window needs them.
+"""
 
 from __future__ import annotations
 
+import importlib
+import re
+import sys
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
 
-import numpy as np
+from numba import types
 from numba.core import event
 
-from apd_viewer.geometry.analysis import area_change, deviation
-from apd_viewer.geometry.analysis.double_wall import double_wall
-from apd_viewer.geometry.contact.contact import Contact
-from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.goals.goals import Region
-from apd_viewer.geometry.linalg.linear_solver import supernodal_works
-from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS, METHODS
-
-# So many are compiled by `warm_up`, kernels within kernels included, where others compile what PARTS has
-# besides the drag; fewer where they were first.
-_KERNELS = 231
+# Sections of the table that a first drag needs, and other processes can compile beside the window.
+PARTS = ("drag", "contact", "factor")
+_TABLE = Path(__file__).with_name("kernels.txt")
+_PACKAGE = __name__.rpartition(".")[0]
+_ROW = re.compile(r"([\w.]+)\.(\w+)\((.*)\)")
 
 
-def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
-    """Run every kernel once: compiled at first (about 100 s), then cached (0.5 s).
+def warm_up(*sections: str, enough: Callable[[], bool] = lambda: False) -> None:
+    """Compile the kernels of some sections of the table, of all if none is named.
 
-    Between two steps ``enough()`` may end it. They come in the order in which a window needs them.
+    All take about 100 s, or 0.5 s from the cache. Between two of them ``enough()`` may end it.
     """
-    for step in (_drag, _contact, supernodal_works, _methods, _membrane, deviation.warm_up, _double_wall):
-        if enough():
-            return
-        step()
+    for section in sections or kernel_table():
+        for row in kernel_table()[section]:
+            if enough():
+                return
+            kernel, arguments = _read(row)
+            kernel.compile(arguments)
 
 
 def tell_of_compiling(tell: Callable[[float], object]) -> Callable[[], object]:
     """Call ``tell(share)`` at the end of each compilation, until the result is called.
 
-    The ``share`` is the part of all kernels compiled so far in this process, at most 1.
+    The ``share`` is the part of the table compiled so far in this process, or loaded.
     """
-    count = _Count(tell)
-    event.register("numba:compile", count)
-    return partial(event.unregister, "numba:compile", count)
+    ends = _Ends(lambda: tell(_share_ready()))
+    event.register("numba:compile", ends)
+    return partial(event.unregister, "numba:compile", ends)
 
 
-class _Count(event.Listener):
-    """Counts compilations."""
+@cache
+def kernel_table() -> dict[str, list[str]]:
+    """Rows of each section."""
+    found: dict[str, list[str]] = {}
+    for line in _TABLE.read_text(encoding="utf-8").splitlines():
+        if line.startswith("["):
+            rows = found.setdefault(line.strip("[]"), [])
+        elif line and not line.startswith("#"):
+            rows.append(line)
+    return found
 
-    def __init__(self, tell: Callable[[float], object]) -> None:
-        self._tell, self._count = tell, 0
+
+@cache
+def _read(row: str) -> tuple[Any, tuple[types.Type, ...]]:
+    """Kernel of a row, and the types of its arguments."""
+    found = _ROW.fullmatch(row)
+    assert found is not None, row
+    kernel = getattr(importlib.import_module(f"{_PACKAGE}.{found[1]}"), found[2])
+    arguments = eval(f"({found[3]},)", {**vars(types), "const": _const})
+    return getattr(kernel, "dispatcher", kernel), arguments
+
+
+def _const(array: types.Array) -> types.Array:
+    """Type of an array that may not be written to."""
+    return array.copy(readonly=True)
+
+
+def _share_ready() -> float:
+    rows = [row for rows in kernel_table().values() for row in rows]
+    return sum(map(_is_ready, rows)) / len(rows)
+
+
+def _is_ready(row: str) -> bool:
+    """True if the kernel of a row is compiled; imports nothing, as another thread may be importing it."""
+    module, _, _ = row.partition("(")[0].rpartition(".")
+    if f"{_PACKAGE}.{module}" not in sys.modules:
+        return False
+    kernel, arguments = _read(row)
+    return arguments in kernel.overloads
+
+
+class _Ends(event.Listener):
+    """Calls back at the end of each compilation."""
+
+    def __init__(self, call: Callable[[], object]) -> None:
+        self._call = call
 
     def on_start(self, _: event.Event) -> None:
         """Wait for the end."""
 
     def on_end(self, _: event.Event) -> None:
-        """Count a kernel."""
-        self._count += 1
-        self._tell(min(1.0, self._count / _KERNELS))
-
-
-def _drag() -> None:
-    _deform("exact", 0.0)
-    area_change.warm_up()
-
-
-def _methods() -> None:
-    for name in METHODS:
-        _deform(name, 1e-3)
-
-
-def _deform(name: str, stiffness: float) -> None:
-    V, F = _ball()
-    fixed = np.concatenate([np.arange(200), np.arange(len(V) - 200, len(V))])
-    solver = Deformation(V, F, fixed, method=name, handle=fixed[200:], stiffness=stiffness)
-    if not METHODS[name].keeps_only_total_area:
-        solver.keep(None, 100.0, (Region("region", np.arange(500), 100.0),))
-    solver.aim(V[fixed] * [1.0, 1.0, 1.1])
-    for _ in range(3):
-        solver.step()
-
-
-def _membrane() -> None:
-    V, F = _ball()
-    membrane = METHODS["local"].material(0.0, DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS)
-    elastic = Elastic(SolveMesh(V, F), np.arange(200), membrane)
-    elastic.hessian.factored_at(V).solve(V[elastic.free])
-
-
-def _double_wall() -> None:
-    V, F = _ball()
-    both, one = np.vstack([V, 0.95 * V]), np.ones(len(F))
-    double_wall(both, np.vstack([F, F + len(V)]), np.repeat([0, 1], len(F)), np.r_[one, one], 8.0)
-
-
-def _contact() -> None:
-    V, F = _ball()
-    contact = Contact(V, F, np.zeros(len(V), np.int64), 1.0, 0.01)
-    contact.shares(2.0 * V)  # so far at once that nobody may take all of it
-    contact.gradient(V)
-    contact.springs(V)
-
-
-def _ball() -> tuple[np.ndarray, np.ndarray]:
-    """Sphere large enough for a coarse level."""
-    around, along = 64, 48
-    u, v = np.meshgrid(np.arange(around) * (2 * np.pi / around), np.linspace(0.05, np.pi - 0.05, along))
-    V = np.column_stack([(np.sin(v) * np.cos(u)).ravel(), (np.sin(v) * np.sin(u)).ravel(), np.cos(v).ravel()])
-    i = np.arange(along - 1)[:, None] * around + np.arange(around)
-    j = np.arange(along - 1)[:, None] * around + (np.arange(around) + 1) % around
-    quads = np.stack([i, i + around, j + around, j], axis=-1).reshape(-1, 4)
-    caps = np.arange(1, around - 1)
-    top = np.column_stack([np.zeros_like(caps), caps, caps + 1])
-    last = (along - 1) * around
-    return V, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], top, last + top[:, ::-1]])
-
-
-# What a first drag needs, and other processes can compile beside it.
-PARTS: dict[str, Callable[[], object]] = {"drag": _drag, "contact": _contact, "factor": supernodal_works}
+        """Tell of a kernel."""
+        self._call()

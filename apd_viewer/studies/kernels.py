@@ -24,13 +24,7 @@ from apd_viewer.files.storage.lock import take
 _PACKAGE = Path(__file__).parents[1]
 _LONGEST = 600.0  # s; compiling takes about 100 s
 _PAUSE = 0.2  # s
-_PROGRAM = (
-    "from apd_viewer.files.storage.lock import take\n"
-    "from apd_viewer.geometry.analysis.self_intersections import crossings\n"
-    "from apd_viewer.geometry.warmup import warm_up\n"
-    "from apd_viewer.session.model.state import opened\n"
-    "warm_up()\n"
-)
+_PROGRAM = "from apd_viewer.geometry.warmup import warm_up; warm_up()"
 
 
 def compile_once() -> None:

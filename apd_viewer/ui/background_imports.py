@@ -48,12 +48,11 @@ class BackgroundImports(QObject):
         try:
             # All slow imports are made here, behind the first picture; an installed library may be broken.
             import apd_viewer.ui.workbench  # noqa: F401
-            from apd_viewer.geometry.picking import surface_index
-            from apd_viewer.geometry.warmup import tell_of_compiling
+            from apd_viewer.geometry.warmup import tell_of_compiling, warm_up
             from apd_viewer.session.processes import compilation  # noqa: F401
 
             stop = tell_of_compiling(lambda _: self._compiles.emit())
-            surface_index.warm_up()
+            warm_up("window")
             stop()
         except (ImportError, OSError) as error:
             self.error = error

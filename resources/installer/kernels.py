@@ -21,15 +21,12 @@ from apd_viewer.installation import cache_name
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "kernels"
 
-# Those of the window, and all others.
 _PROGRAM = """
 import os
-from apd_viewer.geometry import warmup
-from apd_viewer.geometry.picking import surface_index
 from apd_viewer.geometry.processor import LEVEL
+from apd_viewer.geometry.warmup import warm_up
 if os.environ.get("NUMBA_CPU_NAME") == LEVEL:
-    surface_index.warm_up()
-    warmup.warm_up()
+    warm_up()
 """
 
 

@@ -24,7 +24,7 @@ from meshes import rotation, sample_bottle
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.picking import surface_index
+from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.processes.worker import Reply
@@ -87,7 +87,7 @@ class Bench:
         self.window.shell.show()
         self.until(lambda: self.view.draws > 0)
         self.view.antialiasing.still.setInterval(10**8)
-        surface_index.warm_up()  # as behind the first picture
+        warm_up("window")  # as behind the first picture
         pace = Pace()
         started = time.perf_counter()
         mesh = Mesh(V, F)

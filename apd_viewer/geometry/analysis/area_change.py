@@ -16,7 +16,6 @@ from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
-from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.measures import SLIVER
 
 # Bins per octave of c; the octaves reach from 2^_LOWEST, mere rounding, to 2^_HIGHEST.
@@ -134,9 +133,3 @@ def _sort_part(
                 place = (bits[s] >> _BELOW_STEPS) - _BEFORE
                 weights[1 if area[s] >= w else 0, min(max(place, 0), _BINS)] += w
     return moved, largest
-
-
-def warm_up() -> None:
-    """Compile it as a window needs it, or load it from the cache."""
-    U, F = np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)
-    local_change(frozen(U), frozen(F), frozen(np.ones(1)))

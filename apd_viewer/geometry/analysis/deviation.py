@@ -17,12 +17,10 @@ from apd_viewer.geometry.analysis.deviation_kernels import (
     edge_strain,
     mean_curvature,
 )
-from apd_viewer.geometry.analysis.extremes import write_shades
 from apd_viewer.geometry.analysis.surface_distance import distances_unless
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.measures import SLIVER, Patch
-from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
 
@@ -142,17 +140,3 @@ class Deviation:
     @cached_property
     def _boxes(self) -> Boxes:
         return bounding_hierarchy(self._V, self._F)
-
-
-def warm_up() -> None:
-    """Compile all of it, or load it from the cache."""
-    V = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    F = np.array([[0, 1, 2]], dtype=np.int32)
-    change = Deviation(V, F, np.empty(0, dtype=np.int32), TargetShape(Mesh(V, F)))
-    V.flags.writeable = False
-    shades = np.zeros((3, 4), dtype=np.uint8)[:, 3]
-    slow = change.distance, change.target_distance
-    for measured in (change.area, change.strain, change.displacement, change.bending, *slow):
-        values = measured(V)
-        assert values is not None
-        write_shades(values, True, 1.0, shades)

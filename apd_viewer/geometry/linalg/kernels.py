@@ -50,10 +50,15 @@ class KernelCache(_Cache):
     """Files of a kernel, one for each combination of its arguments' types.
 
     They are read from the first of the folders that has a whole one, and written to the first that takes it.
+
+    Attributes
+    ----------
+    function : callable
+        What is compiled.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        self._function = function
+        self.function = function
         self._name = f"{Path(inspect.getfile(function)).stem}.{function.__qualname__}"
 
     @property
@@ -102,7 +107,7 @@ class KernelCache(_Cache):
         """Keep all files; those of other sources are written anew."""
 
     def _folders(self) -> list[Path]:
-        return kernel_folders(Path(inspect.getfile(self._function)).parent)
+        return kernel_folders(Path(inspect.getfile(self.function)).parent)
 
     def _made_for(self, sig: Any, codegen: Any) -> str:
         return repr((str(sig), codegen.magic_tuple(), sys.implementation.cache_tag, numba.__version__))
@@ -113,7 +118,7 @@ class KernelCache(_Cache):
     def _stamp(self, made_for: str) -> bytes:
         """Digest of all sources of the machine code, kernels within it included."""
         told = hashlib.sha256(f"{self._name} {made_for}".encode())
-        for file in sorted(_sources(self._function)):
+        for file in sorted(_sources(self.function)):
             told.update(_source_digest(file))
         return told.digest()
 

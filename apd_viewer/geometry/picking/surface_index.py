@@ -147,19 +147,3 @@ class Skin:
         It crosses seams; of the vertices there only one of each place is named.
         """
         return brush(self.start, self.neighbour, U, self.joined[list(faces)].ravel(), a, b, radius)
-
-
-def warm_up() -> None:
-    """Compile or load the kernels of a window before a mesh is shown."""
-    U = frozen(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
-    F, points = np.array([[0, 1, 2]]), np.empty(U.shape, dtype=np.float32)
-    skin = Skin.of(F, len(U), V=U, normals=CornerNormals.read(U + 1.0, F, U, F))
-    for drawn in (skin.sharp, skin.rendered(True, filed=True)):
-        drawn.drape(U, np.zeros(3), points, np.empty_like(points))
-    skin.hit(np.zeros(3), np.ones(3), U, skin.boxes(U))
-    skin.under_brush(U, (0, 0), np.zeros(3), np.zeros(3), 1.0)
-    skin.up_to_creases(U, 0, 0.5)
-    skin.piece(0)
-    skin.border_loop(0)
-    skin.inside(np.zeros((1, 2)), np.eye(3)[:, :2])
-    skin.visible(np.ones(3), U, np.array([0]), skin.sights(U))

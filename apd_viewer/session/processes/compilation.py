@@ -37,7 +37,7 @@ class Compilation:
     def run(self, called: Callable[[], bool]) -> None:
         """Compile until ``called()``; errors are left to the requests."""
         with contextlib.suppress(Exception):
-            warm_up(called)
+            warm_up(enough=called)
         if not called():
             self._say(1.0)
 
@@ -79,5 +79,5 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     """Compile the part named by ``source``, and say so."""
     name = array_pipe.read(source)
     if name is not None:
-        PARTS[name.decode()]()
+        warm_up(name.decode())
         array_pipe.write(sink, b"")

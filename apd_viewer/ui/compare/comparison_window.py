@@ -12,8 +12,9 @@ from PySide6.QtGui import QCloseEvent, QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.analysis.deviation import Deviation, warm_up
+from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.solver.methods import COMPARED, METHODS
+from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import listed, tr
 from apd_viewer.presentation.method_readings import columns, readings, write_outcomes
 from apd_viewer.session.studies.comparison import Comparison, MethodOutcome
@@ -186,7 +187,7 @@ class ComparisonWindow(QWidget):
         mesh, skin = state.document.mesh, state.skin
 
         def work(_: Callable[[], bool]) -> object:
-            warm_up()
+            warm_up("overlays")
             return Deviation(mesh.V, skin.joined, skin.source)
 
         self._task.begin(work)

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from PySide6.QtCore import QObject, QRect, QTimer, Signal
 
-from apd_viewer.geometry.analysis.deviation import Deviation, warm_up
+from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.extremes import write_shades
 from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, measures_of, usual
 from apd_viewer.session.quantities.units import Unit
@@ -201,7 +202,7 @@ class HeatMap(QObject):
         self._legend.say(tr("Preparing to measure…"))
 
         def work(_: Callable[[], bool]) -> object:
-            warm_up()
+            warm_up("overlays")
             return _OverlayInputs(mesh, target, Deviation(mesh.V, skin.joined, skin.source, target))
 
         self._task.begin(work)

@@ -24,7 +24,8 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.tables import write_table
-from apd_viewer.geometry.analysis.area_change import LocalChange, local_change, warm_up
+from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
+from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.model.memo import triangle_areas
 from apd_viewer.session.model.trace import COLUMNS
@@ -92,7 +93,7 @@ class Plots(QWidget):
         self._memory, self._notice, self._store = memory, notice, session.store
         self._theme = LIGHT
         self._measured: tuple[np.ndarray, LocalChange] | None = None
-        self._loading = threading.Thread(target=warm_up, name="plots", daemon=True)
+        self._loading = threading.Thread(target=warm_up, args=("plots",), name="plots", daemon=True)
         self.views = {name: ChartView(words, partial(self._chart, name)) for name, words in _CHARTS.items()}
         self.choices = {name: self._choice(name) for name in _CHARTS}
         column = QVBoxLayout(self, spacing=0)

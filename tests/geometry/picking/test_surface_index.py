@@ -9,7 +9,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.preview_surface import Sketch
 from apd_viewer.geometry.picking.render_mesh import _drape
-from apd_viewer.geometry.picking.surface_index import Skin, warm_up
+from apd_viewer.geometry.picking.surface_index import Skin
+from apd_viewer.geometry.warmup import warm_up
 
 
 def draped(skin, U, origin=(0.0, 0.0, 0.0)):
@@ -77,7 +78,7 @@ def test_a_stroke_goes_on_across_a_seam_and_names_each_place_once():
 
 
 def test_warm_up_compiles_what_a_window_calls():
-    warm_up()
+    warm_up("window")
     compiled = len(_drape.signatures)
     V, F = box(1, 1, 1)
     draped(Skin.of(F, len(V)), V)
