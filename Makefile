@@ -9,12 +9,12 @@ PYTHON = python3.13 python3.12 python3.11 python3.10 python3
 packages = libglib2.0-0 libgl1 libegl1 libxkbcommon0 libdbus-1-3 libfontconfig1 \
            libxcb-cursor0 libxkbcommon-x11-0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 \
            libwayland-cursor0 libwayland-egl1
-quick test pictures: packages += xvfb xauth
+quick test night pictures: packages += xvfb xauth
 
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test quick lint format docs pictures wheel texts installer clean system-packages
+.PHONY: help run test night quick lint format docs pictures wheel texts installer clean system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -42,6 +42,10 @@ test: lint ## set up what is missing, then run every check: ruff, mypy, pytest
 	@.ci/system-packages desktop-file-utils || echo "Without desktop-file-utils two tests of desktop entries are skipped."
 	@echo "== pytest"
 	@$(environment) .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
+
+night: lint ## run every check, those too that are too long for every day
+	@echo "== pytest, all tests"
+	@$(environment) .venv/bin/pytest --night -n auto --maxprocesses 4 --dist worksteal
 
 # Some tests of every room, about 75 s of CPU time together once the kernels are compiled.
 quick_tests = tests/test_architecture.py tests/test_package.py tests/presentation tests/files/formats \

@@ -18,6 +18,17 @@ settings.register_profile("suite", deadline=None, derandomize=True, max_examples
 settings.load_profile("suite")
 
 
+def pytest_addoption(parser):
+    parser.addoption("--night", action="store_true", help="run what is too long for every day, too")
+
+
+def pytest_collection_modifyitems(config, items):
+    """Leave out what is for the night."""
+    if not config.getoption("night"):
+        config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("night")])
+        items[:] = [item for item in items if not item.get_closest_marker("night")]
+
+
 @pytest.fixture(scope="session", autouse=True)
 def logs(tmp_path_factory):
     """No test writes to the user's own log; nor do the processes that it starts."""
