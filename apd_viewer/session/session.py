@@ -13,6 +13,7 @@ from apd_viewer.session.file_jobs import Files
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.handles import Handles
 from apd_viewer.session.jobs.background_job import Jobs
+from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
 from apd_viewer.session.listener import Listener, with_followers
 from apd_viewer.session.measurement_readings import MeasurementReadings
 from apd_viewer.session.measurements import Measurements
@@ -87,7 +88,7 @@ class Session:
         self.autosave = Autosave(store, gestures, self.saved_work, self.files, listener)
         self.shape_checks = ShapeChecks(store, gestures, listener)
         followers += [self.measuring.follow, self.shape_checks.follow, self.autosave.follow]
-        gestures.history.forgot = self.saved_work.forget
+        gestures.history.forgot = self._make_room
 
     def receive(self) -> None:
         """Receive results of the worker and of background jobs; call it when woken."""
@@ -98,6 +99,11 @@ class Session:
             self.saved_work.receive()
         self.measuring.receive()
         self.shape_checks.receive()
+
+    def _make_room(self) -> None:
+        """Keep nothing of states that cannot be undone any more."""
+        self.saved_work.forget()
+        give_back_freed_memory()
 
     def wait_idle(self, timeout: float) -> bool:
         """Receive until all is idle; False after ``timeout`` seconds."""

@@ -102,6 +102,7 @@ class History:
         while len(self._undo) > 1 and self.bytes > self._most_bytes:
             dropped.append(self._pop(0))
         if dropped:
+            dropped.clear()  # so that nothing keeps their memory
             self.forgot()
 
     def undo(self, now: State) -> State | None:

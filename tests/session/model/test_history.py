@@ -1,5 +1,6 @@
 import gc
 import tracemalloc
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -44,6 +45,17 @@ def test_a_smaller_budget_drops_the_oldest_at_once():
         history.record("step", state)
     history.limit(1)
     assert _undone(history) == states[-1:], "one always stays"
+
+
+def test_nothing_keeps_what_is_dropped_when_that_is_told():
+    history, alive = History(), []
+    for state in _states(3):
+        history.record("step", state)
+    first = weakref.ref(history.past[0])
+    del state
+    history.forgot = lambda: alive.append(first() is not None)
+    history.limit(1)
+    assert alive == [False]
 
 
 def test_names_tell_what_would_be_undone_and_redone():
