@@ -40,12 +40,10 @@ test: lint ## set up what is missing, then run every check: ruff, mypy, pytest
 	@.ci/system-packages calculix-ccx || echo "Without CalculiX the tests that compute FE decks are skipped."
 	@.ci/system-packages chromium || echo "Without Chromium the test of looking at pages is skipped."
 	@.ci/system-packages desktop-file-utils || echo "Without desktop-file-utils two tests of desktop entries are skipped."
-	@echo "== pytest"
-	@$(environment) .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
+	@.ci/step "pytest" $(environment) .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
 
 night: lint ## run every check, those too that are too long for every day
-	@echo "== pytest, all tests"
-	@$(environment) .venv/bin/pytest --night -n auto --maxprocesses 4 --dist worksteal
+	@.ci/step "pytest, all tests" $(environment) .venv/bin/pytest --night -n auto --maxprocesses 4 --dist worksteal
 
 # Some tests of every room, about 75 s of CPU time together once the kernels are compiled.
 quick_tests = tests/test_architecture.py tests/test_package.py tests/presentation tests/files/formats \
@@ -54,39 +52,34 @@ quick_tests = tests/test_architecture.py tests/test_package.py tests/presentatio
               tests/session/quantities tests/session/test_session.py tests/ui/scene/test_viewport.py
 
 quick: lint ## run ruff, mypy and the tests that matter most, in less than a minute
-	@echo "== pytest, the quick tests"
-	@$(environment) .venv/bin/pytest -n 2 --dist worksteal $(quick_tests)
+	@.ci/step "pytest, the quick tests" $(environment) .venv/bin/pytest -n 2 --dist worksteal $(quick_tests)
 
 lint: .venv/.tools ## run the checks that do not execute the program: ruff, mypy
-	@echo "== ruff check"
-	@.venv/bin/ruff check
-	@echo "== ruff format --check"
-	@.venv/bin/ruff format --check
-	@echo "== mypy"
-	@.venv/bin/mypy
+	@.ci/step "ruff check" .venv/bin/ruff check
+	@.ci/step "ruff format --check" .venv/bin/ruff format --check
+	@.ci/step "mypy" .venv/bin/mypy
 
 format: .venv/.tools ## format the source and sort its imports
-	@.venv/bin/ruff check --fix --select I
-	@.venv/bin/ruff format
+	@.ci/step "Sorting imports" .venv/bin/ruff check --fix --select I
+	@.ci/step "Formatting" .venv/bin/ruff format
 
 # Doctrees are kept beside the pages, so that the second time only what has changed is written.
 docs: .venv/.tools ## build the site into build/docs; links between pages are checked
-	@.venv/bin/python -m sphinx -W -n -q --keep-going -d build/doctrees docs build/docs
+	@.ci/step "Building the site" .venv/bin/python -m sphinx -W -n -q --keep-going -d build/doctrees docs build/docs
 	@echo "See build/docs/index.html."
 
 wheel: docs ## build a wheel of this system, with the manual and compiled kernels in it, into dist
-	@echo "Compiling the kernels (about 100 s)"
-	@.venv/bin/python resources/installer/kernels.py
-	@.venv/bin/python -m pip wheel --quiet --no-deps -w dist .
+	@.ci/step "Compiling the kernels (about 100 s)" .venv/bin/python resources/installer/kernels.py
+	@.ci/step "Building the wheel" .venv/bin/python -m pip wheel --quiet --no-deps -w dist .
 	@echo "See dist."
 
 # Several minutes each on a busy machine; only=NAME ... makes some.
 pictures: .venv/.tools ## make the pictures and sessions of the site again; only="NAME ..." makes some pictures
-	@$(if $(only),,$(environment) .venv/bin/python docs/gallery/make_sessions.py)
-	@$(environment) .venv/bin/python docs/pictures/make_pictures.py $(only)
+	@$(if $(only),,.ci/step "Making the gallery" $(environment) .venv/bin/python docs/gallery/make_sessions.py)
+	@.ci/step "Making the pictures" $(environment) .venv/bin/python docs/pictures/make_pictures.py $(only)
 
 texts: .venv/.tools ## collect and compile translations; language=fr starts a new one
-	@.venv/bin/python .ci/texts.py $(language)
+	@.ci/step "Collecting the texts" .venv/bin/python .ci/texts.py $(language)
 
 # In an environment of its own: PyInstaller packs what libraries import, and that depends on what is there.
 packer = build/installer/environment
@@ -94,16 +87,14 @@ manual = $(packer)/bin/python -m sphinx -W -n -q --keep-going -d build/doctrees 
 
 installer: $(packer)/.installed ## build a program that needs no Python, in a package of this system in dist/
 	@.ci/system-packages binutils
-	@echo "Writing the manual"
-	@$(manual)
-	@echo "Building the program and its package (several minutes)"
-	@$(packer)/bin/python resources/installer/build.py
+	@.ci/step "Writing the manual" $(manual)
+	@.ci/step "Building the program and its package (several minutes)" $(packer)/bin/python resources/installer/build.py
 
 $(packer)/.installed: pyproject.toml
-	@echo "Installing apd-viewer, its libraries and PyInstaller into $(packer)"
-	@$(python) -m venv --clear $(packer)
-	@$(packer)/bin/python -m pip install --quiet 'pip>=25.1'
-	@$(packer)/bin/python -m pip install --quiet --editable . --group installer
+	@.ci/step "Creating $(packer) with $(python)" $(python) -m venv --clear $(packer)
+	@.ci/step "Updating pip" $(packer)/bin/python -m pip install --quiet 'pip>=25.1'
+	@.ci/step "Installing apd-viewer, its libraries and PyInstaller into $(packer)" \
+	    $(packer)/bin/python -m pip install --quiet --editable . --group installer
 	@touch $@
 
 clean: ## remove the environment and all caches, but not out/
@@ -111,22 +102,20 @@ clean: ## remove the environment and all caches, but not out/
 	@find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 .venv/.tools: .venv/.installed
-	@echo "Installing the development tools into .venv"
-	@.venv/bin/python -m pip install --quiet --group dev
+	@.ci/step "Installing the development tools into .venv" .venv/bin/python -m pip install --quiet --group dev
 	@touch $@
 
 .venv/.installed: .venv/bin/python pyproject.toml
-	@echo "Installing apd-viewer and its libraries into .venv (a download of 360 MB the first time)"
-	@.venv/bin/python -m pip install --quiet --editable .
-	@echo "Compiling the kernels, so that neither the window nor the first drag waits for it (about 100 s)"
-	@.venv/bin/python -c 'from apd_viewer.geometry.warmup import warm_up; warm_up()'
+	@.ci/step "Installing apd-viewer and its libraries into .venv (a download of 360 MB the first time)" \
+	    .venv/bin/python -m pip install --quiet --editable .
+	@.ci/step "Compiling the kernels, so that neither the window nor the first drag waits for it (about 100 s)" \
+	    .venv/bin/python -c 'from apd_viewer.geometry.warmup import warm_up; warm_up()'
 	@touch $@
 
 # pip supports dependency groups since version 25.1.
 .venv/bin/python: | system-packages
-	@echo "Creating .venv with $(python)"
-	@$(python) -m venv --clear .venv
-	@.venv/bin/python -m pip install --quiet 'pip>=25.1'
+	@.ci/step "Creating .venv with $(python)" $(python) -m venv --clear .venv
+	@.ci/step "Updating pip" .venv/bin/python -m pip install --quiet 'pip>=25.1'
 
 # Checked at every start, which takes milliseconds. Debian packages the module venv separately from Python.
 system-packages:
