@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,10 @@ from PySide6.QtCore import QObject, Signal
 
 if TYPE_CHECKING:
     from apd_viewer.session.processes.compilation import CompilersBeside
+
+
+class _GivenUpError(Exception):
+    """The window was closed while kernels were compiled."""
 
 
 class BackgroundImports(QObject):
@@ -28,6 +33,7 @@ class BackgroundImports(QObject):
     def __init__(self) -> None:
         super().__init__()
         self._compilers: CompilersBeside | None = None
+        self._given_up = False
         self._compiles.connect(self._compile_beside)
         self.error: Exception | None = None
         self._thread = threading.Thread(target=self._run, name="imports", daemon=True)
@@ -38,11 +44,15 @@ class BackgroundImports(QObject):
             self._thread.start()
 
     def join(self) -> None:
-        """Wait for the thread: compiling at interpreter exit would crash it."""
-        if self._thread.ident is not None:
-            self._thread.join()
+        """Compile no more, and wait for the thread.
+
+        Compiling at interpreter exit would crash it.
+        """
+        self._given_up = True
         if self._compilers is not None:
             self._compilers.end()
+        if self._thread.ident is not None:
+            self._thread.join()
 
     def _run(self) -> None:
         try:
@@ -51,13 +61,20 @@ class BackgroundImports(QObject):
             from apd_viewer.geometry.warmup import tell_of_compiling, warm_up
             from apd_viewer.session.processes import compilation  # noqa: F401
 
-            stop = tell_of_compiling(lambda _: self._compiles.emit())
-            warm_up("window")
+            stop = tell_of_compiling(self._hear)
+            with contextlib.suppress(_GivenUpError):
+                warm_up("window")
             stop()
         except (ImportError, OSError) as error:
             self.error = error
         finally:
             self.loaded.emit()
+
+    def _hear(self, _: float) -> None:
+        """Hear of a kernel that was compiled, on the thread."""
+        if self._given_up:
+            raise _GivenUpError
+        self._compiles.emit()
 
     def _compile_beside(self) -> None:
         """Have the kernels of a first drag compiled too, as nothing is cached yet."""

@@ -1,0 +1,30 @@
+"""What is compiled behind the first picture is given up with the window."""
+
+import time
+
+from numba import njit
+
+from apd_viewer.geometry.picking import surface_index
+from apd_viewer.session.processes.compilation import CompilersBeside
+from apd_viewer.ui.background_imports import BackgroundImports
+
+
+def test_closing_waits_for_no_more_than_the_kernel_that_is_compiled(qtbot, monkeypatch):
+    compiled, others = [], []
+
+    def compile_many():
+        for _ in range(200):
+            njit(lambda x: x + 1)(1)
+            compiled.append(time.monotonic())
+
+    monkeypatch.setattr(surface_index, "warm_up", compile_many)
+    monkeypatch.setattr(CompilersBeside, "start", lambda _: others.append("started"))
+    monkeypatch.setattr(CompilersBeside, "end", lambda _: others.append("ended"))
+    imports = BackgroundImports()
+    imports.begin()
+    qtbot.waitUntil(lambda: len(compiled) > 1 and bool(others), timeout=60_000)
+    left = time.monotonic()
+    imports.join()
+    assert len([when for when in compiled if when > left]) <= 1
+    assert imports.error is None
+    assert others[-1] == "ended"
