@@ -18,6 +18,8 @@ from apd_viewer.session.processes.messages import Compiling, Message
 
 # The window and the solver come first: on two cores the window would otherwise be ready twice as late.
 _NICENESS = 10
+# Most that is told before all are there: what is compiled beside those that are counted takes its time too.
+_NEARLY_ALL = 0.99
 _START = START.format(module="processes.compilation")
 
 
@@ -32,13 +34,14 @@ class Compilation:
 
     def __init__(self, tell: Callable[[Message], object]) -> None:
         self._tell = tell
-        tell_of_compiling(self._say)
+        self._stop = tell_of_compiling(lambda share: self._say(min(share, _NEARLY_ALL)))
 
     def run(self, called: Callable[[], bool]) -> None:
         """Compile until ``called()``; errors are left to the requests."""
         with contextlib.suppress(Exception):
             warm_up(enough=called)
         if not called():
+            self._stop()
             self._say(1.0)
 
     def _say(self, share: float) -> None:

@@ -12,6 +12,7 @@ import os
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from logging.handlers import QueueHandler
 from typing import BinaryIO
 
@@ -55,7 +56,7 @@ class Teller:
 
 
 class _Pulse:
-    """Tells the owner every second of an order under way.
+    """Tells the owner every second of an order under way, or of work at leisure.
 
     A process that waits for what never comes spends no time of the processor.
     """
@@ -73,6 +74,12 @@ class _Pulse:
             self._beats.set()
         elif message.content is OrderStage.ANSWERED:
             self._beats.clear()
+
+    def during(self, work: Callable[[Callable[[], bool]], object], called: Callable[[], bool]) -> None:
+        """Do some work, beating meanwhile: an order may wait for it."""
+        self._beats.set()
+        work(called)
+        self._beats.clear()
 
     def end(self) -> None:
         """Beat no more."""
@@ -136,6 +143,6 @@ def serve(
     solver: Solver
     pulse = _Pulse(tell, lambda: solver.factoring)
     solver = Solver(orders, pulse.tell)
-    solver.run(at_leisure)
+    solver.run(partial(pulse.during, at_leisure))
     pulse.end()
     reader.join()

@@ -10,8 +10,12 @@ from meshes import tube
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import opened
+from apd_viewer.session.processes import compilation
 from apd_viewer.session.processes.child_process import START, ChildProcess
+from apd_viewer.session.processes.compilation import Compilation
+from apd_viewer.session.processes.messages import OrderStage
 from apd_viewer.session.processes.requests import Request
+from apd_viewer.session.processes.solver_main import serve
 from apd_viewer.session.processes.worker import Worker
 
 TOLD = """
@@ -39,8 +43,36 @@ def test_every_compilation_is_told_and_no_call():
     subprocess.run([sys.executable, "-c", TOLD], check=True, env=environment, timeout=60)
 
 
+def test_all_is_told_last_and_once(monkeypatch):
+    told, stopped = [], []
+
+    def listening(tell):
+        monkeypatch.setattr(compilation, "warm_up", lambda _: [tell(share) for share in (0.5, 1.0, 1.0)])
+        return lambda: stopped.append(len(told))
+
+    monkeypatch.setattr(compilation, "tell_of_compiling", listening)
+    Compilation(lambda message: told.append(message.content.share)).run(lambda: False)
+    assert told[0] == 0.5
+    assert [share == 1.0 for share in told] == [False, False, False, True]
+    assert stopped == [3]
+
+
+def test_a_solver_that_compiles_is_not_silent():
+    told, (source, end) = [], os.pipe()
+
+    def work_until_something_is_told(_):
+        late = time.monotonic() + 30.0
+        while not told and time.monotonic() < late:
+            pass
+        os.close(end)
+
+    with os.fdopen(source, "rb") as orders:
+        serve(orders, told.append, at_leisure=work_until_something_is_told)
+    assert told[0].content is OrderStage.UNDER_WAY
+
+
 @pytest.mark.usefixtures("process")
-def test_a_solver_with_all_kernels_in_the_cache_tells_that_it_is_done():
+def test_a_solver_with_with_all_kernels_in_the_cache_tells_that_it_is_done():
     worker = Worker(lambda: None)
     try:
         state = opened(Mesh(*tube(8, 8)))
