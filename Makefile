@@ -21,7 +21,8 @@ display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
 
-run: .venv/.installed ## set up what is missing, then open the window on the sample bottle
+# The window compiles beside itself; on the command line that would be a long silence.
+run: $(if $(display),.venv/.installed,.venv/.compiled) ## set up what is missing, then open the window on the sample bottle
 ifneq ($(display),)
 	@.venv/bin/apd-viewer
 else
@@ -36,13 +37,13 @@ endif
 # pytest-xvfb starts its own X displays, but Qt would still prefer that of a Wayland session.
 environment = env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11
 
-test: lint ## set up what is missing, then run every check: ruff, mypy, pytest
+test: lint .venv/.compiled ## set up what is missing, then run every check: ruff, mypy, pytest
 	@.ci/system-packages calculix-ccx || echo "Without CalculiX the tests that compute FE decks are skipped."
 	@.ci/system-packages chromium || echo "Without Chromium the test of looking at pages is skipped."
 	@.ci/system-packages desktop-file-utils || echo "Without desktop-file-utils two tests of desktop entries are skipped."
 	@.ci/step "pytest" $(environment) .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
 
-night: lint ## run every check, those too that are too long for every day
+night: lint .venv/.compiled ## run every check, those too that are too long for every day
 	@.ci/step "pytest, all tests" $(environment) .venv/bin/pytest --night -n auto --maxprocesses 4 --dist worksteal
 
 # Some tests of every room, about 75 s of CPU time together once the kernels are compiled.
@@ -51,7 +52,7 @@ quick_tests = tests/test_architecture.py tests/test_package.py tests/presentatio
               tests/geometry/energy/test_arap.py tests/geometry/solver/test_deformation.py tests/session/model \
               tests/session/quantities tests/session/test_session.py tests/ui/scene/test_viewport.py
 
-quick: lint ## run ruff, mypy and the tests that matter most, in less than a minute
+quick: lint .venv/.compiled ## run ruff, mypy and the tests that matter most, in less than a minute
 	@.ci/step "pytest, the quick tests" $(environment) .venv/bin/pytest -n 2 --dist worksteal $(quick_tests)
 
 lint: .venv/.tools ## run the checks that do not execute the program: ruff, mypy
@@ -108,7 +109,10 @@ clean: ## remove the environment and all caches, but not out/
 .venv/.installed: .venv/bin/python pyproject.toml
 	@.ci/step "Installing apd-viewer and its libraries into .venv (a download of 360 MB the first time)" \
 	    .venv/bin/python -m pip install --quiet --editable .
-	@.ci/step "Compiling the kernels, so that neither the window nor the first drag waits for it (about 100 s)" \
+	@touch $@
+
+.venv/.compiled: .venv/.installed
+	@.ci/step "Compiling the kernels, so that nothing waits for it later (about 100 s)" \
 	    .venv/bin/python -c 'from apd_viewer.geometry.warmup import warm_up; warm_up()'
 	@touch $@
 

@@ -58,6 +58,8 @@ class Store:
         Of the lengths of the mesh.
     silence : str
         Sentence on a solver that does not answer; empty while it does.
+    compiled : float or None
+        Share of the kernels compiled for this computer; None if not yet known.
     """
 
     def __init__(self, listener: Listener, worker: Worker) -> None:
@@ -67,6 +69,7 @@ class Store:
         self.seconds_per_iteration = 0.0
         self.unit = Unit.NONE
         self.silence = ""
+        self.compiled: float | None = None
         self._listener = listener
         self._worker = worker
         self._generation = 0
@@ -75,16 +78,19 @@ class Store:
         self._warned: str | None = None
 
     @property
-    def compiled(self) -> float | None:
-        """Share of the kernels compiled for this computer; None if not yet known."""
-        return self._worker.compiled
-
-    @property
     def preparing(self) -> bool:
         """True until the solver has factored for the document; seconds on a large mesh."""
         if self._asked is None or self.activity is not Activity.REFINING:
             return False
         return not alike(factored_for(self._asked), self._factored)
+
+    @property
+    def previews(self) -> bool:
+        """True while a first shape waits for kernels.
+
+        So far it is known only where the handles are to be.
+        """
+        return self.preparing and self.compiled is not None and self.compiled < 1.0
 
     def required(self) -> State:
         """The state; there must be one."""
@@ -163,8 +169,11 @@ class Store:
         self.jump(replace(state, frame=frame))
 
     def receive(self) -> None:
-        """Receive the newest reply of the worker, and whether it is silent."""
+        """Receive the newest reply of the worker, and whether it is silent or compiles."""
         self._hear_silence()
+        if self.compiled != self._worker.compiled:
+            self.compiled = self._worker.compiled
+            self._listener.status_changed()
         reply = self._worker.take()
         if reply is not None and reply.news:
             self._factored = ()

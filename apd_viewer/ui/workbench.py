@@ -202,6 +202,7 @@ class Workbench(QObject):
             change.connect(self.filing.show_title)
             change.connect(self.targeting.follow)
         signals.status_changed.connect(self._show_status)
+        signals.status_changed.connect(self.preview.follow_status)
         signals.told.connect(self.notice.tell)
         signals.failed.connect(self.notice.fail)
         signals.viewed.connect(self._look_as)
@@ -340,6 +341,7 @@ class Workbench(QObject):
         self.panel.show_status(session)
         self.empty.setVisible(state is None and session.jobs.current is None)
         self.status.show_session(session)
+        self.next_step.follow(session.store)
         self.notice.hold(session.store.silence)
         self.recovery.follow(session)
         self.help.follow()
@@ -356,21 +358,14 @@ class Workbench(QObject):
     def _show_next_step(self) -> None:
         state = self.session.store.state
         if self.help.tour.active:
-            self.invitation.say("")  # the card says it
+            self.next_step.rest()  # the card says it
         elif state is not None:
             self.next_step.say_next(state.document, self.canvas.tool, self.parts.handle, self.parts.obstacle)
 
     def _set_theme(self, theme: Theme) -> None:
-        over = (
-            self.notice,
-            self.recovery,
-            self.health.list,
-            self.help,
-            self.looks,
-            self.way_bar,
-            self.kind_bar,
-        )
-        for part in (self.actions_, self.plots, self.comparing, self.case_studies, *over):
+        over = self.notice, self.recovery, self.health.list, self.help, self.looks
+        bars = self.way_bar, self.kind_bar
+        for part in (self.actions_, self.plots, self.comparing, self.case_studies, *over, *bars):
             part.set_theme(theme)
 
     # Closing

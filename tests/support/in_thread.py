@@ -6,24 +6,46 @@ changes in the solver would not reach it; those that are about the process have 
 
 import contextlib
 import os
+import queue
 import socket
 import threading
+from collections.abc import Callable
 
 from apd_viewer.session.processes.child_process import ChildProcess
+from apd_viewer.session.processes.messages import Compiling, Message
 from apd_viewer.session.processes.solver_main import Teller, serve
 
 NAME = "process"
 
 
-class InThread(ChildProcess):
-    """Serves like a process; once killed it ends after the iteration that it is in."""
+class Compiler:
+    """Tells the shares that a test puts into it, and keeps the solver from all else until the last one, 1."""
 
     def __init__(self) -> None:
+        self._shares: queue.Queue[float] = queue.Queue()
+        self.tell = self._shares.put
+
+    def __call__(self, tell: Teller) -> None:
+        """Compile, as the solver would at leisure."""
+        share = 0.0
+        while share < 1.0:
+            share = self._shares.get()
+            tell(Message(0, Compiling(share)))
+
+
+class InThread(ChildProcess):
+    """Serves like a process; once killed it ends after the iteration that it is in.
+
+    It compiles nothing at leisure, unless that is done by a ``compiler``.
+    """
+
+    def __init__(self, compiler: Callable[[Teller], object] = lambda _: None) -> None:
         super().__init__("solver", "")
+        self._compiler = compiler
         self.start()
 
     def _spawned(self) -> "ServingThread":
-        return ServingThread()
+        return ServingThread(self._compiler)
 
 
 class ServingThread:
@@ -31,8 +53,9 @@ class ServingThread:
 
     stderr = None
 
-    def __init__(self) -> None:
+    def __init__(self, compiler: Callable[[Teller], object]) -> None:
         self.pid = os.getpid()
+        self._compiler = compiler
         ours, theirs = socket.socketpair()
         self._socket = ours
         self.stdin, self.stdout = ours.makefile("wb"), ours.makefile("rb")
@@ -46,7 +69,8 @@ class ServingThread:
             connection.makefile("rb") as source,
             connection.makefile("wb") as sink,
         ):
-            serve(source, Teller(sink))
+            tell = Teller(sink)
+            serve(source, tell, at_leisure=lambda _: self._compiler(tell))
             connection.shutdown(socket.SHUT_RDWR)
 
     def kill(self) -> None:

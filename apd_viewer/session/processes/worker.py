@@ -65,7 +65,8 @@ class Worker:
     Attributes
     ----------
     compiled : float or None
-        Share of the kernels compiled for this computer so far; None before that is known.
+        Share of the kernels compiled for this computer so far; None before that is known. ``wake`` is called
+        when it changes.
     silent : int
         Seconds after which it was found that the process does not answer; 0 while it does. ``wake`` is called
         when it changes.
@@ -222,6 +223,7 @@ class Worker:
 
     def _compiling(self, share: float) -> None:
         self.compiled = share
+        self._wake()
 
     def _silence(self, seconds: int) -> None:
         self.silent = seconds

@@ -1,7 +1,8 @@
-"""Hint on the next step, until a first drag of a handle or an obstacle."""
+"""Hint on the next step, until a first drag, and on a drag's wait for its kernels."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
@@ -16,10 +17,12 @@ if TYPE_CHECKING:
     from PySide6.QtGui import QAction
 
     from apd_viewer.session.model.document import Document
+    from apd_viewer.session.store import Store
 
 _TWIST = tr("Drag a ring to rotate, an arrow to move")
 _PUSH = tr("Drag an arrow of the obstacle, or enter a distance, to push the surface")
 _SELECT = tr("Click an obstacle to move it")
+_WAITS = tr("Preview: the surface follows once enough is compiled for this computer ({percent} %)")
 
 
 class NextStep:
@@ -36,6 +39,7 @@ class NextStep:
         self._invitation = invitation
         self._tools = tools
         self._moved = False
+        self._waits = ""
         self._asked: tuple[Document, Tool, int, int | None] | None = None
         for action in tools.values():
             action.changed.connect(self._say_again)
@@ -43,17 +47,30 @@ class NextStep:
     def moved(self) -> None:
         """Note a drag: no more hints are needed."""
         self._moved = True
-        self._invitation.say("")
+        self.rest()
+
+    def rest(self) -> None:
+        """Show no next step."""
+        self._invitation.say(self._waits)
+
+    def follow(self, store: Store) -> None:
+        """Say that a preview is shown, as long as it is."""
+        waits = ""
+        if store.previews:
+            waits = _WAITS.format(percent=math.floor(100.0 * (store.compiled or 0.0)))
+        if waits != self._waits:
+            self._waits = waits
+            self.rest()
 
     def say_next(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> None:
         """Show the next step for ``tool``, the active handle and the obstacle in the hand."""
         self._asked = document, tool, handle, obstacle
-        self._invitation.say(self._sentence(*self._asked))
+        self._invitation.say(self._waits or self._sentence(*self._asked))
 
     def _say_again(self) -> None:
         """Update the keys named."""
         if self._asked is not None and not self._invitation.isHidden():
-            self._invitation.say(self._sentence(*self._asked))
+            self._invitation.say(self._waits or self._sentence(*self._asked))
 
     def _sentence(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> str:
         if document.has_obstacles and not tool.words.is_brush:

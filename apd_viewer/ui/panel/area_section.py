@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, Qt, Signal
@@ -163,11 +164,20 @@ class AreaSection(QWidget):
             # It stays while the solver works: otherwise it would flicker at every step of a drag.
             self.unreached.hide()
 
+    def show_preview(self, compiled: float) -> None:
+        """Say that no shape has come yet, and how much is compiled so far."""
+        for reading in (self.percent, self.local_change):
+            reading.setText(readings.NOTHING)
+        self.verdict.setText(tr("A preview: no area is kept yet."))
+        self.area.setText(tr("Compiled so far: {percent} %").format(percent=math.floor(100.0 * compiled)))
+
     def show_activity(self, state: State, session: Session) -> None:
         """Show the solver's activity."""
         activity = session.store.activity.value
         said = _WORDS[activity]
-        if session.store.preparing:
+        if session.store.previews:
+            said = tr("preview")
+        elif session.store.preparing:
             said = tr("preparing")
         elif activity == "not reached" and state.frame.unreached:
             said = tr("out of reach")

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
     from apd_viewer.session.session import Session
+    from apd_viewer.session.store import Store
 
 _WIDTH = 324  # a region with a target fits: rows that come later must not move the view
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
@@ -137,6 +138,7 @@ class Panel(QScrollArea):
         column.addStretch(1)
         self.setWidget(body)
         self.unit = Unit.NONE
+        self._previews = False
 
     @property
     def sections(self) -> tuple[Section, ...]:
@@ -182,8 +184,9 @@ class Panel(QScrollArea):
             self._show_readings(new, handle, anew)
 
     def _show_readings(self, state: State, handle: int, asked_anew: bool) -> None:
-        self.area.show_readings(state, self.unit, asked_anew)
-        self.volume.show_readings(state, self.unit)
+        if not self._previews:
+            self.area.show_readings(state, self.unit, asked_anew)
+            self.volume.show_readings(state, self.unit)
         self.measures.show_readings(state, self.unit)
         self.target.show_readings(state, self.unit)
         self.handles.show_readings(state, self.unit, handle)
@@ -229,6 +232,17 @@ class Panel(QScrollArea):
             self.area.activity.setText("")
         else:
             self.area.show_activity(state, session)
+            self._show_preview(state, session.store)
+
+    def _show_preview(self, state: State, store: Store) -> None:
+        """Claim neither area nor volume while there is only a preview of the shape."""
+        if store.previews:
+            self.area.show_preview(store.compiled or 0.0)
+            self.volume.show_preview()
+        elif self._previews:
+            self.area.show_readings(state, self.unit, asked_anew=False)
+            self.volume.show_readings(state, self.unit)
+        self._previews = store.previews
 
     def show_motion(self) -> None:
         """Unfold the handle section and focus the motion field."""

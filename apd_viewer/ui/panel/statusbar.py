@@ -121,7 +121,7 @@ class StatusBar(QStatusBar):
         self._cancel.setVisible(job is not None and job.can_be_cancelled)
         self._size.setText(_vertices(state) if state else "")
         self._size.setToolTip(_extent(state, session.store.unit) if state else "")
-        self.compiling.watch(session.store)
+        self.compiling.follow(session.store.compiled)
         activity = session.store.activity
         self._silence = session.store.silence
         self._show_pause(activity)

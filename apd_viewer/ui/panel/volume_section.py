@@ -125,6 +125,12 @@ class VolumeSection(Section):
                 label.setText(text)
         self._contact.setVisible(state.keeps_apart)
 
+    def show_preview(self) -> None:
+        """Say nothing of a shape that has not come yet."""
+        self.heading.say("")
+        for label in (self.volume, self.litres):
+            label.setText(readings.NOTHING)
+
     def show_check(self, state: State, found: ShapeCheck | None, under_way: bool) -> None:
         """Show the self-intersections of a state as far as known."""
         if found is not None:

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 class MotionPreview:
     """Shows where the active handle would go while an amount is typed.
 
-    It also shows where handles were asked to be that contact has stopped on their way.
+    It also shows where handles were asked to be that contact has stopped on their way, and where they are
+    to be while the first shape waits for its kernels.
 
     Parameters
     ----------
@@ -44,8 +45,17 @@ class MotionPreview:
         """Begin from another document, if an amount is being typed."""
         if self._field.amount.hasFocus() and old is not None and old.document is not new.document:
             self._field.edit()
-        if new.frame.share_reached < 1.0 and new.frame.settled:
-            self.asked.show_asked(new.document)
+        self._show_asked(new)
+
+    def follow_status(self) -> None:
+        """Begin or end with the wait for kernels."""
+        if (state := self._session.store.state) is not None:
+            self._show_asked(state)
+
+    def _show_asked(self, state: State) -> None:
+        stopped = state.frame.share_reached < 1.0 and state.frame.settled
+        if stopped or self._session.store.previews:
+            self.asked.show_asked(state.document)
         else:
             self.asked.hide()
 

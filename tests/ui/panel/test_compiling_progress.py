@@ -1,34 +1,17 @@
 """Progress of the compilation in the status bar."""
 
-from types import SimpleNamespace
-
-import pytest
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.ui.panel.compiling_progress import CompilingProgress
 
 
-@pytest.fixture
-def progress(qtbot):
+def test_it_is_shown_while_something_is_left_to_compile(qtbot):
     progress, window = CompilingProgress(), QMainWindow()
     window.setCentralWidget(progress)
     window.show()
-    progress.hide()
-    yield progress
+    for share, shown, value in ((None, False, 0), (0.25, True, 250), (0.75, True, 750), (1.0, False, 1000)):
+        progress.follow(share)
+        assert progress.isVisible() == shown
+        assert max(0, progress.bar.value()) == value
     window.close()
     window.deleteLater()
-
-
-def test_it_is_shown_while_the_solver_compiles_and_never_again(progress, qtbot):
-    store = SimpleNamespace(compiled=None)
-    progress.watch(store)
-    qtbot.wait(700)
-    assert progress.isHidden()
-    store.compiled = 0.25
-    qtbot.waitUntil(progress.isVisible)
-    assert progress.bar.value() == 250
-    store.compiled = 1.0
-    qtbot.waitUntil(progress.isHidden)
-    store.compiled = 0.5
-    qtbot.wait(700)
-    assert progress.isHidden()
