@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -211,12 +212,11 @@ def test_a_packaged_program_says_what_it_cannot_do(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match="This program has no Dask"):
         cluster.connected("tcp://127.0.0.1:9", None)
-    import imageio_ffmpeg
 
     def none():
         raise RuntimeError
 
-    monkeypatch.setattr(imageio_ffmpeg, "get_ffmpeg_exe", none)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", SimpleNamespace(get_ffmpeg_exe=none))
     with pytest.raises(InputError, match="install ffmpeg"):
         films.check_film(tmp_path / "film.mp4")
     monkeypatch.setattr(sys, "platform", "linux")

@@ -134,10 +134,10 @@ def connected(address: str | None, scheduler_file: Path | None, work: Work = wor
     InputError
         Without Dask, or if there is no such scheduler.
     """
-    distributed = _distributed()
     where = {"scheduler_file": str(scheduler_file)} if scheduler_file else {"address": address}
     if scheduler_file and not scheduler_file.is_file():
         raise InputError(tr("There is no file {path}; check the name.").format(path=scheduler_file))
+    distributed = _distributed()
     try:
         return Cluster(distributed.Client(**where, timeout=_PATIENCE), work)
     except (OSError, ValueError, TypeError) as error:

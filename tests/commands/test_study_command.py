@@ -9,6 +9,7 @@ import sys
 import time
 
 import pytest
+from lacking import lack
 from listening import listening
 from painted_meshes import write_bar
 from process_tree import tree_of
@@ -105,13 +106,15 @@ def test_a_damaged_result_is_computed_again_and_the_others_are_kept(bar, capsys)
     assert rows_of(bar / "out") == rows
 
 
-def test_what_cannot_be_run_is_said(bar, capsys):
+def test_what_cannot_be_run_is_said(bar, capsys, monkeypatch):
+    lack(monkeypatch, "distributed")
     plan = plan_of(bar, ["twist 30"])
     for words, said in (
         (["--limit", "0"], "greater than 0"),
         (["--processes", "0"], "--processes must be 1 to 1000"),
         (["--workers", "1001"], "--processes must be 1 to 1000"),
         (["--scheduler-file", str(bar / "gone.json")], "There is no file"),
+        (["--scheduler", "tcp://127.0.0.1:9"], "Dask is not installed; install apd-viewer[cluster]"),
         (["-o", plan], f"The folder {plan}"),
         (["-o", plan, "--dry-run"], f"The folder {plan} cannot be written (Not a directory)"),
     ):

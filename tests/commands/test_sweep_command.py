@@ -3,14 +3,13 @@
 import csv
 import gc
 import re
-import sys
 
-import imageio_ffmpeg
 import numpy as np
 import pytest
 import pyvista
 import trimesh
 from animated import read_pc2
+from lacking import lack
 from meshes import ends, tube
 from painted_meshes import write_bar
 from PIL import Image
@@ -304,8 +303,11 @@ def test_other_files_in_the_folder_are_kept(session, sweep, tmp_path):
     assert len(read(folder)) == 2
 
 
+@pytest.mark.extra
 @pytest.mark.filterwarnings("ignore:unclosed file", "ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_film_as_mp4(tmp_path):
+    import imageio_ffmpeg
+
     pictures = []
     for shade in (0, 120, 240):
         pictures.append(tmp_path / f"{shade}.png")
@@ -321,6 +323,6 @@ def test_a_film_as_mp4(tmp_path):
 
 
 def test_mp4_without_an_encoder_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    lack(monkeypatch, "imageio_ffmpeg")
     with pytest.raises(InputError, match=r"install apd-viewer\[video\]"):
         check_film(tmp_path / "film.mp4")

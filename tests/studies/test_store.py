@@ -7,6 +7,7 @@ from contextlib import closing
 
 import pytest
 from immediate import Here
+from lacking import lack
 from study_work import quick
 
 from apd_viewer.errors import InputError
@@ -117,10 +118,12 @@ def test_one_program_writes_and_others_read(written, bar):
         read_results(bar)
 
 
-def test_the_table_has_what_it_promises(run, bar):
-    pyarrow = pytest.importorskip("pyarrow.parquet", reason="Parquet is written with pyarrow only")
-    rows = [{"motion": "twist 10deg", "volume": "90", "# who": "me, myself"}, {"motion": "none"}]
-    run(*rows)
+PROMISED = [{"motion": "twist 10deg", "volume": "90", "# who": "me, myself"}, {"motion": "none"}]
+
+
+def test_the_table_has_what_it_promises(run, bar, monkeypatch):
+    lack(monkeypatch, "pyarrow")
+    run(*PROMISED)
     with (bar / "out" / "results.csv").open(encoding="utf-8") as stream:
         columns = next(csv.reader(stream))
     plan = ["mesh", "selection", "motion", "steps", "volume", "# who"]
@@ -137,7 +140,15 @@ def test_the_table_has_what_it_promises(run, bar):
     )
     assert (second["status"], second["seconds"], second["line"]) == ("wrong", "", "3")
     assert "“none” is no motion" in second["sentence"]
-    found = pyarrow.read_table(bar / "out" / "results.parquet").to_pylist()
+    assert not (bar / "out" / "results.parquet").exists()
+
+
+@pytest.mark.extra
+def test_the_table_as_parquet_has_what_it_promises(run, bar):
+    from pyarrow import parquet
+
+    run(*PROMISED)
+    found = parquet.read_table(bar / "out" / "results.parquet").to_pylist()
     assert [row["plan_volume"] for row in found] == ["90", ""]
     assert [row["seconds"] for row in found] == [0.5, None]
     assert set(READINGS) <= set(found[0])

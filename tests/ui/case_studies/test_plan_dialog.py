@@ -6,6 +6,7 @@ import time
 from contextlib import closing
 
 import pytest
+from dask_cluster import address_in, dask_cluster
 from driving import idle
 from study_driving import click, finished, press_row, tick
 
@@ -229,11 +230,9 @@ def test_a_folder_gives_the_command_no_other_options(tmp_path):
     assert scheduler_in(kept_options(tmp_path)) == "tcp://x:1"
 
 
+@pytest.mark.extra
 def test_a_study_is_run_by_a_scheduler_of_dask(qtbot, bar, dialog, home, tmp_path):
     """A real one, with one worker, by its address; then a click opens a case."""
-    pytest.importorskip("distributed", reason="the extra cluster is not installed")
-    from dask_cluster import address_in, dask_cluster
-
     folder = home / "by-dask"
     with dask_cluster(tmp_path, 1) as file:
         dialog.design.setCurrentIndex(dialog.design.findData("grid"))
