@@ -14,7 +14,8 @@ quick test night pictures: packages += xvfb xauth
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test night quick lint format docs pictures wheel texts installer clean system-packages
+.PHONY: help run test night night-suite night-extras quick lint format docs pictures wheel texts installer clean \
+        programs system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -37,14 +38,43 @@ endif
 # pytest-xvfb starts its own X displays, but Qt would still prefer that of a Wayland session.
 environment = env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11
 
-test: lint .venv/.compiled ## set up what is missing, then run every check: ruff, mypy, pytest
+workers = -n auto --maxprocesses 4 --dist worksteal
+
+test: lint programs ## set up what is missing, then run every check of the day: ruff, mypy, pytest
+	@.ci/step "pytest" $(environment) .venv/bin/pytest $(workers)
+	@.venv/bin/python tests/support/night.py --last
+
+# Named otherwise than by $(MAKE), which `make --dry-run` would run all the same.
+make = $(MAKE)
+
+# Each step is run, whether those before have passed or not.
+night: .venv/.tools programs ## run every check, and write into tests/night.md what was found
+	@.ci/step "The night" .venv/bin/python tests/support/night.py $(make) lint night-suite night-extras
+
+# Only this form has what tests record.
+results = -o junit_family=xunit1 --junit-xml=build/night/
+
+night-suite: .venv/.tools
+	@.ci/step "pytest, all tests" $(environment) .venv/bin/pytest --night $(workers) $(results)suite.xml
+
+# In an environment of its own, so that by day all is tested as it is for a user who has installed no extra.
+extras = build/night/environment
+
+night-extras: $(extras)/.installed
+	@.ci/step "pytest, tests of extras" $(environment) $(extras)/bin/python -m pytest --extras $(results)extras.xml
+
+$(extras)/.installed: pyproject.toml | system-packages
+	@.ci/step "Creating $(extras) with $(python)" $(python) -m venv --clear $(extras)
+	@.ci/step "Updating pip" $(extras)/bin/python -m pip install --quiet 'pip>=25.1'
+	@.ci/step "Installing apd-viewer with all extras and the development tools into $(extras)" \
+	    $(extras)/bin/python -m pip install --quiet --editable '.[video,cluster]' --group extras
+	@touch $@
+
+# What some tests run.
+programs:
 	@.ci/system-packages calculix-ccx || echo "Without CalculiX the tests that compute FE decks are skipped."
 	@.ci/system-packages chromium || echo "Without Chromium the test of looking at pages is skipped."
 	@.ci/system-packages desktop-file-utils || echo "Without desktop-file-utils two tests of desktop entries are skipped."
-	@.ci/step "pytest" $(environment) .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
-
-night: lint .venv/.compiled ## run every check, those too that are too long for every day
-	@.ci/step "pytest, all tests" $(environment) .venv/bin/pytest --night -n auto --maxprocesses 4 --dist worksteal
 
 # Some tests of every room, about 75 s of CPU time together once the kernels are compiled.
 quick_tests = tests/test_architecture.py tests/test_package.py tests/presentation tests/files/formats \

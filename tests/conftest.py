@@ -11,35 +11,13 @@ from in_thread import InThread
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.processes import process_client, shape_checker
 
+pytest_plugins = ["night_tests"]
+
 START = process_client.start_process
 
 # The kernels compile on first use, which no deadline can foresee; the same examples on every machine.
 settings.register_profile("suite", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("suite")
-
-
-def pytest_addoption(parser):
-    parser.addoption("--night", action="store_true", help="run what is too long for every day, too")
-    parser.addoption("--extras", action="store_true", help="run what needs extras, and nothing else")
-
-
-def pytest_collection_modifyitems(config, items):
-    """Leave out what is for the night, or for where the extras are."""
-    night, extras = config.getoption("night"), config.getoption("extras")
-
-    def chosen(item):
-        if extras or item.get_closest_marker("extra"):
-            return extras and item.get_closest_marker("extra")
-        return night or not item.get_closest_marker("night")
-
-    config.hook.pytest_deselected(items=[item for item in items if not chosen(item)])
-    items[:] = filter(chosen, items)
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_runtest_makereport(item):
-    """Turn recorded figures into text: workers cannot send NumPy's."""
-    item.user_properties[:] = [(name, str(value)) for name, value in item.user_properties]
 
 
 @pytest.fixture(scope="session", autouse=True)

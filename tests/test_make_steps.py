@@ -36,5 +36,6 @@ def test_all_programs_that_take_time_are_steps():
     recipes = re.findall(r"(?m)^\t@(.*)$", (ROOT / "Makefile").read_text(encoding="utf-8"))
     working = [line for line in recipes if re.search(r"/bin/|\$\((?:python|manual|environment)\)", line)]
     assert len(working) > 10
-    # The program itself says what it does.
-    assert [line for line in working if ".ci/" not in line and "bin/apd-viewer" not in line] == []
+    # The program itself says what it does, and how old the last night is takes no time.
+    quiet = r"\.ci/|bin/apd-viewer|--last$"
+    assert [line for line in working if not re.search(quiet, line)] == []

@@ -1,12 +1,22 @@
 """The tool that looks at the pages of the site sees what is wrong with them."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 from site_pages import browser, looked_at
 
+DOCS = Path(__file__).parents[1] / "docs"
 PAGE = "<!doctype html><body style='margin: 0; background: white'><main>{}</main></body>"
 
 
-@pytest.mark.skipif(browser() is None, reason="Ubuntu has Chromium as a snap only, other systems by hand")
+needs_browser = pytest.mark.skipif(
+    browser() is None, reason="Ubuntu has Chromium as a snap only, other systems by hand"
+)
+
+
+@needs_browser
 def test_wide_pages_broken_pictures_and_pale_text_are_named(tmp_path):
     for name, inside in {
         "good": "<p style='color: #333'>legible</p>",
@@ -24,3 +34,11 @@ def test_wide_pages_broken_pictures_and_pale_text_are_named(tmp_path):
         "wide.html",
     ]
     assert found[3] == "wide.html: 500 wide at 390, light"
+
+
+@pytest.mark.night
+@needs_browser
+def test_all_pages_of_the_site_fit(tmp_path):
+    command = [sys.executable, "-m", "sphinx", "-q", "-d", str(tmp_path / "trees")]
+    subprocess.run([*command, str(DOCS), str(tmp_path / "site")], cwd=DOCS.parent, check=True)
+    assert looked_at(tmp_path / "site") == []
