@@ -16,8 +16,7 @@ from PIL import Image
 
 from apd_viewer.__main__ import main
 from apd_viewer.commands import sweep as sweep_command
-from apd_viewer.errors import InputError
-from apd_viewer.figures.films import check_film, write_film
+from apd_viewer.figures.films import write_film
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.pose.transforms import turned_about
@@ -322,7 +321,9 @@ def test_a_film_as_mp4(tmp_path):
     gc.collect()  # the library leaves its pipes open until then
 
 
-def test_mp4_without_an_encoder_is_refused(tmp_path, monkeypatch):
+def test_mp4_without_an_encoder_is_refused(bar, sweep, tmp_path, monkeypatch):
     lack(monkeypatch, "imageio_ffmpeg")
-    with pytest.raises(InputError, match=r"install apd-viewer\[video\]"):
-        check_film(tmp_path / "film.mp4")
+    status, _, err, folder = sweep(*bar, "--twist", 9, "--animation", tmp_path / "film.mp4")
+    assert status == 2
+    assert "install apd-viewer[video]" in err
+    assert not folder.exists()

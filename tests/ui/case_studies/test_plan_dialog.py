@@ -4,6 +4,7 @@ import csv
 import socket
 import time
 from contextlib import closing
+from importlib.util import find_spec
 
 import pytest
 from dask_cluster import address_in, dask_cluster
@@ -228,6 +229,15 @@ def test_a_folder_gives_the_command_no_other_options(tmp_path):
     )
     (tmp_path / RUN).write_text('{"options": ["--limit", "9", "--scheduler", "tcp://x:1"]}', encoding="utf-8")
     assert scheduler_in(kept_options(tmp_path)) == "tcp://x:1"
+
+
+@pytest.mark.skipif(find_spec("distributed") is not None, reason="Dask is installed, whose lack is tested")
+def test_a_study_by_dask_is_refused_where_that_is_missing(qtbot, bar, dialog, home, listener):
+    dialog.folder.setText(str(home / "without-dask"))
+    ask_scheduler(dialog, listener)
+    with qtbot.waitSignal(bar.case_studies.run.ended, timeout=60_000):
+        qtbot.waitUntil(lambda: bar.case_studies.run.running, timeout=6_000)
+    assert "install apd-viewer[cluster]" in bar.case_studies.panel.words.text()
 
 
 @pytest.mark.extra
