@@ -1,0 +1,131 @@
+"""Change the program at places chosen by seed, and see which test notices: ``python tests/mutants.py``.
+
+Each mutant is a copy of the working tree with one small change in solver, contact, files or session. Only
+tests that reach the changed function run there, cheapest first and 40 seconds of them at most, to the first
+that fails. Which test reaches which function is noted once, by a run of the suite, and kept in
+``build/mutants``; ``--map`` does it anew, for some tests or all. The table is printed as it grows and kept
+there too, with a log of each mutant. Linux and macOS.
+
+What a function does at import is reached by no test; a value that is cached is noted for the first test that
+asks; processes that a test starts are noted unless they get an environment without PYTHONPATH. A test that
+fails by chance kills a mutant, too: its log tells.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+import time
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from json import loads
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+
+from mutant_runs import Choice, Verdict, choice_of, make_map, run_mutant  # noqa: E402
+from mutations import Place, chosen_places  # noqa: E402
+
+AREAS = {
+    "solver": ["geometry/solver", "geometry/energy", "geometry/linalg"],
+    "contact": ["geometry/contact"],
+    "files": ["files"],
+    "session": ["session"],
+}
+PACKAGE = ROOT / "apd_viewer"
+BUILD = ROOT / "build" / "mutants"
+CORES = 2
+HEADINGS = ("area", "place", "function", "change", "verdict", "tests run / reaching", "s")
+
+Row = tuple[str, Place, Choice, Verdict]
+
+
+def options(words: list[str]) -> argparse.Namespace:
+    """Options of the command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seed", type=int, default=0, help="which places are chosen")
+    parser.add_argument("--count", type=int, default=60, help="number of mutants (default: 60)")
+    parser.add_argument("--minutes", type=float, default=60.0, help="time for all of them (default: 60)")
+    parser.add_argument("--map", nargs="*", metavar="TESTS", help="note anew what these tests reach, or all")
+    return parser.parse_args(words)
+
+
+def update_map(tests: list[str]) -> None:
+    """Run tests with notes of what they reach; all of them begin a new map."""
+    if not tests:
+        shutil.rmtree(BUILD / "notes", ignore_errors=True)
+    folders = [folder for area in AREAS.values() for folder in area]
+    spread = ("-n", str(CORES), "--dist", "worksteal")
+    seconds = make_map(PACKAGE, folders, tests, BUILD, *spread)
+    print(f"The map of tests took {seconds / 60:.1f} minutes.", flush=True)
+
+
+class Table:
+    """Rows as they come, on the screen and in a file."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._path.write_text("", encoding="utf-8")
+        self._say(_line(HEADINGS))
+        self._say(_line(["---"] * len(HEADINGS)))
+
+    def add(self, row: Row) -> None:
+        area, place, choice, verdict = row
+        outcome = f"{verdict.outcome} {verdict.test}".replace("killed ", "killed by ").strip()
+        run = f"{len(choice.tests)} / {choice.reaching}"
+        where = f"{place.where}:{place.line}"
+        self._say(_line([area, where, place.function, str(place), outcome, run, f"{verdict.seconds:.0f}"]))
+
+    def close(self, rows: list[Row], count: int) -> None:
+        """Add the figures of each area."""
+        outcomes = ("killed", "timed out", "survived", "not reached", "broken off")
+        self._say("\n" + _line(("area", "tried", *outcomes)))
+        self._say(_line(["---"] * (len(outcomes) + 2)))
+        for area in (*AREAS, "all"):
+            found = Counter(row[3].outcome for row in rows if area in (row[0], "all"))
+            self._say(_line([area, found.total(), *(found[each] for each in outcomes)]))
+        cut = sum(len(choice.tests) < choice.reaching for _, _, choice, _ in rows)
+        self._say(f"\n{len(rows)} of {count} places tried; {cut} with some of the tests that reach them.")
+
+    def _say(self, line: str) -> None:
+        print(line, flush=True)
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(line + "\n")
+
+
+def _line(cells) -> str:
+    return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
+
+
+def try_all(places: list[tuple[str, Place]], found: dict, table: Table, until: float) -> list[Row]:
+    """Try places until time is up, as many at once as there are cores."""
+
+    def tried(k: int) -> Row | None:
+        area, place = places[k]
+        if time.monotonic() >= until:
+            return None
+        choice = choice_of(place, found)
+        verdict = run_mutant(place, PACKAGE, choice, BUILD / f"{k + 1}.log", until)
+        table.add((area, place, choice, verdict))
+        return area, place, choice, verdict
+
+    with ThreadPoolExecutor(CORES) as pool:
+        return [row for row in pool.map(tried, range(len(places))) if row]
+
+
+def main(words: list[str]) -> None:
+    """Make the map where it is missing or asked for, then the table."""
+    asked = options(words)
+    if asked.map is not None or not (BUILD / "map.json").exists():
+        update_map(asked.map or [])
+    found = loads((BUILD / "map.json").read_text(encoding="utf-8"))
+    until = time.monotonic() + 60 * asked.minutes
+    places = chosen_places(PACKAGE, AREAS, asked.count, asked.seed)
+    table = Table(BUILD / f"table-{asked.seed}.md")
+    table.close(try_all(places, found, table, until), asked.count)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
