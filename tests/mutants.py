@@ -3,8 +3,8 @@
 Each mutant is a copy of the working tree with one small change in solver, contact, files or session. Only
 tests that reach the changed function run there, cheapest first and 40 seconds of them at most, to the first
 that fails. Which test reaches which function is noted once, by a run of the suite, and kept in
-``build/mutants``; ``--map`` does it anew, for some tests or all. The table is printed as it grows and kept
-there too, with a log of each mutant. Linux and macOS.
+``build/mutants``; ``--map`` does it anew. The table is printed as it grows and kept there too, with a log of
+each mutant. Linux and macOS.
 
 What a function does at import is reached by no test; a value that is cached is noted for the first test that
 asks; processes that a test starts are noted unless they get an environment without PYTHONPATH. A test that
@@ -48,17 +48,20 @@ def options(words: list[str]) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0, help="which places are chosen")
     parser.add_argument("--count", type=int, default=60, help="number of mutants (default: 60)")
     parser.add_argument("--minutes", type=float, default=60.0, help="time for all of them (default: 60)")
-    parser.add_argument("--map", nargs="*", metavar="TESTS", help="note anew what these tests reach, or all")
+    parser.add_argument(
+        "--map", action="store_true", help="note anew what all tests reach, or the named ones"
+    )
+    parser.add_argument("words", nargs="*", help="for pytest, with --map: tests, and after -- its options")
     return parser.parse_args(words)
 
 
-def update_map(tests: list[str]) -> None:
-    """Run tests with notes of what they reach; all of them begin a new map."""
-    if not tests:
+def update_map(words: list[str]) -> None:
+    """Run tests with notes of what they reach; without a word all of them, for a new map."""
+    if not words:
         shutil.rmtree(BUILD / "notes", ignore_errors=True)
     folders = [folder for area in AREAS.values() for folder in area]
-    spread = ("-n", str(CORES), "--dist", "worksteal")
-    seconds = make_map(PACKAGE, folders, tests, BUILD, *spread)
+    spread = ["-n", str(CORES), "--dist", "worksteal"]
+    seconds = make_map(PACKAGE, folders, [*spread, *words], BUILD)
     print(f"The map of tests took {seconds / 60:.1f} minutes.", flush=True)
 
 
@@ -118,8 +121,8 @@ def try_all(places: list[tuple[str, Place]], found: dict, table: Table, until: f
 def main(words: list[str]) -> None:
     """Make the map where it is missing or asked for, then the table."""
     asked = options(words)
-    if asked.map is not None or not (BUILD / "map.json").exists():
-        update_map(asked.map or [])
+    if asked.map or not (BUILD / "map.json").exists():
+        update_map(asked.words)
     found = loads((BUILD / "map.json").read_text(encoding="utf-8"))
     until = time.monotonic() + 60 * asked.minutes
     places = chosen_places(PACKAGE, AREAS, asked.count, asked.seed)

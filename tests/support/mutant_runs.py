@@ -27,7 +27,7 @@ LEFT_OUT = shutil.ignore_patterns(
 )
 SECONDS = 40.0  # of tests for a mutant, by the map
 EACH = 0.01  # what pytest takes for a test besides, in seconds
-START, SLOWER, COMPILATION = 60.0, 4.0, 90.0  # limit of a run: seconds, times the map's, and seconds
+PATIENCE, SLOWER, COMPILATION = 60.0, 8.0, 90.0  # with one test: seconds, times the map's, and seconds
 SITE = """\
 from pathlib import Path
 import reach
@@ -44,8 +44,8 @@ def copied(root: Path) -> Iterator[Path]:
         yield tree
 
 
-def make_map(package: Path, folders: list[str], tests: list[str], build: Path, *options: str) -> float:
-    """Note what the tests reach in the package's folders; seconds that it took.
+def make_map(package: Path, folders: list[str], words: list[str], build: Path) -> float:
+    """Note what tests reach in the package's folders, by words for pytest; seconds that it took.
 
     Notes of other tests, of an earlier map, are kept.
     """
@@ -57,8 +57,7 @@ def make_map(package: Path, folders: list[str], tests: list[str], build: Path, *
         site.mkdir()
         names = {"package": str(tree / package.name), "folders": folders, "notes": str(notes.resolve())}
         (site / "sitecustomize.py").write_text(SITE.format(**names), encoding="utf-8")
-        command = _pytest(*options, *tests)
-        subprocess.run(command, cwd=tree, env=_environment(tree, site), check=False)
+        subprocess.run(_pytest(*words), cwd=tree, env=_environment(tree, site), check=False)
     found = json.dumps(read_map(notes))
     (build / "map.json").write_text(found, encoding="utf-8")
     return time.monotonic() - began
@@ -81,10 +80,10 @@ def _environment(tree: Path, *more: Path) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Choice:
-    """Tests for a mutant, cheapest first, and how many reach it."""
+    """Tests for a mutant, cheapest first, seconds of the longest, and how many reach it."""
 
     tests: list[str]
-    seconds: float
+    longest: float
     reaching: int
 
 
@@ -100,7 +99,8 @@ def choice_of(place: Place, found: dict, limit: float = SECONDS) -> Choice:
         if not chosen or total + seconds[name] <= limit:
             chosen.append(name)
             total += seconds[name]
-    return Choice(sorted(chosen, key=lambda name: seconds[name]), total, len(reaching))
+    longest = max((seconds[name] for name in chosen), default=0.0)
+    return Choice(sorted(chosen, key=lambda name: seconds[name]), longest, len(reaching))
 
 
 def _distance(place: Place, test: str) -> int:
@@ -129,9 +129,8 @@ def run_mutant(place: Place, package: Path, tests: Choice, log: Path, until: flo
         module = tree / package.name / place.where
         source = module.read_bytes()
         module.write_bytes(place.applied(source))
-        limit = START + SLOWER * tests.seconds + COMPILATION * is_compiled_in(source)
-        limit = min(limit, until - time.monotonic())
-        code, test = _run_chosen(tree, tests.tests, log, limit)
+        patience = PATIENCE + SLOWER * tests.longest + COMPILATION * is_compiled_in(source)
+        code, test = _run_chosen(tree, tests.tests, log, patience, until)
     seconds = time.monotonic() - began
     if code is None:
         return Verdict("timed out" if time.monotonic() < until else "broken off", test, seconds)
@@ -139,7 +138,9 @@ def run_mutant(place: Place, package: Path, tests: Choice, log: Path, until: flo
     return Verdict(outcome, "" if outcome != "killed" else test or "collection", seconds)
 
 
-def _run_chosen(tree: Path, tests: list[str], log: Path, limit: float) -> tuple[int | None, str]:
+def _run_chosen(
+    tree: Path, tests: list[str], log: Path, patience: float, until: float
+) -> tuple[int | None, str]:
     """Exit code of pytest, None if it took too long, and the last test that began."""
     chosen, started = tree.parent / "chosen", tree.parent / "started"
     chosen.write_text("\n".join(tests), encoding="utf-8")
@@ -149,7 +150,7 @@ def _run_chosen(tree: Path, tests: list[str], log: Path, limit: float) -> tuple[
     with (
         log.open("w", encoding="utf-8") as output,
         subprocess.Popen(
-            _pytest("-x", "-p", "no:xdist", *files),
+            _pytest("-x", "-m", "", *files),  # whatever marks the suite leaves out
             cwd=tree,
             env=_environment(tree) | variables,
             stdout=output,
@@ -158,12 +159,24 @@ def _run_chosen(tree: Path, tests: list[str], log: Path, limit: float) -> tuple[
         ) as process,
     ):
         try:
-            code = process.wait(max(limit, 0.0))
-        except subprocess.TimeoutExpired:
-            code = None
+            code = _code_of(process, started, patience, until)
         finally:
             _kill_with_children(process)
     return code, started.read_text(encoding="utf-8")
+
+
+def _code_of(process: subprocess.Popen, started: Path, patience: float, until: float) -> int | None:
+    """Exit code; None where a test, or what is before the first, takes too long, or time is up."""
+    test, since = "", time.monotonic()
+    while process.poll() is None:
+        now = time.monotonic()
+        if started.read_text(encoding="utf-8") != test:
+            test, since = started.read_text(encoding="utf-8"), now
+        if now - since > patience or now > until:
+            return None
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(0.2)
+    return process.returncode
 
 
 def _kill_with_children(process: subprocess.Popen) -> None:
