@@ -114,3 +114,19 @@ def test_a_way_that_is_too_long_at_once_is_shortened_for_all():
     near = NearPairs(V, F, np.zeros((1, len(V)), np.int64), 0.05)
     shares = near.examine(V, V + np.random.default_rng(0).normal(size=V.shape) * 50.0)
     assert shares.min() == shares.max() < 0.1
+
+
+def test_near_pairs_far_from_the_origin_have_the_energy_of_those_at_it():
+    """What counts as touching at rest depends on the size of the mesh, not on where it lies."""
+    V, F = grid(4, 4)
+    n = len(V)
+    V, F = np.vstack([V, V + [0.0, 0.0, 4e-4]]), np.vstack([F, F + n])
+    U = V - np.outer(np.arange(2 * n) >= n, [0.0, 0.0, 3.5e-4])
+
+    def energy(height):
+        near = NearPairs(V + [0.0, 0.0, height], F, np.zeros((1, 2 * n), np.int64), 0.05)
+        near.enter(U + [0.0, 0.0, height])
+        return near.energy_ahead
+
+    assert energy(0.0) > 0.0
+    assert energy(1e6) == pytest.approx(energy(0.0), rel=1e-3)
