@@ -195,3 +195,7 @@ def test_supernodes_are_all_unknowns_and_the_tasks_are_apart(mesh):
         later = nodes.later[nodes.begin[s] : nodes.begin[s + 1]]
         assert (later >= nodes.first[s + 1]).all()
         assert np.isin(task_of[supernode_of[later]], [task_of[s], last]).all()
+    *shares, top = np.add.reduceat(nodes.own, nodes.task) / len(V)
+    assert len(shares) >= 4
+    assert max(shares) <= 0.25
+    assert top < 0.3, "what no two cores can share"
