@@ -198,6 +198,15 @@ def test_nothing_is_foretold_while_the_coarse_surface_converges(factor):
     assert solver.step().seconds_left is None
 
 
+@pytest.mark.parametrize(("angle", "is_foretold"), [(0.02, True), (0.3, False)])
+def test_with_contact_the_end_is_foretold_once_the_held_vertices_have_arrived(factor, angle, is_foretold):
+    solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor, contact=True)
+    solver.aim(targets(angle, (0, 0, 0)))
+    until_the_coarse_one_is_done(solver)
+    assert np.array_equal(solver.frame().U[FIXED], targets(angle, (0, 0, 0))) == is_foretold
+    assert (solver.frame().seconds_left is not None) == is_foretold
+
+
 def test_nothing_is_foretold_where_nothing_is_waited_for():
     solver = Deformation(V, F, FIXED)
     solver.aim(targets(0.3))
