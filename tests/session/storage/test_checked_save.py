@@ -97,6 +97,7 @@ def test_whoever_agrees_replaces_what_was_seen_and_nothing_newer(session, other,
     assert save(other, path, changed=found.append, over=found[0]) == ([], [])
     assert path.read_bytes() == b"a third one"
     assert len(found) == 2
+    other.settle()
     save(other, path, over=found[1])
     check_equal(open_session(path)[0], other.store.state)
     assert not other.saved_work.unsaved
