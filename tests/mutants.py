@@ -8,7 +8,7 @@ each mutant. Linux and macOS.
 
 What a function does at import is reached by no test; a value that is cached is noted for the first test that
 asks; processes that a test starts are noted unless they get an environment without PYTHONPATH. A test that
-fails by chance kills a mutant, too: its log tells.
+fails kills a mutant only if it fails again.
 """
 
 from __future__ import annotations

@@ -121,7 +121,10 @@ class Verdict:
 
 
 def run_mutant(place: Place, package: Path, tests: Choice, log: Path, until: float) -> Verdict:
-    """Run chosen tests in a copy of the tree with the change, to the first that fails; the log is kept."""
+    """Run chosen tests in a copy of the tree with the change, to the first that fails; the log is kept.
+
+    One that passes when it is run again has failed by chance: the others go on.
+    """
     if not tests.tests:
         return Verdict("not reached")
     began = time.monotonic()
@@ -130,7 +133,11 @@ def run_mutant(place: Place, package: Path, tests: Choice, log: Path, until: flo
         source = module.read_bytes()
         module.write_bytes(place.applied(source))
         patience = PATIENCE + SLOWER * tests.longest + COMPILATION * is_compiled_in(source)
-        code, test = _run_chosen(tree, tests.tests, log, patience, until)
+        run = partial(_run_chosen, tree, log=log, patience=patience, until=until)
+        code, test = run(tests.tests)
+        while code == 1 and test and run([test])[0] == 0:
+            rest = tests.tests[tests.tests.index(test) + 1 :]
+            code, test = run(rest) if rest else (0, "")
     seconds = time.monotonic() - began
     if code is None:
         return Verdict("timed out" if time.monotonic() < until else "broken off", test, seconds)
