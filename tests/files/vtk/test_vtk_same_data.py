@@ -8,9 +8,11 @@ import pyvista
 import vtk
 from mesh_contents import bent
 from meshes import sphere
+from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.vtk.lz4_block import unpacked
 from apd_viewer.geometry.mesh.operators import area
 
 _COMPRESSIONS = {"plain": 0, "zlib": 1, "lz4": 2, "lzma": 3}
@@ -116,3 +118,11 @@ def test_the_range_that_a_file_declares_is_that_of_its_points(tmp_path):
     assert declared == pytest.approx(farthest)
     assert tag.count("Value index") == 2
     assert float(tag.split('<Value index="1">')[1].split("<")[0]) == pytest.approx(farthest)
+
+
+@pytest.mark.parametrize("period", [1, 10_000])
+def test_lz4_blocks_of_what_repeats_are_unpacked_in_the_room_that_it_takes(period):
+    data = np.random.default_rng(0).bytes(period) * (300_000 // period)
+    block = vtk.vtkLZ4DataCompressor().Compress(data, len(data))
+    assert block.GetNumberOfValues() < 0.1 * len(data)
+    assert unpacked(vtk_to_numpy(block).tobytes(), len(data)) == data
