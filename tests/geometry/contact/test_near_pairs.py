@@ -9,6 +9,8 @@ from meshes import grid, tube
 from apd_viewer.geometry.contact.distances import gaps
 from apd_viewer.geometry.contact.gap_energy import gap_energy
 from apd_viewer.geometry.contact.near_pairs import NearPairs
+from apd_viewer.geometry.contact.pair_search import PairSearch
+from apd_viewer.geometry.contact.patches import Patches
 
 
 class BruteForce:
@@ -130,3 +132,15 @@ def test_near_pairs_far_from_the_origin_have_the_energy_of_those_at_it():
 
     assert energy(0.0) > 0.0
     assert energy(1e6) == pytest.approx(energy(0.0), rel=1e-3)
+
+
+def test_pair_search_knows_of_far_patches_how_far_they_are():
+    """Otherwise each of them is searched, at every step, and found to have nothing."""
+    V, F = grid(15, 15)
+    E = np.unique(np.sort(F[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0)
+    patches, reach = Patches(V, F, E), 0.05
+    between, apart = patches.near(patches.boxes(V), np.inf)
+    search = PairSearch(V, F, E, patches, np.zeros((1, len(V)), np.int64), reach)
+    _, bound = search.near(V, between, np.zeros(len(between)))
+    assert (apart > reach).any()
+    assert bound == pytest.approx(np.maximum(apart - reach, 0.0))
