@@ -16,9 +16,10 @@ from __future__ import annotations
 import argparse
 import shutil
 import sys
+import threading
 import time
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from json import loads
 from pathlib import Path
 
@@ -102,20 +103,29 @@ def _line(cells) -> str:
     return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
 
 
-def try_all(places: list[tuple[str, Place]], found: dict, table: Table, until: float) -> list[Row]:
-    """Try places until time is up, as many at once as there are cores."""
+def try_all(places: list[tuple[str, Place]], found: dict, table: Table, minutes: float) -> list[Row]:
+    """Try places until time is up or Ctrl+C is pressed, as many at once as there are cores."""
+    until, stopped = time.monotonic() + 60 * minutes, threading.Event()
+
+    def is_over() -> bool:
+        return stopped.is_set() or time.monotonic() >= until
 
     def tried(k: int) -> Row | None:
-        area, place = places[k]
-        if time.monotonic() >= until:
+        if is_over():
             return None
+        (area, place), log = places[k], BUILD / f"{k + 1}.log"
         choice = choice_of(place, found)
-        verdict = run_mutant(place, PACKAGE, choice, BUILD / f"{k + 1}.log", until)
-        table.add((area, place, choice, verdict))
-        return area, place, choice, verdict
+        row = area, place, choice, run_mutant(place, PACKAGE, choice, log, is_over)
+        table.add(row)
+        return row
 
     with ThreadPoolExecutor(CORES) as pool:
-        return [row for row in pool.map(tried, range(len(places))) if row]
+        rows = [pool.submit(tried, k) for k in range(len(places))]
+        try:
+            wait(rows)
+        except KeyboardInterrupt:
+            stopped.set()
+    return [row.result() for row in rows if row.result()]
 
 
 def main(words: list[str]) -> None:
@@ -124,10 +134,9 @@ def main(words: list[str]) -> None:
     if asked.map or not (BUILD / "map.json").exists():
         update_map(asked.words)
     found = loads((BUILD / "map.json").read_text(encoding="utf-8"))
-    until = time.monotonic() + 60 * asked.minutes
     places = chosen_places(PACKAGE, AREAS, asked.count, asked.seed)
     table = Table(BUILD / f"table-{asked.seed}.md")
-    table.close(try_all(places, found, table, until), asked.count)
+    table.close(try_all(places, found, table, asked.minutes), asked.count)
 
 
 if __name__ == "__main__":

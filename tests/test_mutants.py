@@ -191,15 +191,15 @@ def test_the_map_says_which_tests_reach_a_function_and_how_they_went(tiny):
     assert list(outcomes.values()) == ["passed"] * 4
 
 
-def verdict_on(tiny, change, function, until=60.0):
+def verdict_on(tiny, change, function, seconds=60.0):
     root, found = tiny
     source = (root / "tiny" / "inner" / "code.py").read_bytes()
     named = [
         each for each in places(source, "inner/code.py") if (str(each), each.function) == (change, function)
     ]
     choice = choice_of(named[0], found)
-    log = root / "log"
-    verdict = run_mutant(named[0], root / "tiny", choice, log, time.monotonic() + until)
+    end = time.monotonic() + seconds
+    verdict = run_mutant(named[0], root / "tiny", choice, root / "log", lambda: time.monotonic() > end)
     assert (root / "tiny" / "inner" / "code.py").read_bytes() == source
     return verdict.outcome, verdict.test
 
@@ -219,7 +219,7 @@ def test_killed_mutants_and_survivors_are_told_apart(tiny, change, function, out
 
 
 def test_a_mutant_that_hangs_is_ended(tiny):
-    assert verdict_on(tiny, "!= -> ==", "sign", until=2.0)[0] == "broken off"
+    assert verdict_on(tiny, "!= -> ==", "sign", seconds=2.0)[0] == "broken off"
 
 
 def test_of_too_many_tests_those_of_the_module_and_its_folder_are_taken_first():

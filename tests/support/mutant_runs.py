@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -120,7 +120,7 @@ class Verdict:
     seconds: float = 0.0
 
 
-def run_mutant(place: Place, package: Path, tests: Choice, log: Path, until: float) -> Verdict:
+def run_mutant(place: Place, package: Path, tests: Choice, log: Path, is_over: Callable[[], bool]) -> Verdict:
     """Run chosen tests in a copy of the tree with the change, to the first that fails; the log is kept.
 
     One that passes when it is run again has failed by chance: the others go on.
@@ -133,27 +133,29 @@ def run_mutant(place: Place, package: Path, tests: Choice, log: Path, until: flo
         source = module.read_bytes()
         module.write_bytes(place.applied(source))
         patience = PATIENCE + SLOWER * tests.longest + COMPILATION * is_compiled_in(source)
-        run = partial(_run_chosen, tree, log=log, patience=patience, until=until)
+        run = partial(_run_chosen, tree, log=log, patience=patience, is_over=is_over)
         code, test = run(tests.tests)
         while code == 1 and test and run([test])[0] == 0:
             rest = tests.tests[tests.tests.index(test) + 1 :]
             code, test = run(rest) if rest else (0, "")
     seconds = time.monotonic() - began
     if code is None:
-        return Verdict("timed out" if time.monotonic() < until else "broken off", test, seconds)
+        return Verdict("broken off" if is_over() else "timed out", test, seconds)
     outcome = {0: "survived", 5: "not reached"}.get(code, "killed")
     return Verdict(outcome, "" if outcome != "killed" else test or "collection", seconds)
 
 
 def _run_chosen(
-    tree: Path, tests: list[str], log: Path, patience: float, until: float
+    tree: Path, tests: list[str], log: Path, patience: float, is_over: Callable[[], bool]
 ) -> tuple[int | None, str]:
     """Exit code of pytest, None if it took too long, and the last test that began."""
     chosen, started = tree.parent / "chosen", tree.parent / "started"
     chosen.write_text("\n".join(tests), encoding="utf-8")
     started.write_text("", encoding="utf-8")
     variables = {"CHOSEN_TESTS": str(chosen), "STARTED_TEST": str(started)}
-    files = dict.fromkeys(name.partition("::")[0] for name in tests)
+    files = filter(
+        lambda file: (tree / file).exists(), dict.fromkeys(name.partition("::")[0] for name in tests)
+    )
     with (
         log.open("w", encoding="utf-8") as output,
         subprocess.Popen(
@@ -166,20 +168,22 @@ def _run_chosen(
         ) as process,
     ):
         try:
-            code = _code_of(process, started, patience, until)
+            code = _code_of(process, started, patience, is_over)
         finally:
             _kill_with_children(process)
     return code, started.read_text(encoding="utf-8")
 
 
-def _code_of(process: subprocess.Popen, started: Path, patience: float, until: float) -> int | None:
+def _code_of(
+    process: subprocess.Popen, started: Path, patience: float, is_over: Callable[[], bool]
+) -> int | None:
     """Exit code; None where a test, or what is before the first, takes too long, or time is up."""
     test, since = "", time.monotonic()
     while process.poll() is None:
         now = time.monotonic()
         if started.read_text(encoding="utf-8") != test:
             test, since = started.read_text(encoding="utf-8"), now
-        if now - since > patience or now > until:
+        if now - since > patience or is_over():
             return None
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(0.2)
