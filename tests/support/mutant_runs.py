@@ -70,8 +70,8 @@ def _pytest(*words: str) -> list[str]:
 
 def _environment(tree: Path, *more: Path) -> dict[str, str]:
     """Variables for tests in a tree, and their own folder for what they leave behind."""
-    left_out = ("WAYLAND_DISPLAY", "NUMBA_CACHE_DIR")
-    kept = {name: value for name, value in os.environ.items() if name not in left_out}
+    left_out = ("WAYLAND_DISPLAY", "NUMBA_CACHE_DIR", "PYTEST_")  # the last are of a test above
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(left_out)}
     scratch = tree.parent / "tmp"
     scratch.mkdir(exist_ok=True)
     path = os.pathsep.join(map(str, (tree, *more, SUPPORT)))
