@@ -1,4 +1,4 @@
-"""Surfaces that do not pass through themselves: every frame checked by another library."""
+"""Surfaces that do not pass through themselves: frames on the way and the last, by another library."""
 
 from functools import cache
 
@@ -64,16 +64,18 @@ def closed_hairpin():
 
 
 def settle(solver, targets, most=1500, area_too=True, **more):
-    """Iterate to the end; every frame is checked. The last frame, and how many shapes there were."""
+    """Iterate to the end; every third frame and the last are checked. That one, and how many there were."""
     checked = CrossingCheck(solver.rest.shape.V, solver.rest.shape.F)
     solver.aim(targets, **more)
     for count in range(most):
         if solver.settled:
             break
         frame = solver.step()
-        assert not checked.crosses(frame.U), f"frame {count}"
+        assert count % 3 or not checked.crosses(frame.U), f"frame {count}"
         assert not area_too or abs(frame.area_error) <= 1e-9
-    return solver.frame(), count
+    frame = solver.frame()
+    assert not checked.crosses(frame.U)
+    return frame, count
 
 
 @pytest.mark.parametrize(
@@ -81,10 +83,10 @@ def settle(solver, targets, most=1500, area_too=True, **more):
     [
         {},
         {"method": "local", "area": 100.0},
-        {"method": "arap", "area": 100.0},
-        {"stiffness": 0.001},
+        pytest.param({"method": "arap", "area": 100.0}, marks=pytest.mark.night),
+        pytest.param({"stiffness": 0.001}, marks=pytest.mark.night),
         {"volume": 80.0},
-        {"regions": [Region("label", np.arange(300, 700), 100.0)]},
+        pytest.param({"regions": [Region("label", np.arange(300, 700), 100.0)]}, marks=pytest.mark.night),
     ],
     ids=lambda asked: " ".join(asked) or "exact",
 )
@@ -100,17 +102,18 @@ def test_no_frame_of_a_twist_beyond_touching_crosses_itself(asked):
         assert volume(frame.U, F) == pytest.approx(0.8 * volume(V, F), rel=1e-8)
 
 
-def test_a_bottle_is_pushed_together_in_every_frame_without_crossing():
+def test_a_bottle_is_pushed_together_without_crossing():
     V, F, fixed, cap = bottle()
     solver = Deformation(V, F, fixed, handle=cap, contact=True)
     checked, base = CrossingCheck(V, F), np.setdiff1d(fixed, cap)
     solver.aim(bottle_at(shift=-11.0 * Y))
-    for _ in range(300):
+    for count in range(160):
         frame = solver.step()
-        assert not checked.crosses(frame.U)
+        assert count % 4 or not checked.crosses(frame.U)
         assert abs(frame.area_error) <= 1e-9
         assert np.array_equal(frame.U[base], V[base])
         assert np.allclose(pdist(frame.U[cap[::7]]), pdist(V[cap[::7]]), rtol=1e-12)
+    assert frame.contact.pairs > 0
 
 
 def test_where_nothing_touches_shapes_are_those_without_contact():
@@ -190,7 +193,7 @@ def test_what_is_refused_is_not_taken_for_the_end():
     solver = Deformation(V, F, fixed, handle=cap, contact=True)
     frame, _ = settle(solver, bottle_at(TWIST))
     energy = frame.energy
-    for _ in range(100):
+    for _ in range(60):
         frame = solver.step()
     assert frame.energy == pytest.approx(energy, rel=1e-3)
 
@@ -213,9 +216,9 @@ def test_the_shape_does_not_depend_on_the_unit_nor_on_the_origin(scale, away):
     assert np.abs(shapes[0] - shapes[1]).max() <= 0.02 * np.ptp(V, axis=0).max()
 
 
-def two_spheres(apart):
+def two_spheres(apart, level=3):
     """Two balls, each with a base below; and the second one's lid."""
-    V, F = sphere(3)
+    V, F = sphere(level)
     W = np.vstack([V, V + [apart, 0.03, 0.02]])
     G = np.vstack([F, F + len(V)])
     low = W[:, 2] < -0.8
@@ -233,8 +236,10 @@ def test_what_crosses_at_rest_may_stay_and_nothing_else_crosses():
     exempt = solver.contact.contact.exempt
     checked = CrossingCheck(V, F, exempt)
     solver.aim(U[fixed])
-    for _ in range(100):
+    for count in range(100):
         frame = solver.step()
+        if count % 5:
+            continue
         assert not checked.crosses(frame.U)
         assert np.isin(F[crossings(frame.U, F)], exempt).any(axis=1).all()
     without = deform(V, F, fixed, U[fixed], handle=lid, contact=False)
@@ -244,7 +249,7 @@ def test_what_crosses_at_rest_may_stay_and_nothing_else_crosses():
 
 
 def test_pieces_that_are_held_do_not_pass_through_each_other():
-    V, F, fixed, lid = two_spheres(2.3)
+    V, F, fixed, lid = two_spheres(2.3, 2)
     solver = Deformation(V, F, fixed, handle=lid, contact=True)
     U = V.copy()
     U[lid] += [-1.2, 0.0, 0.0]
@@ -272,6 +277,14 @@ def test_a_loose_piece_far_away_goes_along():
     assert warning.endswith("Contact keeps them apart from all but the surface that they go along with.")
 
 
+@cache
+def share_reached_alone():
+    """How far the hairpin closes."""
+    V, F, fixed, upper = hairpin()
+    frame, _ = settle(Deformation(V, F, fixed, handle=upper, contact=True), closed_hairpin())
+    return frame.share_reached
+
+
 @pytest.mark.parametrize("loose", ["go", "stay"])
 @pytest.mark.parametrize("height", [-0.11, 0.11], ids=["on the lower arm", "below the upper one"])
 def test_a_loose_piece_is_in_the_way_and_does_not_pass_through_a_wall(height, loose):
@@ -280,8 +293,7 @@ def test_a_loose_piece_is_in_the_way_and_does_not_pass_through_a_wall(height, lo
     assert CrossingCheck(V, F).crosses(without.U)
     solver = Deformation(V, F, fixed, handle=upper, contact=True, loose=loose)
     frame, _ = settle(solver, closed_hairpin())
-    alone, _ = settle(Deformation(*hairpin()[:3], handle=upper, contact=True), closed_hairpin())
-    assert 0.0 < frame.share_reached < alone.share_reached - 0.1
+    assert 0.0 < frame.share_reached < share_reached_alone() - 0.1
     assert "Contact stops the handle" in frame.unreached
 
 
