@@ -78,7 +78,7 @@ def pull(subdivisions: int) -> None:
             time.sleep(0.001)
         solver.iterate()
         now = time.monotonic() - begun - measuring
-        frame, hides = solver.frame(), solver._solver.hides
+        frame, hides = solver.frame(), solver.solver.hides
         forecast.add(now, frame.gap, frame.seconds_left)
         measured = time.monotonic()
         rough = roughness.of(frame.U)

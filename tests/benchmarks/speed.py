@@ -103,7 +103,7 @@ def iterations(edge, count):
     arap, factor = timed(lambda: ours(rest, held, "arap"))
     exact = ours(rest, held, "exact")
     times = {"libigl": [], "arap": [], "exact": [], "solve": []}
-    factor_of = arap._solver.elastic.factor
+    factor_of = arap.solver.elastic.factor
     solve = factor_of.refined
 
     def timed_solve(B):
@@ -127,7 +127,7 @@ def iterations(edge, count):
 
 def energies(solver, seconds, most):
     """Energies and the seconds until each, aimed at the twist, to the end or for so long."""
-    elastic, started, course = solver._solver.elastic, time.perf_counter(), []
+    elastic, started, course = solver.solver.elastic, time.perf_counter(), []
     while len(course) < most and not (course and (solver.settled or course[-1][0] > seconds)):
         solver.iterate()
         course.append((time.perf_counter() - started, elastic.energy))

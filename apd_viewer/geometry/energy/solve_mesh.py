@@ -21,7 +21,7 @@ from apd_viewer.geometry.mesh.operators import vertex_areas
 # A thinner mesh has so many times fewer vertices, no more than can be solved with in a blink, and no fewer
 # than it takes to tell where the full one goes.
 _RATIO = 2.5
-_MOST = 40_000
+MOST = 40_000
 FEWEST = 500
 
 
@@ -92,7 +92,7 @@ class SolveMesh:
         """Decimated mesh, with the map from each vertex to it."""
         if self._thinnings:
             return self._thinnings[0]
-        count = int(np.clip(len(self.V) / _RATIO, FEWEST, _MOST))
+        count = int(np.clip(len(self.V) / _RATIO, FEWEST, MOST))
         vertices, F = thinned(self.V, self.F, count)
         edge = edge_length(self.V[vertices], F)
         normals = vertex_normals(self.V, self.F)

@@ -34,7 +34,7 @@ _LEAST_SHARE = 1e-3
 # Triangles below this part of the mean area are rounding, and so are the slopes in them.
 _SLIVER = 1e-4
 # From here on a few steps with the thinned mesh tell as much as a factor of the full matrix.
-_LARGE = 200_000
+LARGE = 200_000
 _STEPS = 10
 
 
@@ -148,7 +148,7 @@ def _potentials(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft:
     rows = shape.L.tocsr()[free]
     matrix = (rows[:, free] + diags_array(springs[free])).tocsr()
     b = drawn[free] - rows[:, held] @ h[held]
-    if n <= _LARGE or len(shape.thinning.vertices) > n / 2:
+    if n <= LARGE or len(shape.thinning.vertices) > n / 2:
         h[free] = LinearSolver(matrix, shape.V[free]).refined(b)
     else:
         thinning = shape.thinning

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 # With fewer unknowns a supernodal factor saves nothing.
-_LARGE = 3000
+LARGE = 3000
 # More numbers in the factor for each of the matrix mean that the positions of the unknowns tell nothing.
 _MOST_FILL = 60
 # Of a known solution: so inaccurate steps would lead nowhere.
-_MOST_LOST = 1e-2
+MOST_LOST = 1e-2
 # Of the self-check: single precision leaves about 1e-6.
 _WRONG = 1e-4
 
@@ -78,6 +78,8 @@ class LinearSolver:
 
     Attributes
     ----------
+    factor
+        Supernodal factor, or CHOLMOD's where that will not do.
     seconds : float
         How long the factorization took.
 
@@ -105,22 +107,22 @@ class LinearSolver:
         self, start: np.ndarray, column: np.ndarray, entry: np.ndarray, V: np.ndarray | None
     ) -> None:
         begun = time.monotonic()
-        self._factor: _Simplicial | SupernodalFactor | None = None
-        if V is not None and len(V) >= _LARGE and supernodal_works():
-            self._factor = _supernodal(start, column, entry, V)
-        if self._factor is None:
-            self._factor = _Simplicial(start, column, entry)
+        self.factor: _Simplicial | SupernodalFactor | None = None
+        if V is not None and len(V) >= LARGE and supernodal_works():
+            self.factor = _supernodal(start, column, entry, V)
+        if self.factor is None:
+            self.factor = _Simplicial(start, column, entry)
         self.seconds = time.monotonic() - begun
 
     def solve(self, B: np.ndarray) -> np.ndarray:
         """``A^-1 B`` for ``B`` (n, k), float64, to six digits or so."""
-        assert self._factor is not None
-        return self._factor.solve(np.ascontiguousarray(B))
+        assert self.factor is not None
+        return self.factor.solve(np.ascontiguousarray(B))
 
     def refined(self, B: np.ndarray) -> np.ndarray:
         """``A^-1 B`` for ``B`` (n, k), float64, to ten digits or so."""
-        assert self._factor is not None
-        return self._factor.refined(np.ascontiguousarray(B))
+        assert self.factor is not None
+        return self.factor.refined(np.ascontiguousarray(B))
 
 
 class _Simplicial:
@@ -148,7 +150,7 @@ def _supernodal(
     A = csr_array((entry, column, start), shape=(len(V), len(V)))
     factor = SupernodalFactor(A, nodes)
     away = np.abs(factor.solve(A @ V) - V).max()
-    return factor if away <= _MOST_LOST * np.abs(V).max() else None
+    return factor if away <= MOST_LOST * np.abs(V).max() else None
 
 
 @cache

@@ -106,7 +106,7 @@ class RenderMesh:
         """
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         kept = self.joined, self.leading, self.copied, self.source, self.used
-        _drape(U, *kept, origin, points, normals, low, high)
+        drape(U, *kept, origin, points, normals, low, high)
         if len(self.local):
             _turn(points, self.leading, self.source, self.local, normals)
         return low, high
@@ -172,7 +172,7 @@ def _split(F: np.ndarray, group: np.ndarray, n: int) -> tuple[np.ndarray, np.nda
 
 
 @njit(cache=True, nogil=True)
-def _drape(
+def drape(
     U: np.ndarray,
     joined: np.ndarray,
     leading: np.ndarray,
@@ -185,6 +185,7 @@ def _drape(
     low: np.ndarray,
     high: np.ndarray,
 ) -> None:
+    """Write positions, normals and the box around them, see :meth:`RenderMesh.drape`."""
     ox, oy, oz = origin[0], origin[1], origin[2]
     lx = ly = lz = np.inf
     hx = hy = hz = -np.inf

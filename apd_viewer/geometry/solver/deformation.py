@@ -104,7 +104,7 @@ class Deformation(Uncopied):
 
     Attributes
     ----------
-    loose, contact : LooseParts, ContactDescent or None
+    solver, loose, contact : IterativeSolver, LooseParts, ContactDescent or None
 
     Raises
     ------
@@ -167,12 +167,12 @@ class Deformation(Uncopied):
             started = time.perf_counter()
             elastic = Elastic(rest.shape, held, material, factored, self._soft)
             of, goals = np.concatenate([handle_of, self._soft.handle + 1]), self._kept.goals
-            self._solver = solver_of(elastic, goals, self._traits, of, plain)
+            self.solver = solver_of(elastic, goals, self._traits, of, plain)
             self.contact = None
             if contact:
                 check_contact(self._traits, plain)
                 touching = rest, of, thickness, self.loose, moved_by(obstacles, -rest.centre)
-                self._solver = self.contact = in_contact(self._solver, goals, *touching)
+                self.solver = self.contact = in_contact(self.solver, goals, *touching)
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
@@ -193,7 +193,7 @@ class Deformation(Uncopied):
         with cores_for(len(self.rest.shape.V)):
             self._kept.tolerance = tolerance
             if self._traits.has_tolerance:
-                self._solver.keep(self._kept.goals)
+                self.solver.keep(self._kept.goals)
 
     @property
     def convergence(self) -> Convergence:
@@ -205,7 +205,7 @@ class Deformation(Uncopied):
         check_convergence(convergence)
         with cores_for(len(self.rest.shape.V)):
             if convergence.energy_tolerance != self._convergence.energy_tolerance:
-                self._solver.stop_at(convergence.energy_tolerance)
+                self.solver.stop_at(convergence.energy_tolerance)
                 self._begin()
             self._convergence = convergence
 
@@ -220,7 +220,7 @@ class Deformation(Uncopied):
         """Ask for other areas or another volume from now on; nothing is factored for it."""
         with cores_for(len(self.rest.shape.V)):
             self._kept.ask(area, volume, regions, calm and len(self.fixed) > 0)
-            self._solver.keep(self._kept.goals)
+            self.solver.keep(self._kept.goals)
             self._begin()
 
     def surround(self, obstacles: Sequence[Obstacle]) -> None:
@@ -269,14 +269,14 @@ class Deformation(Uncopied):
         with cores_for(len(self.rest.shape.V)):
             self._held.ask(targets)
             if self._kept.restore_calm():
-                self._solver.keep(self._kept.goals)
+                self.solver.keep(self._kept.goals)
             if self.contact is not None:
                 self.contact.destination, self.contact.origin = shifts, begin
             if U is not None:
-                self._solver.restart(self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first])))
+                self.solver.restart(self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first])))
             drawn = drawn_to(soft_targets, self.rest, self._soft, *self._drawn)
             asked = self._held.asked
-            self._solver.aim(np.concatenate([asked, drawn]) if len(drawn) else asked)
+            self.solver.aim(np.concatenate([asked, drawn]) if len(drawn) else asked)
             self._begin()
 
     def _begin(self) -> None:
@@ -290,7 +290,7 @@ class Deformation(Uncopied):
 
     def iterate(self) -> None:
         """One iteration, without the readings of its shape."""
-        solver = self._solver
+        solver = self.solver
         with cores_for(len(solver.U)):
             if self._kept.may_retry_calm and self._would_settle:
                 self._kept.retry_calm()
@@ -306,27 +306,27 @@ class Deformation(Uncopied):
     def _let_calm_go(self, before: np.ndarray) -> None:
         """Step from ``before`` again, without the areas of calm parts."""
         self._kept.let_calm_go()
-        self._solver.keep(self._kept.goals)
-        self._solver.restart(before)
-        self._solver.step()
+        self.solver.keep(self._kept.goals)
+        self.solver.restart(before)
+        self.solver.step()
 
     @property
     def ready(self) -> bool:
         """True if an iteration has nothing to wait for, such as a factor."""
-        return self._solver.ready
+        return self.solver.ready
 
     @property
     def settled(self) -> bool:
         """True if iterating further changes nothing."""
-        return self._solver.stuck or (self._would_settle and not self._kept.may_retry_calm)
+        return self.solver.stuck or (self._would_settle and not self._kept.may_retry_calm)
 
     @property
     def _would_settle(self) -> bool:
-        return self._solver.met and self._still()
+        return self.solver.met and self._still()
 
     def frame(self) -> Frame:
         """The shape after the last iteration, and its readings."""
-        solver, settled = self._solver, self.settled
+        solver, settled = self.solver, self.settled
         with cores_for(len(solver.U)):
             found = self.rest.measure(solver.U)
             regions = self._kept.region_areas(solver.U)
@@ -363,7 +363,7 @@ class Deformation(Uncopied):
         """Local positions ``U`` of the vertices of the solve, for all those of the file."""
         spread = self.rest.weld.spread(self.loose.carried(U))
         if self.rest.weld.offset is not None and not self._traits.moves_handles:
-            self._held.place(spread, self._solver.held)
+            self._held.place(spread, self.solver.held)
         return spread
 
     @property
@@ -382,18 +382,18 @@ class Deformation(Uncopied):
         return self._kept.target(name)
 
     def _still(self) -> bool:
-        converged = self._solver.converged
+        converged = self.solver.converged
         if converged is None or not self._steps.taken:
             return self._steps.end(self._convergence)
-        return converged or (self._steps.are_rounding and not self._solver.hides)
+        return converged or (self._steps.are_rounding and not self.solver.hides)
 
     @property
     def missed(self) -> str | None:
         """Goals not met by the last frame, and their values; None if all are met."""
-        return self._kept.missed(self._solver.values)
+        return self._kept.missed(self.solver.values)
 
     def _unreached(self) -> str | None:
         stopped = self.contact is not None and self.contact.is_stopped
-        if stopped and self._solver.met:  # otherwise it is the goals that let it go no farther
+        if stopped and self.solver.met:  # otherwise it is the goals that let it go no farther
             return stopped_at(self.share_reached, self.contact)
-        return self._kept.out_of_reach(self._solver.values if stopped or self._solver.stuck else None)
+        return self._kept.out_of_reach(self.solver.values if stopped or self.solver.stuck else None)

@@ -13,7 +13,7 @@ from apd_viewer.geometry.goals.goal_projection import Projection
 
 # With more free vertices a frame waits too long for a factorization: 0.9 to 1.2 s with 31,000 (160 MB), up to
 # 1.6 s with 40,000, 12 s (750 MB) with 125,000.
-_MOST = 40_000
+MOST = 40_000
 # Steps between two Hessians; they take about twice as long as to factor one.
 _PERIOD = 50
 
@@ -24,7 +24,7 @@ def gains_from_hessian(elastic: Elastic) -> bool:
     With bending K is nearly as good a metric, and the Hessian takes seven times as long to factor.
     """
     soft = elastic.membrane is not None and elastic.material.bending == 0.0
-    return soft and len(elastic.free) <= _MOST
+    return soft and len(elastic.free) <= MOST
 
 
 class LateMetric:

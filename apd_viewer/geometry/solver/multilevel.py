@@ -90,6 +90,7 @@ class Multilevel:
     ----------
     elastic : Elastic
         The fine surface.
+    expected : ExpectedEnd
     """
 
     def __init__(self, fine: ConstrainedDescent, coarse: CoarseLevel) -> None:
@@ -97,7 +98,7 @@ class Multilevel:
         self.fine, self.coarse = fine, coarse
         self._coarse_iterations = 1 if len(coarse.shapes()) > 1 else _COARSEST_ITERATIONS
         self._preview: Preview | None = None
-        self._expected = ExpectedEnd(self.elastic, coarse)
+        self.expected = ExpectedEnd(self.elastic, coarse)
         self._reset()
 
     @property
@@ -153,7 +154,7 @@ class Multilevel:
     @property
     def seconds_left(self) -> float | None:
         """Expected seconds to convergence; None if a step never waited for the factor."""
-        return self._expected.seconds_left
+        return self.expected.seconds_left
 
     def stop_at(self, tolerance: float) -> None:
         """Converge once ten fine steps together reduce the energy by at most this part."""
@@ -201,7 +202,7 @@ class Multilevel:
 
     def _reset(self) -> None:
         self._ahead = 1
-        self._expected.forget()
+        self.expected.forget()
         self._previews = self.elastic.factor.elsewhere
 
     def step(self) -> None:
@@ -211,12 +212,12 @@ class Multilevel:
             self.coarse.smooth(_SMOOTHING_OF_FABRIC if self.elastic.membrane else _SMOOTHING)
             self._preview = self._preview or Preview(self.elastic, self.coarse, self.fine.goals)
             self._preview.follow(self.held)
-            self._expected.wait()
+            self.expected.wait()
         elif self._previews:
             self._end_previews()
         elif self.coarse.converged or self.stuck:
             self.fine.step()
-            self._expected.count()
+            self.expected.count()
         else:
             self._advance_coarse()
             self.elastic.turn(self.coarse.turns())
@@ -232,10 +233,10 @@ class Multilevel:
 
     def _end_previews(self) -> None:
         """Iterate from the last preview."""
-        self._expected.begin()
+        self.expected.begin()
         self.elastic.turn(self.coarse.turns())
         if self._preview is not None:
             self.elastic.U, self._preview = self._preview.U, None
         self._previews = False
         self.fine.iterate()
-        self._expected.count()
+        self.expected.count()

@@ -64,11 +64,12 @@ class Restarts:
     ----------
     elastic : Elastic
         The fine surface.
+    inner : Multilevel
     """
 
     def __init__(self, inner: Multilevel) -> None:
         self.elastic = inner.elastic
-        self._inner = inner
+        self.inner = inner
         self._by_hessian = gains_from_hessian(inner.elastic)
         self._patience = _PATIENCE_BY_HESSIAN if self._by_hessian else _PATIENCE
         self._reset()
@@ -76,42 +77,42 @@ class Restarts:
     @property
     def U(self) -> np.ndarray:
         """The shape to show, (n, 3) float array."""
-        return self._best[1][0] if self._on_trial else self._inner.U
+        return self._best[1][0] if self._on_trial else self.inner.U
 
     @property
     def held(self) -> np.ndarray:
         """Positions of held vertices, then targets of soft ones, (k + s, 3)."""
-        return self._inner.held
+        return self.inner.held
 
     @property
     def values(self) -> np.ndarray:
         """Values of the goals at the iterated shape, (g,)."""
-        return self._inner.values
+        return self.inner.values
 
     @property
     def met(self) -> bool:
         """True if all goals are met at the iterated shape."""
-        return self._inner.met
+        return self.inner.met
 
     @property
     def energy(self) -> float | None:
         """The energy of ``U``; None if it is not known."""
-        return self._best[0] if self._on_trial else self._inner.energy
+        return self._best[0] if self._on_trial else self.inner.energy
 
     @property
     def hides(self) -> bool:
         """True if ``U`` is not the iterated shape."""
-        return self._on_trial or self._inner.hides
+        return self._on_trial or self.inner.hides
 
     @property
     def ready(self) -> bool:
         """True if a step has nothing to wait for."""
-        return self._inner.ready
+        return self.inner.ready
 
     @property
     def stuck(self) -> bool:
         """True once the goals are given up."""
-        return self._inner.stuck
+        return self.inner.stuck
 
     @property
     def converged(self) -> bool | None:
@@ -123,34 +124,34 @@ class Restarts:
         """Gain in multiples of its tolerance; 0 on trial."""
         if self._on_trial:
             return 0.0
-        return self._inner.fine.gap if self._finishing else self._inner.gap
+        return self.inner.fine.gap if self._finishing else self.inner.gap
 
     @property
     def seconds_left(self) -> float | None:
         """Expected seconds to the first minimum; None if they are not known."""
-        return None if self._minima else self._inner.seconds_left
+        return None if self._minima else self.inner.seconds_left
 
     def stop_at(self, tolerance: float) -> None:
         """Take a minimum for one once ten steps reduce the energy by at most this part."""
         self._end_trial()
-        self._inner.stop_at(tolerance)
+        self.inner.stop_at(tolerance)
         self._reset()
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
         self._end_trial()
-        self._inner.keep(goals)
+        self.inner.keep(goals)
         self._reset()
 
     def aim(self, targets: np.ndarray) -> None:
         """Hold and draw vertices at ``targets`` (k + s, 3) from now on."""
         self._end_trial()
-        self._inner.aim(targets)
+        self.inner.aim(targets)
         self._reset()
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
-        self._inner.restart(U)
+        self.inner.restart(U)
         self._reset()
 
     def _reset(self) -> None:
@@ -163,7 +164,7 @@ class Restarts:
 
     def step(self) -> None:
         """Do a step of the multilevel solver, and restart it where it stalls."""
-        inner = self._inner
+        inner = self.inner
         (inner.fine if self._finishing else inner).step()
         energy = self.elastic.energy if self._on_trial else np.inf
         gain = 0.0 if self._finishing else _GAIN
@@ -181,7 +182,7 @@ class Restarts:
 
     def _leads_nowhere(self) -> bool:
         """True if the coarse level has come to rest on trial, and promises nothing."""
-        coarse = self._inner.coarse
+        coarse = self.inner.coarse
         if self._led or not coarse.converged:
             return False
         self._led, lowest = True, self._coarse_minimum
@@ -198,7 +199,7 @@ class Restarts:
 
     def _fails(self, energy: float) -> bool:
         """True if the trial has converged and is the last one worth it."""
-        if not (self._inner.converged or self._stalls(energy)):
+        if not (self.inner.converged or self._stalls(energy)):
             return False
         known = any(abs(energy - minimum) <= _GAIN * minimum for minimum in self._minima)
         return known or len(self._minima) - int(np.argmin(self._minima)) > self._patience
@@ -206,11 +207,11 @@ class Restarts:
     def _stalls(self, energy: float) -> bool:
         """True if steps on trial gain too little at this energy."""
         soon = self._by_hessian and self._doubtful and not energy < self._best[0]
-        return self._inner.stalls(_BEFORE_HESSIAN if soon else _TRIAL_TOLERANCE)
+        return self.inner.stalls(_BEFORE_HESSIAN if soon else _TRIAL_TOLERANCE)
 
     def _begin_trial(self) -> None:
         """Follow the coarse level from the minimum; show the best shape meanwhile."""
-        inner, energy, best, minima = self._inner, self.elastic.energy, self._best, self._minima
+        inner, energy, best, minima = self.inner, self.elastic.energy, self._best, self._minima
         if energy < best[0]:
             best = energy, inner.shapes(), inner.fine.multipliers
         inner.follow_again()
@@ -233,6 +234,6 @@ class Restarts:
         """Restore the best shape, if another one is on trial."""
         if self._on_trial:
             _, shapes, multipliers = self._best
-            self._inner.restore(shapes)
-            self._inner.fine.multipliers = multipliers
+            self.inner.restore(shapes)
+            self.inner.fine.multipliers = multipliers
             self._reset()

@@ -61,7 +61,7 @@ def test_it_is_of_the_shape_that_is_shown_while_a_coarse_one_leads_and_others_ar
     hid = 0
     for _ in range(400):
         frame = solver.step()
-        hid += solver._solver.hides
+        hid += solver.solver.hides
         assert frame.energy == pytest.approx(rest.energy(frame.U), rel=1e-6)
         if hid > 3 or solver.settled:
             break

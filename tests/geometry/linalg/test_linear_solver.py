@@ -24,7 +24,7 @@ RNG = np.random.default_rng(0)
 @pytest.fixture(autouse=True)
 def of_any_size(monkeypatch):
     """Let small systems have supernodal factors as well."""
-    monkeypatch.setattr(linear_solver, "_LARGE", 0)
+    monkeypatch.setattr(linear_solver, "LARGE", 0)
 
 
 def pinned(V, F, held=1):
@@ -141,18 +141,18 @@ class TestTheWayBack:
         return pinned(*sphere(3))
 
     def check(self, solver, A):
-        assert not isinstance(solver._factor, SupernodalFactor)
+        assert not isinstance(solver.factor, SupernodalFactor)
         B = RNG.normal(size=(A.shape[0], 3))
         assert np.abs(A @ solver.solve(B) - B).max() <= 1e-10 * np.abs(B).max()
 
     def test_it_is_not_taken_without_need(self, system):
-        assert isinstance(LinearSolver(*system)._factor, SupernodalFactor)
+        assert isinstance(LinearSolver(*system).factor, SupernodalFactor)
 
     def test_without_positions(self, system):
         self.check(LinearSolver(system[0]), system[0])
 
     def test_for_small_systems(self, system, monkeypatch):
-        monkeypatch.setattr(linear_solver, "_LARGE", 10**6)
+        monkeypatch.setattr(linear_solver, "LARGE", 10**6)
         self.check(LinearSolver(*system), system[0])
 
     def test_where_the_factor_would_be_dense(self, system):
@@ -162,7 +162,7 @@ class TestTheWayBack:
         self.check(LinearSolver(A, nowhere), A)
 
     def test_where_single_precision_is_not_enough(self, system, monkeypatch):
-        monkeypatch.setattr(linear_solver, "_MOST_LOST", 1e-12)
+        monkeypatch.setattr(linear_solver, "MOST_LOST", 1e-12)
         self.check(LinearSolver(*system), system[0])
 
     @pytest.mark.parametrize("fault", ["wrong", "raises"])

@@ -8,7 +8,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.preview_surface import Sketch
-from apd_viewer.geometry.picking.render_mesh import _drape
+from apd_viewer.geometry.picking.render_mesh import drape
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.geometry.warmup import warm_up
 
@@ -79,12 +79,12 @@ def test_a_stroke_goes_on_across_a_seam_and_names_each_place_once():
 
 def test_warm_up_compiles_what_a_window_calls():
     warm_up("window")
-    compiled = len(_drape.signatures)
+    compiled = len(drape.signatures)
     V, F = box(1, 1, 1)
     draped(Skin.of(F, len(V)), V)
     torn = Mesh(*soup(V, F))
     draped(Skin.of(torn.F, len(torn.V), torn.joined_F), torn.V)
-    assert len(_drape.signatures) == compiled
+    assert len(drape.signatures) == compiled
 
 
 def test_a_sketch_looks_like_what_it_stands_in_for():

@@ -7,7 +7,7 @@ import pytest
 from meshes import rotation, tube
 from remote_factor_double import Elsewhere
 
-from apd_viewer.geometry.goals.goals import GoalMeasures, Region
+from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.solver import coarse_preview
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -48,14 +48,16 @@ ASKED = {
 def test_what_is_asked_holds_in_every_preview(asked, factor):
     caps = {"area": (V, F), "volume": closed(), "all": closed()}[asked]
     solver = Deformation(*caps, FIXED, method="arap", factored=factor, **ASKED[asked])
+    wished = ASKED[asked]
+    goals = make_goals(solver.rest, wished["area"], wished.get("volume"), wished.get("regions", ()))
     for k in range(1, 30):
         solver.aim(targets(0.04 * k, (0, 0, 0)))
         solver.iterate()
-        method = solver._solver
+        method = solver.solver
         assert method.hides, "it is none of its own shapes"
         assert method.met
         assert np.array_equal(method.U[FIXED], targets(0.04 * k, (0, 0, 0)))
-        for goal in solver._kept.goals:
+        for goal in goals:
             assert abs(goal.miss(GoalMeasures((goal,)).values(method.U)[0])) <= (
                 1e-9 if asked == "all" else 1e-10
             )
@@ -104,7 +106,7 @@ def test_it_ends_where_it_would_without_and_nothing_jumps(method, factor):
     factor.there = True
     assert solver.ready
     first = solver.step()
-    assert not solver._solver.hides
+    assert not solver.solver.hides
     diagonal = solver.rest.diagonal
     assert np.abs(first.U - preview).max() <= 0.01 * diagonal
     normals = [vertex_normals(U, solver.rest.shape.F) for U in (preview, first.U)]
@@ -128,7 +130,7 @@ def test_a_hand_that_moves_on_is_followed_from_the_last_full_shape(factor):
     for shift in (0.25, 0.3, 0.25, 0.2):
         solver.aim(targets(0.3, (0.1, 0.0, shift)))
         solver.iterate()
-        assert solver._solver.hides
+        assert solver.solver.hides
     while not (frame := solver.step()).settled:
         pass
     assert np.abs(frame.U - rest.U).max() <= 5e-3 * solver.rest.diagonal
@@ -171,10 +173,10 @@ def test_the_end_is_foretold_while_the_factor_is_missing(factor, monkeypatch):
     solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor)
     solver.aim(targets(0.3))
     until_the_coarse_one_is_done(solver)
-    expected, before = solver._solver._inner._expected, solver.frame().seconds_left
+    expected, before = solver.solver.inner.expected, solver.frame().seconds_left
     assert before > expected.descent_seconds > 0.0
     monkeypatch.setattr(Elsewhere, "seconds", 0.5 * expected.factor_seconds)
-    solver._solver._inner.step()
+    solver.solver.inner.step()
     half = 0.5 * expected.factor_seconds + expected.descent_seconds
     assert solver.frame().seconds_left == pytest.approx(half, abs=0.05)
 
@@ -184,7 +186,7 @@ def test_the_descent_is_foretold_by_its_own_pace(factor, monkeypatch):
     monkeypatch.setattr(coarse_preview, "time", SimpleNamespace(monotonic=lambda: now))
     solver.aim(targets(0.3))
     until_the_coarse_one_is_done(solver)
-    factor.there, expected = True, solver._solver._inner._expected.iterations
+    factor.there, expected = True, solver.solver.inner.expected.iterations
     for done in range(1, 6):
         solver.iterate()
         pace = 2.0 * (done - 1) / done

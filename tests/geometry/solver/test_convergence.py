@@ -5,7 +5,7 @@ import pytest
 from meshes import box, ends, rotation, sphere
 
 from apd_viewer import Convergence, Deformation, InputError, deform
-from apd_viewer.geometry.solver.convergence import MEMORY, step_gap
+from apd_viewer.geometry.solver.convergence import MEMORY, StepLengths, step_gap
 
 V, F = box(2, 2, 8)
 BASE, HANDLE = ends(V)
@@ -95,3 +95,11 @@ def test_criteria_that_cannot_be_used_are_refused(criteria, sentence):
 def test_steps_that_hardly_become_shorter_say_nothing_of_those_to_come():
     assert step_gap([*[1.0] * MEMORY, 1.0 - 1e-16], 1e-5) is None
     assert step_gap([0.5**k for k in range(MEMORY + 1)], 1e-5) == pytest.approx(0.5**MEMORY / 1e-5)
+
+
+def test_what_stood_still_at_first_and_moves_now_has_not_ended():
+    """Found by chance in a session of many verbs."""
+    lengths = StepLengths()
+    for step in [0.0] + [1e-6] * MEMORY:
+        lengths.append(step)
+    assert not lengths.end(Convergence())

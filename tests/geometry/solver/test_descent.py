@@ -72,7 +72,7 @@ def test_it_ends_lower_than_plain_iterations_and_sooner(mesh, method):
 
     def energy(U):
         solver.aim(targets, U=U)
-        return solver._solver.elastic.energy
+        return solver.solver.elastic.energy
 
     assert energy(fast.U) <= energy(plain.U) * (1 + 1e-7)
 

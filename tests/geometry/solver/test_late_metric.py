@@ -24,7 +24,7 @@ def turned(angle):
 def to_the_end(solver, targets, most=6000):
     """Energy and metric after every iteration; everything kept is checked in each."""
     solver.aim(targets)
-    elastic, course = solver._solver.elastic, []
+    elastic, course = solver.solver.elastic, []
     while not solver.settled:
         frame = solver.step()
         course.append((frame.energy, elastic.metric is not elastic.factor))
@@ -43,7 +43,7 @@ def test_it_ends_sooner_and_as_low(options, monkeypatch):
     assert late[switch:].all()
     assert not late[:switch].any()
     assert (np.diff(energies[switch - 10 :]) <= 1e-14 * energies[-1]).all()
-    monkeypatch.setattr(late_metric, "_MOST", 0)
+    monkeypatch.setattr(late_metric, "MOST", 0)
     by_k, never = to_the_end(Deformation(V, F, FIXED, method="local", rest=REST, **options), turned(0.6))
     assert not never.any()
     assert len(energies) < len(by_k)
@@ -67,5 +67,5 @@ def test_a_new_aim_begins_with_k():
 
 def test_a_coarse_tolerance_ends_with_k():
     solver = Deformation(V, F, FIXED, method="local", rest=REST)
-    solver._solver.stop_at(1e-4)
+    solver.solver.stop_at(1e-4)
     assert not to_the_end(solver, turned(0.6))[1].any()

@@ -107,10 +107,11 @@ def test_where_nothing_is_in_the_way_the_shape_is_that_without_obstacles():
 def test_two_plates_are_a_press():
     """With nothing held: the same loads, and no turn of the whole."""
     V, F = tube(16, 16)
-    press = PlatePress(RestMesh(V, F), X, 1.6, 4, options=PressOptions(stiffness=0.001))
-    steps = list(press.steps())
-    pairs = press.pressing._surface.contact.obstacles
-    plates = [each.obstacle for each in pairs]
+    rest = RestMesh(V, F)
+    press = PlatePress(rest, X, 1.6, 4, options=PressOptions(stiffness=0.001))
+    steps, way = list(press.steps()), press.way
+    places = rest.centre + np.outer([way.low, way.high], X)
+    plates = [plate(place, side * X, rest.diagonal) for place, side in zip(places, (1.0, -1.0), strict=True)]
     solver = Deformation(V, F, [], obstacles=plates, **STIFF)
     whole = 0.5 * press.way.length
     for k, step in enumerate(steps[1:], start=1):

@@ -26,7 +26,7 @@ def to_the_end(solver, most=3000):
     frames, hidden = [], []
     while not solver.settled:
         frames.append(solver.step())
-        hidden.append(solver._solver.hides)
+        hidden.append(solver.solver.hides)
         assert len(frames) < most
     return frames, np.array(hidden)
 
@@ -35,7 +35,7 @@ def shown_while_it_tries(angle):
     """A solver in the midst of a try, and the shape that is shown."""
     solver = Deformation(V, F, FIXED, rest=REST)
     solver.aim(turned(angle))
-    while not solver._solver.hides:
+    while not solver.solver.hides:
         solver.iterate()
     shown = solver.frame().U
     for _ in range(5):
@@ -46,7 +46,7 @@ def shown_while_it_tries(angle):
 @pytest.mark.parametrize("method", ["arap", "exact"])
 def test_a_try_is_shown_once_it_is_better_and_never_before(method):
     solver = Deformation(V, F, FIXED, method=method, rest=REST)
-    assert isinstance(solver._solver, Restarts)
+    assert isinstance(solver.solver, Restarts)
     targets = turned(2.0)
     solver.aim(targets)
     frames, hidden = to_the_end(solver)
@@ -73,7 +73,7 @@ def test_what_moves_on_ends_a_try():
     solver, shown = shown_while_it_tries(1.0)
     assert solver.frame().U.tobytes() == shown.tobytes()
     solver.aim(turned(1.1))
-    assert not solver._solver.hides
+    assert not solver.solver.hides
     frame = solver.step()
     assert np.array_equal(frame.U[FIXED], turned(1.1))
     assert abs(frame.area_error) <= 1e-9
