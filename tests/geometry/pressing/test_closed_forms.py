@@ -26,7 +26,10 @@ def equilateral_tube(around):
     return tube(around, round(around / (2.0 * np.pi) / 0.75**0.5), height=1.0)
 
 
-@pytest.mark.parametrize("stiffness", [0.0005, 0.001, 0.002])
+@pytest.mark.parametrize(
+    "stiffness",
+    [pytest.param(0.0005, marks=pytest.mark.night), 0.001, pytest.param(0.002, marks=pytest.mark.night)],
+)
 def test_a_ring_between_plates(stiffness):
     """A thin ring that bends and stretches [Timoshenko, Strength of Materials, curved bars]."""
     across = np.array([1.0, 0.0, 0.0])
@@ -37,6 +40,7 @@ def test_a_ring_between_plates(stiffness):
     assert fine + (fine - coarse) / 3.0 == pytest.approx(1.0 / (bends + stretches), rel=0.06)
 
 
+@pytest.mark.night
 def test_a_sphere_between_plates():
     """Point loads at two poles [Reissner 1946, Stresses and small displacements of shallow shells]."""
     stiffness = 2e-4

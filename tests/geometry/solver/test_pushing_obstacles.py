@@ -40,21 +40,24 @@ def beside(kind):
 
 
 def settle(solver, obstacles, most=2500):
-    """Iterate to the end; every frame is looked at by another library."""
+    """Iterate to the end; every fifth frame and the last are looked at, by another library too."""
     check, F = CrossingCheck(solver.rest.shape.V, solver.rest.shape.F), solver.rest.F
-    for _ in range(most):
-        if solver.settled:
-            break
-        frame = solver.step()
+    for count in range(most + 1):
+        if not solver.settled and count % 5:
+            solver.iterate()
+            continue
+        frame = solver.frame() if solver.settled or count == most else solver.step()
         assert not check.crosses(frame.U)
         assert abs(frame.area_error) <= 1e-9
         for obstacle, shift in zip(obstacles, frame.shifts, strict=True):
             assert clearance(obstacle, shift, frame.U, F) > 0.0
             assert obstacle.outwards(obstacle.points + shift, frame.U)[0].min() > 0.0
-    return solver.frame()
+        if solver.settled:
+            break
+    return frame
 
 
-@pytest.mark.parametrize("kind", ["sphere", "cylinder"])
+@pytest.mark.parametrize("kind", ["sphere", pytest.param("cylinder", marks=pytest.mark.night)])
 def test_handles_and_obstacles_move_together_and_nothing_is_entered(kind):
     V, F, fixed, high = held_tube()
     obstacles = [beside(kind)]
@@ -125,6 +128,7 @@ def test_two_plates_are_a_press():
         assert energy == pytest.approx(step.energy, rel=0.01)
 
 
+@pytest.mark.night
 def test_what_nothing_holds_slides_and_does_not_turn_as_a_whole():
     """A sphere that pushes beside the centre would turn it."""
     V, F = tube(16, 16)
