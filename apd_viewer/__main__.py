@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 _OF_DESKTOP = "desktop", "thumbnail"
-_COMMANDS = "deck", "deform", "info", "paper", "press", "replay", "study", "sweep", "volumes", *_OF_DESKTOP
+COMMANDS = "deck", "deform", "info", "paper", "press", "replay", "study", "sweep", "volumes", *_OF_DESKTOP
 _USAGE = tr(
     """\
 apd-viewer [FILE]                    open the window on FILE or on the sample bottle
@@ -59,12 +59,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(words: list[str]) -> None:
     try:
-        options = _parsed(words)
+        options = parsed(words)
         # Here, because --version and --help, which end before, take twice as long with it.
         from apd_viewer import log
 
         with log.recording(options.log_level):
-            if words and words[0] in _COMMANDS:
+            if words and words[0] in COMMANDS:
                 with ended_by_signals():
                     options.run(options)
             else:
@@ -75,9 +75,9 @@ def _run(words: list[str]) -> None:
     sys.stdout.flush()
 
 
-def _parsed(words: list[str]) -> argparse.Namespace:
+def parsed(words: list[str]) -> argparse.Namespace:
     """Options of the command line."""
-    if not words or words[0] not in _COMMANDS:
+    if not words or words[0] not in COMMANDS:
         parser = _view_parser()
         name = words[0] if len(words) > 1 else ""  # words that follow are those of a command
         if name and not name.startswith("-") and not Path(name).suffix and not Path(name).exists():

@@ -49,7 +49,8 @@ def choose_language(name: str) -> None:
         path.unlink(missing_ok=True)
 
 
-def _chosen() -> str:
+def chosen_language() -> str:
+    """Language chosen by the user; empty for that of the system."""
     try:
         path = chosen_file()
         return path.read_text(encoding="ascii").strip() if path.is_file() else ""  # a pipe would wait
@@ -126,13 +127,13 @@ def catalogue(folder: Path, names: list[str]) -> tuple[str, gettext.NullTranslat
     return "en", gettext.NullTranslations()
 
 
-_FOLDER = Path(os.environ.get("APD_VIEWER_LANGUAGES") or Path(__file__).parent / "languages")
-LANGUAGE, _catalogue = catalogue(_FOLDER, wished(os.environ, _chosen()))
+FOLDER = Path(os.environ.get("APD_VIEWER_LANGUAGES") or Path(__file__).parent / "languages")
+LANGUAGE, CATALOGUE = catalogue(FOLDER, wished(os.environ, chosen_language()))
 
 
 def languages() -> list[str]:
     """Names of the languages that there are, English first."""
-    found = sorted(path.parents[1].name for path in _FOLDER.glob(f"*/LC_MESSAGES/{DOMAIN}.mo"))
+    found = sorted(path.parents[1].name for path in FOLDER.glob(f"*/LC_MESSAGES/{DOMAIN}.mo"))
     return ["en", *found]
 
 
@@ -143,7 +144,7 @@ def translations(text: str) -> set[str]:
 
 @cache
 def _catalogues() -> list[gettext.NullTranslations]:
-    return [catalogue(_FOLDER, [name])[1] for name in languages()]
+    return [catalogue(FOLDER, [name])[1] for name in languages()]
 
 
 _SHOWS_NUMBERS = "APD_VIEWER_NUMBERS"  # for the processes of the window
@@ -154,7 +155,7 @@ def tr(text: str) -> str:
 
     Values go into it afterwards: ``tr("{name} has no area.").format(name=...)``.
     """
-    return Text(_catalogue.gettext(text))
+    return Text(CATALOGUE.gettext(text))
 
 
 def trn(one: str, many: str, n: int) -> str:
@@ -163,12 +164,12 @@ def trn(one: str, many: str, n: int) -> str:
     The number goes into it as values do: ``trn("{n:,} face", "{n:,} faces", n).format(n=n)``.
     """
     # A translation that is still to be written is an empty text, not a missing one.
-    return Text(_catalogue.ngettext(one, many, n) or (one if n == 1 else many))
+    return Text(CATALOGUE.ngettext(one, many, n) or (one if n == 1 else many))
 
 
 def trc(context: str, text: str) -> str:
     """Translate a ``text`` with a context: ``trc("view", "Back")`` is not a button."""
-    return Text(_catalogue.pgettext(context, text))
+    return Text(CATALOGUE.pgettext(context, text))
 
 
 def in_quotes(text: str) -> str:

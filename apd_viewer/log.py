@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 _LOGGER = logging.getLogger("apd_viewer")
 _FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
-_MOST_BYTES = 1 << 20  # of a file, before it is rotated
+MOST_BYTES = 1 << 20  # of a file, before it is rotated
 _MOST_FILES = 20  # of all runs together
 _LIBRARIES = (
     "apd-viewer",
@@ -136,7 +136,7 @@ def _age(path: Path) -> float:
 
 def _add_handlers(undo: ExitStack, file: str, level: str | None) -> None:
     handlers: list[logging.Handler] = [
-        LogFile(file, maxBytes=_MOST_BYTES, backupCount=1, encoding="utf-8", delay=True)
+        LogFile(file, maxBytes=MOST_BYTES, backupCount=1, encoding="utf-8", delay=True)
     ]
     if level is not None:
         handlers.append(logging.StreamHandler())

@@ -86,7 +86,7 @@ def test_relative_links_lead_somewhere():
 
 @pytest.mark.parametrize(("page", "line"), COMMANDS)
 def test_commands_parse(page, line):
-    command_line._parsed(shlex.split(line, comments=True)[1:])
+    command_line.parsed(shlex.split(line, comments=True)[1:])
 
 
 def test_lines_of_the_page_on_scripting_find_their_files():
@@ -106,7 +106,7 @@ def test_lines_of_the_page_on_scripting_find_their_files():
 def test_commands_and_targets_of_make_exist():
     assert len(COMMANDS) > 8
     named = {name for _, (name,) in found(r"`apd-viewer ([a-z]+)")}
-    assert named <= set(command_line._COMMANDS)
+    assert named <= set(command_line.COMMANDS)
     targets = {name for _, (name,) in found(r"(?:^|`)make ([a-z]+)", re.MULTILINE)}
     assert targets >= {"run", "test"}
     assert [name for name in targets if not re.search(rf"(?m)^{name}:", MAKEFILE)] == []

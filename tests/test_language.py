@@ -106,16 +106,16 @@ def test_the_chosen_language_goes_before_that_of_the_system(tmp_path, monkeypatc
     assert wished({"LANG": "de_DE.UTF-8"}, "en") == []
     assert wished({"APD_VIEWER_LANGUAGE": "ja"}, "fr") == ["ja"]
     monkeypatch.setattr(language, "chosen_file", lambda: tmp_path / "config" / "language")
-    assert language._chosen() == ""
+    assert language.chosen_language() == ""
     for name in ("fr", "", ""):
         language.choose_language(name)
-        assert language._chosen() == name
+        assert language.chosen_language() == name
     (tmp_path / "config" / "language").write_bytes(b"\xff")
-    assert language._chosen() == ""
+    assert language.chosen_language() == ""
 
 
 def test_english_and_every_catalogue_are_offered(tmp_path, monkeypatch):
-    monkeypatch.setattr(language, "_FOLDER", tmp_path)
+    monkeypatch.setattr(language, "FOLDER", tmp_path)
     assert language.languages() == ["en"]
     write_catalogue(tmp_path)
     assert language.languages() == ["en", LANGUAGE]
@@ -151,7 +151,7 @@ def test_a_catalogue_that_is_damaged_is_no_reason_to_stop(tmp_path, capsys):
 
 def test_what_is_still_to_be_translated_is_said_in_english(tmp_path, monkeypatch):
     write_catalogue(tmp_path, spoken=lambda _: "")
-    monkeypatch.setattr(language, "_catalogue", language.catalogue(tmp_path, [LANGUAGE])[1])
+    monkeypatch.setattr(language, "CATALOGUE", language.catalogue(tmp_path, [LANGUAGE])[1])
     assert language.tr("No issues") == "No issues"
     assert language.trc("view", "Back") == "Back"
     assert [language.trn("{n} day ago", "{n} days ago", n) for n in (1, 2)] == ["{n} day ago", "{n} days ago"]

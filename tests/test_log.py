@@ -96,7 +96,7 @@ def test_each_command_takes_the_level(folder, capsys):
 
 
 def test_a_long_log_is_rotated(folder, monkeypatch):
-    monkeypatch.setattr(log, "_MOST_BYTES", 10_000)
+    monkeypatch.setattr(log, "MOST_BYTES", 10_000)
     with log.recording():
         for k in range(1000):
             LOGGER.info("record %d", k)

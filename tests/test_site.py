@@ -20,7 +20,7 @@ from plain_markdown import escaped
 from pseudo import messages
 
 import apd_viewer
-from apd_viewer.__main__ import _COMMANDS
+from apd_viewer.__main__ import COMMANDS
 from apd_viewer.files.meshes import FORMATS
 from apd_viewer.ui.help.places import of_action, of_setting, slug
 from apd_viewer.ui.settings_page.preference_table import PREFERENCES
@@ -47,7 +47,7 @@ def keys():
 
 def test_every_command_and_every_option_is_on_the_page():
     page = commands_page.commands_page()
-    assert set(re.findall(r"(?m)^## apd-viewer (\w+)", page)) == set(_COMMANDS)
+    assert set(re.findall(r"(?m)^## apd-viewer (\w+)", page)) == set(COMMANDS)
     sections = dict(re.findall(r"(?ms)^```\{program\} ([\w -]+)$(.*?)(?=^```\{program\}|\Z)", page))
     assert len(options()) > 100
     given = {command: re.findall(r"(?m)^````\{option\} (.*)$", text) for command, text in sections.items()}
@@ -123,7 +123,7 @@ def test_every_control_is_listed_once_with_a_sentence():
 def test_menu_entries_lead_to_the_pages_about_them(keys):
     entry = next(entry for entry in keys if entry.name == "bake")
     assert "[Undo, and begin from a new rest shape](../howto/undo.md)" in keys_page.keys_page()
-    assert keys_page._page_about(entry).name == "undo.md"
+    assert keys_page.page_about(entry).name == "undo.md"
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_menu_entries_lead_to_the_pages_about_them(keys):
 )
 def test_menu_entries_lead_to_the_page_that_begins_with_them(keys, name, page):
     entry = next(entry for entry in keys if entry.name == name)
-    assert keys_page._page_about(entry).name == page
+    assert keys_page.page_about(entry).name == page
 
 
 def test_signs_count_in_anchors():

@@ -28,12 +28,12 @@ def _row(entry: Entry) -> tuple[str, ...]:
     keys = _LINUX.get(entry.name, entry.keys).split("; ")
     shown = " or ".join(f"`{key}`" for key in keys if key)
     said = escaped(entry.tip)
-    if (page := _page_about(entry)) is not None:
+    if (page := page_about(entry)) is not None:
         said = f"{said}. See [{_title(page)}](../howto/{page.name})."
     return marked(escaped(entry.title), of_action(entry.name).anchor), shown, said
 
 
-def _page_about(entry: Entry) -> Path | None:
+def page_about(entry: Entry) -> Path | None:
     """Page about an entry: where its path or title in bold type, or its keys, stand first."""
     bare = entry.title.rpartition(": ")[2]
     keys = [f"`{key}`" for key in _LINUX.get(entry.name, entry.keys).split("; ") if key]
