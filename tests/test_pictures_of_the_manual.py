@@ -1,7 +1,7 @@
 """Every picture of the pages is made by a script, every script makes one that is shown, and all of them run.
 
 Here the scripts drive their windows on coarse meshes, with a few iterations: whatever a script clicks, types
-and names is there, but what a full run draws is not looked at.
+and names is there, but what a full run draws is not looked at. By day a few of them do.
 """
 
 import re
@@ -20,6 +20,7 @@ ROOT = Path(__file__).parents[1]
 IMAGE = re.compile(r"!\[([^\]]*)\]\(([^)\s]+)\)")
 MOST = 12_000_000  # bytes of all pictures: the site is to be carried along
 OF_THE_GALLERY = ["bottle_twisted", "falloff", "sweep"]  # the others are drawn in the same way
+DAILY = {"gallery_falloff", "press_dialog", "targets_fields", "window"}
 
 
 def pages():
@@ -91,7 +92,12 @@ def staged(qapp, tmp_path, compiled):
 SCRIPTED = sorted(path.stem for path in SCRIPTS.glob("*.py"))
 
 
-@pytest.mark.parametrize("name", [*SCRIPTED, *(f"gallery_{name}" for name in OF_THE_GALLERY)])
+def by_day(names):
+    """Those that are daily, and the others by night."""
+    return [pytest.param(name, marks=() if name in DAILY else pytest.mark.night) for name in names]
+
+
+@pytest.mark.parametrize("name", by_day([*SCRIPTED, *(f"gallery_{name}" for name in OF_THE_GALLERY)]))
 def test_a_script_runs(name, staged):
     drawn = drawer(name)(staged())
     picture = np.asarray(still(drawn).convert("RGB"), dtype=int)
@@ -99,6 +105,7 @@ def test_a_script_runs(name, staged):
     assert picture.std() > 5  # something is there
 
 
+@pytest.mark.night
 @pytest.mark.parametrize("name", ["move_gizmo", "targets_fields", "choose_lasso"])
 def test_a_picture_made_twice_is_the_same(name, staged):
     """Pixel for pixel, with the same drawing of OpenGL."""
