@@ -1,6 +1,8 @@
 """The pages for readers: links lead somewhere, commands parse, code runs, menus and rooms exist."""
 
+import ast
 import contextlib
+import inspect
 import io
 import json
 import re
@@ -118,22 +120,54 @@ def test_the_quick_tests_exist():
     assert [path for path in paths if not (ROOT / path).exists()] == []
 
 
-@pytest.mark.parametrize(("page", "code"), SNIPPETS, ids=[page for page, _ in SNIPPETS])
+LONG = {"docs/scripting.md"}  # its code runs by night
+
+
+@pytest.mark.parametrize(
+    ("page", "code"),
+    [
+        pytest.param(page, code, id=page, marks=pytest.mark.night if page in LONG else ())
+        for page, code in SNIPPETS
+    ],
+)
 def test_python_snippets_run(page, code, compiled, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     exec(compile(code.replace('"resources/', f'"{ROOT.as_posix()}/resources/'), page, "exec"), {})
 
 
-def test_the_notebook_runs(compiled, tmp_path, monkeypatch):
-    """Cell after cell; the value of a name in a last line is shown, as a notebook does."""
+@pytest.fixture(scope="module")
+def cells():
+    """Code of the cells of the notebook."""
     notebook = json.loads((ROOT / "docs" / "notebook.ipynb").read_text(encoding="utf-8"))
     assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
     cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
     assert [cell["outputs"] for cell in cells] == [[]] * 5  # they would grow old
+    return [
+        "".join(cell["source"]).replace('"../resources/', f'"{ROOT.as_posix()}/resources/') for cell in cells
+    ]
+
+
+def test_names_and_arguments_in_snippets_and_cells_are_those_of_the_package(cells):
+    calls = [
+        call
+        for code in (*(code for _, code in SNIPPETS), *cells)
+        for call in ast.walk(ast.parse(code))
+        if isinstance(call, ast.Call) and ast.unparse(call.func).startswith("apd_viewer.")
+    ]
+    assert len(calls) > 10
+    for call in calls:
+        name = ast.unparse(call.func).partition(".")[2]
+        assert name in apd_viewer.__all__
+        parameters = inspect.signature(getattr(apd_viewer, name)).parameters
+        assert {each.arg for each in call.keywords} <= set(parameters), name
+
+
+@pytest.mark.night
+def test_the_notebook_runs(cells, compiled, tmp_path, monkeypatch):
+    """Cell after cell; the value of a name in a last line is shown, as a notebook does."""
     monkeypatch.chdir(tmp_path)
     names, printed, shown = {}, io.StringIO(), []
-    for cell in cells:
-        code = "".join(cell["source"]).replace('"../resources/', f'"{ROOT.as_posix()}/resources/')
+    for code in cells:
         body, _, last = code.rpartition("\n")
         is_name = re.fullmatch(r"\w+(\[\"\w+\"\])?", last) is not None
         with contextlib.redirect_stdout(printed):

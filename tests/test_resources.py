@@ -116,6 +116,7 @@ def test_the_second_bend_is_twice_the_first():
     np.testing.assert_allclose(second, 2 * first, rtol=1e-12)
 
 
+@pytest.mark.night
 def test_the_script_reproduces_the_samples(tmp_path):
     runpy.run_path(str(RESOURCES / "make_samples.py"))["main"](tmp_path)
     for name in SAMPLES:

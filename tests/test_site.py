@@ -163,6 +163,7 @@ needs_sphinx = pytest.mark.skipif(
 )
 
 
+@pytest.mark.night
 @needs_sphinx
 def test_a_page_follows_what_it_is_made_of(tmp_path):
     """Built again beside its doctrees, as by ``make docs``, it shows the file as it has become."""
@@ -180,6 +181,7 @@ def test_a_page_follows_what_it_is_made_of(tmp_path):
         assert said in (tmp_path / "site" / "index.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.night
 @needs_sphinx
 def test_the_site_is_built_without_a_warning(tmp_path):
     command = [sys.executable, "-m", "sphinx", "-W", "-n", "-q", "-d", str(tmp_path / "trees")]
