@@ -50,7 +50,7 @@ def test_it_has_the_terms_of_the_material(method):
 
 
 def test_it_is_of_the_shape_that_is_shown_while_a_coarse_one_leads_and_others_are_tried():
-    V, F = tube(80, 120, height=4.0)
+    V, F = tube(48, 72, height=4.0)
     rest = RestMesh(V, F)
     fixed = np.flatnonzero((V[:, 2] < 0.4) | (V[:, 2] > 3.6))
     held = V[fixed].copy()
@@ -69,7 +69,7 @@ def test_it_is_of_the_shape_that_is_shown_while_a_coarse_one_leads_and_others_ar
 
 
 def test_nobody_knows_it_of_a_preview():
-    V, F = tube(80, 120, height=4.0)
+    V, F = tube(48, 72, height=4.0)
     fixed = np.flatnonzero((V[:, 2] < 0.4) | (V[:, 2] > 3.6))
     solver = Deformation(V, F, fixed, factored=Elsewhere)
     solver.aim(V[fixed] + [0.0, 0.0, 0.1] * (V[fixed, 2:] > 2.0))

@@ -12,7 +12,8 @@ from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.solver import coarse_preview
 from apd_viewer.geometry.solver.deformation import Deformation
 
-V, F = tube(80, 120, height=4.0)
+AROUND = 48
+V, F = tube(AROUND, 72, height=4.0)
 FIXED = np.flatnonzero((V[:, 2] < 0.4) | (V[:, 2] > 3.6))
 HANDLE = V[FIXED, 2] > 2.0
 
@@ -50,7 +51,7 @@ def test_what_is_asked_holds_in_every_preview(asked, factor):
     solver = Deformation(*caps, FIXED, method="arap", factored=factor, **ASKED[asked])
     wished = ASKED[asked]
     goals = make_goals(solver.rest, wished["area"], wished.get("volume"), wished.get("regions", ()))
-    for k in range(1, 30):
+    for k in range(1, 12):
         solver.aim(targets(0.04 * k, (0, 0, 0)))
         solver.iterate()
         method = solver.solver
@@ -66,9 +67,8 @@ def test_what_is_asked_holds_in_every_preview(asked, factor):
 
 def closed():
     """The tube with its ends closed by fans around the first vertex of each ring."""
-    top = len(V) - 80
-    ring = np.arange(1, 79)
-    low = np.column_stack([np.zeros(78, dtype=int), ring + 1, ring])
+    top, ring = len(V) - AROUND, np.arange(1, AROUND - 1)
+    low = np.column_stack([np.zeros_like(ring), ring + 1, ring])
     return V, np.vstack([F, low, top + low[:, ::-1]])
 
 
@@ -94,7 +94,10 @@ def test_it_begins_at_the_shape_that_was_there(factor):
     assert np.abs(solver.frame().U - bumpy).max() <= 1e-6
 
 
-@pytest.mark.parametrize("method", ["arap", "exact", "local"])
+@pytest.mark.parametrize(
+    "method",
+    [pytest.param("arap", marks=pytest.mark.night), "exact", pytest.param("local", marks=pytest.mark.night)],
+)
 def test_it_ends_where_it_would_without_and_nothing_jumps(method, factor):
     asked = targets(0.5)
     plain = Deformation(V, F, FIXED, method=method, stiffness=1e-3)
@@ -196,7 +199,7 @@ def test_the_descent_is_foretold_by_its_own_pace(factor, monkeypatch):
 
 def test_nothing_is_foretold_while_the_coarse_surface_converges(factor):
     solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor)
-    solver.aim(targets(0.3))
+    solver.aim(targets(2.5))
     assert solver.step().seconds_left is None
 
 

@@ -59,10 +59,10 @@ def settle(solver):
     raise AssertionError("it did not settle")
 
 
-@pytest.mark.parametrize("subdivisions", [2, 5])  # without and with coarse levels
+@pytest.mark.parametrize("subdivisions", [2, 4])  # without and with coarse levels
 def test_a_settled_shape_goes_on_once_more_is_asked_for(subdivisions):
     W, G = sphere(subdivisions)
-    held = np.flatnonzero(np.abs(W[:, 2]) > 0.8)
+    held = np.flatnonzero(np.abs(W[:, 2]) > 0.9)
     solver = Deformation(W, G, held, method="arap", convergence=Convergence(energy_tolerance=1e-2))
     solver.aim(W[held] * [1.0, 1.0, 1.5])
     settle(solver)

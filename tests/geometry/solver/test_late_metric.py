@@ -8,7 +8,7 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.solver import late_metric
 from apd_viewer.geometry.solver.deformation import Deformation
 
-V, F = tube(32, 48, height=4.0)
+V, F = tube(20, 30, height=4.0)
 REST = RestMesh(V, F)
 Z = V[:, 2]
 FIXED = np.flatnonzero((Z.min() + 0.4 > Z) | (Z.max() - 0.4 < Z))

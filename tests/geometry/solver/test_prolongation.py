@@ -70,6 +70,7 @@ def test_previews_of_a_stiff_surface_have_no_dents(monkeypatch):
         assert angles(frame.U, faces).max() <= most
 
 
+@pytest.mark.night
 def test_the_first_previews_of_a_stiff_surface_are_as_smooth_as_the_last(monkeypatch):
     """By the coarse surface: rotations of the level below left its angles with nearly twice the change."""
     ball, faces = sphere(6)
@@ -87,7 +88,7 @@ def test_the_first_previews_of_a_stiff_surface_are_as_smooth_as_the_last(monkeyp
     assert max(changes) <= 1.1 * changes[-1]
 
 
-@pytest.mark.parametrize("motion", ["pulled", "twisted"])
+@pytest.mark.parametrize("motion", ["pulled", pytest.param("twisted", marks=pytest.mark.night)])
 def test_previews_have_no_crease_along_the_border_of_what_is_held(motion, monkeypatch):
     """Four fine edges to a coarse one: it was 3.6 and 3.8 times as sharp as at rest."""
     monkeypatch.setattr(solve_mesh, "MOST", 2_560)

@@ -8,7 +8,7 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.restarts import Restarts
 
-V, F = tube(80, 120, height=4.0)
+V, F = tube(48, 72, height=4.0)
 REST = RestMesh(V, F)
 Z = V[:, 2]
 FIXED = np.flatnonzero((Z.min() + 0.4 > Z) | (Z.max() - 0.4 < Z))
