@@ -88,11 +88,12 @@ def test_where_nothing_is_calm_nothing_changes():
     assert np.array_equal(*shapes)
 
 
-def test_steps_of_two_degrees_move_no_vertex_by_a_jump():
+@pytest.mark.parametrize("most", [14, pytest.param(42, marks=pytest.mark.night)])
+def test_steps_of_two_degrees_move_no_vertex_by_a_jump(most):
     steps = {}
     for calm in (True, False):
         solver, shapes = solver_of(calm=calm), []
-        for degrees in range(0, 42, 2):
+        for degrees in range(0, most, 2):
             solver.aim(turned([0, 1, 0], degrees))
             for _ in range(300):
                 if solver.settled:

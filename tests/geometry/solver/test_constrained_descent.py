@@ -79,11 +79,17 @@ def kkt_residual(rest, method):
 
 @pytest.mark.parametrize(
     ("mesh", "shift", "area_percent", "volume_percent"),
-    [(tube(36, 82), 0.3, 100, None), (box(14, 14, 42), 0.1, 103, 100), (box(14, 14, 42), 0.1, None, 90)],
+    [
+        (tube(12, 28), 0.3, 100, None),
+        (box(5, 5, 15), 0.1, 103, 100),
+        (box(5, 5, 15), 0.1, None, 90),
+        pytest.param(tube(36, 82), 0.3, 100, None, marks=pytest.mark.night),
+        pytest.param(box(14, 14, 42), 0.1, 103, 100, marks=pytest.mark.night),
+        pytest.param(box(14, 14, 42), 0.1, None, 90, marks=pytest.mark.night),
+    ],
 )
 def test_at_the_end_the_conditions_of_karush_kuhn_and_tucker_hold(mesh, shift, area_percent, volume_percent):
     V, F = mesh
-    assert 2500 < len(V) < 3500
     base, handle = ends(V)
     fixed = np.concatenate([base, handle])
     targets = np.vstack([V[base], V[handle] + [0, 0, shift * np.ptp(V[:, 2])]])
@@ -92,7 +98,7 @@ def test_at_the_end_the_conditions_of_karush_kuhn_and_tucker_hold(mesh, shift, a
         Elastic(rest.shape, fixed), make_goals(rest, area_percent, volume_percent, [])
     )
     method.aim(targets)
-    for _ in range(3000):
+    for _ in range(len(V)):
         method.iterate()
     assert method.met
     residual, multipliers = kkt_residual(rest, method)
@@ -117,11 +123,11 @@ def test_the_energy_is_not_above_that_of_rest_scaled_arap(move):
     V, F = MESHES["tube"]
     fixed, _, targets = held(V, move)
     rest = RestMesh(V, F)
-    rival = rest_scaled(rest, fixed, targets, 1500)
-    result = deform(V, F, fixed, targets, "exact", 1500)
+    rival = rest_scaled(rest, fixed, targets, 500)
+    result = deform(V, F, fixed, targets, "exact", 500)
     assert area(rival, F) == pytest.approx(result.area, rel=1e-9)
     assert result.energy <= rest.energy(rival) * (1 + 1e-9)
-    assert result.energy >= deform(V, F, fixed, targets, "arap", 1500).energy * (1 - 1e-9)
+    assert result.energy >= deform(V, F, fixed, targets, "arap", 500).energy * (1 - 1e-9)
 
 
 @pytest.mark.parametrize("move", MOVES)

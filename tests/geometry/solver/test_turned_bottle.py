@@ -16,7 +16,7 @@ Y = np.array([0.0, 1.0, 0.0])
 @functools.cache
 def bottle():
     """A coarse bottle with its labels."""
-    return sample_bottle(2.5)
+    return sample_bottle(3.5)
 
 
 def turned_bottle(degrees, axis=Y, point=(0.0, 0.0, 0.0), **how):
