@@ -38,11 +38,11 @@ OBTUSE = tube(10, 12, height=4.0, shear=0.8)
 
 
 @pytest.mark.parametrize("move", MOVES)
-def test_thirty_iterations_equal_the_naive_oracle(move):
+def test_ten_iterations_equal_the_naive_oracle(move):
     V, F = OBTUSE
     fixed, _, targets = held_ends(V, move)
-    expected = oracle.arap(V, F, fixed, targets, 30)
-    result = deform(V, F, fixed, targets, "arap", iterations=30)
+    expected = oracle.arap(V, F, fixed, targets, 10)
+    result = deform(V, F, fixed, targets, "arap", iterations=10)
     assert np.abs(result.U - expected).max() <= 1e-10 * diagonal(V)
     assert result.energy == pytest.approx(oracle.energy(V, expected, oracle.edges_of(V, F)), rel=1e-9)
 
@@ -290,6 +290,6 @@ def test_the_floor_under_the_weights_cannot_be_seen(needle):
     lower, upper = np.flatnonzero(V[:n, 1] == 0), np.flatnonzero(V[:, 1] == 4)
     fixed = np.concatenate([lower, upper])
     targets = np.vstack([V[lower], V[upper] + [0.0, 1.0, 0.0]])
-    U = deform(V, F, fixed, targets, "arap", iterations=30).U
+    U = deform(V, F, fixed, targets, "arap", iterations=10).U
     assert np.abs(U[:n] - V[:n]).max() <= 1e-4
     assert np.abs(U[n : 2 * n] - V[n : 2 * n] - [0.0, 1.0, 0.0]).max() <= 1e-4

@@ -91,7 +91,7 @@ def test_in_the_mean_of_all_quadratic_functions_the_weights_give_the_integral():
         assert total == pytest.approx(3.0 * areas.sum() * areas[ring].sum() / 3.0, rel=1e-9)
 
 
-@pytest.mark.parametrize("stiffness", [1e-3, 1e-2])
+@pytest.mark.parametrize("stiffness", [pytest.param(1e-3, marks=pytest.mark.night), 1e-2])
 def test_a_stiff_tube_that_is_pushed_does_not_collapse(stiffness):
     """By 30 % of its length: no triangle loses half of its area."""
     V, F = tube(60, 50, height=12.0, shear=-0.5)

@@ -10,7 +10,7 @@ from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.pose.constraints import Soft
 
-MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "sphere": sphere(2)}
+MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "sphere": sphere(1)}
 LOCAL = Material(0.1, 0.1, 20.0)
 
 

@@ -1,9 +1,10 @@
-"""The multifrontal factor against dense matrices, and the order that it eliminates in."""
+"""The multifrontal factor against SciPy's, and the order that it eliminates in."""
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 from meshes import box, grid, sphere, tube
+from scipy.sparse.linalg import spsolve
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from apd_viewer.geometry.linalg import multifrontal
@@ -43,12 +44,12 @@ def random_blocks(start, column, rng):
     A = sp.bsr_array(A, blocksize=(3, 3))
     A.sort_indices()
     assert np.array_equal(A.indices, column)
-    return A.data, A.toarray()
+    return A.data, A.tocsc()
 
 
 @pytest.mark.parametrize("mesh", MESHES)
 @pytest.mark.parametrize("apart", [False, True])
-def test_it_solves_what_a_dense_factor_does(mesh, apart):
+def test_it_solves_what_scipy_does(mesh, apart):
     V, F = two_apart(*MESHES[mesh]) if apart else MESHES[mesh]
     start, column = graph(F, len(V))
     rng = np.random.default_rng(0)
@@ -57,7 +58,7 @@ def test_it_solves_what_a_dense_factor_does(mesh, apart):
         blocks, A = random_blocks(start, column, rng)
         b = rng.normal(size=(len(V), 3))
         x = pattern.factor(blocks).solve(b)
-        expected = np.linalg.solve(A, b.ravel()).reshape(-1, 3)
+        expected = spsolve(A, b.ravel()).reshape(-1, 3)
         assert np.abs(x - expected).max() <= 1e-5 * np.abs(expected).max()
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm, logm
 from scipy.spatial.transform import Rotation
@@ -44,6 +44,7 @@ def test_rigid_parts_that_follow_each_other_are_their_sum(pose, pivot, s, t):
     close(path.at(s) @ path.at(t), path.at(s + t), 1e-6)
 
 
+@settings(max_examples=20)  # SciPy takes long
 @given(st.builds(composed, plain, plain.filter(np.any), st.floats(0.01, 3.0), plain), points, parts)
 def test_a_rigid_part_is_the_exponential_of_that_part_of_the_logarithm(pose, pivot, part):
     close(path_of(pose, pivot).at(part), expm(part * logm(pose)).real, 1e-5)

@@ -66,7 +66,7 @@ def test_a_turn_about_one_line_is_that_turn(point, axis, degrees, step, part):
     np.testing.assert_allclose(path.at(part), expected, atol=1e-5)
 
 
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(points, axes, axes, st.floats(200, 800), st.floats(20, 90), points)
 def test_a_path_goes_along_its_waypoints_without_a_jump(point, axis, other, degrees, tilt, shift):
     twisted = walked(point, axis, degrees)

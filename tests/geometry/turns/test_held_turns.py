@@ -201,7 +201,7 @@ def test_angles_are_written_in_the_notation_in_use():
         use_notation(used)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.integers(0, 10**6), st.booleans())
 def test_turns_about_several_axes_raise_no_alarm_and_a_lost_one_does(seed, loses):
     """The tube follows its handle on its whole way: as far from the base as the handle had come by then."""
