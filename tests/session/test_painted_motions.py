@@ -25,8 +25,6 @@ from apd_viewer.session.studies.deck_setup import deck_of
 from apd_viewer.session.studies.replay import replay
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
-pytestmark = pytest.mark.usefixtures("process")
-
 
 @pytest.fixture
 def twisted(empty: Driven) -> Driven:

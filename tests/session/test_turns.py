@@ -14,8 +14,6 @@ from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.studies.replay import replay
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
-pytestmark = pytest.mark.usefixtures("process")
-
 
 @pytest.fixture
 def bottle(empty: Driven) -> Driven:

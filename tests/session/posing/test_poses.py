@@ -9,8 +9,6 @@ from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.posing.named_poses import is_at, placements
 from apd_viewer.session.storage.session_file import open_session, save_session
 
-pytestmark = pytest.mark.usefixtures("process")
-
 
 @pytest.fixture
 def kept(session) -> Driven:

@@ -14,7 +14,6 @@ from apd_viewer.session.posing.symmetry import mirror_plane, partner_of
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.studies.replay import replay
 
-pytestmark = pytest.mark.usefixtures("process")
 X = 0
 
 

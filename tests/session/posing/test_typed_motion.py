@@ -11,7 +11,6 @@ from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.posing.typed_motion import amount_of, names_of, pose_after
 from apd_viewer.session.quantities.units import Unit
 
-pytestmark = pytest.mark.usefixtures("process")
 AXES = {"X": [1, 0, 0], "Y": [0, 1, 0], "Z": [0, 0, 1]}
 
 
