@@ -563,7 +563,10 @@ def test_a_mesh_that_cannot_be_written_leaves_no_report_either(bar, refused):
 def test_a_report_that_cannot_be_written_leaves_no_picture_either(bar, refused, monkeypatch):
     from apd_viewer.commands import deform as deform_command
 
-    monkeypatch.setattr(deform_command, "_picture", lambda *_: PNG)  # the real one takes its time
+    def drawn(_, pictures, *__):  # the real one takes its time
+        return bool(pictures[0].path.write_bytes(PNG))
+
+    monkeypatch.setattr(deform_command, "draw_shapes", drawn)
     refused(
         "--iterations", "1", "--picture", bar.folder / "p.png", "--report", bar.folder / "gone" / "r.json"
     )
@@ -965,11 +968,8 @@ def test_a_picture_needs_no_display(bar):
     assert not [p for p in bar.folder.iterdir() if p.name.startswith(".")]
 
 
-def test_without_opengl_the_mesh_is_written_and_the_picture_is_not(bar, capsys, monkeypatch):
-    """VTK ends the process that asks for a picture: here as a broken driver would."""
-    from apd_viewer.figures import shapes
-
-    monkeypatch.setattr(shapes, "_START", "import os; os.abort()")
+@pytest.mark.usefixtures("without_opengl")
+def test_without_opengl_the_mesh_is_written_and_the_picture_is_not(bar, capsys):
     path = bar.folder / "picture.png"
     path.write_bytes(b"of yesterday")
     assert main([*map(str, bar.words("--iterations", "3", "--picture", path))]) == 0

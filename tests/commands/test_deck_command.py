@@ -63,6 +63,7 @@ def test_calculix_computes_a_tube_twisted_in_two_steps(deck, tmp_path):
     assert np.abs([moved[node] - V[node - 1] for node in free]).max() > 0.5, "the free ones follow"
 
 
+@pytest.mark.night
 @needs_ccx
 def test_calculix_computes_the_bottle(deck):
     words = (

@@ -12,13 +12,26 @@ from PIL import Image
 from apd_viewer.__main__ import main
 from apd_viewer.commands import paper, paper_tables
 from apd_viewer.commands.terminal.columns import columns_of
-from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 
-@pytest.fixture(scope="module")
-def table():
-    return list(paper_tables.rows())
+def standing_bar(_):
+    """A bar that stands like the bottle, and is held like it."""
+    V, F = box(2, 2, 6)
+    V = V[:, [1, 2, 0]]
+    labels = np.ones(len(V), dtype=np.uint8)
+    base, handle = ends(V, axis=1)
+    labels[base], labels[handle] = 0, 2
+    return Mesh(V, F), labels
+
+
+@pytest.fixture(scope="module", params=["bar", pytest.param("samples", marks=pytest.mark.night)])
+def table(request):
+    """The rows of all motions: of a bar, and by night of the samples that the paper has."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "bar":
+            patch.setattr(paper_tables, "open_sample", standing_bar)
+        yield list(paper_tables.rows())
 
 
 def test_the_area_is_kept_where_arap_changes_it(table):
@@ -32,7 +45,7 @@ def test_the_area_is_kept_where_arap_changes_it(table):
 
 def test_the_areas_are_those_of_the_shapes(table):
     for row in table:
-        mesh, _ = open_sample(row.case.sample)
+        mesh, _ = paper_tables.open_sample(row.case.sample)
         for result in (row.arap, row.paper):
             shape = trimesh.Trimesh(result.U, mesh.F, process=False)
             assert shape.area == pytest.approx(result.area, rel=1e-12)
@@ -102,14 +115,9 @@ FILES = {
 @pytest.fixture
 def coarse(monkeypatch):
     """Re-run only one move, on a bar that stands like the bottle."""
-    V, F = box(2, 2, 6)
-    V = V[:, [1, 2, 0]]
-    labels = np.ones(len(V), dtype=np.uint8)
-    base, handle = ends(V, axis=1)
-    labels[base], labels[handle] = 0, 2
     name = "bottle-twist-60"
     for module in (paper_tables, paper):
-        monkeypatch.setattr(module, "open_sample", lambda _: (Mesh(V, F), labels))
+        monkeypatch.setattr(module, "open_sample", standing_bar)
     monkeypatch.setattr(paper_tables, "CASES", {name: paper_tables.CASES[name]})
 
 
@@ -143,12 +151,8 @@ def test_the_command_writes_tables_curves_and_figures(tmp_path, capsys):
     assert 0 <= pulls[0.4] < 0.2, "Eq. 8 takes a pull back"
 
 
-@pytest.mark.usefixtures("coarse")
-def test_without_opengl_the_command_does_without_pictures_of_shapes(tmp_path, capsys, monkeypatch):
-    """As a process that VTK has taken down leaves it."""
-    from apd_viewer.figures import shapes
-
-    monkeypatch.setattr(shapes, "_START", "import os; os.abort()")
+@pytest.mark.usefixtures("coarse", "without_opengl")
+def test_without_opengl_the_command_does_without_pictures_of_shapes(tmp_path, capsys):
     assert main(["paper", "-o", str(tmp_path)]) == 0
     assert "The shapes were not drawn" in capsys.readouterr().out
     assert {path.name for path in tmp_path.iterdir()} == FILES - {"bottle.png"}

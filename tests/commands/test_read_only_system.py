@@ -67,6 +67,7 @@ def deformed(installed, out):
     return (out / "out.obj").read_bytes(), done.stderr
 
 
+@pytest.mark.night
 def test_a_deformation_needs_no_place_for_its_kernels(installed, tmp_path):
     folder = installed / "apd_viewer" / "geometry" / "mesh" / "__pycache__"
     content, said = deformed(installed, tmp_path / "usual")

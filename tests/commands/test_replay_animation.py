@@ -56,7 +56,8 @@ def test_it_begins_with_the_shape_saved_and_has_each_iteration(session, run, tmp
 
 
 def test_of_many_iterations_it_has_some(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(replay_command, "_MOST", 4)
+    recorder = replay_command.ShapeRecorder
+    monkeypatch.setattr(replay_command, "ShapeRecorder", lambda folder, _: recorder(folder, 4))
     assert run("--animation", tmp_path / "a.pc2") == (0, "")
     shapes = read_pc2(tmp_path / "a.pc2")
     assert 2 <= len(shapes) <= 4

@@ -127,7 +127,7 @@ def test_what_cannot_be_run_is_said(bar, capsys, monkeypatch):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal to interrupt a group of processes")
 def test_an_interrupt_finishes_what_runs_and_a_second_ends_at_once(bar):
-    plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=30)
+    plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=9)
 
     def interrupted(times):
         process = subprocess.Popen(
@@ -157,7 +157,7 @@ def test_an_interrupt_finishes_what_runs_and_a_second_ends_at_once(bar):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems list their sockets otherwise")
-@pytest.mark.parametrize("option", ["--processes", "--workers"])
+@pytest.mark.parametrize("option", [pytest.param("--processes", marks=pytest.mark.night), "--workers"])
 def test_nobody_else_can_speak_to_the_processes_of_a_study(bar, option):
     """Whoever reaches a worker by a socket can have it run anything as the user."""
     plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=30)

@@ -31,7 +31,7 @@ def shell(line, **environment):
     return done.returncode, done.stdout, done.stderr
 
 
-@pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize("closed", [pytest.param(">&-", marks=pytest.mark.night), "<&- >&- 2>&-"])
 def test_closed_streams_fail_no_job(closed, mesh, tmp_path):
     out = tmp_path / "out.json"
     status, said, wrong = shell(f"apd volumes {mesh} --json {out} {closed}")
@@ -44,7 +44,7 @@ def test_an_error_is_one_whatever_is_closed(tmp_path):
     assert shell(f"apd info {tmp_path}/none.obj >&- 2>/dev/full")[0] == 2
 
 
-@pytest.mark.parametrize("words", ["info {mesh}", "--help"])
+@pytest.mark.parametrize("words", ["info {mesh}", pytest.param("--help", marks=pytest.mark.night)])
 def test_a_reader_that_has_seen_enough_fails_nothing(words, mesh):
     line = f"apd {words.format(mesh=mesh)} | true; exit ${{PIPESTATUS[0]}}"
     assert shell(line)[::2] == (0, b"")
@@ -58,7 +58,10 @@ def test_what_the_output_cannot_encode_is_replaced(mesh):
     assert said.isascii()
 
 
-@pytest.mark.parametrize(("name", "status"), [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130)])
+@pytest.mark.parametrize(
+    ("name", "status"),
+    [("SIGTERM", 143), pytest.param("SIGHUP", 129, marks=pytest.mark.night), ("SIGINT", 130)],
+)
 def test_a_signal_leaves_no_scratch(name, status, mesh, tmp_path):
     labels = np.where(box()[0][:, 2] > 5.0, 2, np.where(box()[0][:, 2] < 1.0, 1, 0))
     np.savetxt(tmp_path / "bar.sel", labels, fmt="%d")

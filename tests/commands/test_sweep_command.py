@@ -23,6 +23,7 @@ from apd_viewer.geometry.pose.transforms import turned_about
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import Standpoint, View
 from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.session.studies.sweep import Sweep
 
 BENT = turned_about([1, 1, 0], [1, 0, 0], 0.6)
 
@@ -198,10 +199,8 @@ def test_shapes_that_do_not_settle_are_counted(session, sweep):
     assert f"{unsettled} of 4 shapes did not converge within 1 iterations" in said
 
 
-def test_without_opengl_there_is_no_film_and_all_else(session, sweep, tmp_path, monkeypatch):
-    from apd_viewer.figures import shapes
-
-    monkeypatch.setattr(shapes, "_START", "import os; os.abort()")
+@pytest.mark.usefixtures("without_opengl")
+def test_without_opengl_there_is_no_film_and_all_else(session, sweep, tmp_path):
     film = tmp_path / "film.gif"
     status, said, _, folder = sweep(session, "--steps", 2, "--methods", "arap", "--animation", film)
     assert status == 0
@@ -273,7 +272,7 @@ def test_what_is_wrong_is_said_in_a_line_and_nothing_is_written(case, bar, sweep
 def test_what_is_in_the_way_in_the_output_is_said_before_work(
     name, said, session, sweep, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(sweep_command, "_run", lambda *_: pytest.fail("it has begun"))
+    monkeypatch.setattr(Sweep, "steps", lambda *_: pytest.fail("it has begun"))
     (tmp_path / "out" / "b.gif").mkdir(parents=True)
     (tmp_path / "out" / "a").write_text("mine")
     status, _, err, _ = sweep(session, "--methods", "exact", "--animation", tmp_path / "out" / name)
