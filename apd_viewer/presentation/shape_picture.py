@@ -96,7 +96,7 @@ def _canvas(shapes: Sequence[np.ndarray], F: np.ndarray, size: int, step: int) -
 def _drawn(canvas: _Canvas, U: np.ndarray, F: np.ndarray, colors: np.ndarray) -> np.ndarray:
     """RGBA of a shape (h, w, 4), floats from 0 to 255, zero around it."""
     X = (U - canvas.low) * canvas.scale  # column, row from below and depth, pixels
-    nearest = _nearest(X, F, canvas.width, canvas.height)
+    nearest = nearest_triangles(X, F, canvas.width, canvas.height)
     pixels = np.flatnonzero(nearest >= 0)
     triangles = nearest[pixels]
     light = _light(X, F, triangles, pixels % canvas.width + 0.5, pixels // canvas.width + 0.5)
@@ -114,14 +114,14 @@ def _coarser(rgba: np.ndarray, finer: int) -> np.ndarray:
     return np.rint(mean).astype(np.uint8)
 
 
-def _nearest(X: np.ndarray, F: np.ndarray, width: int, height: int) -> np.ndarray:
+def nearest_triangles(X: np.ndarray, F: np.ndarray, width: int, height: int) -> np.ndarray:
     """Nearest triangle at each pixel, (height * width,) int; -1 for none."""
     depth = np.full(width * height, -np.inf)
     who = np.full(width * height, -1)
     every = _every(X, F, _DEEPEST * width * height)
     for part in _portions(np.ones(len(F), dtype=int)):
         ids = np.arange(part.start, part.stop)[::every]
-        for pixel, triangle, z in _fragments(X[F[ids]], width):
+        for pixel, triangle, z in fragments(X[F[ids]], width):
             np.maximum.at(depth, pixel, z)
             nearer = z == depth[pixel]
             who[pixel[nearer]] = ids[triangle[nearer]]
@@ -147,7 +147,7 @@ def _portions(counts: np.ndarray) -> Iterator[slice]:
         first = last
 
 
-def _fragments(corners: np.ndarray, width: int) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+def fragments(corners: np.ndarray, width: int) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Pixels, triangles and depths of the triangles (t, 3, 3), in portions."""
     low, high = (np.ceil(side - 0.5).astype(int) for side in (corners[..., 1].min(1), corners[..., 1].max(1)))
     for part in _portions(high - low):

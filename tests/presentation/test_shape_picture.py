@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from apd_viewer.presentation import shape_picture as module
-from apd_viewer.presentation.shape_picture import shape_picture
+from apd_viewer.presentation.shape_picture import fragments, nearest_triangles, shape_picture
 
 GREY = (200, 200, 200)
 
@@ -17,7 +17,7 @@ def spread(count, seed=0):
 
 
 def by_rays(X, F, width, height):
-    """The same as _nearest, a pixel and a triangle after the other."""
+    """The same as nearest_triangles, a pixel and a triangle after the other."""
     found = np.full(width * height, -1)
     for pixel in range(width * height):
         p, best = np.array([pixel % width + 0.5, pixel // width + 0.5]), -np.inf
@@ -30,21 +30,34 @@ def by_rays(X, F, width, height):
     return found
 
 
-@pytest.mark.parametrize("portion", [1 << 18, 7])
-def test_each_pixel_has_the_nearest_triangle(portion, monkeypatch):
-    monkeypatch.setattr(module, "_AT_ONCE", portion)
+def test_each_pixel_has_the_nearest_triangle():
     X, F = spread(40)
-    found = module._nearest(X, F, 24, 24)
+    found = nearest_triangles(X, F, 24, 24)
     assert len(np.unique(found)) > 10, "the test is blind"
     np.testing.assert_array_equal(found, by_rays(X, F, 24, 24))
 
 
-def test_triangles_with_a_common_edge_share_no_pixel():
-    """A square whose corners are on the middles of pixels, divided in two ways, is covered just once."""
-    X = np.array([[0.5, 0.5, 0], [8.5, 0.5, 0], [8.5, 8.5, 0], [0.5, 8.5, 0], [4.5, 4.5, 0]])
+def test_so_many_triangles_that_they_come_in_portions_hide_none():
+    """Between the ones that cover pixels lie a million that are points."""
+    X, F = spread(40)
+    points = np.zeros((25_000, 3), dtype=int)
+    many = np.concatenate([np.vstack([triangle[None], points]) for triangle in F])
+    found = nearest_triangles(X, many, 24, 24)
+    expected = by_rays(X, F, 24, 24)
+    np.testing.assert_array_equal(found, np.where(expected < 0, -1, expected * (len(points) + 1)))
+
+
+@pytest.mark.parametrize("side", [8, 1024])
+def test_triangles_with_a_common_edge_share_no_pixel(side):
+    """A square whose corners are on the middles of pixels, divided in two ways, is covered just once.
+
+    The pixels of the larger one come in portions.
+    """
+    X = 0.5 + side * np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 0]])
     for F in ([[0, 1, 2], [0, 2, 3]], [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]):
-        pixels = np.concatenate([pixel for pixel, _, _ in module._fragments(X[np.array(F)], 10)])
-        assert sorted(pixels) == [10 * row + column for row in range(8) for column in range(8)]
+        pixels = np.concatenate([pixel for pixel, _, _ in fragments(X[np.array(F)], side + 2)])
+        expected = np.arange(side)[:, None] * (side + 2) + np.arange(side)
+        np.testing.assert_array_equal(np.sort(pixels), expected.ravel())
 
 
 def test_a_picture_does_not_depend_on_order_place_or_unit():
@@ -97,12 +110,20 @@ def test_shapes_side_by_side_have_one_scale():
     assert (right[..., 3] > 0).sum() == pytest.approx((left[..., 3] > 0).sum() / 4, rel=0.1)
 
 
-def test_a_heap_of_large_triangles_is_bounded():
+def test_a_heap_of_large_triangles_is_bounded(monkeypatch):
+    """Twelve layers of them are enough."""
     X, F = spread(5000)
-    most = module._DEEPEST * 24 * 24
-    every = module._every(X, F, most)
-    drawn = sum(len(pixel) for pixel, _, _ in module._fragments(X[F[::every]], 24))
-    assert 0 < drawn < 1.2 * most < sum(len(pixel) for pixel, _, _ in module._fragments(X[F], 24))
+    drawn = []
+
+    def counted(corners, width):
+        for part in fragments(corners, width):
+            drawn.append(len(part[0]))
+            yield part
+
+    monkeypatch.setattr(module, "fragments", counted)
+    nearest_triangles(X, F, 24, 24)
+    most = 12 * 24 * 24
+    assert 0 < sum(drawn) < 1.2 * most < sum(len(pixel) for pixel, _, _ in fragments(X[F], 24))
 
 
 @pytest.mark.parametrize("V", [np.zeros((3, 3)), np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0.0]])])

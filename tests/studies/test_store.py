@@ -17,7 +17,7 @@ from apd_viewer.studies.results import READINGS, read_results
 from apd_viewer.studies.run_case import failed
 from apd_viewer.studies.store import StudyStore
 from apd_viewer.studies.study import Study
-from apd_viewer.studies.worker import CaseAnswer, Task
+from apd_viewer.studies.worker import CaseAnswer
 
 ROWS = [{"motion": f"twist {angle}deg"} for angle in (10, 20, 30, 40)]
 
@@ -87,7 +87,8 @@ def test_failed_cases_are_kept_or_tried_again(run, written, bar):
 
 def test_a_database_in_use_is_not_taken_for_a_damaged_one(run, written, bar, monkeypatch):
     _, table = run(*ROWS[:2])
-    monkeypatch.setattr("apd_viewer.studies.database._PATIENCE", 0.1)
+    connect = sqlite3.connect
+    monkeypatch.setattr(sqlite3, "connect", lambda *how, **more: connect(*how, **{**more, "timeout": 0.1}))
     with closing(sqlite3.connect(bar / "out" / "study.sqlite")) as other:
         other.execute("begin exclusive")
         with pytest.raises(InputError, match="cannot be opened now"):
@@ -102,14 +103,23 @@ def test_a_stray_file_among_the_cases_is_passed_over(run, bar):
     assert run(*ROWS[:1])[0] == []
 
 
+def done_one(study):
+    """Run one case of a study, and stop."""
+
+    class Once(Here):
+        def room(self):
+            return 1 - len(self.ran)
+
+    study.run(Once(), told=lambda _: study.stop())
+
+
 def test_one_program_writes_and_others_read(written, bar):
     study = Study(written(*ROWS), bar / "out")
     with pytest.raises(InputError, match="Another program"):
         Study(written(*ROWS), bar / "out")
     assert [row.status for row in read_results(bar / "out").rows] == ["waiting"] * 4
-    key, case = next(iter(study.left.items()))
-    study._store.add(quick(Task(case)).content)
-    study._store.commit()
+    key = next(iter(study.left))
+    done_one(study)
     assert [row.status for row in read_results(bar / "out").rows] == ["done", *["waiting"] * 3]
     assert read_results(bar / "out").rows[0].key == key
     study.close()
@@ -169,9 +179,7 @@ def test_notes_of_a_plan_stay_text(run, planned, bar):
 def test_the_rest_is_forecast_by_what_was_measured(written, planned, bar):
     study = Study(written(*ROWS), bar / "out")
     assert work_left(study.plan, bar / "out").seconds is None
-    case = next(iter(study.left.values()))
-    study._store.add(quick(Task(case)).content)
-    study._store.commit()
+    done_one(study)
     study.close()
     more = {"motion": "twist 50deg", "steps": "5"}
     left = work_left(planned(*ROWS, more, {"steps": "0"}), bar / "out")
