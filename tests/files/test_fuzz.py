@@ -1,16 +1,17 @@
 """Some hundred damaged files of all formats; ``python tests/support/fuzz.py`` tries as many as wanted."""
 
+import pytest
 from fuzz import NAMES, damaged, fuzz
 
-COUNT = 40 * len(NAMES)
 
-
-def test_damaged_files_open_and_can_be_written_or_are_refused_in_one_sentence():
-    outcomes, failures = fuzz(COUNT, seed=0, report=lambda _: None)
+@pytest.mark.parametrize("times", [15, pytest.param(40, marks=pytest.mark.night)])
+def test_damaged_files_open_and_can_be_written_or_are_refused_in_one_sentence(times):
+    count = times * len(NAMES)
+    outcomes, failures = fuzz(count, seed=0, report=lambda _: None)
     assert failures == []
     # Or the damage is too great, or too small, to tell anything.
-    assert outcomes["opened"] > COUNT / 10
-    assert outcomes["refused"] > COUNT / 10
+    assert outcomes["opened"] > count / 10
+    assert outcomes["refused"] > count / 10
 
 
 def test_the_same_damage_can_be_done_again():

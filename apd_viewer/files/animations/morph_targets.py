@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _FLOAT, _UINT = 5126, 5125  # component types of four bytes each
 _VERTICES, _INDICES = 34962, 34963  # targets of buffer views
 _WIDTH = {"SCALAR": 1, "VEC3": 3}
-_LONGEST = 2**32 - 1  # bytes; the format counts no farther
+LONGEST = 2**32 - 1  # bytes; the format counts no farther
 _SECONDS, _FASTEST = 3.0, 24.0  # for all shapes, and at most so many a second
 _LOOK = {
     "pbrMetallicRoughness": {
@@ -91,7 +91,7 @@ def write_morph_targets(animation: Animation, path: Path) -> None:
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     whole = 12 + 8 + len(text) + 8 + length
-    if whole > _LONGEST:
+    if whole > LONGEST:
         raise InputError(
             tr("{name} would be longer than 4 GiB; use fewer steps, or .pc2 or .pvd.").format(name=path.name)
         )

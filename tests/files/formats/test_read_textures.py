@@ -5,7 +5,6 @@ import pytest
 from PIL import Image
 from textured_files import COLORS, FILES, image, obj
 
-from apd_viewer.files.formats import texture_images
 from apd_viewer.files.meshes import open_mesh
 
 
@@ -67,6 +66,7 @@ def test_several_images_become_one(tmp_path):
     assert (found[4] == 255).all()
 
 
-def test_large_images_are_scaled_down(tmp_path, monkeypatch):
-    monkeypatch.setattr(texture_images, "_LARGEST", 16)
-    assert open_mesh(obj(tmp_path)).texture[0].image.shape == (16, 16, 3)
+def test_large_images_are_scaled_down(tmp_path):
+    path = obj(tmp_path)
+    Image.new("RGB", (16_384, 8)).save(tmp_path / "four.png")
+    assert open_mesh(path).texture[0].image.shape == (4, 8192, 3)
