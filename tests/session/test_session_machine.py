@@ -5,6 +5,7 @@ import threading
 import time
 
 import numpy as np
+import pytest
 from driven_session import Driven, solver_threads
 from hypothesis import settings
 from hypothesis import strategies as st
@@ -462,5 +463,10 @@ class Use(RuleBasedStateMachine):
         assert set(threading.enumerate()) <= self.others
 
 
-TestUse = Use.TestCase
-TestUse.settings = settings(max_examples=150, stateful_step_count=30, deadline=None)
+class TestUse(Use.TestCase):
+    settings = settings(max_examples=40, stateful_step_count=30, deadline=None)
+
+
+@pytest.mark.night
+class TestLongUse(Use.TestCase):
+    settings = settings(max_examples=150, stateful_step_count=30, deadline=None)

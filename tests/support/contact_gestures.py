@@ -9,6 +9,7 @@ from meshes import rotation, tube
 
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.store import Activity
 
 TUBE = Mesh(*tube(16, 16))
 EDGES = ipctk.edges(np.asfortranarray(TUBE.F))
@@ -57,6 +58,10 @@ class TouchingUser(User):
         else:
             self.gestures.end("Move handle")
 
+    @property
+    def at_rest(self) -> bool:
+        return self.store.activity is not Activity.REFINING
+
     def other_area(self) -> None:
         self.settings.set_area(self.random.choice([90.0, 100.0, 110.0]))
 
@@ -71,8 +76,9 @@ class TouchingUser(User):
         done = [self.drag_on] * 9 + [self.ring, self.other_method, self.other_area, self.other_thickness]
         done += [self.pause, self.gestures.undo, self.gestures.redo, self.rest_shape.restore]
         for _ in range(verbs):
+            before = self.frames
             self.random.choice(done)()
-            self.listen(0.2)
+            self.until(lambda before=before: self.frames > before + 9 or self.at_rest)
         assert self.failed == []
 
 

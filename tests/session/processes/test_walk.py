@@ -17,7 +17,7 @@ from apd_viewer.session.processes.walk import Walk
 
 
 def twisted_tube(degrees: int) -> Document:
-    mesh = Mesh(*tube(10, 10))
+    mesh = Mesh(*tube(8, 5))
     base, top = ends(mesh.V)
     document = opened(mesh).document.painted(base, BASE).painted(top, HANDLE)
     middles = mesh.V[base].mean(axis=0), mesh.V[top].mean(axis=0)

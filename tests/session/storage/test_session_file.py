@@ -139,6 +139,7 @@ def test_a_session_is_opened_as_it_was_saved_and_replays_to_the_same(case, sessi
         np.testing.assert_allclose(first.U[held.fixed], held.targets, rtol=0, atol=1e-13)
 
 
+@pytest.mark.night
 def test_the_sample_bottle(session, tmp_path):
     path = tmp_path / "bottle.apd"
     session.files.open_sample("bottle")
