@@ -35,7 +35,7 @@ def solver_in_a_thread(monkeypatch):
 @pytest.fixture(autouse=True)
 def nothing_is_checked(monkeypatch):
     """No process is started to check shapes, unless the test is about that."""
-    monkeypatch.setattr(shape_checker, "_AT_FIRST", 1e6)
+    monkeypatch.setattr(shape_checker, "AT_FIRST", 1e6)
 
 
 @pytest.fixture(scope="session")

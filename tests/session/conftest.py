@@ -3,12 +3,14 @@
 import threading
 import time
 
+import forked
 import pytest
 from driven_session import Driven, bar
 
 from apd_viewer.geometry.energy import elastic
 from apd_viewer.geometry.linalg import linear_solver
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.session.processes import process_client
 
 
 class Counter:
@@ -32,6 +34,21 @@ def session(empty):
     empty.show_now(bar())
     empty.paint_ends()
     return empty
+
+
+@pytest.fixture
+def processes(process, monkeypatch):
+    """The solver is a process, which has nothing to import; all that were started, the newest last."""
+    start, started = process_client.start_process, []
+
+    def noted():
+        started.append(start())
+        return started[-1]
+
+    forked.prepare()
+    monkeypatch.setattr(process_client, "ChildProcess", forked.Quick)
+    monkeypatch.setattr(process_client, "start_process", noted)
+    return started
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ import threading
 import time
 from dataclasses import replace
 
+import forked
 import meshes
 import numpy as np
 import pytest
@@ -18,7 +19,6 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.processes import shape_checker
-from apd_viewer.session.processes.child_process import ChildProcess
 from apd_viewer.session.processes.shape_checker import Shape, ShapeChecker
 from apd_viewer.session.session import Session
 
@@ -28,8 +28,28 @@ SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    monkeypatch.setattr(shape_checker, "_AT_FIRST", 0.0)
-    monkeypatch.setattr(shape_checker, "_CALM", 0.0)
+    monkeypatch.setattr(shape_checker, "AT_FIRST", 0.0)
+    monkeypatch.setattr(shape_checker, "CALM", 0.0)
+
+
+@pytest.fixture(autouse=True)
+def processes(monkeypatch):
+    """The processes of the checkers, which have nothing to import."""
+    started = []
+
+    class Noted(forked.Quick):
+        def __init__(self, title, script):
+            super().__init__(title, script)
+            self.sent = 0
+            started.append(self)
+
+        def send(self, *messages):
+            self.sent += 1
+            return super().send(*messages)
+
+    forked.prepare()
+    monkeypatch.setattr(shape_checker, "ChildProcess", Noted)
+    return started
 
 
 @pytest.fixture
@@ -77,18 +97,19 @@ def test_the_newest_shape_wins_and_what_is_forgotten_is_not_told(checker_, woken
     assert taken(checker_, woken)[0] is last
 
 
-def test_a_process_is_ended_when_its_shape_has_moved_on(checker_, woken, monkeypatch):
+def test_a_process_is_ended_when_its_shape_has_moved_on(checker_, woken, processes):
     checker_.ask(two_spheres(1.0))
     taken(checker_, woken)
-    pid = checker_._process.pid
+    (process,) = processes
+    pid = process.pid
     V, F = meshes.sphere(6)
     checker_.ask(Shape(V + 0.3 * np.random.default_rng(0).normal(size=V.shape), F))  # takes for ever
     end = time.monotonic() + LONG
-    while not checker_._busy:
+    while process.sent < 2:
         assert time.monotonic() < end
         time.sleep(0.001)
     checker_.forget()
-    while checker_._process.pid == pid:
+    while process.pid == pid:
         assert time.monotonic() < end
         time.sleep(0.001)
     shape = two_spheres(1.0)
@@ -97,11 +118,10 @@ def test_a_process_is_ended_when_its_shape_has_moved_on(checker_, woken, monkeyp
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
-def test_of_a_shape_whose_process_dies_nothing_is_known(checker_, woken):
+def test_of_a_shape_whose_process_dies_nothing_is_known(checker_, woken, processes):
     checker_.ask(two_spheres(1.0))
     taken(checker_, woken)
-    os.kill(checker_._process.pid, SIGKILL)
-    checker_._process._process.wait()
+    os.kill(processes[0].pid, SIGKILL)
     checker_.ask(two_spheres(1.0))
     _, found = taken(checker_, woken)
     assert found.crossing is None
@@ -114,19 +134,20 @@ def test_where_there_can_be_no_process_nothing_is_known(checker_, woken, monkeyp
     def refused(*_):
         raise OSError("no more processes")
 
-    monkeypatch.setattr(ChildProcess, "_spawned", refused)
+    monkeypatch.setattr(forked.Quick, "start", refused)
     checker_.ask(two_spheres(1.0))
     assert taken(checker_, woken)[1].crossing is None
 
 
-def test_it_can_be_closed_at_any_time(woken):
+def test_it_can_be_closed_at_any_time(woken, processes):
+    others = set(threading.enumerate())
     for pause in (0.0, 0.05, 0.6):
         checker_ = ShapeChecker(woken.set)
         checker_.ask(two_spheres(1.0))
         time.sleep(pause)
         checker_.close()
-        assert checker_._process.pid is None
-        assert not checker_._thread.is_alive()
+        assert processes[-1].pid is None
+        assert set(threading.enumerate()) <= others
 
 
 @pytest.fixture

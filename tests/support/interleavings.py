@@ -25,11 +25,21 @@ class User(Driven):
 
     def __init__(self, seed: int) -> None:
         super().__init__()
+        self._count_jumps()
         self.random = random.Random(seed)
         self.on_changed = self.look
         self.poses = 0
         self.frames = 0
         self.allowed: set[float] = set()
+
+    def _count_jumps(self) -> None:
+        self.jumps, jump = 0, self.store.jump
+
+        def counted(*args, **words) -> None:
+            self.jumps += 1
+            jump(*args, **words)
+
+        self.store.jump = counted
 
     def look(self) -> None:
         state = self.store.state
@@ -50,10 +60,10 @@ class User(Driven):
         self.allowed = {self.handle_x(self.U), float(target)}
 
     def act(self, verb) -> None:
-        before, generation = self.allowed, self.store._generation
+        before, jumps = self.allowed, self.jumps
         self.allowed = set()
         verb()
-        if self.store._generation == generation:
+        if self.jumps == jumps:
             self.allowed = before  # there was nothing to go back to
         else:
             self.jumped()

@@ -18,7 +18,7 @@ from apd_viewer.session.processes.shape_check_main import NOBODY_LOOKED
 
 _START = START.format(module="processes.shape_check_main")
 # A settled shape is often moved again at once, and a program just starting has more urgent work.
-_CALM, _AT_FIRST = 0.3, 2.0  # s
+CALM, AT_FIRST = 0.3, 2.0  # s
 # Result if the process died or cannot be started.
 _NONE = (math.nan, math.nan, math.nan)
 UNKNOWN = ShapeCheck(None, _NONE, HullReadings(math.nan, math.nan, _NONE))
@@ -44,7 +44,7 @@ class ShapeChecker(NewestAnswer[Shape, ShapeCheck]):
 
     def __init__(self, wake: Callable[[], object]) -> None:
         process = ChildProcess("shape check", _START)
-        super().__init__(wake, process, _answer, UNKNOWN, lambda first: _AT_FIRST if first else _CALM)
+        super().__init__(wake, process, _answer, UNKNOWN, lambda first: AT_FIRST if first else CALM)
 
 
 def checked(shape: Shape) -> ShapeCheck:

@@ -42,8 +42,8 @@ _NOTHING = np.zeros((0, 3))
 _MOMENT = 0.0005  # s
 _SOON = 1.0  # s
 _NO_ROOM = tr("Not enough memory for this mesh; close other programs and try again.")
-# Matrices with this many rows take more than half a second to factor.
-_LARGE = 100_000
+# Matrices with this many rows take more than half a second to factor, which another process does.
+LARGE = 100_000
 
 
 class Solver:
@@ -263,4 +263,4 @@ def _begins_at_rest(solver: Deformation, request: Request) -> bool:
 
 
 def _is_large(rest: RestMesh) -> bool:
-    return len(rest.shape.V) >= _LARGE
+    return len(rest.shape.V) >= LARGE

@@ -12,7 +12,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.session.store import Activity
 
-pytestmark = pytest.mark.usefixtures("process")
+pytestmark = pytest.mark.usefixtures("processes")
 SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 X = np.eye(3)[0]
 
@@ -62,9 +62,9 @@ def test_a_plate_presses_what_nothing_holds_and_undo_takes_it_back(plates):
     assert plates.failed == []
 
 
-def test_a_killed_process_goes_on_with_plates_where_they_were(plates):
+def test_a_killed_process_goes_on_with_plates_where_they_were(plates, processes):
     before = push(plates, 0.3)
-    os.kill(plates._worker._child._process.pid, SIGKILL)
+    os.kill(processes[-1].pid, SIGKILL)
     plates.until(lambda: len(plates.told) == 1)
     after = push(plates, 0.02)
     check_clear(plates)

@@ -5,12 +5,14 @@ import signal
 import sys
 import time
 
+import forked
 import numpy as np
 import pytest
 from scipy.sparse import csr_array, diags_array
 
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.session.processes import remote_factor
+from apd_viewer.session.processes.child_process import ChildProcess
 from apd_viewer.session.processes.remote_factor import FarFactor
 
 N = 500
@@ -22,6 +24,20 @@ SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 
 def far(matrix=A):
     return FarFactor(lambda: matrix, V)
+
+
+@pytest.fixture(autouse=True)
+def processes(monkeypatch):
+    """The processes of the factors, which have nothing to import."""
+    started = []
+
+    def noted(*how):
+        started.append(forked.Quick(*how))
+        return started[-1]
+
+    forked.prepare()
+    monkeypatch.setattr(remote_factor, "ChildProcess", noted)
+    return started
 
 
 @pytest.fixture
@@ -38,9 +54,9 @@ def wait_for(factor, seconds=20.0):
         time.sleep(0.005)
 
 
-def kill(factor):
-    os.kill(factor._process.pid, SIGKILL)
-    factor._process._process.wait()
+def kill(processes):
+    """Kill the process of the only factor, which answers no more from then on."""
+    os.kill(processes[-1].pid, SIGKILL)
 
 
 def test_it_solves_as_one_that_is_near_does(factor):
@@ -75,22 +91,24 @@ def test_a_matrix_that_cannot_be_factored_is_said():
         factor.close()
 
 
-def test_one_that_dies_is_replaced(factor):
+def test_one_that_dies_is_replaced(factor, processes):
     expected = factor.solve(B)
     for _ in range(5):
-        kill(factor)
+        kill(processes)
         assert np.array_equal(factor.solve(B), expected)
 
 
-def test_one_that_dies_while_it_factors_is_replaced(factor):
+def test_one_that_dies_while_it_factors_is_replaced(factor, processes):
     factor.begin()
-    kill(factor)
+    kill(processes)
     wait_for(factor)
     assert np.array_equal(factor.solve(B), LinearSolver(A).solve(B))
 
 
 def test_one_that_always_dies_is_given_up(monkeypatch):
-    monkeypatch.setattr(remote_factor, "_START", "raise SystemExit(3)")
+    monkeypatch.setattr(
+        remote_factor, "ChildProcess", lambda title, _: ChildProcess(title, "raise SystemExit(3)")
+    )
     factor = far()
     wait_for(factor)
     with pytest.raises(MemoryError, match="3 times"):
@@ -99,18 +117,27 @@ def test_one_that_always_dies_is_given_up(monkeypatch):
 
 
 def test_what_cannot_be_started_is_said(monkeypatch):
+    monkeypatch.setattr(remote_factor, "ChildProcess", ChildProcess)
     monkeypatch.setattr(sys, "executable", "/no/such/python")
     with pytest.raises(OSError, match="such"):
         far().begin()
 
 
-def test_closing_does_not_wait_for_the_factor(monkeypatch):
-    slow = "import time; from apd_viewer.geometry.linalg.linear_solver import LinearSolver\n"
-    slow += "LinearSolver.from_rows = lambda *_: time.sleep(60)\nmain(replies)"
-    monkeypatch.setattr(remote_factor, "_START", remote_factor._START.replace("main(replies)", slow))
+def test_closing_does_not_wait_for_the_factor(monkeypatch, tmp_path):
+    begun = tmp_path / "begun"
+    slow = f"""
+        import time
+        from pathlib import Path
+        from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+        LinearSolver.from_rows = lambda *_: (Path({str(begun)!r}).touch(), time.sleep(60))
+    """
+    monkeypatch.setattr(remote_factor, "ChildProcess", forked.altered(slow))
     factor = far()
     factor.begin()
-    time.sleep(0.3)
+    end = time.monotonic() + 20.0
+    while not begun.exists():
+        assert time.monotonic() < end
+        time.sleep(0.005)
     started = time.monotonic()
     factor.close()
     assert time.monotonic() - started < 1.0

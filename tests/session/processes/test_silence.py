@@ -3,9 +3,10 @@
 import os
 import signal
 import sys
-import textwrap
+import threading
 import time
 
+import forked
 import numpy as np
 import pytest
 from driven_session import pose
@@ -20,44 +21,39 @@ TWISTED = 0.4
 stoppable = pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
 
 
-def pid_of(session):
-    return session._worker._child._process.pid
-
-
-def stop(session):
+def stop(session, processes):
     """Stop the solver in the middle of a drag."""
     session.gestures.begin()
     session.handles.drag(pose(0.1))
     before = session.U
     session.until(lambda: session.U is not before)
-    os.kill(pid_of(session), signal.SIGSTOP)
+    os.kill(processes[-1].pid, signal.SIGSTOP)
     session.handles.drag(pose(TWISTED))
     session.gestures.end("Move handle")
 
 
 @stoppable
-def test_a_stopped_solver_is_said_until_it_goes_on_or_is_restarted(process, session):
+def test_a_stopped_solver_is_said_until_it_goes_on_or_is_restarted(processes, session):
     session.settle()
-    stop(session)
+    stop(session, processes)
     began = time.monotonic()
     session.until(lambda: session.store.silence, SOON)
     assert time.monotonic() - began > 3.0
     assert "restart" in session.store.silence
     assert session.told == [session.store.silence]
-    os.kill(pid_of(session), signal.SIGCONT)
+    os.kill(processes[-1].pid, signal.SIGCONT)
     session.until(lambda: not session.store.silence, SOON)
     session.settle()
     reached = session.U
     session.gestures.undo()
     session.settle()
 
-    stop(session)
+    stop(session, processes)
     session.until(lambda: session.store.silence, SOON)
-    stopped = pid_of(session)
     session.store.restart_solver()
     session.until(lambda: not session.store.silence, SOON)
     session.settle()
-    assert pid_of(session) != stopped
+    assert len(processes) == 2
     assert session.store.activity is Activity.SETTLED
     assert np.abs(session.U - reached).max() < 1e-3
     assert session.failed == []
@@ -80,11 +76,9 @@ Deformation.iterate = iterate
 
 
 @pytest.fixture
-def hanging(process, monkeypatch):
+def hanging(processes, monkeypatch):
     """The solver computes for long in its first iteration, and waits for ever in its second."""
-    main = "from apd_viewer.session.processes.solver_main import main\n"
-    altered = process_client._START.replace(main, main + textwrap.dedent(HANGS))
-    monkeypatch.setattr(process_client, "_START", altered)
+    monkeypatch.setattr(process_client, "ChildProcess", forked.altered(HANGS))
 
 
 def test_a_long_iteration_is_not_taken_for_one_that_hangs(hanging, session):
@@ -99,7 +93,7 @@ def test_a_long_iteration_is_not_taken_for_one_that_hangs(hanging, session):
 
 @pytest.fixture
 def heard():
-    """What a watch tells that waits for a second, and the watch."""
+    """What a watch tells that waits for a second, and the watch, whose thread is the newest."""
     told = []
     watch = SilenceWatch(told.append, 1)
     yield told, watch
@@ -142,8 +136,13 @@ def test_a_watch_rests_while_nothing_is_awaited(heard):
     _, watch = heard
     watch.expect(1, 1)
     watch.hear(answered=1)
-    time.sleep(0.1)
-    clock = time.pthread_getcpuclockid(watch._thread.ident)
-    before = time.clock_gettime(clock)
-    time.sleep(1.5)
-    assert time.clock_gettime(clock) == before
+    (thread,) = (thread for thread in threading.enumerate() if thread.name == "silence")
+    clock = time.pthread_getcpuclockid(thread.ident)
+
+    def rests(seconds):
+        before = time.clock_gettime(clock)
+        time.sleep(seconds)
+        return time.clock_gettime(clock) == before
+
+    wait(lambda: rests(0.05))
+    assert rests(1.5)

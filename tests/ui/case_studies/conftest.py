@@ -25,7 +25,7 @@ def twisted(qapp, home):
     """A window on a bar that is painted and twisted; its solver is a thread."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(process_client, "start_process", InThread)
-        patch.setattr(shape_checker, "_AT_FIRST", 1e6)
+        patch.setattr(shape_checker, "AT_FIRST", 1e6)
         patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
         settings = QSettings(str(home / "settings.ini"), QSettings.Format.IniFormat)
         settings.setValue("folder", str(home))

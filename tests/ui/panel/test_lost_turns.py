@@ -18,8 +18,8 @@ from apd_viewer.session.processes import shape_checker
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    monkeypatch.setattr(shape_checker, "_AT_FIRST", 0.0)
-    monkeypatch.setattr(shape_checker, "_CALM", 0.0)
+    monkeypatch.setattr(shape_checker, "AT_FIRST", 0.0)
+    monkeypatch.setattr(shape_checker, "CALM", 0.0)
 
 
 @pytest.fixture

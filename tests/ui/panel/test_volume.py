@@ -28,8 +28,8 @@ CM = Unit.CENTIMETRE
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    monkeypatch.setattr(shape_checker, "_AT_FIRST", 0.0)
-    monkeypatch.setattr(shape_checker, "_CALM", 0.0)
+    monkeypatch.setattr(shape_checker, "AT_FIRST", 0.0)
+    monkeypatch.setattr(shape_checker, "CALM", 0.0)
 
 
 def known(qtbot, window):

@@ -42,8 +42,8 @@ def write(qtbot, window, path):
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    monkeypatch.setattr(shape_checker, "_AT_FIRST", 0.0)
-    monkeypatch.setattr(shape_checker, "_CALM", 0.0)
+    monkeypatch.setattr(shape_checker, "AT_FIRST", 0.0)
+    monkeypatch.setattr(shape_checker, "CALM", 0.0)
 
 
 @pytest.fixture
@@ -189,7 +189,7 @@ def test_a_report_holds_pictures_and_the_session_and_nobodys_folder(qtbot, twist
 
 
 def test_a_report_saved_soon_after_an_edit_measures_what_is_missing(qtbot, twisted, tmp_path, monkeypatch):
-    monkeypatch.setattr(shape_checker, "_CALM", 1000.0)  # the window does not look meanwhile
+    monkeypatch.setattr(shape_checker, "CALM", 1000.0)  # the window does not look meanwhile
     twisted.session.handles.move_by(TypedMotion.TWIST, "5", 0)
     idle(qtbot, twisted)
     points = SurfacePoint(0, (1.0, 0.0, 0.0)), SurfacePoint(60, (1.0, 0.0, 0.0))
