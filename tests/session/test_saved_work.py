@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 from driven_session import BENT, VIEW, Driven, bar, pose
+from living import living
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.pose.constraints import BASE
+from apd_viewer.session.saved_work import SavedDocument
 from apd_viewer.session.storage.session_file import save_session
 
 SAID = {
@@ -129,10 +131,11 @@ def test_a_baked_shape_is_unsaved_work_on_the_same_file(session, tmp_path):
 
 
 def test_meshes_out_of_reach_of_undo_are_forgotten(session):
-    session.gestures.history._most_bytes = 0
+    session.gestures.limit_memory(0)
+    others = living(SavedDocument) - 1
     for _ in range(5):
         session.show_now(bar())
-    assert len(session.saved_work._saved) <= 3
+    assert living(SavedDocument) - others <= 3
 
 
 def test_a_drag_called_off_leaves_nothing_unsaved(session, tmp_path):

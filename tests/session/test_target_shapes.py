@@ -15,8 +15,8 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import opened
-from apd_viewer.session.processes.process_client import _to_solve
-from apd_viewer.session.processes.requests import Request
+from apd_viewer.session.processes import process_client
+from apd_viewer.session.processes.messages import Order
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 
@@ -70,16 +70,22 @@ def test_loading_and_clearing_are_steps_of_undo(session, file):
     assert session.store.state.document.target is None, "it was for another mesh"
 
 
-def test_the_shape_is_solved_as_without_a_target(session, file):
+def test_the_shape_is_solved_as_without_a_target(session, file, monkeypatch):
     load(session, file)
     document = session.store.state.document
-    sent = _to_solve(Request(document, 1, document.mesh.V, iterate=True))
-    assert sent.document.target is None
-    assert sent.document.labels is document.labels
+    sent = []
+
+    def noted(number, request, *others):
+        sent.append(request.document)
+        return Order(number, request, *others)
+
+    monkeypatch.setattr(process_client, "Order", noted)
     session.drag(np.diag([1.0, 1.0, 1.1, 1.0]))
     session.settle()
     assert session.store.state.document.target is document.target
     assert session.store.state.frame.converged
+    assert {each.target for each in sent} == {None}
+    assert sent[-1].labels is document.labels
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import weakref
 import numpy as np
 import pytest
 from driven_session import BENT, LONG, Driven, bar, pose, solver_threads
+from living import living
 from meshes import box
 
 from apd_viewer.files.mesh_writing import save_mesh
@@ -15,6 +16,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD
 from apd_viewer.session import file_jobs
+from apd_viewer.session.processes.worker import Worker
 from apd_viewer.session.store import Activity
 
 
@@ -241,29 +243,27 @@ def test_closing_waits_for_a_file_that_is_written_although_that_was_cancelled(se
     session.files.export(tmp_path / "out.obj")
     session.jobs.cancel()
     session.close()
-    written = (tmp_path / "out.obj").exists()
-    time.sleep(0.6)
-    assert written
+    assert (tmp_path / "out.obj").exists()
 
 
-def test_closing_does_not_wait_for_a_file_that_is_opened(session, cube_file, monkeypatch):
-    def slowly(path):
-        time.sleep(1.0)
-        return open_mesh(path)
+def opening(session, path):
+    """Open a file, and the thread that opens it."""
+    others = set(threading.enumerate())
+    session.files.open(path)
+    (thread,) = set(threading.enumerate()) - others
+    return thread
 
-    monkeypatch.setattr(file_jobs, "open_mesh", slowly)
-    session.files.open(cube_file)
-    thread = session.jobs.current._thread
-    started = time.monotonic()
-    session.close()
-    waited = time.monotonic() - started
+
+def test_closing_does_not_wait_for_a_file_that_is_opened(session, cube_file, gate):
+    thread = opening(session, cube_file)
+    closed_within(session, 2.0)
+    assert thread.is_alive()
+    gate.set()
     thread.join(LONG)
-    assert waited < 0.7
 
 
 def test_nobody_is_woken_after_closing(session, cube_file, gate):
-    session.files.open(cube_file)
-    thread = session.jobs.current._thread
+    thread = opening(session, cube_file)
     session.jobs.cancel()
     session.close()
     woken = len(session.woken)
@@ -279,7 +279,8 @@ def test_closing_twice_and_before_anything_is_open():
 
 
 def test_sessions_leave_no_thread_and_no_worker():
-    others, workers = set(threading.enumerate()), []
+    others, sessions = set(threading.enumerate()), []
+    workers = living(Worker)
     for k in range(20):
         session = Driven()
         session.show_now(bar())
@@ -287,12 +288,13 @@ def test_sessions_leave_no_thread_and_no_worker():
             session.paint_ends()
             session.drag(BENT)
             session.until(lambda s=session, least=k % 5: s.store.state.frame.iteration > least)
-        workers += [weakref.ref(session._worker), weakref.ref(session)]
+        sessions.append(weakref.ref(session))
         session.close()
     del session
     gc.collect()
     assert set(threading.enumerate()) <= others
-    assert [ref() for ref in workers if ref() is not None] == []
+    assert [ref() for ref in sessions if ref() is not None] == []
+    assert living(Worker) == workers
 
 
 def test_input_errors_of_jobs_are_sentences_without_a_traceback(session, tmp_path, capfd):

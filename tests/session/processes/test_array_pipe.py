@@ -35,10 +35,10 @@ class Line:
 def line(request, monkeypatch):
     if request.param == "no shared memory":
 
-        def full(_):
+        def full(*_, **__):
             raise OSError(28, "No space left on device")
 
-        monkeypatch.setattr(shared_memory, "_made", full)
+        monkeypatch.setattr(shared_memory, "SharedMemory", full)
     return Line()
 
 
