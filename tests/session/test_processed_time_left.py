@@ -12,7 +12,7 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.time_left import Forecast
 from apd_viewer.session.model.motions import TypedMotion
 
-pytestmark = pytest.mark.usefixtures("process")
+pytestmark = [pytest.mark.usefixtures("processes"), pytest.mark.night]
 
 MINUTES = 5.0
 
