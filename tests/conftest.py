@@ -11,7 +11,7 @@ from in_thread import InThread
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.processes import process_client, shape_checker
 
-pytest_plugins = ["night_tests"]
+pytest_plugins = ["kernel_watch", "night_tests"]
 
 START = process_client.start_process
 
