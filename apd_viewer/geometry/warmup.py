@@ -6,9 +6,7 @@ kernel that is called, and for each types of its arguments, in the order in whic
 
 from __future__ import annotations
 
-import importlib
 import re
-import sys
 from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
@@ -17,11 +15,18 @@ from typing import Any
 from numba import types
 from numba.core import event
 
+from apd_viewer.geometry.analysis import area_change, deviation, double_wall, extremes
+from apd_viewer.geometry.linalg.kernels import KERNELS
+from apd_viewer.geometry.picking import surface_index
+from apd_viewer.geometry.solver import deformation
+
+# They import all modules with kernels.
+_IMPORTERS = area_change, deformation, deviation, double_wall, extremes, surface_index
 # Sections of the table that a first drag needs, and other processes can compile beside the window.
 PARTS = ("drag", "contact", "factor")
 _TABLE = Path(__file__).with_name("kernels.txt")
-_PACKAGE = __name__.rpartition(".")[0]
-_ROW = re.compile(r"([\w.]+)\.(\w+)\((.*)\)")
+_ROOM = __name__.rpartition(".")[0]
+_ROW = re.compile(r"([\w.]+)\((.*)\)")
 
 
 def warm_up(*sections: str, enough: Callable[[], bool] = lambda: False) -> None:
@@ -64,9 +69,7 @@ def _read(row: str) -> tuple[Any, tuple[types.Type, ...]]:
     """Kernel of a row, and the types of its arguments."""
     found = _ROW.fullmatch(row)
     assert found is not None, row
-    kernel = getattr(importlib.import_module(f"{_PACKAGE}.{found[1]}"), found[2])
-    arguments = eval(f"({found[3]},)", {**vars(types), "const": _const})
-    return getattr(kernel, "dispatcher", kernel), arguments
+    return KERNELS[f"{_ROOM}.{found[1]}"], eval(f"({found[2]},)", {**vars(types), "const": _const})
 
 
 def _const(array: types.Array) -> types.Array:
@@ -75,17 +78,8 @@ def _const(array: types.Array) -> types.Array:
 
 
 def _share_ready() -> float:
-    rows = [row for rows in kernel_table().values() for row in rows]
-    return sum(map(_is_ready, rows)) / len(rows)
-
-
-def _is_ready(row: str) -> bool:
-    """True if the kernel of a row is compiled; imports nothing, as another thread may be importing it."""
-    module, _, _ = row.partition("(")[0].rpartition(".")
-    if f"{_PACKAGE}.{module}" not in sys.modules:
-        return False
-    kernel, arguments = _read(row)
-    return arguments in kernel.overloads
+    read = [_read(row) for rows in kernel_table().values() for row in rows]
+    return sum(arguments in kernel.overloads for kernel, arguments in read) / len(read)
 
 
 class _Ends(event.Listener):

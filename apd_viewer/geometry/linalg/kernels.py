@@ -27,6 +27,8 @@ from apd_viewer.geometry.signals import kernel_signals  # before the first kerne
 from apd_viewer.installation import kernel_folders
 
 _LOGGER = logging.getLogger(__name__)
+# By the dotted names of their functions: all that were imported.
+KERNELS: dict[str, Any] = {}
 _DIGEST = hashlib.sha256().digest_size
 
 
@@ -38,6 +40,7 @@ def njit(cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]], 
             inspect.getfile(function)
         )  # of what is run: an update may replace the file at any time
         kernel = numba.njit(**options)(function)
+        KERNELS[f"{function.__module__}.{function.__qualname__}"] = kernel
         if cache:
             # As numba's enable_caching does, which knows no other cache than its own.
             kernel._cache = KernelCache(function)

@@ -62,7 +62,6 @@ def parallel(**options: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
             with _ONE_AT_A_TIME:
                 return kernel(*args, **kwargs)
 
-        guarded.dispatcher = kernel  # type: ignore[attr-defined]
         return guarded
 
     return compiled
