@@ -13,6 +13,7 @@ from apd_viewer import Mesh, save_mesh
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="streams and signals of Unix")
 
+OTHERS = ("SIGHUP", 129), ("SIGINT", 130)
 PROGRAM = "import sys; from apd_viewer.__main__ import main; sys.exit(main())"
 
 
@@ -60,7 +61,7 @@ def test_what_the_output_cannot_encode_is_replaced(mesh):
 
 @pytest.mark.parametrize(
     ("name", "status"),
-    [("SIGTERM", 143), pytest.param("SIGHUP", 129, marks=pytest.mark.night), ("SIGINT", 130)],
+    [("SIGTERM", 143), *(pytest.param(*each, marks=pytest.mark.night) for each in OTHERS)],
 )
 def test_a_signal_leaves_no_scratch(name, status, mesh, tmp_path):
     labels = np.where(box()[0][:, 2] > 5.0, 2, np.where(box()[0][:, 2] < 1.0, 1, 0))
@@ -86,6 +87,7 @@ def test_a_signal_leaves_no_scratch(name, status, mesh, tmp_path):
     assert list(there.iterdir()) == list(own.iterdir()) == []
 
 
+@pytest.mark.night
 def test_nohup_is_respected(mesh):
     program = "import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)\n" + PROGRAM.replace(
         "main())", "[main(), print(signal.getsignal(signal.SIGHUP) is signal.SIG_IGN)][0])"
