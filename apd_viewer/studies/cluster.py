@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.studies.worker import CaseAnswer, Task, Work
 
-_PATIENCE = 20  # s that a scheduler may take to answer
+PATIENCE = 20  # s that a scheduler may take to answer
 _GONE = 30.0  # s without a scheduler, after which it does not come back
 _LOOK = 2.0  # s between two looks at the workers
 _PROFILE_CALLBACKS = ("profile", "profile-cycle")
@@ -94,7 +94,7 @@ class Cluster:
             self._executor.shutdown(wait=False)
         # Dask says that it has not ended in time by an OSError; it ends with this process.
         with suppress(OSError):
-            self._client.close(timeout=1 if at_once else _PATIENCE)
+            self._client.close(timeout=1 if at_once else PATIENCE)
 
 
 def _undisturbed(work: Work, task: Task) -> CaseAnswer:
@@ -139,7 +139,7 @@ def connected(address: str | None, scheduler_file: Path | None, work: Work = wor
         raise InputError(tr("There is no file {path}; check the name.").format(path=scheduler_file))
     distributed = _distributed()
     try:
-        return Cluster(distributed.Client(**where, timeout=_PATIENCE), work)
+        return Cluster(distributed.Client(**where, timeout=PATIENCE), work)
     except (OSError, ValueError, TypeError) as error:
         raise InputError(
             tr("No scheduler answers at {where} ({reason}); check the address.").format(

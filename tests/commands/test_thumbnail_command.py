@@ -75,7 +75,7 @@ def test_what_cannot_be_drawn_is_said(ball, tmp_path, capsys, monkeypatch):
     (tmp_path / "note.txt").write_text("nonsense")
     save_mesh(ball, ball.V, tmp_path / "ball.stl")
     save_session(tmp_path / "odd.apd", opened(ball), View(), picture=b"nonsense")
-    monkeypatch.setattr("apd_viewer.commands.desktop.thumbnail._LARGEST", 1000)
+    monkeypatch.setattr("apd_viewer.commands.desktop.thumbnail.LARGEST", 1000)
     for name, said in (
         ("bad.obj", "bad.obj"),
         ("bad.apd", "bad.apd is not a valid session"),

@@ -100,6 +100,6 @@ def test_a_case_that_kills_every_worker_is_named(run):
 
 
 def test_there_may_be_no_scheduler(monkeypatch):
-    monkeypatch.setattr("apd_viewer.studies.cluster._PATIENCE", 1)
+    monkeypatch.setattr("apd_viewer.studies.cluster.PATIENCE", 1)
     with pytest.raises(InputError, match=r"No scheduler answers at tcp://127\.0\.0\.1:9"):
         connected("tcp://127.0.0.1:9", None)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 _USUAL, _LEAST, _MOST = 256, 16, 1024  # pixels
 # Bytes of a file: more take more time and memory than a file manager gives.
-_LARGEST = 1 << 26
+LARGEST = 1 << 26
 
 
 def thumbnail_parser() -> Parser:
@@ -83,7 +83,7 @@ def _of_mesh(path: Path, size: int) -> np.ndarray:
 
 
 def _check_size(path: Path) -> None:
-    if path.stat().st_size > _LARGEST:
+    if path.stat().st_size > LARGEST:
         raise InputError(tr("{name} is too large for a thumbnail.").format(name=path.name))
 
 

@@ -24,9 +24,9 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_MOST = 1 << 31  # bytes; a larger archive is broken or malicious
+MOST = 1 << 31  # bytes; a larger archive is broken or malicious
 _MOST_VERTICES = LARGEST // 24  # a position is three doubles
-_MOST_USES = 1 << 16  # of objects, a few seconds; components of components multiply
+MOST_USES = 1 << 16  # of objects, a few seconds; components of components multiply
 _START = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 _RELATIONSHIP = "http://schemas.openxmlformats.org/package/2006/relationships Relationship"
 _USUAL = "3D/3dmodel.model"  # the main part where none is named
@@ -110,7 +110,7 @@ class _Package:
         except BROKEN as error:
             raise ValueError(tr("it is not an archive, or it is damaged")) from error
         size = sum(entry.file_size for entry in entries)
-        if size > min(_MOST, most_unpacked(len(content))):
+        if size > min(MOST, most_unpacked(len(content))):
             raise ValueError(tr("it would unpack to {size:,} bytes").format(size=size))
         # Names of parts are the same in small and large letters (ECMA-376, part 2, 6.2.2).
         self._names = {entry.filename.lower(): entry.filename for entry in entries}
@@ -123,7 +123,7 @@ class _Package:
         todo = [
             (use, self._main, np.eye(4), frozenset[tuple[str, str]]()) for use in reversed(self.main.build)
         ]
-        left = _MOST_USES
+        left = MOST_USES
         while todo:
             use, home, matrix, above = todo.pop()
             path = _part_name(use.path) if use.path else home

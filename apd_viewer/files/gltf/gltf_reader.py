@@ -23,7 +23,7 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_MOST = LARGEST // 24  # vertices: a position is three doubles
+MOST = LARGEST // 24  # vertices: a position is three doubles
 
 
 def read_gltf(content: bytes, path: Path) -> Parsed:
@@ -93,7 +93,7 @@ class _Scene:
         packed = [name for name in COMPRESSED if extension_of(part, name) is not None]
         if packed and "bufferView" not in told:
             raise compressed(packed[0])
-        if self._count + whole(told, "count") > _MOST:
+        if self._count + whole(told, "count") > MOST:
             raise too_large(tr("all its instances"))
         return Block(
             self._count,

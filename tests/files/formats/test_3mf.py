@@ -63,7 +63,7 @@ def test_what_is_damaged_is_refused(content, tmp_path):
 
 
 def test_a_bomb_is_not_unfolded(tmp_path, monkeypatch):
-    monkeypatch.setattr("apd_viewer.files.formats.package_3mf._MOST", 1000)
+    monkeypatch.setattr("apd_viewer.files.formats.package_3mf.MOST", 1000)
     path = tmp_path / "bomb.3mf"
     path.write_bytes(archive(MODEL))
     with pytest.raises(InputError, match="would unpack to"):

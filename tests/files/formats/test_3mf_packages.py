@@ -242,7 +242,7 @@ WRONG = {
 
 @pytest.mark.parametrize("name", WRONG)
 def test_what_is_wrong_is_said(name, opened, monkeypatch):
-    monkeypatch.setattr("apd_viewer.files.formats.package_3mf._MOST_USES", 1000)
+    monkeypatch.setattr("apd_viewer.files.formats.package_3mf.MOST_USES", 1000)
     said, words = WRONG[name]
     with pytest.raises(InputError, match=words):
         opened(said)

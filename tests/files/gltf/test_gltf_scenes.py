@@ -418,7 +418,7 @@ def test_what_is_damaged_is_said(damage, suffix, tmp_path):
 
 
 def test_instances_without_end_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("apd_viewer.files.gltf.gltf_reader._MOST", 2 * len(V))
+    monkeypatch.setattr("apd_viewer.files.gltf.gltf_reader.MOST", 2 * len(V))
     scene = GltfScene()
     three_instances(scene, V)
     with pytest.raises(InputError, match="all its instances"):
