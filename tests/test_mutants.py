@@ -222,19 +222,20 @@ def test_a_mutant_that_hangs_is_ended(tiny):
     assert verdict_on(tiny, "!= -> ==", "sign", seconds=2.0)[0] == "broken off"
 
 
-def test_of_too_many_tests_those_of_the_module_and_its_folder_are_taken_first():
+def test_of_too_many_tests_those_of_the_module_come_first_and_then_files_take_turns():
     place = Place("geometry/contact/gap.py", "f", "constant", 1, 0, 1, "1", "2")
     costs = {
-        "tests/ui/test_window.py::test_a": 1.0,
+        "tests/ui/test_window.py::test_a": 0.5,
         "tests/geometry/contact/test_gap.py::test_b": 20.0,
-        "tests/geometry/contact/test_other.py::test_c": 19.0,
+        "tests/geometry/contact/test_other.py::test_c": 2.5,
         "tests/geometry/contact/test_other.py::test_d": 2.0,
+        "tests/geometry/contact/test_third.py::test_e": 17.0,
     }
     found = {
         "tests": {name: [cost, "passed"] for name, cost in costs.items()},
         "reached": {place.key: [*costs]},
     }
     choice = choice_of(place, found)
-    assert [name[-1] for name in choice.tests] == ["a", "d", "b"]
-    assert choice.reaching == 4
+    assert [name[-1] for name in choice.tests] == ["a", "d", "e", "b"]
+    assert choice.reaching == 5
     assert [name[-1] for name in choice_of(place, found, limit=3.0).tests] == ["b"]

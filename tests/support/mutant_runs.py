@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -90,12 +91,16 @@ class Choice:
 def choice_of(place: Place, found: dict, limit: float = SECONDS) -> Choice:
     """Tests that reach a place and pass without the change, for some seconds of tests.
 
-    Where there are too many, those of its module come first, then those of its folder, then the cheapest.
+    Where there are too many, those of its module come first, then those of its folder, then others; there
+    all files take turns, each with its cheapest first.
     """
     seconds = {name: each[0] + EACH for name, each in found["tests"].items() if each[1] == "passed"}
     reaching = [name for name in found["reached"].get(place.key, ()) if name in seconds]
-    chosen, total = [], 0.0
-    for name in sorted(reaching, key=lambda name: (_distance(place, name), seconds[name])):
+    chosen, total, turns, turn = [], 0.0, Counter(), {}
+    for name in sorted(reaching, key=lambda name: seconds[name]):
+        turn[name] = turns[name.partition("::")[0]]
+        turns[name.partition("::")[0]] += 1
+    for name in sorted(turn, key=lambda name: (_distance(place, name), turn[name], seconds[name])):
         if not chosen or total + seconds[name] <= limit:
             chosen.append(name)
             total += seconds[name]
