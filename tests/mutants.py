@@ -2,9 +2,9 @@
 
 Each mutant is a copy of the working tree with one small change in solver, contact, files or session. Only
 tests that reach the changed function run there, cheapest first and 40 seconds of them at most, to the first
-that fails. Which test reaches which function is noted once, by a run of the suite, and kept in
-``build/mutants``; ``--map`` does it anew. The table is printed as it grows and kept there too, with a log of
-each mutant. Linux and macOS.
+that fails; a survivor gets all of them, if time is left. Which test reaches which function is noted once, by
+a run of the suite, and kept in ``build/mutants``; ``--map`` does it anew. The table is printed as it grows
+and kept there too, with a log of each mutant. Linux and macOS.
 
 What a function does at import is reached by no test; a value that is cached is noted for the first test that
 asks; processes that a test starts are noted unless they get an environment without PYTHONPATH. A test that
@@ -14,6 +14,7 @@ fails kills a mutant only if it fails again.
 from __future__ import annotations
 
 import argparse
+import math
 import shutil
 import sys
 import threading
@@ -26,7 +27,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 
-from mutant_runs import Choice, Verdict, choice_of, make_map, run_mutant  # noqa: E402
+from mutant_runs import SECONDS, Choice, Verdict, choice_of, make_map, run_mutant  # noqa: E402
 from mutations import Place, chosen_places  # noqa: E402
 
 AREAS = {
@@ -90,7 +91,7 @@ class Table:
         for area in (*AREAS, "all"):
             found = Counter(row[3].outcome for row in rows if area in (row[0], "all"))
             self._say(_line([area, found.total(), *(found[each] for each in outcomes)]))
-        cut = sum(len(choice.tests) < choice.reaching for _, _, choice, _ in rows)
+        cut = sum(choice.is_cut for _, _, choice, _ in rows)
         self._say(f"\n{len(rows)} of {count} places tried; {cut} with some of the tests that reach them.")
 
     def _say(self, line: str) -> None:
@@ -103,29 +104,40 @@ def _line(cells) -> str:
     return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
 
 
-def try_all(places: list[tuple[str, Place]], found: dict, table: Table, minutes: float) -> list[Row]:
-    """Try places until time is up or Ctrl+C is pressed, as many at once as there are cores."""
-    until, stopped = time.monotonic() + 60 * minutes, threading.Event()
+class Trials:
+    """Places that are tried until time is up or Ctrl+C is pressed, as many at once as there are cores."""
 
-    def is_over() -> bool:
-        return stopped.is_set() or time.monotonic() >= until
+    def __init__(self, places: list[tuple[str, Place]], found: dict, table: Table, minutes: float) -> None:
+        self._places, self._found, self._table = places, found, table
+        self._until, self._stopped = time.monotonic() + 60 * minutes, threading.Event()
 
-    def tried(k: int) -> Row | None:
-        if is_over():
+    def rows(self) -> list[Row]:
+        """Rows of all places; survivors are tried again, with all tests that reach them."""
+        rows = self._tried(list(range(len(self._places))), SECONDS)
+        left = [k for k, row in rows.items() if row[3].outcome == "survived" and row[2].is_cut]
+        again = self._tried(left, math.inf)
+        return list((rows | {k: row for k, row in again.items() if row[3].outcome != "broken off"}).values())
+
+    def _tried(self, numbers: list[int], limit: float) -> dict[int, Row]:
+        with ThreadPoolExecutor(CORES) as pool:
+            rows = {k: pool.submit(self._row, k, limit) for k in numbers}
+            try:
+                wait(rows.values())
+            except KeyboardInterrupt:
+                self._stopped.set()
+        return {k: row.result() for k, row in rows.items() if row.result()}
+
+    def _row(self, k: int, limit: float) -> Row | None:
+        if self._is_over():
             return None
-        (area, place), log = places[k], BUILD / f"{k + 1}.log"
-        choice = choice_of(place, found)
-        row = area, place, choice, run_mutant(place, PACKAGE, choice, log, is_over)
-        table.add(row)
+        (area, place), log = self._places[k], BUILD / f"{k + 1}.log"
+        choice = choice_of(place, self._found, limit)
+        row = area, place, choice, run_mutant(place, PACKAGE, choice, log, self._is_over)
+        self._table.add(row)
         return row
 
-    with ThreadPoolExecutor(CORES) as pool:
-        rows = [pool.submit(tried, k) for k in range(len(places))]
-        try:
-            wait(rows)
-        except KeyboardInterrupt:
-            stopped.set()
-    return [row.result() for row in rows if row.result()]
+    def _is_over(self) -> bool:
+        return self._stopped.is_set() or time.monotonic() >= self._until
 
 
 def main(words: list[str]) -> None:
@@ -136,7 +148,7 @@ def main(words: list[str]) -> None:
     found = loads((BUILD / "map.json").read_text(encoding="utf-8"))
     places = chosen_places(PACKAGE, AREAS, asked.count, asked.seed)
     table = Table(BUILD / f"table-{asked.seed}.md")
-    table.close(try_all(places, found, table, asked.minutes), asked.count)
+    table.close(Trials(places, found, table, asked.minutes).rows(), asked.count)
 
 
 if __name__ == "__main__":

@@ -238,4 +238,6 @@ def test_of_too_many_tests_those_of_the_module_come_first_and_then_files_take_tu
     choice = choice_of(place, found)
     assert [name[-1] for name in choice.tests] == ["a", "d", "e", "b"]
     assert choice.reaching == 5
+    assert choice.is_cut
+    assert not choice_of(place, found, limit=100.0).is_cut
     assert [name[-1] for name in choice_of(place, found, limit=3.0).tests] == ["b"]

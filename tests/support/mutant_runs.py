@@ -87,6 +87,11 @@ class Choice:
     longest: float
     reaching: int
 
+    @property
+    def is_cut(self) -> bool:
+        """True if there are more tests that reach it."""
+        return len(self.tests) < self.reaching
+
 
 def choice_of(place: Place, found: dict, limit: float = SECONDS) -> Choice:
     """Tests that reach a place and pass without the change, for some seconds of tests.
