@@ -99,22 +99,22 @@ def farthest(A, B, faces):
 
 
 @pytest.mark.parametrize(
-    ("edges", "counts"),
+    ("edges", "counts", "degrees", "apart"),
     [
-        ((2.5, 1.25), (2_090, 8_350)),
-        pytest.param((1.0, 0.36), (13_010, 100_000), marks=pytest.mark.night),
+        ((2.5, 1.25), (2_090, 8_350), 120, 0.006),  # 0.007 and more with another stiffness on one of them
+        pytest.param((1.0, 0.36), (13_010, 100_000), 60, 0.01, marks=pytest.mark.night),
     ],
 )
-def test_a_stiff_bottle_deforms_alike_however_many_vertices_it_has(edges, counts):
+def test_a_stiff_bottle_deforms_alike_however_many_vertices_it_has(edges, counts, degrees, apart):
     shapes = []
     for edge in edges:
         X, G, labels = sample_bottle(edge)
-        held = constraints(labels, X, [read_transform(resource("bottle-twist-60.def"))])
+        held = constraints(labels, X, [read_transform(resource(f"bottle-twist-{degrees}.def"))])
         result = deform(X, G, held.fixed, held.targets, "arap", 100, stiffness=1e-3, handle=held.handles)
         shapes.append((result.U, G))
     assert [len(U) for U, _ in shapes] == pytest.approx(counts, rel=0.02)
     (U, G), (fine, fine_G) = shapes
-    assert max(farthest(U, fine, fine_G), farthest(fine, U, G)) <= 0.01 * HEIGHT
+    assert max(farthest(U, fine, fine_G), farthest(fine, U, G)) <= apart * HEIGHT
 
 
 @pytest.mark.night
