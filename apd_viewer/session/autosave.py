@@ -38,6 +38,11 @@ class Autosave:
     saved_work : SavedWork
     files : Files
     listener : Listener
+
+    Attributes
+    ----------
+    interval : float or None
+        Seconds between two saves at least; None saves nothing.
     """
 
     def __init__(
@@ -54,17 +59,17 @@ class Autosave:
         self._document: Document | None = None
         self._step: HistoryEntry | None = None
         self._frame: Frame | None = None
-        self._interval: float | None = 0.0
+        self.interval: float | None = 0.0
 
     def keep_in(self, folder: Path, view: Callable[[], View] = View) -> None:
         """Start saving to a file in ``folder``; ``view()`` gives the current view."""
         self._view = view
         self._writer = AutosaveWriter(folder, self._listener.wake)
-        self._writer.set_interval(self._interval or 0.0)
+        self._writer.set_interval(self.interval or 0.0)
 
     def save_every(self, seconds: float | None) -> None:
         """Save at most once in so many seconds; None saves nothing and removes the file."""
-        self._interval = seconds
+        self.interval = seconds
         if self._writer is not None and seconds is not None:
             self._writer.set_interval(seconds)
         self.follow()
@@ -83,13 +88,13 @@ class Autosave:
         shown = tuple(left for left in self._restored if left.mesh is state.document.mesh)
         for left in shown:
             left.taken = True
-        if self._interval is None or not self._saved_work.unsaved:
+        if self.interval is None or not self._saved_work.unsaved:
             self._forget()
         elif self._is_new(state):
             step = self._gestures.history.latest
             is_step = state.document is not self._document and step is not self._step
             self._document, self._frame, self._step = state.document, state.frame, step
-            waits = is_step and not self._interval
+            waits = is_step and not self.interval
             self._writer.put(Copy(state, self._view(), shown), _MOMENT if waits else 0.0)
 
     def receive(self) -> None:

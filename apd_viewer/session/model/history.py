@@ -38,6 +38,7 @@ class History:
 
     Attributes
     ----------
+    most_bytes : int
     bytes : int
         Memory of the states that can be undone.
     forgot : callable
@@ -45,7 +46,7 @@ class History:
     """
 
     def __init__(self, most_bytes: int = 512 * 2**20) -> None:
-        self._most_bytes = most_bytes
+        self.most_bytes = most_bytes
         self._undo: list[HistoryEntry] = []
         self._redo: list[HistoryEntry] = []
         self._keepers = Counter[int]()  # number of entries to undo that keep a thing in memory
@@ -95,11 +96,11 @@ class History:
 
     def limit(self, most_bytes: int) -> None:
         """Set the budget, and drop what is beyond it."""
-        self._most_bytes = most_bytes
+        self.most_bytes = most_bytes
         self._drop_oldest([])
 
     def _drop_oldest(self, dropped: list[HistoryEntry]) -> None:
-        while len(self._undo) > 1 and self.bytes > self._most_bytes:
+        while len(self._undo) > 1 and self.bytes > self.most_bytes:
             dropped.append(self._pop(0))
         if dropped:
             dropped.clear()  # so that nothing keeps their memory

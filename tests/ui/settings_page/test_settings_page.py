@@ -92,8 +92,8 @@ def test_each_setting_does_what_it_says_and_is_kept(qtbot, window, page, setting
     assert window.canvas.way is Way.LASSO
     assert window.actions_.select.ways[Way.LASSO].isChecked()
     assert window.canvas.painter.size.radius == 40.0
-    assert window.session.autosave._interval is None
-    assert window.session.gestures.history._most_bytes == 64 * 2**20
+    assert window.session.autosave.interval is None
+    assert window.session.gestures.history.most_bytes == 64 * 2**20
     assert chosen_language.read_text() == "en"
     opened(qtbot, window, tmp_path, "new.obj")
     assert window.panel.unit is Unit.INCH
