@@ -20,6 +20,9 @@ from apd_viewer.geometry.solver.methods import METHODS
 PACKAGE = Path(__file__).parents[1] / "apd_viewer"
 METHOD_TABLE = "geometry/solver/methods.py"
 QUESTION = re.compile(r"(what|how|where|which|whether|who|whom|whose|when|why)\b", re.IGNORECASE)
+PRIVATE = re.compile(r"_[a-zA-Z]\w*")
+NOT_PRIVATE = {"_replace", "_asdict", "_make", "_fields", "_exit"}  # of named tuples, and of os
+REACHES = {"setattr", "delattr", "getattr", "hasattr", "patch", "object"}
 RELATIVE = re.compile(r"\b(that|which|who|whom|whose|where|what)\b", re.IGNORECASE)
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -148,6 +151,29 @@ def late_starts(found: list[Module]) -> list[str]:
         for function in module.functions
         if function.name == "start" and not {"thread", "process"} & set(Path(module.where).stem.split("_"))
     ]
+
+
+def private_names(found: list[Module]) -> list[str]:
+    """Uses of names with an underscore that belong to somebody else: attributes, imports, and patches."""
+    said = []
+    for module in found:
+        for node in ast.walk(module.tree):
+            names = [name for name in _names_of_others(node) if PRIVATE.fullmatch(name)]
+            said += [f"{module.where}:{node.lineno} {name}" for name in names if name not in NOT_PRIVATE]
+    return said
+
+
+def _names_of_others(node: ast.AST) -> list[str]:
+    """Names that a node takes from elsewhere, without what precedes their last dot."""
+    if isinstance(node, ast.Attribute):
+        is_own = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
+        return [] if is_own else [node.attr]
+    if isinstance(node, ast.ImportFrom):
+        return [part for alias in node.names for part in (alias.name, *(node.module or "").split("."))]
+    if isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in REACHES:
+        texts = [argument.value for argument in node.args if isinstance(argument, ast.Constant)]
+        return [text.split(".")[-1] for text in texts if isinstance(text, str)]
+    return []
 
 
 def local_imports(found: list[Module]) -> Iterator[tuple[str, bool]]:

@@ -1,5 +1,7 @@
 """The structure stays readable: limits on sizes, on late construction and on the words of docstrings."""
 
+from pathlib import Path
+
 import pytest
 from structure import (
     QUESTION,
@@ -16,7 +18,11 @@ from structure import (
     method_counts,
     modules,
     percentile,
+    private_names,
 )
+
+# Rooms of the tests that reach into nobody's privacy.
+OPEN_ROOMS = ("ui",)
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +54,11 @@ def test_traits_decide_and_not_the_names_of_methods(found):
 
 def test_imports_in_functions_have_their_reason(found):
     assert [place for place, explained in local_imports(found) if not explained] == []
+
+
+@pytest.mark.parametrize("room", OPEN_ROOMS)
+def test_private_names_are_not_used_by_tests(room):
+    assert private_names(modules(Path(__file__).parent / room)) == []
 
 
 def test_each_class_has_a_name_of_its_own(found):
@@ -87,6 +98,12 @@ class Odd:
     def total(self, a):
         return self.part.total(a, 1)
 
+    def reach(self, patch):
+        from elsewhere import _hidden
+
+        patch.setattr("elsewhere._other", self._own)
+        patch.setattr(_hidden, "_third", self.part._fourth)
+
 
 def odd(method):
     return method == "paper" or method in ("exact", "local")
@@ -99,8 +116,14 @@ def test_the_figures_see_what_they_should():
     assert [line.split()[1] for line in forwarders([BAD])] == ["forward", "length"]
     assert len(method_comparisons([BAD])) == 2
     assert [line.split()[1] for line in late_starts([BAD])] == ["start"]
-    assert [explained for _, explained in local_imports([BAD])] == [False]
-    assert method_counts([BAD]) == {"Odd": 4}
+    assert [explained for _, explained in local_imports([BAD])] == [False, False]
+    assert sorted(line.split()[1] for line in private_names([BAD])) == [
+        "_fourth",
+        "_hidden",
+        "_other",
+        "_third",
+    ]
+    assert method_counts([BAD]) == {"Odd": 5}
     texts = [text for _, text in first_lines([BAD])]
     assert [bool(QUESTION.match(text)) for text in texts] == [True, False]
     assert len(RELATIVE.findall(texts[0])) == 2

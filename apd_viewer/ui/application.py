@@ -83,7 +83,7 @@ def make_application(argv: list[str]) -> QApplication:
     # A viewport that Qt moves to another window keeps its context, and with it all that VTK drew.
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
     QSurfaceFormat.setDefaultFormat(_surface_format())
-    qInstallMessageHandler(_report)
+    qInstallMessageHandler(report)
     QLocale.setDefault(QLocale.c())  # the program formats numbers by itself
     show_numbers()
     application = QApplication(argv)
@@ -116,7 +116,8 @@ def _surface_format() -> QSurfaceFormat:
     return surface
 
 
-def _report(kind: QtMsgType, context: QMessageLogContext, message: str) -> None:
+def report(kind: QtMsgType, context: QMessageLogContext, message: str) -> None:
+    """Log and print a message of Qt, unless it is the harmless one."""
     if HARMLESS not in message:
         _LOGGER.log(_LEVELS[kind], message)
         print(qFormatLogMessage(kind, context, message), file=sys.stderr)  # noqa: T201

@@ -112,7 +112,7 @@ class Workbench(QObject):
         self.plots = Plots(memory, notice, session)
         self.docks["plots"].setWidget(self.plots)
         picture = partial(small_picture, canvas.viewport, PICTURE_SIDE)
-        self.filing = Filing(shell, memory, session, self._view, picture, recovery)
+        self.filing = Filing(shell, memory, session, self.view, picture, recovery)
         self.editing = Editing(canvas, self.panel, session, self.parts, self.tools.take)
         self.obstacles = ObstacleController(
             canvas,
@@ -214,7 +214,7 @@ class Workbench(QObject):
         self.parts.changed.connect(self._show_parts)
         connect_settings(self.panel, self.session)
         connect_parts(self.panel, self.session, self.parts)
-        self.panel.area.unit.chosen.connect(self._choose_unit)
+        self.panel.area.unit.chosen.connect(self.choose_unit)
         self.shell.history.chosen.connect(self.editing.travel)
         self.status.cancel_asked.connect(self.session.jobs.cancel)
         self.status.pause_asked.connect(self.session.store.pause_or_resume)
@@ -251,7 +251,8 @@ class Workbench(QObject):
         self.docks["readings"].show()
         self.panel.show_motion()
 
-    def _choose_unit(self, unit: Unit) -> None:
+    def choose_unit(self, unit: Unit) -> None:
+        """Read the mesh in a unit of length, and remember it."""
         if (state := self.session.store.state) is not None:
             self.units.choose(state.document.mesh, unit)
             self.session.store.unit = unit
@@ -267,7 +268,8 @@ class Workbench(QObject):
         if not (self.help.close() or self.health.close()):
             self.tools.take(Tool.ORBIT)
 
-    def _view(self) -> View:
+    def view(self) -> View:
+        """Current look of the window, as a session keeps it."""
         return self.measuring.in_view(self.canvas.view.saved(self.session.store.unit.value))
 
     def _studied(self) -> tuple[State, int, View] | None:
@@ -322,7 +324,7 @@ class Workbench(QObject):
         self.canvas.view.restore(view)
         self.actions_.view.camera.follow()
         self.measuring.look_as(view)
-        self._choose_unit(Unit(view.unit))
+        self.choose_unit(Unit(view.unit))
 
     def _show_parts(self) -> None:
         self.canvas.choose(self.parts.handle, self.parts.region)

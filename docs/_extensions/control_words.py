@@ -369,5 +369,5 @@ SENTENCES = {
     "picture-dialog/save": "Asks for a file and writes the picture",
     "picture-dialog/cancel": "Closes the dialog without a picture",
     "settings-dialog/close": "Closes the dialog; every setting holds as soon as it is chosen",
-    "finding-list/close": "Closes the list",
+    "finding-list/cross": "Closes the list",
 }

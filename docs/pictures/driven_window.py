@@ -170,7 +170,7 @@ class DrivenWindow:
             self.wait(lambda: not session.shape_checks.under_way and session.measuring._asked is None)
         if self.smooth:
             self.pause(250)  # the draw with smooth edges, and whatever follows a shape with a delay
-        self.wait(lambda: not view._stale and not (self.smooth and view.antialiasing.still.isActive()))
+        self.wait(lambda: not view.stale and not (self.smooth and view.antialiasing.still.isActive()))
 
     # Mouse and keys
 

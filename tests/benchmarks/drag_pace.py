@@ -50,7 +50,7 @@ def measure(application, name: str, pose, seconds: float) -> None:
 
     until(lambda: view.draws > 0)
     session.files.open_with(name, lambda: opened_sample(name))
-    until(lambda: session.store.state is not None and session.jobs.current is None and not view._stale)
+    until(lambda: session.store.state is not None and session.jobs.current is None and not view.stale)
     window.tools.take(Tool.MOVE)
     session.gestures.begin()
     # The first pose makes what is kept for all others.

@@ -92,7 +92,7 @@ class Bench:
         started = time.perf_counter()
         mesh = Mesh(V, F)
         self.window.session.files.open_with("bottle", lambda: opened(mesh, frozen(labels)))
-        self.until(lambda: self.window.session.store.state is not None and not self.view._stale)
+        self.until(lambda: self.window.session.store.state is not None and not self.view.stale)
         took = time.perf_counter() - started
         self.settle()
         print(f"opening took {took:.2f} s; gaps over 50 ms of the event loop, in ms: {pace.over(0.05)}")
@@ -114,7 +114,7 @@ class Bench:
             self.application.processEvents()
 
     def painted(self) -> None:
-        self.until(lambda: not self.view._stale)
+        self.until(lambda: not self.view.stale)
         self.application.processEvents()
 
     def bare(self) -> None:
@@ -126,8 +126,8 @@ class Bench:
         self.view.look.eye = replace(eye, position=turned)
 
     def upload(self) -> None:
-        self.surface._arrays.data.points.VTKObject.Modified()
-        self.surface._arrays.data.point_data["Normals"].VTKObject.Modified()
+        self.surface.arrays.data.points.VTKObject.Modified()
+        self.surface.arrays.data.point_data["Normals"].VTKObject.Modified()
         self.view.update()
 
     def move(self) -> None:

@@ -5,7 +5,7 @@ from collections import defaultdict
 import meshes
 import numpy as np
 import pytest
-from driving import Mouse, arrow_grip, drag, idle, show
+from driving import Mouse, arrow_grip, drag, idle, show, work_off
 from PySide6.QtCore import QEvent, QSettings, Qt
 from PySide6.QtWidgets import QApplication
 
@@ -309,7 +309,7 @@ class Scene:
         self.paint(y > np.quantile(y, 0.8), HANDLE)
         if self.name == "bent":
             window.tools.take(Tool.MOVE)
-            qtbot.wait(30)
+            work_off()
             drag(qtbot, window, arrow_grip(window, 0), (70, -20), steps=4)
             idle(qtbot, window)
             assert not np.allclose(window.session.store.state.frame.U, mesh.V, atol=0.05)
@@ -354,7 +354,7 @@ class Scene:
 
     @property
     def colors(self):
-        return np.array(self.canvas.surface._arrays.rgba)
+        return np.array(self.canvas.surface.arrays.rgba)
 
     @property
     def own_colors(self):
@@ -365,8 +365,8 @@ class Scene:
     def previewed(self):
         """Which vertices are previewed, (n,) bool array."""
         selector = self.canvas.ways[self.canvas.way]
-        if hasattr(selector, "_preview"):
-            self.qtbot.waitUntil(lambda: not selector._preview.isActive(), timeout=2_000)
+        if hasattr(selector, "preview"):
+            self.qtbot.waitUntil(lambda: not selector.preview.isActive(), timeout=2_000)
         found = np.zeros(len(self.document.labels), dtype=bool)
         if self.canvas.coloring.previewed is not None:
             found[self.canvas.coloring.previewed] = True

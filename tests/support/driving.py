@@ -1,7 +1,9 @@
 """Driving a window from a test: a mouse, waiting for the draws, and a plain colour."""
 
+import time
+
 import numpy as np
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtCore import QCoreApplication, QEvent, QObject, QPoint, QPointF, Qt
 from PySide6.QtGui import QGuiApplication, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
 
@@ -64,6 +66,37 @@ def _point(at):
     return QPointF(at) if isinstance(at, QPointF | QPoint) else QPointF(*map(float, at))
 
 
+class _Bustle(QObject):
+    """Notes whether anything was delivered to anybody."""
+
+    def __init__(self):
+        super().__init__()
+        self.any = False
+
+    def eventFilter(self, _receiver, _event):
+        self.any = True
+        return False
+
+
+def work_off(rounds=100):
+    """Deliver what waits for the event loop until nothing new comes: layouts, paints, deletions.
+
+    What takes a time of its own, such as a frame of the solver or a timer, needs a condition of its own.
+    """
+    bustle, application = _Bustle(), QApplication.instance()
+    application.installEventFilter(bustle)
+    try:
+        for _ in range(rounds):
+            bustle.any = False
+            QGuiApplication.sync()
+            QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+            if not bustle.any:
+                return
+    finally:
+        application.removeEventFilter(bustle)
+    raise AssertionError("the window goes on and on")
+
+
 def show(qtbot, widget, view):
     """Show a window and wait until its viewport has drawn."""
     widget.show()
@@ -76,8 +109,12 @@ def show(qtbot, widget, view):
 def settle(qtbot, view):
     """Wait until the scene is drawn, and leave out the smooth frame of a resting view."""
     if QGuiApplication.platformName() != "offscreen":
-        qtbot.waitUntil(lambda: not view._stale, timeout=5_000)
-        view.antialiasing.still.stop()
+        still = view.antialiasing.still
+        interval = still.interval()
+        still.setInterval(10**6)  # on a busy machine it would be over before the draw is seen
+        qtbot.waitUntil(lambda: not view.stale, timeout=5_000)
+        still.stop()
+        still.setInterval(interval)
 
 
 def grey(n):
@@ -97,6 +134,30 @@ def idle(qtbot, window, timeout=60_000):
     )
 
 
+def rest(qtbot, value, seconds=0.1):
+    """Let the event loop run until a value has stayed the same for so long."""
+    last, since = value(), time.perf_counter()
+
+    def rests():
+        nonlocal last, since
+        if (now := value()) is not last:
+            last, since = now, time.perf_counter()
+        return time.perf_counter() - since > seconds
+
+    qtbot.waitUntil(rests, timeout=60_000)
+
+
+def follow(qtbot, window, act):
+    """Do something, and let the event loop run until the shape has followed."""
+    store = window.session.store
+    before = store.state.frame
+    act()
+    QApplication.processEvents()
+    qtbot.waitUntil(
+        lambda: store.activity is not Activity.REFINING or store.state.frame is not before, timeout=60_000
+    )
+
+
 def document(window):
     return window.session.store.state.document
 
@@ -111,18 +172,17 @@ def stroke(qtbot, window, middle, half_width=30):
     points = [(middle[0] + dx, middle[1]) for dx in np.linspace(-half_width, half_width, 7)]
     mouse.move(points[0])
     mouse.drag(*points)
-    qtbot.wait(10)
+    QApplication.processEvents()
 
 
-def drag(qtbot, window, start, way, steps=12, pause=20):
-    """Drag with the left button in small steps, letting the window work in between."""
+def drag(qtbot, window, start, way, steps=12):
+    """Drag with the left button in small steps, each of which the shape follows."""
     mouse = Mouse(window.canvas.viewport)
     start, way = np.asarray(start, float), np.asarray(way, float)
     mouse.move(start)
     mouse.press(start)
     for t in np.linspace(0.0, 1.0, steps + 1)[1:]:
-        mouse.move(start + t * way)
-        qtbot.wait(pause)
+        follow(qtbot, window, lambda t=t: mouse.move(start + t * way))
     mouse.release(start + way)
 
 

@@ -331,7 +331,7 @@ def parts(driver):
         window.tools.take(tool)
         for way in Way if tool.words.is_brush else ():
             window.tools.choose_way(way)
-            driver.scene("a way to choose", window.status._hint)
+            driver.scene("a way to choose", window.status.words)
     window.tools.take(Tool.BASE)
     window.parts.remove_handle(1)
     window.editing.add_region()
@@ -340,7 +340,7 @@ def parts(driver):
     card = window.editing.typed.vertices
     for text in ("y > 90%", "y > ", "9-2", "3-", "999999", "q", "z"):
         card.text.setText(text)
-        driver.scene("chosen by numbers", card, card._said)
+        driver.scene("chosen by numbers", card, card.said)
     card.text.setText("y > 90%")
     driver.press(card.text, Qt.Key.Key_Return)
     card.close_card()
@@ -368,8 +368,8 @@ def mistakes(driver):
         ("SCALE", "(2"), ("TWIST", "1+1deg"), ("SCALE", "1,234"), ("SCALE", "asin(2)"), ("SCALE", "9" * 400),
     ):  # fmt: skip
         driver.window.editing.move_by(TypedMotion[motion], text, False)
-        driver.scene("a motion that is none", field._problem)
-        field._problem.hide()
+        driver.scene("a motion that is none", field.problem)
+        field.problem.hide()
     for name in ("gone.obj", "odd.xyz", "broken.obj"):
         (driver.folder / "odd.xyz").write_text("?")
         (driver.folder / "broken.obj").write_text("v 0 0\nf 1 2 3\n")

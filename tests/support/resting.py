@@ -102,7 +102,7 @@ def settle(window):
 def drawn(window):
     """Let the event loop run until a file that is being opened is on the screen."""
     settle(window)
-    while window.canvas.viewport._stale:
+    while window.canvas.viewport.stale:
         QApplication.processEvents()
         time.sleep(0.002)
 
@@ -126,7 +126,7 @@ def _twisted(window, _):
 
 def _notices(window, _):
     window.notice.tell("A message.")
-    window.notice._timer.stop()  # it is in the way for longer
+    window.notice.timer.stop()  # it is in the way for longer
     yield "message"
     window.notice.fail("A failure.")
     yield "failure"

@@ -4,7 +4,7 @@ import weakref
 
 from PySide6.QtCore import QCoreApplication, QMessageLogContext, QObject, Qt, QtMsgType
 
-from apd_viewer.ui.application import HARMLESS, _report, make_application
+from apd_viewer.ui.application import HARMLESS, make_application, report
 from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 
 
@@ -15,9 +15,9 @@ def test_there_is_one_application(qapp):
 
 
 def test_messages_are_passed_on_but_for_the_harmless_one(qapp, capsys):
-    _report(QtMsgType.QtWarningMsg, QMessageLogContext(), f"{HARMLESS} with a different version")
+    report(QtMsgType.QtWarningMsg, QMessageLogContext(), f"{HARMLESS} with a different version")
     assert capsys.readouterr().err == ""
-    _report(QtMsgType.QtWarningMsg, QMessageLogContext(), "something else")
+    report(QtMsgType.QtWarningMsg, QMessageLogContext(), "something else")
     assert "something else" in capsys.readouterr().err
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import meshes
 import numpy as np
 import pytest
-from driving import idle
+from driving import idle, settle
 from PySide6.QtWidgets import QApplication
 from resting import Watch, drawn, gesture, iconify, states
 
@@ -41,9 +41,9 @@ def test_a_window_that_is_not_seen_draws_nothing_while_the_shape_changes(qtbot, 
     window.docks["plots"].show()
     window.canvas.frame_mesh()
     drawn(window)
-    Watch().wait(0.3)
+    settle(qtbot, view)
     iconify(window.shell, True) if away == "minimised" else window.shell.hide()
-    Watch().wait(0.2)
+    qtbot.waitUntil(lambda: not window.shell.windowHandle().isExposed())
     draws, before, watch = view.draws, window.session.store.state, Watch()
     window.session.handles.move_by(TypedMotion.TWIST, "60deg", 0)
     window.actions_.looks.switches["turntable"].setChecked(True)

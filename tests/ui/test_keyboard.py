@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from driving import idle
+from driving import idle, work_off
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QAccessible, QImage
 from PySide6.QtWidgets import QAbstractButton, QWidget
@@ -63,7 +63,7 @@ def active(qtbot, bottle):
 def scene(qtbot, active, request):
     SCENES[request.param](active)
     idle(qtbot, active)
-    qtbot.wait(50)
+    work_off()
     active.canvas.viewport.setFocus()
     return active
 
@@ -108,7 +108,7 @@ def test_every_control_has_a_name_and_tab_comes_to_it(qtbot, scene):
 def test_tab_goes_as_one_reads(qtbot, active):
     everything(active)
     idle(qtbot, active)
-    qtbot.wait(50)
+    work_off()
     active.canvas.viewport.setFocus()
     way = walked(qtbot, active)
     legend = active.looks.legend
@@ -141,7 +141,7 @@ def test_what_has_the_keys_is_seen_in_light_and_dark(qtbot, scene):
     unseen = []
     for scheme in SCHEMES:
         scene.actions_.view.schemes[scheme].trigger()
-        qtbot.wait(20)
+        work_off()
         for widget in controls(scene):
             if widget is scene.canvas.viewport:  # all that is left over
                 continue
@@ -160,7 +160,7 @@ def test_what_has_the_keys_is_seen_in_light_and_dark(qtbot, scene):
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_buttons_of_the_panels_are_seen(qtbot, window, scheme):
     window.actions_.view.schemes[scheme].trigger()
-    qtbot.wait(20)
+    work_off()
     buttons = window.docks["readings"].findChildren(
         QAbstractButton, options=Qt.FindChildOption.FindDirectChildrenOnly
     )

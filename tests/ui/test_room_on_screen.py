@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from driving import Mouse, settle
-from PySide6.QtCore import QRect, QSize
+from driving import Mouse, settle, work_off
+from grid_figures import figures
+from PySide6.QtCore import QPointF, QRect, QSize
 from PySide6.QtWidgets import QDialog, QToolButton, QWidget
 
 from apd_viewer.presentation.scales import Measure
@@ -19,7 +20,7 @@ def full(qtbot, bottle):
     looks.measures[Measure.AREA].trigger()
     for switch in ("ghost", "compare", "cut", "ground"):
         looks.switches[switch].trigger()
-    qtbot.wait(20)
+    work_off()
     return bottle
 
 
@@ -48,7 +49,7 @@ def test_with_everything_on_nothing_on_the_canvas_meets_and_nothing_is_cut(qtbot
     full.shell.resize(*size)
     full.docks["plots"].setVisible(plots)
     full.invitation.say("")
-    qtbot.wait(100)
+    work_off()
     found = on_canvas(full)
     assert {"ways", "compare", "cut", "legend"} <= set(found)
     for name, room in found.items():
@@ -72,13 +73,13 @@ def test_what_is_typed_into_is_not_covered(qtbot, full):
 
 def test_a_click_for_a_border_where_there_is_none_says_so(full):
     full.tools.choose_way(Way.LOOP)
-    loop, view = full.canvas.ways[Way.LOOP], full.canvas.viewport
+    view = full.canvas.viewport
     x, y = view.look.eye.project(full.canvas.surface.U[:1])[0]
     mouse = Mouse(view)
     full.actions_.looks.switches["cut"].trigger()
     mouse.move((x, y - 60))
     mouse.drag((x, y - 60), (x, y - 60))
-    assert loop._hit is not None
+    assert full.canvas.surface.hit(QPointF(x, y - 60)) is not None
     assert "no boundary" in full.notice.text
 
 
@@ -91,7 +92,7 @@ def test_lines_of_the_legend_come_back_with_the_room(qtbot, full):
     full.docks["plots"].hide()
     qtbot.waitUntil(legend.neutral.isVisible)
     legend.chosen.emit(Measure.DISPLACEMENT)
-    qtbot.wait(20)
+    work_off()
     assert not legend.neutral.isVisible(), "there is none on this scale"
     assert legend.reach.isVisible()
 
@@ -100,11 +101,11 @@ def test_a_card_that_comes_back_alone_is_laid_out_for_its_own_size(qtbot, full):
     looks = full.actions_.looks
     looks.switches["compare"].trigger()
     looks.switches["cut"].trigger()
-    qtbot.wait(20)
+    work_off()
     looks.off.trigger()
-    qtbot.wait(20)
+    work_off()
     looks.switches["cut"].trigger()
-    qtbot.wait(20)
+    work_off()
     cut = full.looks.cut
     assert cut.rect().contains(cut.slider.geometry())
     assert cut.rect().contains(cut.axes[0].geometry())
@@ -121,28 +122,14 @@ def test_ways_for_which_there_is_no_room_are_in_a_menu(qtbot, full):
 
 def test_no_figure_of_the_grid_is_written_over_another(qtbot, bottle, monkeypatch):
     bottle.actions_.looks.switches["ground"].trigger()
-    ground, written = bottle.looks.ground, []
+    written = []
     for axis in ("front", "side", "top", "-front"):
         bottle.canvas.viewport.look.along(axis)
         settle(qtbot, bottle.canvas.viewport)
-        taken = []
-        for k in (0, 2):
-            ground._write_along(_Pen(bottle, written), k, taken)
+        taken = [room for _, room in figures(bottle)]
+        written += taken
         assert not any(a.intersects(b) for a in taken for b in taken if a is not b)
     assert written
-
-
-class _Pen:
-    """What a painter is asked to write, without one."""
-
-    def __init__(self, window, written):
-        self._window, self._written = window, written
-
-    def fontMetrics(self):
-        return self._window.shell.fontMetrics()
-
-    def drawText(self, _room, _flags, text):
-        self._written.append(text)
 
 
 def test_a_window_that_grows_stays_on_the_screen(qtbot):

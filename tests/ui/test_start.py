@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from driving import Mouse, centre, document, idle, settle, show
+from driving import Mouse, centre, document, idle, settle, show, work_off
 from PySide6.QtCore import QPoint, QSettings
 from PySide6.QtGui import QGuiApplication
 
@@ -33,7 +33,7 @@ def test_settings_that_cannot_be_kept_are_said(qtbot, tmp_path):
     )
     shell.close()
     shell.deleteLater()
-    qtbot.wait(10)
+    work_off()
 
 
 @pytest.fixture
@@ -44,7 +44,7 @@ def early(qtbot, settings):
     yield window
     window.close()
     window.deleteLater()
-    qtbot.wait(10)
+    work_off()
 
 
 def test_the_last_wish_is_opened_at_the_start(qtbot, early):
@@ -69,6 +69,10 @@ def test_nothing_breaks_before_the_start(qtbot, early):
     assert window.empty.isVisible(), "there is nothing to show, and that is said"
 
 
+def menus(window):
+    return [action.menu() for action in window.menuBar().actions()]
+
+
 def looks(window, bar):
     """What is seen of the menus and of a tool bar."""
     buttons = [
@@ -81,24 +85,24 @@ def looks(window, bar):
 def test_menus_and_tool_bar_look_as_before_once_all_is_loaded(qtbot, early):
     before = looks(early, early.chrome.bar)
     window = Workbench(early)
-    qtbot.wait(50)
+    work_off()
     assert looks(early, window.actions_.bar) == before
 
 
 def test_a_tool_chosen_before_the_start_is_still_in_use_after_it(qtbot, early):
-    tools = next(menu for menu in early.chrome._menus if menu.title() == "&Tools")
+    tools = next(menu for menu in menus(early) if menu.title() == "&Tools")
     next(action for action in tools.actions() if action.text() == Tool.BASE.words.title).trigger()
     assert early.canvas.tool is Tool.BASE
     before = looks(early, early.chrome.bar)
     window = Workbench(early)
-    qtbot.wait(50)
+    work_off()
     assert early.canvas.tool is Tool.BASE
     assert window.actions_.tools[Tool.BASE].isChecked()
     assert looks(early, window.actions_.bar) == before
 
 
 def test_no_entry_before_the_start_is_without_effect(early):
-    for menu in early.chrome._menus:
+    for menu in menus(early):
         assert menu.actions()
         for action in menu.actions():
             assert action.isEnabled() == (action.text() != "Loading…")
@@ -107,7 +111,7 @@ def test_no_entry_before_the_start_is_without_effect(early):
 def test_a_menu_that_is_open_at_the_start_is_opened_again(qtbot, early):
     bar = early.menuBar()
     bar.setActiveAction(bar.actions()[5])
-    assert early.chrome._menus[5].isVisible()
+    assert menus(early)[5].isVisible()
     window = Workbench(early)
     qtbot.waitUntil(lambda: bar.actions()[5].menu().isVisible())
     assert window.actions_.view.findings in bar.actions()[5].menu().actions()

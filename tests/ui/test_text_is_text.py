@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from driving import idle, show
+from driving import idle, show, work_off
 from finished_study import write_study
 from meshes import ends, sphere
 from PySide6.QtCore import QEvent, QPoint, Qt, QTimer
@@ -85,7 +85,7 @@ class Looker:
             self.seen.add(f"the title of a {kind}")
         if SIGN in widget.toolTip():
             self.seen.add("a tip")
-            self._hover(widget)
+            self.hover(widget)
 
     def _look_at_label(self, label, kind):
         assert label.textFormat() is not Qt.TextFormat.AutoText, f"{kind} {label.text()!r} is guessed"
@@ -102,7 +102,7 @@ class Looker:
         assert NAME.partition("[")[0] in shown, f"{kind} shows {shown!r}"
         self.seen.add(kind)
 
-    def _hover(self, widget):
+    def hover(self, widget):
         at = QPoint(1, 1)
         QApplication.sendEvent(widget, QHelpEvent(QEvent.Type.ToolTip, at, widget.mapToGlobal(at)))
         for tip in tips():
@@ -232,11 +232,11 @@ def test_dialogs_on_a_session(qtbot, here, looker):
     dialog.engine.where.setCurrentIndex(1)
     dialog.engine.address.setText(NAME)
     dialog.begin()
-    qtbot.wait(50)
+    work_off()
     looker.look()
     here.panel.handles.motion.amount.setText(NAME)
     here.editing.move_by(TypedMotion.TWIST, NAME, False)
-    qtbot.wait(50)
+    work_off()
     looker.look()
     here.comparing.window.close()
     assert looker.seen >= {f"the title of a {kind}" for kind in DIALOGS}
@@ -264,7 +264,7 @@ def test_a_session_whose_target_shape_is_missing(qtbot, window, session, looker,
     looker.look()
     assert f'<img src="{pipe.path}">' in window.notice.text
     assert {"QLabel notice", "QLabel "} & looker.seen
-    assert SIGN in window.panel.target._name.text()
+    assert SIGN in window.panel.target.name.text()
 
 
 def test_a_window_that_is_not_on_the_screen_yet_waits_for_nothing(qtbot, settings, looker, pipe, monkeypatch):
@@ -279,7 +279,7 @@ def test_a_window_that_is_not_on_the_screen_yet_waits_for_nothing(qtbot, setting
     assert {"QLabel notice", "Invitation canvas"} & looker.seen
     window.shell.close()
     window.shell.deleteLater()
-    qtbot.wait(10)
+    work_off()
 
 
 def test_what_a_killed_program_left(qtbot, folder, named, started, looker):
@@ -338,8 +338,8 @@ def test_results_of_a_study(qtbot, window, looker, tmp_path):
     looker.look()
     assert {"Hint heading", "QLabel notice"} & looker.seen
     header = window.case_studies.panel.table.horizontalHeader()
-    qtbot.wait(20)
-    Looker._hover(looker, header.viewport())
+    work_off()
+    Looker.hover(looker, header.viewport())
 
 
 def test_a_tip_is_shown_as_it_is(qtbot, window, pipe):

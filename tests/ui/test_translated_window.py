@@ -18,7 +18,14 @@ NATIVE = {"de": "Deutsch", "zh_CN": "简体中文"}
 NAMES = re.compile(r"(/[\w.-]+)+|[\w-]+\.(obj|apd)\b")
 
 
-@pytest.fixture(scope="module", params=[path.parents[1].name for path in FILES])
+LANGUAGES = [path.parents[1].name for path in FILES]
+
+
+# By day in one of them, whose words are the longest: a text that is not marked has no translation in any.
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(name, marks=[] if name == "de" else pytest.mark.night) for name in LANGUAGES],
+)
 def shown(request, tmp_path_factory):
     """What the window shows in a language, on a system in that language, when it is as small as it can be."""
     folder = tmp_path_factory.mktemp("translated")
@@ -82,8 +89,7 @@ def test_menus_open_by_keys_of_their_own(shown):
 
 
 def test_every_language_can_be_chosen_by_its_own_name(shown):
-    names = {path.parents[1].name for path in FILES}
-    assert {"English", *(NATIVE[name] for name in names)} <= set(shown["said"])
+    assert {"English", *(NATIVE[name] for name in LANGUAGES)} <= set(shown["said"])
 
 
 def test_numbers_are_shown_as_the_language_writes_them(shown):

@@ -1,7 +1,7 @@
 """The wheel over every control of the window and its dialogs: it scrolls, and changes nothing."""
 
 import pytest
-from driving import centre, document, idle
+from driving import centre, document, idle, work_off
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
@@ -30,7 +30,7 @@ def turn(qtbot, widget, notches=2):
     at = QPointF(widget.mapTo(window, centre(widget).toPoint()))
     for _ in range(notches):
         QTest.wheelEvent(window.windowHandle(), at, NOTCH)
-        qtbot.wait(1)
+        work_off()
 
 
 def controls(window):
@@ -87,7 +87,7 @@ def full(qtbot, bottle):
     idle(qtbot, bottle)
     bottle.shell.activateWindow()
     qtbot.waitUntil(bottle.shell.isActiveWindow)
-    qtbot.wait(50)
+    work_off()
     bottle.canvas.viewport.setFocus()
     return bottle
 

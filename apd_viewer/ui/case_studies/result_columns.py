@@ -52,7 +52,7 @@ class ReadingWords(NamedTuple):
 
 
 # Titles of a plan's columns; notes have their own.
-_ASKED = {
+PLAN_TITLES = {
     "mesh": tr("Mesh"),
     "session": tr("Session"),
     "selection": tr("Selection"),
@@ -211,7 +211,7 @@ def _plain(name: str, title: str, tip: str, values: Sequence[float]) -> ResultCo
 
 def _asked(name: str, cells: Sequence[str]) -> ResultColumn:
     """Column of a plan; numbers with one unit, or texts."""
-    title = _ASKED.get(name, name.lstrip(NOTE).replace("_", " ").strip().capitalize())
+    title = PLAN_TITLES.get(name, name.lstrip(NOTE).replace("_", " ").strip().capitalize())
     tip = tr("Column “{name}” of the plan").format(name=name)
     return _amounts(f"{_ASKED_FOR}{name}", title, tip, cells)
 

@@ -30,6 +30,8 @@ class SchedulerCheck(QObject):
     answered : Signal()
     failed : Signal(str)
         A sentence.
+    timer : QTimer
+        Gives an address up that is silent.
     """
 
     answered = Signal()
@@ -43,25 +45,25 @@ class SchedulerCheck(QObject):
         self._socket.setProxy(QNetworkProxy(QNetworkProxy.ProxyType.NoProxy))
         self._socket.connected.connect(self._answer)
         self._socket.errorOccurred.connect(lambda _: self._fail(self._socket.errorString()))
-        self._timer = QTimer(self, singleShot=True, interval=_PATIENCE)
-        self._timer.timeout.connect(lambda: self._fail(tr("no answer within 5 seconds")))
+        self.timer = QTimer(self, singleShot=True, interval=_PATIENCE)
+        self.timer.timeout.connect(lambda: self._fail(tr("no answer within 5 seconds")))
 
     @property
     def waits(self) -> bool:
         """True while nobody has answered yet."""
-        return self._timer.isActive()
+        return self.timer.isActive()
 
     def begin(self, address: str) -> None:
         """Connect to an address, or to that in a file; raises InputError if it is none."""
         host, port = place_of(address)
         self.stop()
         self._address = address
-        self._timer.start()
+        self.timer.start()
         self._socket.connectToHost(host, port)
 
     def stop(self) -> None:
         """Hang up, and say nothing."""
-        self._timer.stop()
+        self.timer.stop()
         if self._socket.state() is not QAbstractSocket.SocketState.UnconnectedState:
             self._socket.abort()
 

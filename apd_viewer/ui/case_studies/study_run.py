@@ -38,6 +38,7 @@ class StudyRun(QObject):
         Its progress, a dict as in a line of ``--progress-lines``.
     ended : Signal(object, str)
         The folder of the study that runs no more; a sentence if it has not ended by itself.
+    command : CommandProcess
     """
 
     reported = Signal(object)
@@ -47,15 +48,15 @@ class StudyRun(QObject):
         super().__init__(parent)
         self.folder: Path | None = None
         self.stopping = False
-        self._command = CommandProcess(self)
-        self._command.reported.connect(self.reported)
-        self._command.ended.connect(lambda _: self._end(""))
-        self._command.failed.connect(self._fail)
+        self.command = CommandProcess(self)
+        self.command.reported.connect(self.reported)
+        self.command.ended.connect(lambda _: self._end(""))
+        self.command.failed.connect(self._fail)
 
     @property
     def running(self) -> bool:
         """True while a study runs."""
-        return self._command.running
+        return self.command.running
 
     def begin(self, folder: Path, options: Sequence[str] | None = None, retry_failed: bool = False) -> None:
         """Run the plan of a folder, or go on with it.
@@ -80,13 +81,13 @@ class StudyRun(QObject):
         self.folder, self.stopping = folder, False
         words = ["study", str(folder / PLAN), "-o", str(folder), *options, "--progress-lines"]
         words += ["--retry-failed"] if retry_failed else []
-        self._command.start(words)
+        self.command.start(words)
 
     def stop(self) -> None:
         """Finish the running cases; at the second call end at once."""
         if not self.running:
             return
-        if self.stopping or not self._command.interrupt():
+        if self.stopping or not self.command.interrupt():
             self.end_at_once()
         else:
             self.stopping = True
@@ -94,7 +95,7 @@ class StudyRun(QObject):
     def end_at_once(self) -> None:
         """End it; what runs is computed again when it goes on."""
         if self.running:
-            self._command.cancel()
+            self.command.cancel()
             self._end(_stopped())
 
     def _fail(self, sentence: str) -> None:

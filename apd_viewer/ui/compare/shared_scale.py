@@ -29,6 +29,8 @@ class SharedScale(QWidget):
     scale : Scale
     changed : Signal()
         The range is another one.
+    span : tuple of float or None
+        Least and largest value in sight.
     """
 
     changed = Signal()
@@ -36,7 +38,7 @@ class SharedScale(QWidget):
     def __init__(self, scale: Scale) -> None:
         super().__init__()
         self.scale = scale
-        self._span: tuple[float, float] | None = None
+        self.span: tuple[float, float] | None = None
         self.setFixedWidth(_WIDTH)
         self._bar = ScaleBar()
         tip = tr("Change at the ends of the scale, where the colours are strongest")
@@ -60,13 +62,13 @@ class SharedScale(QWidget):
 
     def show_span(self, span: tuple[float, float] | None) -> None:
         """Show the least and the largest value of all shapes; None shows none."""
-        self._span = span
+        self.span = span
         self._bar.show_values(span, None)
         self.fit.setEnabled(span is not None)
 
     def _fit(self) -> None:
-        if self._span is not None:
-            self._rescale(self.scale.fitted(self._span).reach)
+        if self.span is not None:
+            self._rescale(self.scale.fitted(self.span).reach)
 
     def _rescale(self, reach: float) -> None:
         if reach != self.scale.reach:

@@ -30,6 +30,7 @@ class ActionRow(QFrame):
     keys : KeyField
     back : QToolButton
         Gives it its standard keys; there while it has others.
+    symbol : QLabel
     """
 
     def __init__(self, entry: ShortcutEntry, title: str) -> None:
@@ -38,8 +39,8 @@ class ActionRow(QFrame):
         self.entry = entry
         self.title = title
         self.setToolTip(entry.tip)
-        self._symbol = QLabel()
-        self._symbol.setFixedSize(SIZE)
+        self.symbol = QLabel()
+        self.symbol.setFixedSize(SIZE)
         self.keys = KeyField(entry)
         standard = native(entry.standard) or trc("keys", "none")
         self.back = small_button(
@@ -50,7 +51,7 @@ class ActionRow(QFrame):
         )
         row = QHBoxLayout(self, spacing=8)
         row.setContentsMargins(*_EDGES)
-        row.addWidget(self._symbol)
+        row.addWidget(self.symbol)
         row.addWidget(QLabel(title, wordWrap=True), 1)
         row.addWidget(self.back)
         row.addWidget(self.keys)
@@ -70,7 +71,7 @@ class ActionRow(QFrame):
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons; the action's own is already redrawn."""
         self._theme = theme
-        self._symbol.setPixmap(self.entry.action.icon().pixmap(SIZE, self.devicePixelRatioF()))
+        self.symbol.setPixmap(self.entry.action.icon().pixmap(SIZE, self.devicePixelRatioF()))
         self._draw_back()
 
     def _draw_back(self) -> None:
@@ -85,12 +86,12 @@ class GestureRow(QFrame):
         super().__init__(objectName="gesture")
         self._gesture = gesture
         self.setAccessibleName(tr("{title}: {words}").format(title=gesture.title, words=gesture.words))
-        self._symbol = QLabel()
-        self._symbol.setFixedSize(SIZE)
+        self.symbol = QLabel()
+        self.symbol.setFixedSize(SIZE)
         grid = QGridLayout(self, horizontalSpacing=8, verticalSpacing=1)
         grid.setContentsMargins(8, 4, 4, 4)
         grid.setColumnStretch(1, 1)
-        grid.addWidget(self._symbol, 0, 0, Qt.AlignmentFlag.AlignTop)
+        grid.addWidget(self.symbol, 0, 0, Qt.AlignmentFlag.AlignTop)
         grid.addWidget(QLabel(gesture.title), 0, 1)
         grid.addWidget(QLabel(gesture.words, objectName="quiet", wordWrap=True), 1, 1)
 
@@ -101,7 +102,7 @@ class GestureRow(QFrame):
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""
-        self._symbol.setPixmap(icon(self._gesture.image, theme).pixmap(SIZE, self.devicePixelRatioF()))
+        self.symbol.setPixmap(icon(self._gesture.image, theme).pixmap(SIZE, self.devicePixelRatioF()))
 
 
 Row = ActionRow | GestureRow

@@ -48,6 +48,10 @@ class ShortcutSheet(QFrame):
     search : QLineEdit
     rows : dict of str to ActionRow
         By the names of the entries, while it is open.
+    head : SearchRow
+    groups : list of Group
+    nothing : QLabel
+        Said where nothing is found.
     """
 
     dismissed = Signal()
@@ -60,7 +64,7 @@ class ShortcutSheet(QFrame):
         self._canvas = canvas
         self._shortcuts = shortcuts
         self._make_groups = groups
-        self._groups: list[Group] = []
+        self.groups: list[Group] = []
         self._theme = LIGHT
         self._wish: tuple[ActionRow, str] | None = None
         self.rows: dict[str, ActionRow] = {}
@@ -76,7 +80,7 @@ class ShortcutSheet(QFrame):
         prompt = tr("Search for an action, a shortcut or a gesture")
         head = SearchRow(tr("Search shortcuts"), prompt, tr("Close shortcuts"))
         head.cross.clicked.connect(self.dismissed)
-        self.search, self._head = head.field, head
+        self.search, self.head = head.field, head
         self.search.textChanged.connect(self._filter)
         return head
 
@@ -105,13 +109,13 @@ class ShortcutSheet(QFrame):
         body = QWidget(objectName="rows")
         column = QVBoxLayout(body, spacing=4)
         column.setContentsMargins(0, 0, 4, 0)
-        self._groups = self._make_groups(body)
-        for group in self._groups:
+        self.groups = self._make_groups(body)
+        for group in self.groups:
             column.addWidget(group)
-        self._nothing = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True, objectName="quiet")
-        column.addWidget(self._nothing)
+        self.nothing = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True, objectName="quiet")
+        column.addWidget(self.nothing)
         column.addStretch(1)
-        rows = [row for group in self._groups for row in group.rows if isinstance(row, ActionRow)]
+        rows = [row for group in self.groups for row in group.rows if isinstance(row, ActionRow)]
         self.rows = {row.entry.name: row for row in rows}
         for row in rows:
             self._connect(row)
@@ -135,18 +139,18 @@ class ShortcutSheet(QFrame):
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
         self._theme = theme
-        self._head.set_theme(theme)
-        for group in self._groups:
+        self.head.set_theme(theme)
+        for group in self.groups:
             for row in group.rows:
                 row.set_theme(theme)
 
     # Searching
 
     def _filter(self, text: str) -> None:
-        found = sum(group.show_found(text.casefold().split()) for group in self._groups)
-        if self._groups:
-            self._nothing.setVisible(not found)
-            self._nothing.setText(tr("No results for “{text}”.").format(text=text.strip()))
+        found = sum(group.show_found(text.casefold().split()) for group in self.groups)
+        if self.groups:
+            self.nothing.setVisible(not found)
+            self.nothing.setText(tr("No results for “{text}”.").format(text=text.strip()))
 
     @property
     def _shown(self) -> list[ActionRow]:

@@ -94,6 +94,7 @@ class Tour(QObject):
     area_wanted : Signal()
         The area should be there to be read.
     card : TourCard
+    places : Places
     """
 
     began = Signal()
@@ -105,7 +106,7 @@ class Tour(QObject):
         super().__init__(window)
         self._window = window
         self._canvas = canvas
-        self._places = places
+        self.places = places
         self._steps = steps(places)
         self.card = TourCard(window)
         self.card.stepped.connect(self._step)
@@ -190,7 +191,7 @@ class Tour(QObject):
         step = self._steps[self._step_now]
         target = step.place()
         self.card.say(self._sentence if target is not None else step.otherwise or self._sentence)
-        gizmo = self._places.gizmo() if self._step_now <= _AREA else None
+        gizmo = self.places.gizmo() if self._step_now <= _AREA else None
         self.card.point_at(target, gizmo or QRect())
         if self._step_now == _AREA and self._turned and self._rests() and not self._reading.isActive():
             self._reading.start()

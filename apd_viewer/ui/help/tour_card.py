@@ -101,6 +101,7 @@ class TourCard(QFrame):
         Skip, or Esc.
     sentence : QLabel
     next, back, skip : QPushButton
+    tip : QWidget
     """
 
     stepped = Signal(int)
@@ -109,7 +110,7 @@ class TourCard(QFrame):
     def __init__(self, window: QMainWindow) -> None:
         super().__init__(window, objectName="tour")
         self._window = window
-        self._tip = _Tip(window)
+        self.tip = _Tip(window)
         self.sentence = QLabel(wordWrap=True)
         self._number = QLabel(objectName="quiet")
         self.skip = QPushButton(tr("Skip"), objectName="flat", toolTip=tr("End the tour (Esc)"))
@@ -168,19 +169,19 @@ class TourCard(QFrame):
         if target is None:
             target = QRect(room.center().x(), room.bottom(), 1, 1)
             self.setGeometry(placed(self.size(), target, room, free)[0])
-            self._tip.hide()
+            self.tip.hide()
             return
         rect, side = placed(self.size(), target, room, free)
-        if rect != self.geometry() or self._tip.isHidden():
+        if rect != self.geometry() or self.tip.isHidden():
             self.move(rect.topLeft())
-        self._tip.attach(rect, target, side)
-        self._tip.setVisible(self.isVisible() and not rect.intersects(target))
-        self._tip.raise_()
+        self.tip.attach(rect, target, side)
+        self.tip.setVisible(self.isVisible() and not rect.intersects(target))
+        self.tip.raise_()
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the parts beyond the style sheet's reach."""
-        self._tip.theme = theme
-        self._tip.update()
+        self.tip.theme = theme
+        self.tip.update()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """End the tour on Esc, press the focused button on Enter."""
@@ -195,5 +196,5 @@ class TourCard(QFrame):
     def event(self, event: QEvent) -> bool:
         """Take the tip along when the card goes."""
         if event.type() == QEvent.Type.Hide:
-            self._tip.hide()
+            self.tip.hide()
         return super().event(event)

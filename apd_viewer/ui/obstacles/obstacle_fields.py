@@ -50,6 +50,8 @@ class ObstacleFields(QWidget):
     distance_typed : Signal(object, str)
         The axis of the mesh to move along, or None for its own, and the distance.
     reset_asked : Signal()
+    problem : ErrorBubble
+        Why it cannot be moved as typed.
     """
 
     typed = Signal(object)
@@ -91,9 +93,9 @@ class ObstacleFields(QWidget):
 
     def _make_distance(self) -> None:
         self.distance = Entry(accessibleName=tr("Distance"), placeholderText=typed("0.1") + "L", toolTip=_BY)
-        self._problem = ErrorBubble(self.distance)
-        self.distance.textChanged.connect(self._problem.hide)  # Esc restores the text too
-        self.distance.left.connect(self._problem.leave)
+        self.problem = ErrorBubble(self.distance)
+        self.distance.textChanged.connect(self.problem.hide)  # Esc restores the text too
+        self.distance.left.connect(self.problem.leave)
         self.distance.returnPressed.connect(self._move)
         self.along = Choice(accessibleName=tr("Direction of the distance"), toolTip=_BY)
         self.along.addItem("", None)
@@ -129,12 +131,12 @@ class ObstacleFields(QWidget):
 
     def refuse_distance(self, sentence: str) -> None:
         """Say what is wrong with the distance typed."""
-        self._problem.say(sentence)
+        self.problem.say(sentence)
         self.distance.selectAll()
 
     def done(self) -> None:
         """The motion was made, and the keys are the document's: Ctrl+Z takes it back."""
-        self._problem.hide()
+        self.problem.hide()
         return_keys(self.distance)
 
     def set_theme(self, theme: Theme) -> None:

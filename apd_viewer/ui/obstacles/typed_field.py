@@ -19,6 +19,7 @@ class TypedField(Entry):
     Attributes
     ----------
     typed : Signal()
+    error : ErrorBubble
     """
 
     typed = Signal()
@@ -26,8 +27,8 @@ class TypedField(Entry):
     def __init__(self, name: str, tip: str) -> None:
         super().__init__(accessibleName=name, toolTip=tip)
         self._shown = ""
-        self._error = ErrorBubble(self)
-        self.textEdited.connect(self._error.hide)
+        self.error = ErrorBubble(self)
+        self.textEdited.connect(self.error.hide)
         self.returnPressed.connect(self._enter)
 
     @property
@@ -45,32 +46,32 @@ class TypedField(Entry):
 
     def refuse(self, sentence: str) -> None:
         """Say what is wrong beneath it; the text stays while the field is used."""
-        self._error.say(sentence)
+        self.error.say(sentence)
         if self.hasFocus():
             self.selectAll()
         else:
             self.setText(self._shown)
-            self._error.leave()
+            self.error.leave()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Tell of another value."""
         super().focusOutEvent(event)
         if self.changed and event.reason() is not Qt.FocusReason.PopupFocusReason:
             self.typed.emit()
-        self._error.leave()
+        self.error.leave()
 
     def restore(self) -> None:
         """Show the present value, and take back the error."""
         self.setText(self._shown)  # which may have changed since the field was entered
-        self._error.hide()
+        self.error.hide()
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Hide the error too."""
-        self._error.hide()
+        self.error.hide()
         super().hideEvent(event)
 
     def _enter(self) -> None:
         if self.changed:
             self.typed.emit()
-        if not self._error.isVisible():
+        if not self.error.isVisible():
             return_keys(self)

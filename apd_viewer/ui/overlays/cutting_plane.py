@@ -40,6 +40,8 @@ class CuttingPlane(QFrame):
     slider : Slider
     axes : tuple of QToolButton
     flip, measure : QToolButton
+    place : QLabel
+        Of the plane along its axis.
     """
 
     dismissed = Signal()
@@ -66,7 +68,7 @@ class CuttingPlane(QFrame):
         self.slider.neutral_asked.connect(lambda: self.slider.setValue(_STEPS // 2))
         self.slider.setAccessibleName(tr("Section position"))
         self.slider.valueChanged.connect(self._cut)
-        self._place = QLabel()
+        self.place = QLabel()
         self.close_button = small_button(tr("Close section"), tr("Show the whole shape"))
         self.close_button.clicked.connect(self.dismissed)
         for button in (self.close_button, self.flip, self.measure, *self.axes):
@@ -87,7 +89,7 @@ class CuttingPlane(QFrame):
         for button in (*self.axes, self.flip, self.measure):
             row.addWidget(button)
         row.addStretch(1)
-        row.addWidget(self._place)
+        row.addWidget(self.place)
         grid = QGridLayout(self, verticalSpacing=6)
         grid.setContentsMargins(12, 10, 12, 10)
         grid.addWidget(QLabel(tr("Section"), objectName="heading"), 0, 0)
@@ -136,7 +138,7 @@ class CuttingPlane(QFrame):
         point, normal = self.plane
         axis = self._group.checkedId()
         step = float(self._high[axis] - self._low[axis]) / _STEPS
-        self._place.setText(self._unit.length(place(float(point[axis]), step)))
+        self.place.setText(self._unit.length(place(float(point[axis]), step)))
         if self._mesh is None or self.isHidden():
             self._canvas.surface.cut(None)
         else:

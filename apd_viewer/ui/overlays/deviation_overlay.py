@@ -66,6 +66,10 @@ class HeatMap(QObject):
         What can be shown.
     reading : DeviationReading
     extremes : Extremes
+    mesh : Mesh or None
+        Whose rest shape is compared with.
+    resting : QTimer
+        Until the shape rests, for what takes longer.
     """
 
     changed = Signal()
@@ -79,7 +83,7 @@ class HeatMap(QObject):
         self.measure: Measure | None = None
         self.unit = Unit.NONE
         self.offered = tuple(Measure)
-        self._mesh: Mesh | None = None
+        self.mesh: Mesh | None = None
         self._target: TargetShape | None = None
         self._change: Deviation | None = None
         self._labels: np.ndarray | None = None
@@ -94,8 +98,8 @@ class HeatMap(QObject):
         self.reading = DeviationReading(canvas, legend)
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
-        self._resting = QTimer(self, singleShot=True, interval=_REST)
-        self._resting.timeout.connect(self._measure_slowly)
+        self.resting = QTimer(self, singleShot=True, interval=_REST)
+        self.resting.timeout.connect(self._measure_slowly)
         legend.chosen.connect(self.choose)
         legend.scaled.connect(self._rescale)
         legend.fit_asked.connect(self._fit)
@@ -106,14 +110,14 @@ class HeatMap(QObject):
 
     def follow(self, mesh: Mesh, target: TargetShape | None = None) -> None:
         """Compare with the rest shape of another mesh, or with another target shape."""
-        if mesh is self._mesh and target is self._target:
+        if mesh is self.mesh and target is self._target:
             return
-        if mesh is not self._mesh:
+        if mesh is not self.mesh:
             used = mesh.V[mesh.F.ravel()]
             self._size = diagonal(used) or 1.0
             for measure in [m for m, scale in self.scales.items() if not scale.travels]:
                 del self.scales[measure]
-        self._mesh, self._target, self._change = mesh, target, None
+        self.mesh, self._target, self._change = mesh, target, None
         self.offered = measures_of(mesh, target)
         self._legend.offer(self.offered)
         self.choose(self.measure)
@@ -136,7 +140,7 @@ class HeatMap(QObject):
         self._task.give_up()
         self._canvas.surface.wear(None)
         self._canvas.viewport.update()
-        if measure is None or self._mesh is None:
+        if measure is None or self.mesh is None:
             self._legend.hide()
         else:
             self._legend.show_scale(self.scale, self.unit)
@@ -153,14 +157,14 @@ class HeatMap(QObject):
     def measure_in(self, unit: Unit) -> None:
         """Write lengths in another unit."""
         self.unit = unit
-        if self.measure is not None and self._mesh is not None:
+        if self.measure is not None and self.mesh is not None:
             self._legend.show_scale(self.scale, unit)
             self.reading.read()
 
     def close(self) -> None:
         """Cancel pending measurements."""
         self.reading.timer.stop()
-        self._resting.stop()
+        self.resting.stop()
         self._task.close()
 
     def _rescale(self, reach: float, neutral: float) -> None:
@@ -190,11 +194,11 @@ class HeatMap(QObject):
     def _forget(self) -> None:
         self.reading.values, self._seen = None, ()
         self.extremes.forget()
-        self._resting.stop()
+        self.resting.stop()
 
     def _prepare(self) -> None:
         """Import and compile the measures in the background."""
-        skin, mesh, target = self._canvas.surface.touchable, self._mesh, self._target
+        skin, mesh, target = self._canvas.surface.touchable, self.mesh, self._target
         if self._change is not None or mesh is None or skin is None:
             self._legend.say("")
             self._canvas.viewport.update()
@@ -227,7 +231,7 @@ class HeatMap(QObject):
             self._legend.say(tr("Measured when the shape has converged."))
             if surface.worn is not None:
                 surface.wear(None)
-            self._resting.start()
+            self.resting.start()
         else:
             self.reading.values = measure.words.values(self._change, surface.shape, lambda: False)
             self._color()
@@ -235,8 +239,8 @@ class HeatMap(QObject):
 
     def _measure_soon(self) -> None:
         """Measure what is on screen then, unless something is being measured."""
-        if not self._task.busy and not self._resting.isActive():
-            self._resting.start()
+        if not self._task.busy and not self.resting.isActive():
+            self.resting.start()
 
     def _measure_slowly(self) -> None:
         change, U, seen = self._change, self._canvas.surface.shape, self._seen
@@ -252,7 +256,7 @@ class HeatMap(QObject):
         if result is None:
             self._legend.say(tr("Not enough memory to measure this mesh."))
         elif isinstance(result, _OverlayInputs):
-            if (result.mesh, result.target) != (self._mesh, self._target):
+            if (result.mesh, result.target) != (self.mesh, self._target):
                 return
             self._change = result.change
             self._legend.say("")

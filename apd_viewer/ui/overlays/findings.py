@@ -135,6 +135,7 @@ class FindingList(QFrame):
     dismissed : Signal()
         Esc, or the cross.
     rows : list of FindingRow
+    cross : QToolButton
     """
 
     chosen = Signal(int)
@@ -148,12 +149,12 @@ class FindingList(QFrame):
         self._canvas = canvas
         self.rows: list[FindingRow] = []
         self._title = QLabel(objectName="heading")
-        self._close = small_button(tr("Close mesh check"), tr("Close (Esc)"))
-        self._close.clicked.connect(self.dismissed)
+        self.cross = small_button(tr("Close mesh check"), tr("Close (Esc)"))
+        self.cross.clicked.connect(self.dismissed)
         head = QHBoxLayout()
         head.setContentsMargins(8, 0, 0, 0)
         head.addWidget(self._title, 1)
-        head.addWidget(self._close)
+        head.addWidget(self.cross)
         self._lines = QVBoxLayout()
         self._scroll = QScrollArea(widgetResizable=True, focusPolicy=Qt.FocusPolicy.NoFocus)
         self._scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -197,7 +198,7 @@ class FindingList(QFrame):
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""
-        self._close.setIcon(icon("cancel", theme))
+        self.cross.setIcon(icon("cancel", theme))
 
     def _step(self, k: int) -> None:
         if 0 <= k < len(self.rows):

@@ -58,8 +58,8 @@ class Legend(QFrame):
         self.fold_button = small_button(tr("Fold legend"), tr("Show fewer or all lines of the legend"))
         self.fold_button.clicked.connect(self._fold)
         self.bar = ScaleBar()
-        self._note = QLabel(objectName="quiet", wordWrap=True)
-        self._cursor, self._largest = QLabel(), QLabel()
+        self.note = QLabel(objectName="quiet", wordWrap=True)
+        self.under_cursor, self.largest = QLabel(), QLabel()
         self.worst = small_button(tr("Next extreme"), tr("Go to the next extreme"))
         self.worst.clicked.connect(self.worst_asked)
         tip = tr("Change at the ends of the scale, where the colours are strongest")
@@ -89,8 +89,8 @@ class Legend(QFrame):
         right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         for row, (text, value, button) in enumerate(
             (
-                (tr("Under the cursor"), self._cursor, None),
-                (tr("Largest"), self._largest, self.worst),
+                (tr("Under the cursor"), self.under_cursor, None),
+                (tr("Largest"), self.largest, self.worst),
                 (tr("Range"), self.reach, self.fit),
                 (tr("Neutral up to"), self.neutral, None),
             )
@@ -105,7 +105,7 @@ class Legend(QFrame):
         column.setContentsMargins(12, 10, 12, 10)
         column.addLayout(head)
         column.addWidget(self.bar)
-        column.addWidget(self._note)
+        column.addWidget(self.note)
         column.addLayout(self._rows)
 
     # Showing
@@ -151,8 +151,8 @@ class Legend(QFrame):
         # Of the parts: the size hint of the whole depends on what is hidden, and would never come to rest.
         margins = self._column.contentsMargins()
         above: list[list[QWidget]] = [self._head, [self.bar]]
-        if not self._note.isHidden():
-            above.append([self._note])
+        if not self.note.isHidden():
+            above.append([self.note])
         height = margins.top() + margins.bottom() + sum(self._height(line) for line in above)
         for line in self._lines:
             wanted = self._wants(line)
@@ -176,7 +176,7 @@ class Legend(QFrame):
         self.bar.show_values(span, value)
         written = "–" if value is None else self._scale.written(value, self._unit)
         largest = "–" if span is None else self._scale.written(self._scale.largest(span), self._unit)
-        for label, text in ((self._cursor, written), (self._largest, largest)):
+        for label, text in ((self.under_cursor, written), (self.largest, largest)):
             if label.text() != text:
                 label.setText(text)
         self.worst.setEnabled(span is not None)
@@ -184,9 +184,9 @@ class Legend(QFrame):
 
     def say(self, note: str) -> None:
         """Show the reason for missing colours; empty if there are colours."""
-        if note != self._note.text() or self._note.isHidden() == bool(note):
-            self._note.setText(note)
-            self._note.setVisible(bool(note))
+        if note != self.note.text() or self.note.isHidden() == bool(note):
+            self.note.setText(note)
+            self.note.setVisible(bool(note))
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""

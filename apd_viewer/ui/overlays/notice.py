@@ -45,6 +45,12 @@ class Notice(QFrame):
     canvas : Viewport
     below : sequence of QWidget
         At the bottom of the canvas, which must not be covered.
+
+    Attributes
+    ----------
+    cross : QToolButton
+    timer : QTimer
+        Hides a message once it can have been read.
     """
 
     def __init__(self, canvas: Viewport, below: Sequence[QWidget]) -> None:
@@ -57,18 +63,18 @@ class Notice(QFrame):
         self._text = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
         self._symbol = QLabel()
         # Beside the frame, and not in it, so that it has the mouse.
-        self._close = QToolButton(
+        self.cross = QToolButton(
             canvas, accessibleName=tr("Dismiss message"), toolTip=tr("Dismiss"), iconSize=SIZE
         )
-        self._close.setProperty("manualPath", "notice")  # the button is no part of it
-        self._close.clicked.connect(self.hide)
+        self.cross.setProperty("manualPath", "notice")  # the button is no part of it
+        self.cross.clicked.connect(self.hide)
         row = self._row = QHBoxLayout(self)
         row.setContentsMargins(12, 8, 8 + _CLOSE, 8)
         row.setSpacing(8)
         row.addWidget(self._symbol)
         row.addWidget(self._text, 1)
-        self._timer = QTimer(self, singleShot=True, interval=_READING_TIME)
-        self._timer.timeout.connect(self.hide)
+        self.timer = QTimer(self, singleShot=True, interval=_READING_TIME)
+        self.timer.timeout.connect(self.hide)
         self._kind = "message"
         self._held = ""
         self.hide()
@@ -90,7 +96,7 @@ class Notice(QFrame):
     def hideEvent(self, event: QHideEvent) -> None:
         """Take the button away."""
         super().hideEvent(event)
-        self._close.hide()
+        self.cross.hide()
 
     @property
     def text(self) -> str:
@@ -100,13 +106,13 @@ class Notice(QFrame):
     def tell(self, sentence: str) -> None:
         """Show a message; it disappears by itself."""
         self._show(sentence, "message")
-        self._timer.start()
+        self.timer.start()
 
     def fail(self, sentence: str) -> None:
         """Show and log a failure until dismissed or replaced."""
         _LOGGER.warning(sentence)
         self._show(sentence, "failure")
-        self._timer.stop()
+        self.timer.stop()
 
     def hold(self, sentence: str) -> None:
         """Show a failure while it lasts: until this is called with nothing."""
@@ -121,7 +127,7 @@ class Notice(QFrame):
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
         self._theme = theme
-        self._close.setIcon(icon("cancel", theme))
+        self.cross.setIcon(icon("cancel", theme))
         self._draw_symbol()
 
     def _show(self, sentence: str, kind: str) -> None:
@@ -130,9 +136,9 @@ class Notice(QFrame):
         mark(self, "kind", kind)
         self._draw_symbol()
         self.show()
-        self._close.show()
+        self.cross.show()
         self.raise_()
-        self._close.raise_()
+        self.cross.raise_()
         self._place()
 
     def _draw_symbol(self) -> None:
@@ -154,9 +160,9 @@ class Notice(QFrame):
         left = (canvas.width() - self.width()) // 2
         room = QRect(QPoint(left, canvas.height() - self.height() - 2 * _MARGIN), self.size())
         self.setGeometry(clear_of(room, self._below))
-        self._close.setFixedSize(_CLOSE, _CLOSE)
+        self.cross.setFixedSize(_CLOSE, _CLOSE)
         beside = self.geometry().right() - _CLOSE - 4
-        self._close.move(beside, self.geometry().center().y() - _CLOSE // 2)
+        self.cross.move(beside, self.geometry().center().y() - _CLOSE // 2)
 
 
 class Invitation(QLabel):

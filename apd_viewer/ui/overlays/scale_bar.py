@@ -18,6 +18,11 @@ class ScaleBar(QWidget):
     """The colours, their ends and their zero in figures, and a tick at a value.
 
     A line below the colours spans the values that the shape has, as far as the scale reaches.
+
+    Attributes
+    ----------
+    value : float or None
+        Under the cursor.
     """
 
     def __init__(self) -> None:
@@ -26,7 +31,7 @@ class ScaleBar(QWidget):
         self._scale = Scale(Measure.AREA, 0.1)
         self._unit = Unit.NONE
         self._span: tuple[float, float] | None = None
-        self._value: float | None = None
+        self.value: float | None = None
         self._colors = QImage()
 
     def show_scale(self, scale: Scale, unit: Unit) -> None:
@@ -37,8 +42,8 @@ class ScaleBar(QWidget):
 
     def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
         """Show least, largest and current value; None hides them."""
-        if (span, value) != (self._span, self._value):
-            self._span, self._value = span, value
+        if (span, value) != (self._span, self.value):
+            self._span, self.value = span, value
             self.update()
 
     @property
@@ -67,8 +72,8 @@ class ScaleBar(QWidget):
             painter.setPen(QPen(ink, 2.0, c=Qt.PenCapStyle.FlatCap))
             y = bar.bottom() + _SPAN
             painter.drawLine(QPointF(min(low, high - 2.0), y), QPointF(high, y))
-        if self._value is not None and self._value == self._value:
-            self._draw_tick(painter, self._at(self._value, bar), bar)
+        if self.value is not None and self.value == self.value:
+            self._draw_tick(painter, self._at(self.value, bar), bar)
         painter.setPen(ink)
         for place, text in self.labels:
             room = QRectF(self.fontMetrics().boundingRect(text)).adjusted(-1, 0, 3, 0)

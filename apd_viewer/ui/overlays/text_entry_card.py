@@ -32,6 +32,8 @@ class TypedCard(QFrame):
     entered : Signal(str, object)
         The text, and the Act.
     closed : Signal()
+    said : QLabel
+        What the text means, or what is wrong with it.
     """
 
     asked = Signal(str)
@@ -48,14 +50,14 @@ class TypedCard(QFrame):
         self.text.entered.connect(lambda act: self.entered.emit(self.text.text(), act))
         self.text.left.connect(self.close_card)
         plain = Qt.TextFormat.PlainText
-        self._said = QLabel(help, objectName="quiet", wordWrap=True, textFormat=plain)
+        self.said = QLabel(help, objectName="quiet", wordWrap=True, textFormat=plain)
         line = QHBoxLayout(spacing=8)
         line.addWidget(QLabel(title))
         line.addWidget(self.text, 1)
         column = self._column = QVBoxLayout(self, spacing=6)
         column.setContentsMargins(12, 10, 12, 10)
         column.addLayout(line)
-        column.addWidget(self._said)
+        column.addWidget(self.said)
         canvas.resized.connect(self._place)
         self.hide()
 
@@ -76,15 +78,15 @@ class TypedCard(QFrame):
 
     def say(self, sentence: str) -> None:
         """Show a result or an error; the usage if empty."""
-        self._said.setText(sentence or self.help)
+        self.said.setText(sentence or self.help)
         self._place()
 
     def _place(self) -> None:
         self.setFixedWidth(min(_WIDTH, self._canvas.width() - 2 * _MARGIN))
         # The height for a width is never less than the smallest height, which the last words have set.
-        self._said.setMinimumHeight(0)
+        self.said.setMinimumHeight(0)
         edges = self._column.contentsMargins()
-        self._said.setFixedHeight(self._said.heightForWidth(self.width() - edges.left() - edges.right()))
+        self.said.setFixedHeight(self.said.heightForWidth(self.width() - edges.left() - edges.right()))
         self._column.activate()
         self.adjustSize()
         self.move((self._canvas.width() - self.width()) // 2, self._canvas.height() - self.height() - 64)

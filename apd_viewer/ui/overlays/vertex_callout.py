@@ -26,17 +26,18 @@ class PlaceMark:
     Attributes
     ----------
     vertex : int or None
+    text : str
     """
 
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         self._viewport, self._surface = viewport, surface
         self.vertex: int | None = None
-        self._text = ""
+        self.text = ""
 
     def show(self, vertex: int | None, text: str = "") -> None:
         """Mark another vertex, or none."""
         if vertex is not None or self.vertex is not None:
-            self.vertex, self._text = vertex, text
+            self.vertex, self.text = vertex, text
             self._viewport.overlay.update()
 
     def paint(self, painter: QPainter) -> None:
@@ -52,7 +53,7 @@ class PlaceMark:
             painter.setPen(QPen(color, width))
             painter.drawEllipse(at, _RADIUS, _RADIUS)
         metrics = painter.fontMetrics()
-        wide, tall = metrics.horizontalAdvance(self._text) + 2 * _ROOM + 2, metrics.height() + 4
+        wide, tall = metrics.horizontalAdvance(self.text) + 2 * _ROOM + 2, metrics.height() + 4
         beside = _RADIUS + _GAP
         left = at.x() + beside if at.x() + beside + wide < self._viewport.width() else at.x() - beside - wide
         room = QRectF(left, at.y() - tall / 2, wide, tall)
@@ -60,4 +61,4 @@ class PlaceMark:
         painter.setBrush(_PAPER)
         painter.drawRoundedRect(room, 4, 4)
         painter.setPen(_INK)
-        painter.drawText(room, Qt.AlignmentFlag.AlignCenter, self._text)
+        painter.drawText(room, Qt.AlignmentFlag.AlignCenter, self.text)

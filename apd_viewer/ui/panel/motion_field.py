@@ -36,6 +36,8 @@ class MotionField(QWidget):
         Nothing is being typed any more.
     line_asked : Signal()
         The line to bend about is to be picked on the mesh.
+    problem : QLabel
+        What is wrong with the amount.
     """
 
     typed = Signal(TypedMotion, str, bool)
@@ -59,10 +61,10 @@ class MotionField(QWidget):
         self.amount.entered.connect(self.edit)
         self.amount.left.connect(self._leave)
         self.choice.currentIndexChanged.connect(self._choose)
-        self._problem = quiet(tr("Error in the amount"))
-        self._problem.setObjectName("unreached")
-        self._problem.setWordWrap(True)
-        self._problem.hide()
+        self.problem = quiet(tr("Error in the amount"))
+        self.problem.setObjectName("unreached")
+        self.problem.setWordWrap(True)
+        self.problem.hide()
         self._later = QTimer(self, singleShot=True, interval=_PAUSE)
         self._later.timeout.connect(self._show_problem)
         line = QHBoxLayout(spacing=8)
@@ -73,7 +75,7 @@ class MotionField(QWidget):
         column.addWidget(self.choice)
         column.addLayout(line)
         column.addWidget(self.pick)
-        column.addWidget(self._problem)
+        column.addWidget(self.problem)
         self._choose()
 
     @property
@@ -91,26 +93,26 @@ class MotionField(QWidget):
         self.choice.setCurrentIndex(0)
         self.relation.setCurrentIndex(0)
         self.amount.clear()
-        self._problem.hide()
+        self.problem.hide()
 
     def explain(self, sentence: str) -> None:
         """Show an error in what is being typed once the typing pauses; empty is none."""
-        self._problem.setText(sentence)
+        self.problem.setText(sentence)
         if sentence:
             self._later.start()
         else:
             self._later.stop()
-            self._problem.hide()
+            self.problem.hide()
 
     def done(self) -> None:
         """The motion was made, and the keys are the document's: Ctrl+Z takes it back."""
-        self._problem.hide()
+        self.problem.hide()
         return_keys(self.amount)
 
     def refuse(self, sentence: str) -> None:
         """Show an input error and keep the text for correction."""
-        self._problem.setText(sentence)
-        self._problem.show()
+        self.problem.setText(sentence)
+        self.problem.show()
         self.amount.selectAll()
 
     def _type(self) -> None:
@@ -125,7 +127,7 @@ class MotionField(QWidget):
         self.left.emit()
 
     def _show_problem(self) -> None:
-        self._problem.show()
+        self.problem.show()
 
     def _choose(self) -> None:
         kind = "LINE" if self.about_line else self.motion.kind
@@ -134,4 +136,4 @@ class MotionField(QWidget):
         self.choice.setToolTip(_TIPS[kind])
         examples = {"MOVE": typed("0.15") + "L", "SCALE": typed("1.2")}
         self.amount.setPlaceholderText(examples.get(kind, "60deg"))
-        self._problem.hide()
+        self.problem.hide()

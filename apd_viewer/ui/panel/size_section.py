@@ -32,6 +32,10 @@ class SizeSection(Section):
     extent, box, packed, compact, mass : QLabel
     thickness, density : QLineEdit
     two_walls : QLabel
+    box_change, packed_change, compact_change : QLabel
+        From rest.
+    problem : QLabel
+        Why there is no mass.
     """
 
     wall_typed = Signal(object)
@@ -48,18 +52,18 @@ class SizeSection(Section):
         self.extent = self._row(
             tr("Bounding box"), tr("Extent along x, y and z; {later}").format(later=later), wide=True
         )
-        self.box, self._box_change = self._rows(
+        self.box, self.box_change = self._rows(
             tr("Bounding box volume"),
             tr("Volume of the bounding box along x, y and z; {later}").format(later=later),
         )
-        self.packed, self._packed_change = self._rows(
+        self.packed, self.packed_change = self._rows(
             tr("Smallest box volume"),
             tr(
                 "Volume of the smallest bounding box found, in any orientation: the space it takes up "
                 "in a carton or a bale; {later}"
             ).format(later=later),
         )
-        self.compact, self._compact_change = self._rows(
+        self.compact, self.compact_change = self._rows(
             tr("Compactness"),
             tr("36 π V² / A³ of volume V and area A, for closed surfaces: 1 for a sphere, 0.52 for a cube"),
         )
@@ -67,10 +71,10 @@ class SizeSection(Section):
         self.mass = self._row(tr("Mass"), tr("Area × thickness × density"), wide=True)
         self.column.addLayout(self._grid)
         self.column.addSpacing(4)
-        self._problem = quiet(tr("Why there is no mass"))
-        self._problem.setObjectName("unreached")
+        self.problem = quiet(tr("Why there is no mass"))
+        self.problem.setObjectName("unreached")
         self.two_walls = quiet(tr("Material and capacity of the double wall"))
-        for line in (self._problem, self.two_walls):
+        for line in (self.problem, self.two_walls):
             line.hide()
             self.column.addWidget(line)
 
@@ -139,7 +143,7 @@ class SizeSection(Section):
         said = readings.two_walls(state, unit)
         self.two_walls.setText(said)
         self.two_walls.setVisible(bool(said))
-        for label, text in zip((self.compact, self._compact_change), readings.compact(state), strict=True):
+        for label, text in zip((self.compact, self.compact_change), readings.compact(state), strict=True):
             label.setText(text)
         if unit is not self._unit:
             self._unit = unit
@@ -153,13 +157,13 @@ class SizeSection(Section):
 
     def _show_boxes(self) -> None:
         found, rest = self._found, self._at_rest
-        rows = (self.box, self._box_change, "box"), (self.packed, self._packed_change, "packed")
+        rows = (self.box, self.box_change, "box"), (self.packed, self.packed_change, "packed")
         for reading, changed, what in rows:
             said = readings.room(getattr(found, what, None), getattr(rest, what, None), self._unit)
             reading.setText(said[0])
             changed.setText(said[1])
         self.extent.setText(readings.extent(found, self._unit))
-        change = self._packed_change.text()
+        change = self.packed_change.text()
         self.heading.say(
             tr("smallest box {change}").format(change=change) if change else "", only_folded=True
         )
@@ -171,6 +175,6 @@ class SizeSection(Section):
         except InputError as error:
             grams, problem = None, str(error)
         self.mass.setText(readings.weight(grams, self._unit))
-        if problem != self._problem.text():
-            self._problem.setText(problem)
-            self._problem.setVisible(bool(problem))
+        if problem != self.problem.text():
+            self.problem.setText(problem)
+            self.problem.setVisible(bool(problem))

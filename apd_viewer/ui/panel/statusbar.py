@@ -60,6 +60,10 @@ class StatusBar(QStatusBar):
         Stops the solver, or lets it go on; restarts it while it does not answer.
     progress : ConvergenceProgress
     compiling : CompilingProgress
+    words : Hint
+        About the current tool.
+    extent : QLabel
+        Number of vertices; size in the tip.
     """
 
     cancel_asked = Signal()
@@ -69,7 +73,7 @@ class StatusBar(QStatusBar):
     def __init__(self, badge: QWidget) -> None:
         super().__init__()
         self.setSizeGripEnabled(False)
-        self._hint = Hint()
+        self.words = Hint()
         self._cancel = QToolButton(text=tr("Cancel"))
         self._cancel.clicked.connect(self.cancel_asked)
         self.pause = QToolButton(text=tr("Pause"))
@@ -80,10 +84,10 @@ class StatusBar(QStatusBar):
         self.pause.setSizePolicy(policy)
         self.compiling = CompilingProgress()
         self.progress = ConvergenceProgress(waits=self.compiling.isVisible)
-        self._job, self._pace, self._size = QLabel(), Hint(), QLabel()
+        self._job, self._pace, self.extent = QLabel(), Hint(), QLabel()
         # It shrinks first: it may be elided, and its tooltip is complete.
-        self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.addWidget(self._hint, 1)
+        self.words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.addWidget(self.words, 1)
         for widget in (
             self._job,
             self._cancel,
@@ -91,7 +95,7 @@ class StatusBar(QStatusBar):
             self.progress,
             self._pace,
             self.pause,
-            self._size,
+            self.extent,
             badge,
         ):
             self.addPermanentWidget(widget)
@@ -102,7 +106,7 @@ class StatusBar(QStatusBar):
 
     def hint(self, text: str) -> None:
         """Show the hint of the current tool."""
-        self._hint.say(text)
+        self.words.say(text)
 
     def say_brush(self, brush: BrushSize, unit: Unit) -> None:
         """Tell for a moment how large the brush is."""
@@ -119,8 +123,8 @@ class StatusBar(QStatusBar):
         self._job.setText(tr("{job}…").format(job=job.title) if job else "")
         self._job.setVisible(job is not None)
         self._cancel.setVisible(job is not None and job.can_be_cancelled)
-        self._size.setText(_vertices(state) if state else "")
-        self._size.setToolTip(_extent(state, session.store.unit) if state else "")
+        self.extent.setText(_vertices(state) if state else "")
+        self.extent.setToolTip(_extent(state, session.store.unit) if state else "")
         self.compiling.follow(session.store.compiled)
         activity = session.store.activity
         self._silence = session.store.silence

@@ -28,6 +28,8 @@ class TargetSection(Section):
     clear : QPushButton
     closest, vertex : tuple of QLabel
         Largest, RMS and mean distance from the closest points, and from the same vertices.
+    name : QLabel
+        Of the file, or why it is missing.
     """
 
     def __init__(self) -> None:
@@ -35,8 +37,8 @@ class TargetSection(Section):
         self._unit, self._size = Unit.NONE, 1.0
         self._found: TargetDistance | None = None
         self._shown: tuple[object, ...] = (None, None, None)
-        self._name = quiet(tr("File of the target shape"))
-        self.column.addWidget(self._name)
+        self.name = quiet(tr("File of the target shape"))
+        self.column.addWidget(self.name)
         self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         self._grid.setColumnStretch(0, 1)
         for row, (title, _) in enumerate(readings.DISTANCES, start=1):
@@ -79,9 +81,9 @@ class TargetSection(Section):
         self._shown = shown
         self.setVisible(target is not None or missing is not None)
         if target is not None:
-            self._name.setText(target.mesh.name)
+            self.name.setText(target.mesh.name)
         elif missing is not None:
-            self._name.setText(missing.why)
+            self.name.setText(missing.why)
         corresponds = target is not None and target.corresponds(document.mesh)
         for row in range(self._grid.rowCount()):
             for column, wanted in enumerate((target is not None, target is not None, corresponds)):

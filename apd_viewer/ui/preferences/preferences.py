@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
 
 _MOST_RECENT = 8
-_MOST_UNITS = 64
+MOST_UNITS = 64
 _UP_AXES = {axis.value for axis in UpAxis}
 _UNITS = {unit.symbol or "-": unit for unit in UNITS}
 
@@ -132,7 +132,7 @@ class Preferences:
         path = followed(path)
         units = {path: unit, **{other: old for other, old in self.units.items() if other != path}}
         lines = [f"{unit.symbol or '-'} {other}" for other, unit in units.items()]
-        self._settings.setValue("units", lines[:_MOST_UNITS])
+        self._settings.setValue("units", lines[:MOST_UNITS])
 
     @property
     def up_axes(self) -> dict[Path, UpAxis]:
@@ -145,7 +145,7 @@ class Preferences:
         path = followed(path)
         axes = {path: axis, **{other: old for other, old in self.up_axes.items() if other != path}}
         lines = [f"{axis.value} {other}" for other, axis in axes.items()]
-        self._settings.setValue("up_axes", lines[:_MOST_UNITS])
+        self._settings.setValue("up_axes", lines[:MOST_UNITS])
 
     @property
     def walls(self) -> dict[Path, Wall]:
@@ -162,7 +162,7 @@ class Preferences:
         path = followed(path)
         walls = {path: wall, **{other: old for other, old in self.walls.items() if other != path}}
         lines = [json.dumps([str(other), *wall]) for other, wall in walls.items()]
-        self._settings.setValue("walls", lines[:_MOST_UNITS])
+        self._settings.setValue("walls", lines[:MOST_UNITS])
 
     @property
     def shortcuts(self) -> dict[str, str]:

@@ -47,16 +47,16 @@ class KeyField(QAbstractButton):
         super().__init__(focusPolicy=Qt.FocusPolicy.StrongFocus)
         self.setAttribute(Qt.WidgetAttribute.WA_Hover)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
-        self._entry = entry
+        self.entry = entry
         self._waits = False
         self.clicked.connect(lambda: self.wait_for_keys(True))
         self.show_keys()
 
     def show_keys(self) -> None:
         """Show the action's current keys."""
-        keys = native(self._entry.keys) or _NONE
-        self.setAccessibleName(tr("Keys of {action}: {keys}").format(action=self._entry.title, keys=keys))
-        self.setToolTip(tr("Change the keys of “{action}”").format(action=self._entry.title))
+        keys = native(self.entry.keys) or _NONE
+        self.setAccessibleName(tr("Keys of {action}: {keys}").format(action=self.entry.title, keys=keys))
+        self.setToolTip(tr("Change the keys of “{action}”").format(action=self.entry.title))
         self.updateGeometry()
         self.update()
 
@@ -120,7 +120,7 @@ class KeyField(QAbstractButton):
         """Words from left to right, the room for each, and whether it is a cap."""
         metrics = self.fontMetrics()
         pieces = []
-        for number, key in enumerate(split(self._entry.keys)):
+        for number, key in enumerate(split(self.entry.keys)):
             if number:
                 pieces.append((_OR, float(metrics.horizontalAdvance(_OR) + 2 * _PADDING), False))
             for cap in _caps(native(key)):

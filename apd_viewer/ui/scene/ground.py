@@ -43,13 +43,15 @@ class Ground(MouseTool, RestActor):
     ----------
     step : float
         Between two lines, mesh units.
+    ends : (2, 3) array
+        Corners of the grid.
     """
 
     def __init__(self, viewport: Viewport) -> None:
         super().__init__(viewport)
         self._unit = Unit.NONE
         self.step = 1.0
-        self._ends = np.zeros((2, 3))
+        self.ends = np.zeros((2, 3))
         self._lies_for = UpAxis.PLUS_Y
         self._actor.GetProperty().LightingOff()
         viewport.tools.append(self)
@@ -65,14 +67,14 @@ class Ground(MouseTool, RestActor):
         size, up = float((high - low).max()), self._up_axis
         self._lies_for = up
         self.step = round_step(size / _LINES)
-        self._ends = np.array([low - _AROUND * size, high + _AROUND * size])
-        self._ends = self.step * np.array(
-            [np.floor(self._ends[0] / self.step), np.ceil(self._ends[1] / self.step)]
+        self.ends = np.array([low - _AROUND * size, high + _AROUND * size])
+        self.ends = self.step * np.array(
+            [np.floor(self.ends[0] / self.step), np.ceil(self.ends[1] / self.step)]
         )
-        self._ends[:, up.index] = (low if up.sign > 0 else high)[up.index]
-        self._actor.SetPosition(*self._ends.mean(axis=0))
-        self._box = tuple(self._ends.T.ravel())
-        return _lines(self._ends, {axis: self._ticks(axis) for axis in self._level})
+        self.ends[:, up.index] = (low if up.sign > 0 else high)[up.index]
+        self._actor.SetPosition(*self.ends.mean(axis=0))
+        self._box = tuple(self.ends.T.ravel())
+        return _lines(self.ends, {axis: self._ticks(axis) for axis in self._level})
 
     @property
     def _up_axis(self) -> UpAxis:
@@ -86,7 +88,7 @@ class Ground(MouseTool, RestActor):
 
     def _ticks(self, axis: int) -> np.ndarray:
         """Positions of the grid lines across an axis."""
-        first, last = np.rint(self._ends[:, axis] / self.step)
+        first, last = np.rint(self.ends[:, axis] / self.step)
         return self.step * np.arange(first, last + 1)
 
     def _match_background(self, dark: bool) -> None:
@@ -117,8 +119,8 @@ class Ground(MouseTool, RestActor):
         No figure is written over one that was ``taken`` down before: both sides have one at their corner.
         """
         eye, other, ticks = self._viewport.look.eye, sum(self._level) - axis, self._ticks(axis)
-        side = 0 if eye.position[other] < self._ends[:, other].mean() else 1
-        points = np.tile(self._ends[side], (len(ticks), 1))
+        side = 0 if eye.position[other] < self.ends[:, other].mean() else 1
+        points = np.tile(self.ends[side], (len(ticks), 1))
         points[:, axis] = ticks
         out = points.copy()
         out[:, other] += (0.4 if side else -0.4) * self.step

@@ -52,6 +52,8 @@ class Surface:
         Counts changes of ``skin`` and ``U``.
     shape_revision : int
         Counts changes of ``shape``.
+    arrays : SurfaceArrays
+        As they are drawn.
     """
 
     def __init__(self, viewport: Viewport) -> None:
@@ -66,7 +68,7 @@ class Surface:
         self._origin = np.zeros(3)
         self._box: tuple[float, ...] = ()
         self._boxes: np.ndarray | None = None  # for picking; made when the first ray needs them
-        self._arrays = SurfaceArrays(_NOTHING, np.zeros((1, 4), dtype=np.uint8))
+        self.arrays = SurfaceArrays(_NOTHING, np.zeros((1, 4), dtype=np.uint8))
         self._shading = Shading.FILE
         self._texture: Texture | None = None
         self._mapper = vtkPolyDataMapper()
@@ -113,8 +115,8 @@ class Surface:
         drawn = skin.rendered(sharp, self._shading is Shading.FILE)
         if texture is not None and not isinstance(drawn, Sketch):
             drawn = drawn.with_seams(texture.uv_of)
-        self._arrays = SurfaceArrays(drawn, rgba, texture)
-        self._mapper.SetInputData(self._arrays.data)
+        self.arrays = SurfaceArrays(drawn, rgba, texture)
+        self._mapper.SetInputData(self.arrays.data)
 
     def set_points(self, U: np.ndarray) -> None:
         """Move the vertices to ``U`` (n, 3) and update the normals.
@@ -129,7 +131,7 @@ class Surface:
             U = rest + share * (U - rest)
         self.U = np.ascontiguousarray(U, dtype=np.float64).view()
         self.U.flags.writeable = False
-        low, high = self._arrays.drape(self.U, self._origin)
+        low, high = self.arrays.drape(self.U, self._origin)
         # Asked for its bounds, VTK would look at all triangles once more, on one core.
         self._box = tuple(np.column_stack([low, high]).ravel() + np.repeat(self._origin, 2))
         self._boxes = None
@@ -169,7 +171,7 @@ class Surface:
         """Colour the vertices ``ids``, or all, by ``rgba`` (k, 4) uint8."""
         # How opaque they are is how they are measured: see `wear`.
         if self.skin is not None:
-            self._arrays.set_colors(rgba, ids)
+            self.arrays.set_colors(rgba, ids)
             self._viewport.update()
 
     def wear(self, heat: ColorMap | None, neutral: float = 0.0) -> None:
@@ -191,11 +193,11 @@ class Surface:
     @property
     def shades(self) -> np.ndarray:
         """Values (n,) uint8, 1 to 255 on the scale, 0 for none, edited in place."""
-        return self._arrays.rgba[:, 3]
+        return self.arrays.rgba[:, 3]
 
     def shades_changed(self) -> None:
         """Draw the edited ``shades`` from the next frame on."""
-        self._arrays.colors_changed()
+        self.arrays.colors_changed()
 
     @property
     def edges(self) -> bool:
@@ -234,7 +236,7 @@ class Surface:
         else:
             prop.SetInterpolationToPhong()
         if self.skin is not None:
-            self._arrange(self.skin, self._arrays.rgba)
+            self._arrange(self.skin, self.arrays.rgba)
             self.set_points(self._given)
 
     @property
@@ -249,8 +251,8 @@ class Surface:
         self._texture = texture
         self._actor.SetTexture(None if texture is None else texture_of(texture.image))  # type: ignore[arg-type]
         self._shade()
-        if self.skin is not None and self._arrays is not None:
-            self._arrange(self.skin, self._arrays.rgba)
+        if self.skin is not None and self.arrays is not None:
+            self._arrange(self.skin, self.arrays.rgba)
             self.set_points(self._given)
 
     def _match_view(self) -> None:
@@ -274,7 +276,7 @@ class Surface:
         if face < 0 or distance > far - near:
             return None
         weights = np.array([1.0 - b1 - b2, b1, b2])
-        normal = self._arrays.normal(face, weights)
+        normal = self.arrays.normal(face, weights)
         length = float(np.linalg.norm(normal))
         normal = normal / length if length > 0 else -direction
         return Hit(face, origin + distance * direction, -normal if normal @ direction > 0 else normal)
@@ -310,7 +312,7 @@ class Surface:
     @property
     def normals(self) -> np.ndarray:
         """Vertex normals (n, 3) as drawn; zero without a face."""
-        return self._arrays.normals
+        return self.arrays.normals
 
     def point_under(self, position: QPointF) -> np.ndarray | None:
         """Point of the surface seen at a position in the viewport."""

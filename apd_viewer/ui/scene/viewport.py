@@ -61,6 +61,8 @@ class Viewport(QtInteractor):
     resized : Signal()
     clicked : Signal(QPointF)
         A press that no tool wanted and that moved nothing, at its position in the widget.
+    stale : bool
+        Whether the scene has changed since the last VTK draw.
     """
 
     resized = Signal()
@@ -77,7 +79,7 @@ class Viewport(QtInteractor):
         self.more_boxes: list[Callable[[], tuple[float, ...]]] = []
         self.dark = False
         self.opengl = ""
-        self._stale = True  # the scene has changed since the last VTK draw
+        self.stale = True  # the scene has changed since the last VTK draw
         super().__init__(parent, auto_update=False, multi_samples=0, lighting="none")
         self.setAcceptDrops(False)  # the stock widget reads dropped files into the scene by itself
         self.ren_win.GetInteractor().EnableRenderOff()
@@ -131,7 +133,7 @@ class Viewport(QtInteractor):
         """Draw the scene and the overlay again, soon; several calls make one draw."""
         if getattr(self, "_closed", False):
             return
-        self._stale = True
+        self.stale = True
         super().update()
         if hasattr(self, "overlay"):  # not yet while the base class builds itself
             self.overlay.update()
@@ -153,7 +155,7 @@ class Viewport(QtInteractor):
         if self.antialiasing.software:
             # For each blink of a text cursor the processor would compose the whole window: 4 % of a core.
             QApplication.setCursorFlashTime(0)
-        self._stale = True
+        self.stale = True
 
     def resizeGL(self, width: int, height: int) -> None:
         """Draw at the new size."""
@@ -161,14 +163,14 @@ class Viewport(QtInteractor):
         # Qt rounds halves up, Python to even: at a scale of 1.5 a line of pixels would stay black.
         ratio = self.devicePixelRatioF()
         self.ren_win.GetInteractor().UpdateSize(int(width * ratio + 0.5), int(height * ratio + 0.5))
-        self._stale = True
+        self.stale = True
 
     def _blit(self, target: int, _rect: object) -> None:
         super()._blit(target, QRect(0, 0, *self.ren_win.GetSize()))
 
     def paintGL(self) -> None:
         """Draw if the scene has changed, and bring the picture to the screen."""
-        if self._stale and self._RenderWindow is not None and self._RenderWindow.GetReadyForRendering():
+        if self.stale and self._RenderWindow is not None and self._RenderWindow.GetReadyForRendering():
             self._draw()
         # Inside _in_paint the stock method only copies the picture; else it would draw a second time.
         self._in_paint = True
@@ -196,7 +198,7 @@ class Viewport(QtInteractor):
         finally:
             self._in_paint = False
         self.draws += 1
-        self._stale = False
+        self.stale = False
         self.antialiasing.end_draw()
 
     # ---- events

@@ -57,6 +57,9 @@ class RunBar(QWidget):
         The file of the saved mesh, which is to be opened.
     busy : Signal(bool)
         Work has begun, or is over.
+    command : CommandProcess
+    scratch : Path or None
+        The temporary folder.
     """
 
     asked = Signal()
@@ -69,14 +72,14 @@ class RunBar(QWidget):
         super().__init__()
         self._name, self._mesh = name, mesh
         self._memory = memory
-        self._scratch: Path | None = None
+        self.scratch: Path | None = None
         self._beside: Path | None = None
         self._job: Job | None = None
         self._saved: Path | None = None
-        self._command = CommandProcess(self)
-        self._command.progressed.connect(self._show_progress)
-        self._command.ended.connect(self._end)
-        self._command.failed.connect(self.fail)
+        self.command = CommandProcess(self)
+        self.command.progressed.connect(self._show_progress)
+        self.command.ended.connect(self._end)
+        self.command.failed.connect(self.fail)
         self._delivered.connect(self._receive, Qt.ConnectionType.QueuedConnection)
         application = QCoreApplication.instance()
         assert application is not None
@@ -109,13 +112,13 @@ class RunBar(QWidget):
     @property
     def running(self) -> bool:
         """True while a command is in progress."""
-        return self._job is not None or self._command.running
+        return self._job is not None or self.command.running
 
     @property
-    def _results(self) -> Path:
+    def results(self) -> Path:
         """Folder of the last command's results."""
-        assert self._scratch is not None
-        return self._scratch / "results"
+        assert self.scratch is not None
+        return self.scratch / "results"
 
     def begin(self, words: Callable[[Path, Path], list[str]], beside: Path | None = None) -> None:
         """Run a command.
@@ -131,14 +134,14 @@ class RunBar(QWidget):
         """
         self.close_all()
         self._saved, self._beside = None, beside
-        self._scratch = scratch = Path(tempfile.mkdtemp(prefix="apd-viewer-"))
-        results = self._results
+        self.scratch = scratch = Path(tempfile.mkdtemp(prefix="apd-viewer-"))
+        results = self.results
 
         def work() -> list[str]:
             results.mkdir()
             return [*words(scratch, results), "--progress-lines"]
 
-        start = partial(self._command.start, scratch=scratch)
+        start = partial(self.command.start, scratch=scratch)
         self._job = Job(tr("Preparing"), work, start, self._delivered.emit)
         self.words.setText(tr("preparing"))
         self.bar.setMaximum(0)  # of unknown length
@@ -155,12 +158,12 @@ class RunBar(QWidget):
         if self._job is not None:
             job, self._job = self._job, None
             job.join()
-        self._command.cancel()
-        if self._scratch is not None:
-            shutil.rmtree(self._scratch, ignore_errors=True)
-            self._scratch = None
+        self.command.cancel()
+        if self.scratch is not None:
+            shutil.rmtree(self.scratch, ignore_errors=True)
+            self.scratch = None
         if self._beside is not None:
-            clear_after(self._command.number, self._beside)
+            clear_after(self.command.number, self._beside)
             self._beside = None
 
     def fail(self, sentence: str) -> None:
@@ -185,10 +188,10 @@ class RunBar(QWidget):
     def _end(self, said: str) -> None:
         self.words.setText("")
         self._show_busy(False)
-        self.ended.emit(self._results, said)
+        self.ended.emit(self.results, said)
 
     def _show_busy(self, on: bool) -> None:
-        there = not on and self._scratch is not None and any(self._results.glob("*"))
+        there = not on and self.scratch is not None and any(self.results.glob("*"))
         self.bar.setVisible(on)
         self.cancel.setVisible(on)
         self.start.setVisible(not on)
@@ -209,7 +212,7 @@ class RunBar(QWidget):
 
     def save_in(self, folder: Path) -> None:
         """Save the results as a new folder in ``folder``, in the background."""
-        results, target = self._results, unused_folder(folder, self._name)
+        results, target = self.results, unused_folder(folder, self._name)
 
         def work() -> Path:
             with filling(target) as scratch:

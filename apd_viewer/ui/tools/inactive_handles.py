@@ -69,6 +69,8 @@ class Pivots(MouseTool, QObject):
     ----------
     chosen : Signal(int)
         Number of the handle that was pressed.
+    pivots : tuple of Pivot
+        Shown as dots.
     """
 
     chosen = Signal(int)
@@ -77,13 +79,13 @@ class Pivots(MouseTool, QObject):
         super().__init__(viewport)
         self._viewport, self._gizmo = viewport, gizmo
         self._handle_at = handle_at
-        self._pivots: tuple[Pivot, ...] = ()
+        self.pivots: tuple[Pivot, ...] = ()
         self._hot: int | None = None
 
     def place(self, pivots: Sequence[Pivot]) -> None:
         """Show the dots of these pivots."""
-        if pivots or self._pivots:
-            self._pivots = tuple(pivots)
+        if pivots or self.pivots:
+            self.pivots = tuple(pivots)
             self._viewport.overlay.update()
 
     def press(self, event: QMouseEvent) -> bool:
@@ -116,7 +118,7 @@ class Pivots(MouseTool, QObject):
 
     def paint(self, painter: QPainter) -> None:
         """Draw the dots, and the name of the one under the cursor."""
-        for pivot in self._pivots:
+        for pivot in self.pivots:
             at = self._on_screen(pivot)
             if at is not None:
                 self._draw(painter, pivot, QPointF(*at))
@@ -154,7 +156,7 @@ class Pivots(MouseTool, QObject):
 
     def _dot_at(self, position: QPointF) -> int | None:
         cursor = np.array([position.x(), position.y()])
-        for pivot in self._pivots:
+        for pivot in self.pivots:
             at = self._on_screen(pivot)
             if at is not None and np.linalg.norm(at - cursor) <= REACH:
                 return pivot.number
@@ -163,10 +165,10 @@ class Pivots(MouseTool, QObject):
     def _taken_at(self, position: QPointF) -> int | None:
         """Number of the handle with a dot or paint at a position."""
         dot = self._dot_at(position)
-        if dot is not None or not self._pivots:
+        if dot is not None or not self.pivots:
             return dot
         number = self._handle_at(position)
-        return number if number in {pivot.number for pivot in self._pivots} else None
+        return number if number in {pivot.number for pivot in self.pivots} else None
 
     def _show(self, number: int | None) -> None:
         if number != self._hot:

@@ -39,6 +39,11 @@ class OutlineSelector(Selector):
 
     A box and a lasso are dragged. A polygon is clicked, corner by corner, and ended by a double click, by a
     click on its first corner or by Return. Esc gives either up.
+
+    Attributes
+    ----------
+    preview : QTimer
+        Until the cursor rests and the preview is made.
     """
 
     def __init__(self, viewport: Viewport, surface: Surface, kind: OutlineKind) -> None:
@@ -49,8 +54,8 @@ class OutlineSelector(Selector):
         self._cursor = QPointF()
         self._seen: tuple[object, np.ndarray, Boxes] | None = None
         self._foreseen: tuple[object, ...] = ()  # what the latest preview depends on
-        self._preview = QTimer(self, singleShot=True, interval=_PAUSE)
-        self._preview.timeout.connect(self._foresee)
+        self.preview = QTimer(self, singleShot=True, interval=_PAUSE)
+        self.preview.timeout.connect(self._foresee)
 
     @property
     def through(self) -> bool:
@@ -116,8 +121,8 @@ class OutlineSelector(Selector):
         """Draw the outline."""
         if not self._corners:
             return
-        if self._foreseen != self._state() and not self._preview.isActive():
-            self._preview.start()  # the mesh or the camera has moved behind it
+        if self._foreseen != self._state() and not self.preview.isActive():
+            self.preview.start()  # the mesh or the camera has moved behind it
         shape = QPolygonF(self._shape())
         fill = QColor(self._color)
         fill.setAlpha(36)
@@ -134,8 +139,8 @@ class OutlineSelector(Selector):
 
     def _show(self) -> None:
         self._viewport.overlay.update()
-        if not self._preview.isActive():
-            self._preview.start()
+        if not self.preview.isActive():
+            self.preview.start()
 
     def _foresee(self) -> None:
         self._foreseen = self._state()
@@ -159,7 +164,7 @@ class OutlineSelector(Selector):
             self._apply(act, vertices)
 
     def _end(self) -> None:
-        self._preview.stop()
+        self.preview.stop()
         self._corners = []
         self._viewport.overlay.update()
         self.previewed.emit(None)

@@ -35,6 +35,8 @@ class SlabSelector(Selector):
     axis_changed : Signal(int)
     measured : Signal(float, float)
         Where the two planes are along the axis.
+    preview : QTimer
+        Until the cursor rests and the preview is made.
     """
 
     axis_changed = Signal(int)
@@ -48,8 +50,8 @@ class SlabSelector(Selector):
         self._end = 0.0
         self._pressed = QPointF()
         self._dragged = False
-        self._preview = QTimer(self, singleShot=True, interval=_PAUSE)
-        self._preview.timeout.connect(lambda: self.previewed.emit(self._between()))
+        self.preview = QTimer(self, singleShot=True, interval=_PAUSE)
+        self.preview.timeout.connect(lambda: self.previewed.emit(self._between()))
 
     def press(self, event: QMouseEvent) -> bool:
         """Set the first plane."""
@@ -135,11 +137,11 @@ class SlabSelector(Selector):
         self._viewport.overlay.update()
         if self._start is not None:
             self.measured.emit(*sorted((float(self._start[self.axis]), self._end)))
-        if not self._preview.isActive():
-            self._preview.start()
+        if not self.preview.isActive():
+            self.preview.start()
 
     def _finish(self) -> None:
-        self._preview.stop()
+        self.preview.stop()
         self._start = self._here = None
         self._viewport.overlay.update()
         self.previewed.emit(None)

@@ -118,6 +118,10 @@ class Number(QDoubleSpinBox):
         Whether a small number, typed without a sign of its own, could be meant as a factor.
     properties
         Of the spin box.
+
+    Attributes
+    ----------
+    error : ErrorBubble
     """
 
     def __init__(self, brief: bool = False, is_percentage: bool = False, **properties: Any) -> None:
@@ -126,8 +130,8 @@ class Number(QDoubleSpinBox):
         self.setButtonSymbols(QDoubleSpinBox.ButtonSymbols.NoButtons)
         self.setFixedSize(84, max(28, self.fontMetrics().height() + 12))
         self.lineEdit().setTextMargins(4, 0, 4, 0)
-        self._error = ErrorBubble(self)
-        self.lineEdit().textEdited.connect(self._error.hide)
+        self.error = ErrorBubble(self)
+        self.lineEdit().textEdited.connect(self.error.hide)
         self.lineEdit().returnPressed.connect(partial(return_keys, self))
         pass_wheel(self)
 
@@ -213,18 +217,18 @@ class Number(QDoubleSpinBox):
         """Restore the number, and say why if the text was invalid."""
         self._refuse()
         super().focusOutEvent(event)
-        self._error.leave()
+        self.error.leave()
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Hide the error too."""
-        self._error.hide()
+        self.error.hide()
         super().hideEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Restore the number on Esc; on Enter keep an invalid text for correction."""
         if event.key() == Qt.Key.Key_Escape:
             self.lineEdit().setText(self.fixup(""))
-            self._error.hide()
+            self.error.hide()
             return_keys(self)
         elif event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and self._refuse():
             self.selectAll()
@@ -235,7 +239,7 @@ class Number(QDoubleSpinBox):
         """Explain an invalid text; True if it is."""
         problem = self._problem(self.lineEdit().text())
         if problem:
-            self._error.say(problem)
+            self.error.say(problem)
         return bool(problem)
 
 

@@ -12,7 +12,7 @@ from apd_viewer.ui.tools.toolbox import Tool
 def draw(stage: Stage) -> QImage:
     """Twist a little, and click on the mesh."""
     stage.open_sample("bottle")
-    stage.window._choose_unit(Unit.CENTIMETRE)
+    stage.window.choose_unit(Unit.CENTIMETRE)
     stage.window.session.settings.keep_apart(False)
     stage.twist("60deg")
     stage.take(Tool.MEASURE)

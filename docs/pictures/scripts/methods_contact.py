@@ -12,7 +12,7 @@ def draw(stage: Stage) -> QImage:
     pictures, words = [], []
     for contact in (False, True):
         stage.open_sample("bottle")
-        stage.window._choose_unit(Unit.CENTIMETRE)
+        stage.window.choose_unit(Unit.CENTIMETRE)
         stage.window.session.settings.keep_apart(contact)
         stage.twist("150deg")
         stage.look(0.42, 0.2, 0.85)

@@ -11,7 +11,7 @@ from apd_viewer.session.quantities.units import Unit
 def draw(stage: Stage) -> QImage:
     """Press a can to 60 percent of its width, and wait for the curves."""
     stage.open_mesh(Mesh(*can(*((24, 14) if stage.quick else (48, 32)))))
-    stage.window._choose_unit(Unit.CENTIMETRE)
+    stage.window.choose_unit(Unit.CENTIMETRE)
     stage.window.actions_.pose.press.trigger()
     dialog = stage.window.studies.dialogs["press"]
     dialog.to.setValue(60)

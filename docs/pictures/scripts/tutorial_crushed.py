@@ -10,7 +10,7 @@ from apd_viewer.session.quantities.units import Unit
 def draw(stage: Stage) -> QImage:
     """Twist by typing, and choose the overlay."""
     stage.open_sample("bottle")
-    stage.window._choose_unit(Unit.CENTIMETRE)
+    stage.window.choose_unit(Unit.CENTIMETRE)
     stage.twist("180deg")
     stage.overlay(Measure.AREA)
     return stage.picture()

@@ -9,7 +9,7 @@ from apd_viewer.session.quantities.units import Unit
 def draw(stage: Stage) -> QImage:
     """Twist by typing; show area and volume."""
     stage.open_sample("bottle")
-    stage.window._choose_unit(Unit.CENTIMETRE)
+    stage.window.choose_unit(Unit.CENTIMETRE)
     stage.twist("180deg")
     panel = stage.window.panel
     return stage.picture(stage.panel_box(panel.area, panel.volume))

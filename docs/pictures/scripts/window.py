@@ -10,7 +10,7 @@ from apd_viewer.session.quantities.units import Unit
 def draw(stage: Stage) -> QImage:
     """Paint a label, keep its area, twist by 60 degrees, and drag the ring a little farther."""
     stage.open_sample("bottle")
-    stage.window._choose_unit(Unit.CENTIMETRE)
+    stage.window.choose_unit(Unit.CENTIMETRE)
     session, mesh = stage.window.session, stage.state.document.mesh
     session.parts.add_region()
     session.parts.rename_region(0, "Label")

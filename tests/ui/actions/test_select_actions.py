@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from choosing import Gesture, Sight
-from driving import Mouse, idle
+from driving import Mouse, idle, work_off
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolBar
 
@@ -89,7 +89,7 @@ def test_a_key_takes_a_way_and_a_tool_that_paints(scene, keyboard, tool):
         assert [other for other in Way if ways[other].isChecked()] == [way]
         assert scene.window.actions_.tools[scene.canvas.tool].isChecked()
         assert [other for other in Way if scene.canvas.ways[other].enabled] == [way]
-        assert way.words.hint in scene.window.status._hint.text()
+        assert way.words.hint in scene.window.status.words.text()
 
 
 def test_the_bar_of_the_ways_is_there_for_the_tools_that_paint_and_its_buttons_work(qtbot, scene):
@@ -108,13 +108,13 @@ def test_all_of_the_bar_has_room_in_the_smallest_window(qtbot, scene):
     scene.take(Tool.BASE, Way.BRUSH)
     size = scene.window.shell.size()
     scene.window.shell.resize(scene.window.shell.minimumSize())
-    qtbot.wait(20)
+    work_off()
     bar = scene.window.way_bar
     assert scene.view.rect().contains(bar.geometry())
     for action in bar.actions():
         assert bar.rect().contains(bar.widgetForAction(action).geometry()), action.text()
     scene.window.shell.resize(size)
-    qtbot.wait(20)
+    work_off()
 
 
 def test_keys_of_through_and_of_the_size_of_the_brush(scene, keyboard):
@@ -242,7 +242,8 @@ def test_without_a_mesh_nothing_can_be_chosen_and_nothing_breaks(qtbot, window):
         mouse.drag((300, 200), (350, 250), (400, 260))
         mouse.double_click((400, 260))
         mouse.wheel((400, 260), 1)
-        qtbot.wait(40)
+        preview = getattr(window.canvas.ways[way], "preview", None)
+        qtbot.waitUntil(lambda preview=preview: preview is None or not preview.isActive())
     for action in [*window.actions_.select.changes, *window.actions_.select.mirrors]:
         action.trigger()
     idle(qtbot, window)

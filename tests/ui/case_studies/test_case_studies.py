@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from driving import NONE, Mouse, centre, idle
+from driving import NONE, Mouse, centre, idle, work_off
 from listening import listening
 from process_tree import tree_of
 from PySide6.QtCore import QPointF, Qt
@@ -122,7 +122,7 @@ def test_a_study_is_run_stopped_and_continued(qtbot, bar, dialog, studied):
     assert bar.docks["study"].isVisible()
     qtbot.waitUntil(lambda: (panel.status.share or 0.0) > 0.0, timeout=60_000)
     assert panel.bar.isVisible()
-    assert listening([os.getpid(), *tree_of(cases.run._command.number)]) == []
+    assert listening([os.getpid(), *tree_of(cases.run.command.number)]) == []
     click(panel.stop)
     assert panel.stop.text() == "Stop now"
     qtbot.waitUntil(lambda: not cases.run.running, timeout=60_000)
@@ -201,7 +201,7 @@ def test_unsaved_work_is_asked_about_before_a_case_is_opened(qtbot, bar, results
     monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: asked.append(1) or Answer.CANCEL)
     before = bar.session.store.state
     press_row(results, 1)
-    qtbot.wait(50)
+    work_off()
     assert asked == [1]
     assert bar.session.store.state is before
 

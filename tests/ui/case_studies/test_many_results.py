@@ -5,14 +5,16 @@ import threading
 import time
 
 import pytest
+from driving import work_off
 from finished_study import write_study
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, QTimer
 
 from apd_viewer.studies.results import read_results
 from apd_viewer.ui.case_studies import folder_watch
 from apd_viewer.ui.case_studies.folder_watch import FolderWatch, ReadResults
 from apd_viewer.ui.case_studies.result_columns import shown_columns
 from apd_viewer.ui.case_studies.results_panel import ResultsPanel
+from apd_viewer.ui.plots import scatter_view
 
 FEW, MANY = 1000, 4000
 # Four times the rows may take about four times as long; what is quadratic takes sixteen times.
@@ -107,13 +109,13 @@ def test_what_a_hand_does_takes_less_than_half_of_reading(panels, act):
     assert spent(lambda: act(panel)) < 0.5 * spent(lambda: show_again(panel))
 
 
-def test_a_row_is_chosen_without_looking_at_the_others(panels):
+def test_a_row_is_chosen_without_looking_at_the_others(panels, monkeypatch):
     """The picture of the plot is kept, and only its rings are drawn."""
     panel = panels[MANY]
     draw(panel)
     made, view = [], panel.scatter.view
-    picture = view._picture
-    view._picture = lambda *given: made.append(1) or picture(*given)
+    drawn = scatter_view.draw_chart
+    monkeypatch.setattr(scatter_view, "draw_chart", lambda *given: made.append(1) or drawn(*given))
     panel.table.choose([5])
     draw(panel)
     assert not made
@@ -162,9 +164,8 @@ def test_a_folder_is_left_alone_while_nobody_sees_its_results(qtbot, bar, tmp_pa
     dock.hide()
     shutil.rmtree(study)
     write_study(study, 7)
-    looked = []
-    window.case_studies.watch.read.connect(lambda _: looked.append(dock.isVisible()))
-    qtbot.wait(1300)
-    assert looked == []
+    assert not any(timer.isActive() for timer in window.case_studies.watch.findChildren(QTimer))
+    work_off()
+    assert len(panel.model.rows) == 5
     dock.show()
     qtbot.waitUntil(lambda: len(panel.model.rows) == 7, timeout=10_000)

@@ -6,7 +6,7 @@ import pytest
 from apd_viewer.studies.plans.plan_columns import COLUMNS
 from apd_viewer.studies.results import ResultRow, ResultTable
 from apd_viewer.ui.case_studies.case_colors import CaseColors, axis_of, dot_colors
-from apd_viewer.ui.case_studies.result_columns import _ASKED, MOTION, columns_of, shown_columns
+from apd_viewer.ui.case_studies.result_columns import MOTION, PLAN_TITLES, columns_of, shown_columns
 
 
 def table(columns, *rows):
@@ -125,7 +125,7 @@ def test_states_are_sorted_by_what_they_mean_and_texts_by_the_alphabet():
 
 
 def test_each_column_of_a_plan_has_a_title_that_can_be_translated():
-    assert set(_ASKED) | {MOTION} == set(COLUMNS)
+    assert set(PLAN_TITLES) | {MOTION} == set(COLUMNS)
 
 
 def test_an_axis_is_no_finer_than_what_is_shown():

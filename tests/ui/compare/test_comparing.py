@@ -13,10 +13,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
 import apd_viewer
+from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.convergence import Convergence
-from apd_viewer.presentation.method_readings import _error, columns
+from apd_viewer.presentation.method_readings import columns
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.compare.method_table import OutcomeTable
 from apd_viewer.ui.filing import file_dialogs
@@ -64,13 +65,14 @@ def side(qtbot, bar):
     side = opened(qtbot, bar)
     qtbot.waitUntil(lambda: all(view.said[0] == "converged" for view in side.views.values()), timeout=SETTLED)
     qtbot.waitUntil(lambda: all(view.values is not None for view in side.views.values()), timeout=SETTLED)
-    qtbot.waitUntil(lambda: measured(side), timeout=SETTLED)
+    state = bar.session.store.state
+    change = Deviation(state.document.mesh.V, state.skin.joined, state.skin.source)
+    qtbot.waitUntil(lambda: measured(side, change), timeout=SETTLED)
     return side
 
 
-def measured(side):
+def measured(side, change):
     """Whether what was measured last is what has settled."""
-    change = side.views["arap"]._change
     return all(np.array_equal(v.values, change.area(v.surface.shape)) for v in side.views.values())
 
 
@@ -119,8 +121,9 @@ def test_the_table_says_what_each_method_comes_to_alone(bar, side):
     ("value", "text"),
     [(0.0, "0"), (1e-17, "0"), (0.012345678, "+1.2346"), (-5e-4, "−0.0500"), (-2.66e-15, "−3·10⁻¹³")],
 )
-def test_errors_are_written_with_the_digits_that_count(value, text):
-    assert _error(value) == text + "\u00a0%"
+def test_errors_are_written_with_the_digits_that_count(painted_bottle, value, text):
+    written = {column.title: column.written for column in columns(painted_bottle, Unit.NONE)}
+    assert written["Area error"]({"area_miss": value}) == text + "\u00a0%"
 
 
 @pytest.mark.parametrize(("target", "said"), [(100.0, "100"), (97.25, "97.25"), (1000.0, "1000")])
@@ -170,7 +173,7 @@ def test_equal_values_have_equal_colours_in_all_views(qtbot, side):
     assert {1, 255} <= {shade for shades in colors.values() for shade in shades}
     all_values = np.concatenate([view.values for view in side.views.values()])
     span = all_values.min(), all_values.max()
-    qtbot.waitUntil(lambda: side.legend._span == pytest.approx(span))
+    qtbot.waitUntil(lambda: side.legend.span == pytest.approx(span))
     qtbot.mouseClick(side.legend.fit, LEFT)
     largest = np.expm1(np.abs(all_values).max())
     assert largest <= side.legend.scale.reach < 2.51 * largest
@@ -316,7 +319,7 @@ def test_again_takes_what_the_main_window_shows_now(qtbot, bar, side):
 
 def test_lengths_are_in_the_unit_that_is_chosen_for_the_mesh(qtbot, bar, side):
     before, status = cells(side), side.status.text()
-    bar._choose_unit(Unit.CENTIMETRE)
+    bar.choose_unit(Unit.CENTIMETRE)
     for method, said in cells(side).items():
         for title, text in said.items():
             unit = {"Energy": "\u00a0cm²", "Handle drift": "\u00a0cm"}.get(title, "")
@@ -324,7 +327,7 @@ def test_lengths_are_in_the_unit_that_is_chosen_for_the_mesh(qtbot, bar, side):
     assert side.status.text() == status
     bar.filing.show_mesh(Mesh(*box(2, 2, 4)))
     idle(qtbot, bar)
-    bar._choose_unit(Unit.METRE)
+    bar.choose_unit(Unit.METRE)
     assert cells(side)["Exact"]["Energy"].endswith("cm²"), "that is another mesh"
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from decks import ReadDeck
-from driving import idle, show
+from driving import idle, show, work_off
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QFileDialog
 
@@ -29,7 +29,7 @@ def chosen(monkeypatch):
 def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "twisted.apd"
     bottle.session.handles.move_by(TypedMotion.TWIST, "45", 0)
-    bottle._choose_unit(Unit.INCH)
+    bottle.choose_unit(Unit.INCH)
     bottle.canvas.viewport.look.eye = bottle.canvas.viewport.look.eye.orbited(60, 20)
     idle(qtbot, bottle)
     chosen["ask_for_session"] = path, False
@@ -89,7 +89,7 @@ def test_a_window_opens_a_session_at_its_start(qtbot, bottle, tmp_path, chosen):
     np.testing.assert_array_equal(other.session.store.state.frame.U, bottle.session.store.state.frame.U)
     other.shell.close()
     other.shell.deleteLater()
-    qtbot.wait(10)
+    work_off()
 
 
 def test_a_selection_is_saved_and_loaded_as_one_step(qtbot, bottle, tmp_path, chosen):
@@ -128,7 +128,7 @@ WITHOUT_TARGET = [measure for measure in Measure if not measure.name.startswith(
 def test_a_session_shows_the_overlay_that_was_shown(qtbot, bottle, tmp_path, measure):
     heat, path = bottle.looks.heat, tmp_path / "a.apd"
     heat.choose(measure)
-    bottle.session.files.save(path, bottle.filing._view())
+    bottle.session.files.save(path, bottle.view())
     idle(qtbot, bottle)
     heat.choose(Measure.STRAIN if measure is Measure.AREA else Measure.AREA)
     bottle.filing.open_path(path)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from driving import Mouse, centre, document, drag, idle, ring_grip
+from driving import Mouse, centre, document, drag, idle, ring_grip, work_off
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
@@ -245,7 +245,7 @@ def test_a_bar_fits_into_a_small_window_whatever_the_mesh_is_called(qtbot, start
     leave(folder, opened(open_mesh(path)))
     window = started()
     window.shell.resize(window.shell.minimumSize())
-    qtbot.wait(50)
+    work_off()
     assert window.canvas.viewport.rect().contains(window.recovery.geometry())
     assert not window.recovery.geometry().intersects(window.invitation.geometry())
 

@@ -59,7 +59,7 @@ def test_the_same_session_saved_twice_is_the_same_file(saved):
 
 def test_without_opengl_there_is_no_picture(bottle, saved, monkeypatch):
     view = bottle.canvas.viewport
-    monkeypatch.setattr(view, "_ctx", None)
+    monkeypatch.setattr(view.ren_win, "GetReadyForRendering", lambda: False)
     assert small_picture(view, 64) == b""
     monkeypatch.undo()
     assert small_picture(view, 64).startswith(b"\x89PNG")

@@ -3,12 +3,13 @@
 import os
 import subprocess
 import sys
+import threading
 import time
 
 import numpy as np
 import pytest
 from answering import Person
-from driving import drag, idle, ring_grip, show
+from driving import drag, idle, ring_grip, show, work_off
 from PySide6.QtCore import QSettings, Qt
 from PySide6.QtWidgets import QFileDialog
 
@@ -57,7 +58,7 @@ def open_window(qtbot, path, tmp_path, monkeypatch):
     for window in windows:
         window.shell.close()
         window.shell.deleteLater()
-    qtbot.wait(10)
+    work_off()
 
 
 @pytest.fixture
@@ -83,8 +84,8 @@ def save(qtbot, window):
 def come_to(qtbot, window):
     """Look elsewhere and come back."""
     window.shell.activated.emit()
-    qtbot.waitUntil(lambda: not window.session.saved_work._looking.is_alive())
-    qtbot.wait(20)
+    qtbot.waitUntil(lambda: "saved file" not in [thread.name for thread in threading.enumerate()])
+    work_off()
 
 
 def shape(path):
@@ -106,7 +107,7 @@ def saved(qtbot, person, window):
     """Save, until the question is answered and what follows is done."""
     save(qtbot, window)
     qtbot.waitUntil(lambda: person.answers == [], timeout=SLOW)
-    qtbot.wait(30)
+    work_off()
     idle(qtbot, window)
 
 
@@ -185,7 +186,7 @@ def test_closing_asks_for_both_and_closes_once_it_is_safe(qtbot, open_window, pa
     person.will(Answer.SAVE, "Cancel")
     second.shell.close()
     qtbot.waitUntil(lambda: person.answers == [], timeout=SLOW)
-    qtbot.wait(50)
+    work_off()
     assert second.shell.isVisible()
     person.will(Answer.SAVE, "Overwrite")
     second.shell.close()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from answering import LEFT, Person
-from driving import idle
+from driving import idle, work_off
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QFileDialog
@@ -57,9 +57,9 @@ END = {"closing": "closing", "opening": "opening another file"}
 def has_left(qtbot, window, leaving, before):
     """Whether it was done, once all is written and read."""
     jobs = window.session.jobs
-    qtbot.wait(30)
+    work_off()
     qtbot.waitUntil(lambda: jobs.current is None, timeout=60_000)
-    qtbot.wait(30)
+    work_off()
     if leaving == "closing":
         return window.shell.is_closed
     assert window.shell.isVisible()
@@ -185,8 +185,10 @@ def test_a_tour_that_was_declined_does_not_begin_later(qtbot, bottle, person):
     qtbot.waitUntil(lambda: person.asked != [])
     bottle.session.settings.set_stiffness(0.01)
     idle(qtbot, bottle)
+    bottle.session.files.open_sample("bottle")
+    idle(qtbot, bottle)
+    work_off()
     assert not bottle.help.tour.active
-    assert not bottle.help._wished
 
 
 # The title

@@ -5,10 +5,11 @@ import gc
 import meshes
 import numpy as np
 import pytest
-from driving import LEFT, Mouse, arrow_grip, document, drag, idle, ring_grip, show
+from driving import LEFT, Mouse, arrow_grip, document, drag, idle, ring_grip, show, work_off
 from PySide6.QtCore import QPoint, QRect, QSize, Qt
 
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.ui.application import build_workbench
 from apd_viewer.ui.help.tour_card import placed
 from apd_viewer.ui.shell import Shell
@@ -45,7 +46,7 @@ def first(qtbot, settings):
         made.append(window)
         gc.unfreeze()
         idle(qtbot, window)
-        qtbot.wait(30)
+        work_off()
         return window
 
     yield begin
@@ -53,7 +54,7 @@ def first(qtbot, settings):
         window.filing.may_leave = lambda *_, **__: True
         window.shell.close()
         window.shell.deleteLater()
-    qtbot.wait(10)
+    work_off()
 
 
 def go_to(qtbot, window, number):
@@ -86,7 +87,7 @@ def test_whoever_opens_a_file_at_the_first_start_is_not_bothered(qtbot, first):
     assert not window.help.tour.active
     window.filing.open_sample("bottle")
     idle(qtbot, window)
-    qtbot.wait(30)
+    work_off()
     assert not window.help.tour.active
     window.shell.close()
     assert not first().help.tour.active
@@ -151,7 +152,7 @@ def test_it_goes_on_and_back_to_the_end(qtbot, toured):
     qtbot.mouseClick(card(toured).next, LEFT)
     assert not tour.active
     assert not card(toured).isVisible()
-    assert not card(toured)._tip.isVisible()
+    assert not card(toured).tip.isVisible()
 
 
 @pytest.mark.parametrize("way", ["skip", "esc", "esc on the canvas"])
@@ -184,13 +185,15 @@ def test_it_is_used_by_keys_alone(qtbot, toured):
 
 def test_a_turn_of_the_ring_and_a_look_at_the_area_move_it_on(qtbot, toured):
     tour = toured.help.tour
+    toured.session.settings.set_convergence(Convergence(energy_tolerance=1e-3))  # it rests the sooner
     go_to(qtbot, toured, 1)
     drag(qtbot, toured, arrow_grip(toured, 0), (30, 0), steps=3)
     assert tour.number == 1, "a move is no turn"
     turn(qtbot, toured)
     assert tour.number == 2
     idle(qtbot, toured)
-    qtbot.wait(100)
+    work_off()
+    tour.look()
     assert tour.number == 2, "it is asked for once more"
     turn(qtbot, toured)
     assert tour.number == 2, "the area is there to be read"
@@ -228,10 +231,10 @@ def test_it_blocks_nothing(qtbot, toured):
     assert toured.canvas.viewport.look.eye.key != before
     toured.actions_.tools[Tool.HANDLE].trigger()
     assert toured.canvas.tool is Tool.HANDLE
-    tip, area = card(toured)._tip.geometry(), card(toured).geometry()
+    tip, area = card(toured).tip.geometry(), card(toured).geometry()
     beside = tip.center()
     assert not area.contains(beside)
-    assert toured.shell.childAt(beside) is not card(toured)._tip, "the mouse goes through the tip"
+    assert toured.shell.childAt(beside) is not card(toured).tip, "the mouse goes through the tip"
     assert toured.help.tour.active
 
 
@@ -243,7 +246,7 @@ def test_it_takes_the_ring_into_the_hand_and_says_where_it_is_gone(qtbot, toured
     toured.tools.take(Tool.ORBIT)
     toured.help.tour.look()
     assert "Move handle" in card(toured).sentence.text()
-    assert not card(toured)._tip.isVisible()
+    assert not card(toured).tip.isVisible()
     toured.tools.take(Tool.MOVE)
     toured.help.tour.look()
     assert card(toured).sentence.text() == sentence
@@ -252,18 +255,17 @@ def test_it_takes_the_ring_into_the_hand_and_says_where_it_is_gone(qtbot, toured
 def test_it_says_where_the_area_is_when_the_readings_are_hidden(qtbot, toured):
     go_to(qtbot, toured, 2)
     toured.docks["readings"].hide()
-    qtbot.wait(50)
-    assert "View menu" in card(toured).sentence.text()
+    qtbot.waitUntil(lambda: "View menu" in card(toured).sentence.text())
 
 
 def test_the_sheet_of_shortcuts_hides_it_for_a_while(qtbot, toured):
     toured.actions_.help["shortcuts"].trigger()
     assert not card(toured).isVisible()
-    assert not card(toured)._tip.isVisible()
+    assert not card(toured).tip.isVisible()
     qtbot.keyClick(toured.help.sheet.search, Qt.Key.Key_Escape)
     assert card(toured).isVisible()
     toured.help.tour.look()
-    assert card(toured)._tip.isVisible()
+    assert card(toured).tip.isVisible()
     toured.actions_.help["shortcuts"].trigger()
     toured.actions_.help["tour"].trigger()
     assert not toured.help.sheet.isVisible()
@@ -276,16 +278,18 @@ def test_the_sheet_of_shortcuts_hides_it_for_a_while(qtbot, toured):
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
 def test_it_stays_within_the_window_beside_what_it_speaks_of(qtbot, toured, size):
     toured.shell.resize(*size)
-    qtbot.wait(50)
-    tour, places = toured.help.tour, toured.help.tour._places
+    work_off()
+    tour, places = toured.help.tour, toured.help.tour.places
     targets = places.mesh, places.rings, places.area, places.brushes, places.export
     for number, place in enumerate(targets):
         assert tour.number == number
-        qtbot.wait(50)
+        work_off()
+        tour.look()
+        work_off()
         area, target = card(toured).geometry(), place()
         assert toured.shell.rect().contains(area)
         assert not area.intersects(target)
-        tip = card(toured)._tip
+        tip = card(toured).tip
         assert tip.isVisible()
         assert toured.shell.rect().contains(tip.geometry())
         assert tip.geometry().adjusted(-2, -2, 2, 2).intersects(target), "it reaches what it points at"

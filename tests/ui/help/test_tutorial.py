@@ -1,6 +1,6 @@
 """The steps of the tutorial, by the keys that it names, on a bottle with fewer vertices."""
 
-from driving import idle
+from driving import idle, work_off
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel
@@ -19,7 +19,7 @@ def test_a_bottle_is_twisted_by_typing_half_a_turn(qtbot, bottle):
     assert handles.motion.choice.currentText() == "Twist"
     QTest.keyClicks(handles.motion.amount, "180deg")
     QTest.keyClick(handles.motion.amount, Qt.Key.Key_Return)
-    qtbot.wait(50)
+    work_off()
     idle(qtbot, bottle)
     said = [label.text() for label in bottle.panel.findChildren(QLabel) if label.isVisible()]
     assert {"100.000 %", "converged", "twisted +180.0°"} <= set(said)

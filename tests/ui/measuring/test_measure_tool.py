@@ -1,5 +1,6 @@
 """The tool Measure in a window, with a real mouse: picking, the list, the drawing, undo and copy."""
 
+import meshes
 import numpy as np
 import pytest
 from driving import Mouse, document, on_screen
@@ -8,6 +9,7 @@ from PySide6.QtGui import QGuiApplication
 
 from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.surface_point import positions
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.toolbox import Tool
 
@@ -92,9 +94,9 @@ def test_clicks_measure_and_undo_takes_back(qtbot, measuring):
     point, normal = window.looks.cut.plane
     assert measured(window)[0].plane.offset == pytest.approx(point @ normal)
     click(window, low)  # one of two points
-    with qtbot.waitSignal(window.signals.changed):
-        window.session.files.open_sample("duck")
-    qtbot.waitUntil(lambda: document(window).mesh.name.startswith("duck"), timeout=30_000)
+    before = document(window).mesh
+    window.filing.show_mesh(Mesh(*meshes.sphere(2)))
+    qtbot.waitUntil(lambda: document(window).mesh is not before, timeout=30_000)
     assert not len(window.measure.tool.points)
     assert section.list.rows == []
 
@@ -105,7 +107,7 @@ def test_values_follow_shape_and_unit_and_are_copied(qtbot, measuring):
     click(window, front(window, 0.7))
     window.measure.choose_kind(Kind.SECTION)
     click(window, front(window, 0.6))
-    window._choose_unit(Unit.MILLIMETRE)
+    window.choose_unit(Unit.MILLIMETRE)
     row = section.list.rows[0]
     assert row.reading.text().endswith("mm")
     assert "%" not in row.reading.text()

@@ -3,7 +3,7 @@
 import meshes
 import numpy as np
 import pytest
-from driving import Mouse, document, idle, settle
+from driving import Mouse, document, idle, settle, work_off
 from mesh_contents import binary_stl
 from PySide6.QtCore import QPointF, Qt
 from seams import halves
@@ -32,7 +32,7 @@ def ill(qtbot, window):
     """A window on the damaged sphere."""
     window.filing.show_mesh(damaged())
     idle(qtbot, window)
-    qtbot.wait(20)
+    work_off()
     return window
 
 
@@ -58,13 +58,13 @@ def choose(qtbot, window, kind):
 
 def marked(window):
     """The vertices that have the colour of the marks."""
-    rgba = np.asarray(window.canvas.surface._arrays.rgba)
+    rgba = np.asarray(window.canvas.surface.arrays.rgba)
     return np.flatnonzero((rgba == MARK).all(axis=1))
 
 
 def plain(window):
     """Whether the surface has the colours of its paint, and nothing is marked."""
-    rgba = np.asarray(window.canvas.surface._arrays.rgba)
+    rgba = np.asarray(window.canvas.surface.arrays.rgba)
     painted = label_colors(document(window).labels, document(window).member)
     return window.canvas.marks.ids is None and np.array_equal(rgba, painted)
 
@@ -178,7 +178,7 @@ def test_the_marks_go_with_the_list(qtbot, ill, way):
     elif way == "click":
         mouse.drag((5, 5), (5, 5))
     elif way == "cross":
-        ill.health.list._close.click()
+        ill.health.list.cross.click()
     elif way == "stroke":
         ill.tools.take(Tool.BASE)
         view.look.along("side")
@@ -272,7 +272,7 @@ def test_both_sides_of_a_seam_are_marked_and_all_of_a_mesh_that_is_meant_as_a_wh
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
 def test_the_list_leaves_room_for_what_it_shows(qtbot, ill, size):
     ill.shell.resize(*size)
-    qtbot.wait(30)
+    work_off()
     open_list(qtbot, ill)
     choose(qtbot, ill, "open borders")
     view, area = ill.canvas.viewport, ill.health.list.geometry()

@@ -27,7 +27,7 @@ def test_what_is_typed_is_previewed_and_return_adds_it(qtbot, bottle, card):
     before = base_of(bottle)
     y = bottle.session.store.state.document.mesh.V[:, 1]
     QTest.keyClicks(card.text, "y < 5")
-    assert f"{(y < 5).sum():,} vertices" in card._said.text()
+    assert f"{(y < 5).sum():,} vertices" in card.said.text()
     np.testing.assert_array_equal(bottle.canvas.coloring.previewed, np.flatnonzero(y < 5))
     qtbot.keyClick(card.text, Qt.Key.Key_Return)
     np.testing.assert_array_equal(base_of(bottle), before | (y < 5))
@@ -51,9 +51,9 @@ def test_alt_removes_and_ctrl_replaces(qtbot, bottle, card):
 
 def test_what_cannot_be_read_is_said_and_escape_leaves_no_trace(qtbot, bottle, card):
     state = bottle.session.store.state
-    colors = np.array(bottle.canvas.surface._arrays.rgba)
+    colors = np.array(bottle.canvas.surface.arrays.rgba)
     QTest.keyClicks(card.text, "y > 5 furlong")
-    assert "furlong" in card._said.text()
+    assert "furlong" in card.said.text()
     assert bottle.canvas.coloring.previewed is None
     qtbot.keyClick(card.text, Qt.Key.Key_Return)
     assert bottle.session.store.state is state
@@ -61,5 +61,5 @@ def test_what_cannot_be_read_is_said_and_escape_leaves_no_trace(qtbot, bottle, c
     qtbot.keyClick(card.text, Qt.Key.Key_Escape)
     assert card.isHidden()
     assert bottle.session.store.state is state
-    np.testing.assert_array_equal(bottle.canvas.surface._arrays.rgba, colors)
+    np.testing.assert_array_equal(bottle.canvas.surface.arrays.rgba, colors)
     assert bottle.shell.focusWidget() is bottle.canvas.viewport

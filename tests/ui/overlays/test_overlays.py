@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from driving import LEFT, Mouse, centre, document, idle, settle, show
+from driving import LEFT, Mouse, centre, document, idle, settle, show, work_off
 from meshes import box, sphere
 from PySide6.QtCore import Qt
 
@@ -31,7 +31,7 @@ def globe(qtbot, window):
     """A window on a sphere of radius one, with nothing painted."""
     window.filing.show_mesh(Mesh(*sphere(3)))
     idle(qtbot, window)
-    qtbot.wait(20)
+    work_off()
     return window
 
 
@@ -45,7 +45,7 @@ def area(qtbot, globe):
 def choose(qtbot, window, measure):
     window.actions_.looks.measures[measure].trigger()
     heat = window.looks.heat
-    qtbot.waitUntil(lambda: heat._change is not None and heat.reading.values is not None, timeout=60_000)
+    qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     settle(qtbot, window.canvas.viewport)
 
 
@@ -114,7 +114,7 @@ def test_an_overlay_that_is_off_measures_nothing_and_leaves_the_paint(qtbot, are
 def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, measure, key, expected):
     globe.shell.activateWindow()
     qtbot.waitUntil(globe.shell.isActiveWindow)
-    globe._choose_unit(Unit.MILLIMETRE)
+    globe.choose_unit(Unit.MILLIMETRE)
     answer(qtbot, globe, 1.1 * document(globe).mesh.V)
     qtbot.keyClick(globe.canvas.viewport, key, ALT)
     assert globe.looks.heat.measure is measure
@@ -123,7 +123,7 @@ def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, mea
     settle(qtbot, globe.canvas.viewport)
     heat.reading.timer.stop()
     Mouse(globe.canvas.viewport).move(centre(globe.canvas.viewport))
-    said = legend._cursor.text().replace("\u00a0", " ")
+    said = legend.under_cursor.text().replace("\u00a0", " ")
     if measure is Measure.DISTANCE:  # from the facets, which are a little inside the sphere
         assert float(said.split()[0]) == pytest.approx(0.1, abs=3e-3)
     elif measure is Measure.BENDING:
@@ -131,9 +131,9 @@ def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, mea
         assert said.endswith("mm⁻¹")
     else:
         assert said == expected
-    assert legend.bar._value == heat.reading.value_at(centre(globe.canvas.viewport))
+    assert legend.bar.value == heat.reading.value_at(centre(globe.canvas.viewport))
     globe.canvas.viewport.mouse.leave()
-    assert legend._cursor.text() == "–"
+    assert legend.under_cursor.text() == "–"
 
 
 def test_contact_pressure_is_shown_of_what_is_kept_apart(qtbot, bottle):
@@ -147,12 +147,12 @@ def test_contact_pressure_is_shown_of_what_is_kept_apart(qtbot, bottle):
     assert heat.measure is Measure.CONTACT
     qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     assert np.isnan(heat.reading.values).all(), "contact is off"
-    assert "turn on Contact" in bottle.looks.legend._note.text()
+    assert "turn on Contact" in bottle.looks.legend.note.text()
     bottle.session.settings.keep_apart(True, 0.03)
     idle(qtbot, bottle)
     # The values of the shape before stay in the colours until those of this one are there.
     qtbot.waitUntil(lambda: set(heat.reading.values) == {0.0}, timeout=60_000)  # nothing touches yet
-    assert "percent" in bottle.looks.legend._note.text()
+    assert "percent" in bottle.looks.legend.note.text()
     bottle.session.handles.move_by(TypedMotion.TWIST, "130deg", 0)
     idle(qtbot, bottle)
     qtbot.waitUntil(lambda: heat.reading.values.max() == 1.0, timeout=60_000)
@@ -164,16 +164,16 @@ def test_contact_pressure_is_shown_of_what_is_kept_apart(qtbot, bottle):
 def test_what_takes_longer_waits_until_the_shape_rests(qtbot, globe):
     choose(qtbot, globe, Measure.DISTANCE)
     heat = globe.looks.heat
-    heat._resting.setInterval(10**6)
+    heat.resting.setInterval(10**6)
     answer(qtbot, globe, 1.2 * document(globe).mesh.V)
     assert heat.reading.values is None
     assert globe.canvas.surface.worn is None, "colours of another shape would be a lie"
-    assert "converged" in globe.looks.legend._note.text()
-    assert heat._resting.isActive()
-    heat._resting.start(0)
+    assert "converged" in globe.looks.legend.note.text()
+    assert heat.resting.isActive()
+    heat.resting.start(0)
     qtbot.waitUntil(lambda: heat.reading.values is not None)
     assert globe.canvas.surface.worn is SEQUENTIAL
-    assert not globe.looks.legend._note.isVisible()
+    assert not globe.looks.legend.note.isVisible()
 
 
 def test_another_mesh_is_compared_with_its_own_rest_shape(qtbot, area):
@@ -189,9 +189,9 @@ def test_another_mesh_is_compared_with_its_own_rest_shape(qtbot, area):
 
 
 @pytest.mark.parametrize("edges", [False, True])
-def test_the_colours_of_the_legend_are_those_on_the_shape(qtbot, area, edges):
+def test_the_colours_of_the_legend_are_those_on_the_shape(globe, edges):
     """A place painted in the colour of the legend looks as one that the overlay colours."""
-    view, surface, heat = area.canvas.viewport, area.canvas.surface, area.looks.heat
+    view, surface = globe.canvas.viewport, globe.canvas.surface
     n = len(surface.U)
     surface.edges = edges
     for colors in (DIVERGING, SEQUENTIAL):
@@ -199,7 +199,6 @@ def test_the_colours_of_the_legend_are_those_on_the_shape(qtbot, area, edges):
             surface.wear(colors, -1.0)
             surface.shades[:] = shade
             surface.shades_changed()
-            heat._seen = (heat.measure, surface.shape_revision, 0, heat._change)
             shown = middle(view)
             surface.wear(None)
             surface.set_colors(np.tile([*colors.color((shade - 1) / 254), 255], (n, 1)).astype(np.uint8))
@@ -214,7 +213,7 @@ def test_up_to_the_tolerance_there_is_no_colour(qtbot, area):
     neutral = middle_pixel(view)
     answer(qtbot, area, 1.01 * V)
     assert np.abs(middle_pixel(view) - neutral).max() > 5
-    area.looks.heat._rescale(0.1, 0.03)
+    area.looks.legend.scaled.emit(0.1, 0.03)
     np.testing.assert_allclose(middle_pixel(view), neutral, atol=2)
 
 
@@ -258,10 +257,10 @@ def test_the_largest_local_area_change_is_one_number_in_panel_and_legend(qtbot, 
     legend, panel = bottle.looks.legend, bottle.panel.area
     settle(qtbot, bottle.canvas.viewport)
     bottle.looks.heat.reading.read()
-    said = legend._largest.text().replace("\u00a0", " ").lstrip("+−")
+    said = legend.largest.text().replace("\u00a0", " ").lstrip("+−")
     assert said == panel.local_change.text() != "0 %"
     bottle.looks.heat.next_worst()
-    assert bottle.looks.heat.extremes.mark._text.endswith(legend._largest.text())
+    assert bottle.looks.heat.extremes.mark.text.endswith(legend.largest.text())
 
 
 def test_what_counts_for_no_change_is_never_in_the_strongest_colours(qtbot, area):
@@ -331,7 +330,7 @@ def test_the_legend_is_beside_the_ways_to_choose_where_it_is_as_high(qtbot, wind
     moved = set()
     for height in range(640, 960, 20):
         window.shell.resize(1280, height)
-        qtbot.wait(20)
+        work_off()
         assert ways.isVisible()
         assert line.isVisible()
         assert not cards.geometry().intersects(ways.geometry()), height
@@ -364,7 +363,7 @@ def test_the_mouse_on_the_legend_is_not_on_the_canvas(qtbot, area):
 
 
 def test_overlay_and_range_are_remembered(qtbot, area, settings):
-    area.looks.heat._rescale(0.4, 0.02)
+    area.looks.legend.scaled.emit(0.4, 0.02)
     other = Workbench(Shell(settings))
     show(qtbot, other.shell, other.canvas.viewport)
     try:
@@ -374,7 +373,7 @@ def test_overlay_and_range_are_remembered(qtbot, area, settings):
     finally:
         other.shell.close()
         other.shell.deleteLater()
-        qtbot.wait(10)
+        work_off()
 
 
 def test_settings_that_nobody_can_read_are_as_none(qtbot, settings):
@@ -386,7 +385,7 @@ def test_settings_that_nobody_can_read_are_as_none(qtbot, settings):
     finally:
         other.shell.close()
         other.shell.deleteLater()
-        qtbot.wait(10)
+        work_off()
 
 
 # The worst places
@@ -405,7 +404,7 @@ def test_a_key_goes_to_the_worst_places_one_after_another(qtbot, area):
     assert abs(heat.reading.values[first]) == np.abs(heat.reading.values).max()
     assert view.look.eye.axes[2] @ V[first] < 0, "it is seen, though it was at the back"
     assert view.rect().contains(*map(int, view.look.eye.project(U[[first]])[0]))
-    assert heat.extremes.mark._text.startswith("1 of")
+    assert heat.extremes.mark.text.startswith("1 of")
     qtbot.keyClick(view, Qt.Key.Key_C)
     second = heat.extremes.mark.vertex
     assert np.linalg.norm(U[second] - U[first]) > 0.05

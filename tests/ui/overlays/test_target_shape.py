@@ -23,7 +23,7 @@ def globe(qtbot, window):
     """A window on a sphere of radius one, in millimetres."""
     window.filing.show_mesh(Mesh(*sphere(3)))
     idle(qtbot, window)
-    window._choose_unit(Unit.MILLIMETRE)
+    window.choose_unit(Unit.MILLIMETRE)
     return window
 
 
@@ -60,6 +60,11 @@ def shown(window):
     return [measure for measure in (CLOSEST, VERTEX) if measures[measure].isEnabled()]
 
 
+def drawn(window):
+    """How many actors are seen."""
+    return sum(actor.GetVisibility() for actor in window.canvas.viewport.renderer.GetActors())
+
+
 def test_without_a_target_nothing_of_it_is_offered(globe):
     assert shown(globe) == []
     assert not globe.panel.target.isVisible()
@@ -75,14 +80,14 @@ def test_a_target_is_seen_measured_and_cleared(qtbot, globe, file, monkeypatch, 
     assert heat.measure is CLOSEST, "what was loaded is shown"
     measured(qtbot, globe)
     assert section.isVisible()
-    assert "larger.obj" in section._name.text()
+    assert "larger.obj" in section.name.text()
     assert said(section.closest) == pytest.approx([0.2, 0.2, 0.2], abs=0.006)
     assert said(section.vertex) == pytest.approx([0.2, 0.2, 0.2], abs=1e-4)
-    assert globe.looks.legend._largest.text().startswith("0.19")
+    assert globe.looks.legend.largest.text().startswith("0.19")
     assert shown(globe) == [CLOSEST, VERTEX]
-    assert globe.looks.target_ghost._actor.GetVisibility()
+    assert drawn(globe) == 2, "the shape, and its target"
     looks.switches["target_ghost"].trigger()
-    assert not globe.looks.target_ghost._actor.GetVisibility()
+    assert drawn(globe) == 1
 
     looks.measures[VERTEX].trigger()
     qtbot.waitUntil(lambda: heat.reading.values is not None)
@@ -94,7 +99,7 @@ def test_a_target_is_seen_measured_and_cleared(qtbot, globe, file, monkeypatch, 
     store.show(store.state.at(frame=frame))
     measured(qtbot, globe)
     assert said(section.vertex) == pytest.approx([0.1, 0.1, 0.1], abs=1e-4)
-    globe._choose_unit(Unit.CENTIMETRE)
+    globe.choose_unit(Unit.CENTIMETRE)
     assert section.vertex[0].text().endswith("cm")
 
     page = tmp_path / "report.html"
@@ -133,7 +138,7 @@ def test_only_the_closest_point_is_offered_for_other_triangles(qtbot, globe, tmp
 
     # A session keeps the target and its overlay; without the file it opens all the same, and says so.
     session = tmp_path / "a.apd"
-    globe.session.files.save(session, globe._view())
+    globe.session.files.save(session, globe.view())
     idle(qtbot, globe)
     globe.filing.show_mesh(Mesh(*box(1, 1, 1)))
     idle(qtbot, globe)
@@ -147,7 +152,7 @@ def test_only_the_closest_point_is_offered_for_other_triangles(qtbot, globe, tmp
     idle(qtbot, globe)
     assert globe.looks.heat.measure is None
     assert "cube.obj, a mesh of a.apd, is missing" in globe.notice.text
-    assert "cube.obj" in section._name.text()
+    assert "cube.obj" in section.name.text()
     assert not section.closest[0].isVisible()
     assert globe.actions_.file.clear_target.isEnabled()
 

@@ -32,7 +32,7 @@ def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):
     entered(qtbot, typed, "0.05L")
     assert brush.length == pytest.approx(0.05 * max(bottle.session.store.state.inspection.size))
     assert "Brush" in bottle.status.currentMessage()
-    bottle._choose_unit(Unit.MILLIMETRE)
+    bottle.choose_unit(Unit.MILLIMETRE)
     bottle.actions_.select.sizes[2].trigger()
     assert typed.text.text() == f"{brush.length:.4g}mm"
     qtbot.keyClick(typed.text, Qt.Key.Key_Escape)
@@ -48,8 +48,8 @@ def test_a_brush_of_no_size_is_refused_in_a_sentence(qtbot, bottle, text):
     entered(qtbot, typed, text)
     assert (brush.radius, brush.length) == before
     assert not typed.isHidden()
-    assert typed._said.text().endswith(".")
-    assert typed._said.text() != typed.help
+    assert typed.said.text().endswith(".")
+    assert typed.said.text() != typed.help
 
 
 def test_a_typed_pivot_is_shown_while_it_is_typed_and_is_a_step_of_undo(qtbot, bottle):
@@ -76,7 +76,7 @@ def test_a_pivot_that_is_no_point_is_refused_in_a_sentence(qtbot, bottle, text):
     bottle.actions_.pose.pivots[1].trigger()
     entered(qtbot, typed, text)
     assert bottle.session.store.state is before
-    assert typed._said.text() != typed.help
+    assert typed.said.text() != typed.help
 
 
 def test_one_card_at_a_time(bottle):
@@ -91,7 +91,7 @@ def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
     motion.choice.setCurrentIndex(motion.choice.findData("BEND_LINE"))
     motion.amount.setText("20deg")
     qtbot.keyClick(motion.amount, Qt.Key.Key_Return)
-    assert "two clicks" in motion._problem.text()
+    assert "two clicks" in motion.problem.text()
     V = session.store.state.document.mesh.V
     front = V[:, 2] > 0.5 * V[:, 2].max()
     ends = [

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from driving import Mouse, document, drag, idle, on_screen, stroke
+from driving import Mouse, document, drag, idle, on_screen, stroke, work_off
 from page_parts import PageParts
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
@@ -26,7 +26,7 @@ def press(window, key, modifiers=Qt.KeyboardModifier.NoModifier):
 def choose(qtbot, window, k):
     """Click the row of a handle."""
     Mouse(window.panel.handles.list.rows[k]).press((60, 8))
-    qtbot.wait(10)
+    work_off()
 
 
 def row(window, k=0):
@@ -67,7 +67,7 @@ def test_a_new_handle_leaves_the_motion_of_the_first(qtbot, twisted, tmp_path):
     said = PageParts(report.read_text(encoding="utf-8")).rows["Handles"]
     assert said["Handle 1"].startswith("twisted +20.0°\n")
     assert said["Handle 2"].startswith("not moved since it was painted")
-    window.session.files.save(tmp_path / "bottle.apd", window._view())
+    window.session.files.save(tmp_path / "bottle.apd", window.view())
     idle(qtbot, window)
     assert readings.motion(open_session(tmp_path / "bottle.apd")[0], 0, Unit.NONE) == "twisted +20.0°"
     window.actions_.pose.sweep.trigger()

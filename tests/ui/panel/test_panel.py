@@ -6,7 +6,7 @@ from dataclasses import replace
 import meshes
 import numpy as np
 import pytest
-from driving import Mouse, document, drag, idle, ring_grip
+from driving import Mouse, document, drag, follow, idle, ring_grip, work_off
 from PySide6.QtCore import QPoint, QPointF, Qt
 
 from apd_viewer.geometry.analysis.self_intersections import crossings
@@ -28,7 +28,7 @@ def choose(window, method):
 
 def knob(slider, step):
     """Where the knob is at a step."""
-    return QPointF(slider._x_of(step), slider.height() / 2)
+    return QPointF(slider.x_of(step), slider.height() / 2)
 
 
 def shown(window):
@@ -160,9 +160,9 @@ def test_a_thickness_with_a_unit_counts_once_the_unit_of_the_mesh_is_known(bottl
     thickness.setText("0.3mm")
     thickness.editingFinished.emit()
     assert document(bottle).thickness is None
-    bottle._choose_unit(Unit.CENTIMETRE)
+    bottle.choose_unit(Unit.CENTIMETRE)
     assert document(bottle).thickness == pytest.approx(0.03)
-    bottle._choose_unit(Unit.MILLIMETRE)
+    bottle.choose_unit(Unit.MILLIMETRE)
     assert document(bottle).thickness == pytest.approx(0.3)
     assert thickness.text() == "0.3mm"
     before = document(bottle)
@@ -260,14 +260,14 @@ def test_another_mesh_begins_with_the_defaults(qtbot, bottle):
     motion.choice.setCurrentIndex(motion.choice.findData("SCALE"))
     motion.amount.setText("240deg")
     qtbot.keyClick(motion.amount, Qt.Key.Key_Return)
-    assert motion._problem.isVisible()
+    assert motion.problem.isVisible()
     bottle.session.files.open_sample("duck")
     idle(qtbot, bottle)
     assert document(bottle).method == panel.method.method.currentData() == "exact"
     assert document(bottle).stiffness == panel.method.stiffness.value == 0.0
     assert not document(bottle).hold_area
     assert (motion.motion, motion.amount.text()) == (TypedMotion.TWIST, "")
-    assert motion._problem.isHidden()
+    assert motion.problem.isHidden()
     bottle.actions_.undo.trigger()
     assert document(bottle).method == panel.method.method.currentData() == "local"
     assert panel.method.stiffness.value == 0.001
@@ -296,8 +296,7 @@ def test_a_sweep_of_the_slider_is_one_step_of_undo_and_the_mesh_follows(qtbot, b
     mouse = Mouse(slider)
     mouse.press(knob(slider, 100))
     for step in range(102, 122, 2):
-        mouse.move(knob(slider, step))
-        qtbot.wait(40)
+        follow(qtbot, bottle, lambda step=step: mouse.move(knob(slider, step)))
         areas.add(round(bottle.session.store.state.frame.area_error, 6))
     mouse.release(knob(slider, 120))
     assert document(bottle).area == pytest.approx(110.0, abs=0.6)
@@ -433,7 +432,7 @@ def test_nothing_is_cut_off_at_the_side(qtbot, bottle, method):
     bottle.parts.add_region()
     bottle.parts.add_handle()
     choose(bottle, method)
-    qtbot.wait(50)
+    work_off()
     panel = bottle.panel
     assert panel.widget().width() <= panel.viewport().width()
     assert panel.area.percent.isVisible()
@@ -483,11 +482,11 @@ def test_convergence_is_folded_and_shows_what_applies(qtbot, bottle):
     fields.most.lineEdit().setText("0")
     qtbot.keyClick(fields.most, Qt.Key.Key_Return)
     assert document(bottle) is before
-    assert fields.most._error.isVisible()
+    assert fields.most.error.isVisible()
 
 
 def test_the_handles_are_seen_without_scrolling(qtbot, bottle):
     bottle.shell.resize(1280, 800)
-    qtbot.wait(20)
+    work_off()
     shown = bottle.panel.handles.motion.visibleRegion().boundingRect()
     assert shown == bottle.panel.handles.motion.rect()

@@ -17,7 +17,7 @@ def row(bottle):
 
 
 def colors(window, label):
-    return np.array(window.canvas.surface._arrays.rgba)[document(window).labels == label, :3]
+    return np.array(window.canvas.surface.arrays.rgba)[document(window).labels == label, :3]
 
 
 def test_a_hidden_handle_has_no_colour_and_holds_all_the_same(qtbot, bottle, row):

@@ -60,7 +60,7 @@ def coarse_bottle(qtbot, window, open_top=False):
     mesh = Mesh(V, F)
     window.session.files.open_with("bottle", lambda: passing(mesh, labels))
     idle(qtbot, window)
-    window._choose_unit(CM)
+    window.choose_unit(CM)
     return mesh
 
 
@@ -197,17 +197,17 @@ def test_a_wall_that_is_typed_weighs_area_times_thickness_times_density(qtbot, b
     room.folded = False
     type_into(qtbot, room.thickness, "0.3mm")
     assert room.mass.text() == "–"
-    assert "needs the unit of the mesh" in room._problem.text()
-    bottle._choose_unit(CM)
-    assert "needs a density" in room._problem.text()
+    assert "needs the unit of the mesh" in room.problem.text()
+    bottle.choose_unit(CM)
+    assert "needs a density" in room.problem.text()
     type_into(qtbot, room.density, "1380 kg/m3")
-    assert room._problem.isHidden()
+    assert room.problem.isHidden()
     grams = bottle.session.store.state.frame.area * 0.03 * 1.38
     assert room.mass.text() == f"{grams:.2f}\u00a0g"
-    bottle._choose_unit(Unit.METRE)
+    bottle.choose_unit(Unit.METRE)
     assert room.mass.text() == f"{bottle.session.store.state.frame.area * 3e-4 * 1380:.1f}\u00a0kg"
     type_into(qtbot, room.thickness, "thin")
-    assert "“thin” is unknown" in room._problem.text()
+    assert "“thin” is unknown" in room.problem.text()
 
 
 def test_a_vessel_with_two_walls_weighs_its_material(qtbot, window):
@@ -216,7 +216,7 @@ def test_a_vessel_with_two_walls_weighs_its_material(qtbot, window):
     idle(qtbot, window)
     room, wall = window.panel.measures, window.session.store.state.inspection.double_wall
     room.folded = False
-    window._choose_unit(CM)
+    window.choose_unit(CM)
     type_into(qtbot, room.thickness, "0.5mm")
     type_into(qtbot, room.density, "1.36")
     assert room.mass.text() == f"{1000 * 1.36 * wall.material:.4g}\u00a0mg"
@@ -246,7 +246,7 @@ def test_the_wall_is_remembered_with_the_file_and_kept_in_sessions(qtbot, window
     assert room.wall == wall
     assert Preferences(settings).walls == {paths[0].resolve(): wall}
     saved = tmp_path / "s.apd"
-    window.session.files.save(saved, replace(window.filing._view(), unit=CM.value))
+    window.session.files.save(saved, replace(window.view(), unit=CM.value))
     idle(qtbot, window)
     type_into(qtbot, room.thickness, "2mm")
     open_(saved)

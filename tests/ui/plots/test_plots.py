@@ -2,14 +2,16 @@
 
 import csv
 import re
+import threading
+import weakref
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from driving import drag, idle, ring_grip
+from driving import drag, idle, ring_grip, work_off
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QMenu
+from PySide6.QtWidgets import QLabel, QMenu
 
 from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.session.model.trace import COLUMNS
@@ -31,7 +33,7 @@ def plotted(qtbot, bottle):
 def loaded(qtbot, window):
     """Wait until the histogram can be found, which takes long only where nothing is compiled yet."""
     window.plots.views["local"].chart()
-    qtbot.waitUntil(lambda: not window.plots._loading.is_alive(), timeout=60_000)
+    qtbot.waitUntil(lambda: "plots" not in [thread.name for thread in threading.enumerate()], timeout=60_000)
 
 
 def twist(qtbot, window):
@@ -129,7 +131,15 @@ def test_the_histogram_is_that_of_the_triangles(qtbot, plotted):
     assert found == pytest.approx(wanted, rel=0.02)
 
 
-def test_nothing_is_computed_while_nobody_looks_and_once_for_a_picture_otherwise(qtbot, bottle):
+def test_nothing_is_computed_while_nobody_looks_and_once_for_a_picture_otherwise(qtbot, bottle, monkeypatch):
+    changes, compute = [], plots_module.local_change
+
+    def noted(*given):
+        change = compute(*given)
+        changes.append(weakref.ref(change))
+        return change
+
+    monkeypatch.setattr(plots_module, "local_change", noted)
     plots, dock = bottle.plots, bottle.docks["plots"]
     counts = watched(plots)
     assert not dock.isVisible()
@@ -138,17 +148,17 @@ def test_nothing_is_computed_while_nobody_looks_and_once_for_a_picture_otherwise
     dock.show()
     loaded(qtbot, bottle)
     qtbot.waitUntil(lambda: counts["error"] > 0)
-    qtbot.wait(200)
+    work_off()
     for name in counts:
         counts[name] = 0
     for _ in range(20):
         plots.follow()
     qtbot.waitUntil(lambda: counts["error"] > 0)
-    qtbot.wait(50)
+    work_off()
     assert (counts["error"], counts["local"], counts["energy"]) == (1, 1, 0)
-    assert plots._measured is not None
+    assert changes[-1]() is not None
     dock.hide()
-    assert plots._measured is None, "no shape is kept that nobody looks at"
+    assert {change() for change in changes} == {None}, "no shape is kept that nobody looks at"
 
 
 def test_a_key_shows_and_hides_them(qtbot, window):
@@ -171,6 +181,11 @@ def test_what_is_empty_says_what_will_be_there(qtbot, window):
     assert "Move a handle" in charts["energy"].empty
 
 
+def invitation(plots):
+    """What is said where nothing is plotted."""
+    return next(label for label in plots.findChildren(QLabel) if label.text().startswith("Choose above"))
+
+
 def test_what_was_chosen_is_remembered(qtbot, window):
     plots = window.plots
     assert [name for name, view in plots.views.items() if not view.isHidden()] == ["error", "area", "local"]
@@ -182,10 +197,10 @@ def test_what_was_chosen_is_remembered(qtbot, window):
     assert [name for name, view in again.views.items() if not view.isHidden()] == ["energy", "local"]
     for button in again.choices.values():
         button.setChecked(False)
-    assert not again._none.isHidden()
+    assert not invitation(again).isHidden()
     none = Plots(window.memory, window.notice, window.session)
     qtbot.addWidget(none)
-    assert not none._none.isHidden(), "nothing is a choice too"
+    assert not invitation(none).isHidden(), "nothing is a choice too"
 
 
 @pytest.mark.parametrize("size", [(348, 500), (348, 180), (560, 560), (740, 200), (1230, 220)])
@@ -197,7 +212,7 @@ def test_what_chooses_and_the_charts_have_room_of_their_own(qtbot, window, size)
     plots.resize(*size)
     plots.show()
     qtbot.waitExposed(plots)
-    qtbot.wait(30)
+    work_off()
     head = [*plots.choices.values(), plots.save]
     for widgets in (head, list(plots.views.values())):
         places = [QRect(widget.mapTo(plots, QPoint(0, 0)), widget.size()) for widget in widgets]
@@ -220,6 +235,11 @@ def test_they_are_drawn_in_the_colours_of_the_window(qtbot, plotted):
         assert (pixels == int(color[1:], 16)).mean() > least, color
 
 
+def savings(plots):
+    """What the menu offers to save: two pictures, the gesture and the histogram."""
+    return [action for action in plots.save.menu().actions() if not action.isSeparator()]
+
+
 def asked(monkeypatch, path):
     monkeypatch.setattr(plots_module, "ask_where", lambda *_: path)
 
@@ -229,8 +249,8 @@ def test_pictures_show_what_is_shown(qtbot, plotted, monkeypatch, tmp_path):
     plots, shown = plotted.plots, ["Area error by iteration", "Local area change"]
     for name in ("energy", "area"):
         plots.choices[name].click()
-    qtbot.wait(30)
-    png, svg = plots._pictures
+    work_off()
+    png, svg, *_ = savings(plots)
     asked(monkeypatch, tmp_path / "plots.svg")
     svg.trigger()
     tree = ElementTree.parse(tmp_path / "plots.svg")
@@ -253,14 +273,15 @@ def test_numbers_are_those_of_the_trace_and_of_the_triangles(qtbot, plotted, mon
     twist(qtbot, plotted)
     plots = plotted.plots
     asked(monkeypatch, tmp_path / "gesture.csv")
-    plots._numbers.trigger()
+    *_, numbers, histogram = savings(plots)
+    numbers.trigger()
     with (tmp_path / "gesture.csv").open(newline="") as stream:
         head, *lines = csv.reader(stream)
     assert tuple(head) == COLUMNS
     found = np.array([[float(cell or "nan") for cell in line] for line in lines])
     np.testing.assert_array_equal(found, plotted.session.store.trace.rows)
     asked(monkeypatch, tmp_path / "change.csv")
-    plots._histogram.trigger()
+    histogram.trigger()
     with (tmp_path / "change.csv").open(newline="") as stream:
         _, *lines = csv.reader(stream)
     state = plotted.session.store.state
@@ -279,7 +300,7 @@ def test_numbers_are_those_of_the_trace_and_of_the_triangles(qtbot, plotted, mon
 def test_what_cannot_be_written_is_said_in_one_sentence(qtbot, plotted, monkeypatch, tmp_path):
     twist(qtbot, plotted)
     plots = plotted.plots
-    for action in (*plots._pictures, plots._numbers, plots._histogram):
+    for action in savings(plots):
         asked(monkeypatch, tmp_path / "nowhere" / "x.svg")
         action.trigger()
         assert plotted.notice.text.endswith("choose another location. Nothing was changed.")

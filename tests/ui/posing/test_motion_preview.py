@@ -82,15 +82,15 @@ def test_an_invalid_amount_has_a_sentence_and_no_ghost(qtbot, typing):
     retype(typing, "60deg")
     QTest.keyClicks(field.amount, " parsec")
     assert not len(ghost.patches.shown)
-    assert field._problem.isHidden(), "it may be half-typed"
-    qtbot.waitUntil(field._problem.isVisible)
-    assert "parsec" in field._problem.text()
+    assert field.problem.isHidden(), "it may be half-typed"
+    qtbot.waitUntil(field.problem.isVisible)
+    assert "parsec" in field.problem.text()
     retype(typing, "60deg")
     assert len(ghost.patches.shown)
-    assert field._problem.isHidden()
+    assert field.problem.isHidden()
     retype(typing, "")
     assert not len(ghost.patches.shown)
-    assert field._problem.isHidden()
+    assert field.problem.isHidden()
 
 
 def test_the_ghost_begins_from_what_undo_brings_back(typing):

@@ -29,7 +29,7 @@ def test_poses_are_kept_gone_to_updated_renamed_and_removed(qtbot, bottle):
     assert active(bottle) == [True]
     assert section.empty.isHidden()
 
-    drag(qtbot, bottle, ring_grip(bottle, 1), (40, 0), steps=3, pause=1)
+    drag(qtbot, bottle, ring_grip(bottle, 1), (40, 0), steps=3)
     turned = document(bottle).handles[0].pose
     assert active(bottle) == [False]
     QTest.mouseClick(section.add, LEFT)

@@ -48,7 +48,7 @@ def test_the_partner_is_painted_and_follows_the_mouse(qtbot, winged):
     assert row.paint.isHidden()
 
     steps = len(session.gestures.history.done)
-    drag(qtbot, winged, arrow_grip(winged, 1), (0, -40), steps=3, pause=1)
+    drag(qtbot, winged, arrow_grip(winged, 1), (0, -40), steps=3)
     right, left = document(winged).handles
     assert right.pose[1, 3] > 0.1
     plane = mirror_plane(document(winged).mesh, 0)
@@ -58,7 +58,7 @@ def test_the_partner_is_painted_and_follows_the_mouse(qtbot, winged):
     assert not document(winged).posed
 
     dot = winged.canvas.viewport.look.eye.project(document(winged).centre(1)[None])[0]
-    drag(qtbot, winged, QPointF(*dot).toTuple(), (-30, -30), steps=3, pause=1)
+    drag(qtbot, winged, QPointF(*dot).toTuple(), (-30, -30), steps=3)
     right, left = document(winged).handles
     assert winged.parts.handle == 1, "its dot was pressed"
     assert left.pose[0, 3] < -0.05
@@ -68,7 +68,7 @@ def test_the_partner_is_painted_and_follows_the_mouse(qtbot, winged):
     assert document(winged).mirror is None
     assert not winged.actions_.pose.symmetric.isChecked()
     assert row.partner.isHidden()
-    drag(qtbot, winged, arrow_grip(winged, 1), (0, -40), steps=3, pause=1)
+    drag(qtbot, winged, arrow_grip(winged, 1), (0, -40), steps=3)
     assert document(winged).handles[0] is right
 
 

@@ -37,7 +37,6 @@ def paint(window, label, ids):
     window.session.gestures.begin()
     window.session.painting.paint(np.asarray(ids), label)
     window.session.painting.end_stroke("Paint")
-    window._show_next_step()
 
 
 @pytest.fixture

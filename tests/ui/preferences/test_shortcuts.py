@@ -1,10 +1,10 @@
 """The sheet lists every action with its keys, and there the keys can be changed."""
 
 import pytest
-from driving import LEFT, document, show
+from driving import LEFT, document, show, work_off
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
-from PySide6.QtWidgets import QLabel, QMenu, QWidget
+from PySide6.QtWidgets import QLabel, QMenu, QScrollArea, QWidget
 
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool, Way
@@ -45,13 +45,13 @@ def again(qtbot, settings):
     for window in made:
         window.shell.close()
         window.shell.deleteLater()
-    qtbot.wait(10)
+    work_off()
 
 
 def press(qtbot, sheet, name, key, modifiers=Qt.KeyboardModifier.NoModifier):
     """Click the keys of an action and press others."""
     field = sheet.rows[name].keys
-    sheet._scroll.ensureWidgetVisible(field)
+    sheet.findChild(QScrollArea).ensureWidgetVisible(field)
     qtbot.mouseClick(field, LEFT)
     assert field.waits
     qtbot.keyClick(field, key, modifiers)
@@ -92,7 +92,7 @@ def test_it_opens_and_closes(qtbot, active, key):
     qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_Escape)
     assert not sheet.isVisible()
     active.actions_.help["shortcuts"].trigger()
-    qtbot.mouseClick(sheet._head.cross, LEFT)
+    qtbot.mouseClick(sheet.head.cross, LEFT)
     assert not sheet.isVisible()
 
 
@@ -103,7 +103,7 @@ def test_every_action_of_the_menus_is_there(active, sheet):
     assert len(names) == len(set(names)), "keys are remembered by the name"
     assert all(" " not in name for name in names)
     for row in sheet.rows.values():
-        assert not row._symbol.pixmap().isNull()
+        assert not row.symbol.pixmap().isNull()
         keys = row.entry.action.shortcut().toString(QKeySequence.SequenceFormat.NativeText) or "none"
         assert f"Keys of {row.entry.title}: {keys}" in row.keys.accessibleName()
     assert "Open sample: Rubber duck" in shown(sheet)
@@ -128,15 +128,15 @@ def test_the_search_finds_titles_keys_menus_and_gestures(qtbot, sheet):
     assert shown(sheet) == ["Export"]
     sheet.search.clear()
     qtbot.keyClicks(sheet.search, "lasso")
-    gestures = [row for row in sheet._groups[-1].rows if row.isVisible()]
+    gestures = [row for row in sheet.groups[-1].rows if row.isVisible()]
     assert [row.accessibleName().partition(":")[0] for row in gestures] == ["Lasso"]
     qtbot.keyClicks(sheet.search, " nowhere")
     assert not shown(sheet)
-    assert sheet._nothing.isVisible()
-    assert "lasso nowhere" in sheet._nothing.text()
+    assert sheet.nothing.isVisible()
+    assert "lasso nowhere" in sheet.nothing.text()
     sheet.search.clear()
     assert shown(sheet) == everything
-    assert not sheet._nothing.isVisible()
+    assert not sheet.nothing.isVisible()
 
 
 def test_a_letter_in_the_search_field_takes_no_tool(qtbot, active, sheet):
@@ -168,22 +168,23 @@ def test_the_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
 def test_it_lies_within_the_canvas_and_scrolls(qtbot, window, size):
     window.shell.resize(*size)
-    qtbot.wait(20)
+    work_off()
     window.actions_.help["shortcuts"].trigger()
-    qtbot.wait(20)
+    work_off()
     sheet = window.help.sheet
     assert window.canvas.viewport.rect().contains(sheet.geometry())
-    body = sheet._scroll.widget()
-    assert body.height() > sheet._scroll.viewport().height()
-    assert body.width() <= sheet._scroll.viewport().width()
-    last = sheet._groups[-1].rows[-1]
-    bar = sheet._scroll.verticalScrollBar()
+    room = sheet.findChild(QScrollArea)
+    body = room.widget()
+    assert body.height() > room.viewport().height()
+    assert body.width() <= room.viewport().width()
+    last = sheet.groups[-1].rows[-1]
+    bar = room.verticalScrollBar()
     bar.setValue(bar.maximum())
     assert not last.visibleRegion().isEmpty()
     for row in sheet.rows.values():
         assert row.keys.width() >= row.keys.sizeHint().width()
     window.shell.resize(900, 700)
-    qtbot.wait(20)
+    work_off()
     assert window.canvas.viewport.rect().contains(sheet.geometry())
 
 
@@ -242,7 +243,7 @@ def test_waiting_for_keys_ends_without_a_change(qtbot, active, sheet, way):
         qtbot.keyRelease(field, Qt.Key.Key_Control)
         qtbot.keyClick(field, Qt.Key.Key_Escape)
     assert not field.waits
-    assert field._entry.keys == "F"
+    assert field.entry.keys == "F"
     assert sheet.isVisible()
 
 
@@ -374,6 +375,6 @@ def test_settings_that_others_have_written_make_no_key_work_twice(settings, agai
 
 
 def test_a_theme_reaches_the_open_sheet(qtbot, sheet, active):
-    before = sheet.rows["open"]._symbol.pixmap().toImage()
+    before = sheet.rows["open"].symbol.pixmap().toImage()
     active.actions_.view.schemes[Qt.ColorScheme.Dark].trigger()
-    assert sheet.rows["open"]._symbol.pixmap().toImage() != before
+    assert sheet.rows["open"].symbol.pixmap().toImage() != before

@@ -5,7 +5,7 @@ import re
 import meshes
 import numpy as np
 import pytest
-from driving import document, idle
+from driving import document, idle, work_off
 from PySide6.QtCore import QPoint, Qt, QTimer
 
 from apd_viewer.files.mesh_writing import save_mesh
@@ -50,7 +50,7 @@ def readings(window):
         "drift": panel.handles.drift.text(),
         "moved": panel.handles.list.rows[0].details.text().split(",")[0],
         "region": panel.regions.list.rows[0].reading.toolTip(),
-        "extent": window.status._size.toolTip().split(" at rest")[0],
+        "extent": window.status.extent.toolTip().split(" at rest")[0],
     }
 
 
@@ -189,7 +189,7 @@ def test_a_guess_is_marked_until_it_is_confirmed(qtbot, window, files, settings)
     assert (button.text(), panel.unit) == ("cm?", CM.guessed)
     assert "guess" in button.toolTip()
     assert panel.area.area.text().endswith("cm²?")
-    assert window.status._size.toolTip().split(" at rest")[0].endswith("cm?")
+    assert window.status.extent.toolTip().split(" at rest")[0].endswith("cm?")
     menu = button.menu()
     QTimer.singleShot(100, lambda: qtbot.keyClick(menu, Qt.Key.Key_Return))
     qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
@@ -205,12 +205,12 @@ def test_a_session_keeps_a_guess_a_guess(qtbot, window, files, settings, tmp_pat
         choose(window, CM)
     open_file(qtbot, window, files[2])
     session = window.session
-    session.files.save(tmp_path / "guessed.apd", window._view())
+    session.files.save(tmp_path / "guessed.apd", window.view())
     idle(qtbot, window)
     _, view = open_session(tmp_path / "guessed.apd")
     assert Unit(view.unit) is CM.guessed
     choose(window, CM)
-    session.files.save(tmp_path / "confirmed.apd", window._view())
+    session.files.save(tmp_path / "confirmed.apd", window.view())
     idle(qtbot, window)
     _, view = open_session(tmp_path / "confirmed.apd")
     assert Unit(view.unit) is CM
@@ -245,11 +245,11 @@ def test_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, settings, fil
 
 def test_the_memory_is_bounded_and_overlooks_what_it_cannot_read(settings, tmp_path):
     remembered = Preferences(settings)
-    for k in range(preferences._MOST_UNITS + 5):
+    for k in range(preferences.MOST_UNITS + 5):
         remembered.remember_unit(tmp_path / f"part, {k} mm.obj", (NONE, MM, CM, M)[k % 4])
     units = remembered.units
-    assert len(units) == preferences._MOST_UNITS
-    last = preferences._MOST_UNITS + 4
+    assert len(units) == preferences.MOST_UNITS
+    last = preferences.MOST_UNITS + 4
     assert next(iter(units)) == (tmp_path / f"part, {last} mm.obj").resolve()
     assert units[(tmp_path / "part, 6 mm.obj").resolve()] is CM
     settings.setValue("units", ["furlong /a.obj", "mm", "", "cm /b c.obj"])
@@ -267,7 +267,7 @@ def test_the_choice_stands_beside_the_area_whatever_its_size(qtbot, window, size
     window.filing.show_mesh(Mesh(V * 3.3e5, F))
     idle(qtbot, window)
     choose(window, MM)
-    qtbot.wait(30)
+    work_off()
     panel, button = window.panel, window.panel.area.unit
     assert panel.widget().width() <= panel.viewport().width()
     place = button.mapTo(panel.viewport(), QPoint(0, 0))

@@ -52,7 +52,7 @@ def test_the_chosen_axis_is_up_in_every_level_view(qtbot, bottle, up_axis):
     ground = bottle.looks.ground
     bottle.actions_.looks.switches["ground"].setChecked(True)
     settle(qtbot, bottle.canvas.viewport)
-    levels = ground._ends[:, up_axis.index]
+    levels = ground.ends[:, up_axis.index]
     assert levels[0] == levels[1] == pytest.approx((U @ up_axis.direction).min() * up_axis.sign)
 
 
@@ -105,7 +105,7 @@ def test_a_session_keeps_axis_and_projection(qtbot, bottle, tmp_path):
     actions(bottle).up_axes[UpAxis.PLUS_X].trigger()
     actions(bottle).orthographic.trigger()
     kept = camera(bottle)
-    bottle.session.files.save(tmp_path / "a.apd", bottle._view(), True)
+    bottle.session.files.save(tmp_path / "a.apd", bottle.view(), True)
     idle(qtbot, bottle)
     actions(bottle).orthographic.trigger()
     actions(bottle).up_axes[UpAxis.PLUS_Y].trigger()

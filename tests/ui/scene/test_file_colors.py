@@ -27,7 +27,7 @@ def colored(qtbot, window, tmp_path):
 
 
 def shown(window):
-    return window.canvas.surface._arrays.rgba[:, :3].copy()
+    return window.canvas.surface.arrays.rgba[:, :3].copy()
 
 
 def test_colours_are_shown_under_the_paint_when_asked(qtbot, colored, settings):

@@ -5,11 +5,12 @@ import threading
 
 import numpy as np
 import pytest
-from driving import Mouse, arrow_grip, document, idle, on_screen, settle, stroke
+from driving import Mouse, arrow_grip, document, idle, on_screen, settle, stroke, work_off
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.picking import surface_index as skins
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.session.processes.worker import Worker
 from apd_viewer.ui.tools.toolbox import Tool
 
 
@@ -32,17 +33,17 @@ def answer(window, U):
     stage.show(stage.state.at(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
 
 
-def test_a_move_of_the_handle_draws_nothing_until_there_is_a_frame(qtbot, bottle, work):
-    view, session = bottle.canvas.viewport, bottle.session
+def test_a_move_of_the_handle_draws_nothing_until_there_is_a_frame(qtbot, bottle, work, monkeypatch):
+    view = bottle.canvas.viewport
     settle(qtbot, view)
-    session._worker.ask = lambda _: None
+    monkeypatch.setattr(Worker, "ask", lambda *_: None)
     mouse, at = Mouse(view), arrow_grip(bottle, 0)
     mouse.move(at)
     mouse.press(at)
     draws = view.draws
     for k in range(1, 6):
         mouse.move(at + [10.0 * k, 0.0])
-        qtbot.wait(5)
+        work_off()
     assert document(bottle).posed
     assert (work, view.draws) == ([], draws)
     answer(bottle, document(bottle).mesh.V * [1.1, 1.0, 1.0])
@@ -61,9 +62,9 @@ def test_what_a_frame_leaves_as_it_is_is_not_looked_at_again(bottle, monkeypatch
         return bincount(*args, **options)
 
     monkeypatch.setattr(np, "bincount", not_here)
+    monkeypatch.setattr(Worker, "ask", lambda *_: None)
     for k in range(3):
         bottle.session.gestures.begin()
-        bottle.session._worker.ask = lambda _: None
         bottle.session.handles.drag((1.0 + 0.01 * k) * np.eye(4))
         answer(bottle, before.mesh.V * (1.0 + 0.01 * k))
     now = document(bottle)
@@ -82,7 +83,7 @@ def test_a_stroke_colours_what_it_paints_and_leaves_the_points(qtbot, bottle, wo
     assert len(painted) > 20
     assert sum(colored) == len(painted)
     assert "points" not in work
-    rgba = np.asarray(bottle.canvas.surface._arrays.rgba)
+    rgba = np.asarray(bottle.canvas.surface.arrays.rgba)
     assert len(np.unique(rgba[document(bottle).labels == BASE], axis=0)) == 1
     assert len(np.unique(rgba[document(bottle).labels == HANDLE], axis=0)) == 1
 
@@ -110,7 +111,7 @@ def test_the_box_that_the_camera_clips_at_is_that_of_the_shape(qtbot, bottle):
     view = bottle.canvas.viewport
     answer(bottle, document(bottle).mesh.V * [3.0, 1.0, 5.0])
     settle(qtbot, view)
-    np.testing.assert_allclose(view.box(), bottle.canvas.surface._actor.GetBounds(), atol=1e-5)
+    np.testing.assert_allclose(view.box(), view.renderer.ComputeVisiblePropBounds(), atol=1e-5)
     near, far = view.renderer.GetActiveCamera().GetClippingRange()
     depth = view.look.eye.depth(bottle.session.store.state.frame.U)
     assert near <= depth.min()

@@ -4,7 +4,7 @@ import weakref
 
 import numpy as np
 import pytest
-from driving import grey, show
+from driving import grey, show, work_off
 from meshes import box
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtTest import QTest
@@ -135,7 +135,7 @@ def test_painted_colours_stay_true_where_the_surface_faces_the_viewer(view, surf
 
 def test_normals_follow_the_points(view, surface):
     surface.set_points(surface.U * [1, 1, -1] + [0, 0, 3])
-    mesh = surface._arrays.data
+    mesh = surface.arrays.data
     np.testing.assert_allclose(mesh.points, surface.U, atol=1e-6)
     inward = np.einsum("ij,ij->i", mesh.point_data["Normals"], surface.U - [0, 0, 3])
     assert (inward < -0.99).all()  # mirrored: the faces turn inside out, and the normals with them
@@ -165,19 +165,20 @@ def test_sharp_edges_are_shaded_and_coloured_like_the_sides_that_meet_there(view
     view.look.home()
     view.look.frame(V)
     sharp = view.screenshot().copy()
-    data = surface._arrays.data
+    data = surface.arrays.data
     assert len(data.points) > len(V) == len(surface.normals) == len(surface.shades)
     surface.set_colors(np.tile(np.array([250, 0, 0, 255], dtype=np.uint8), (3, 1)), np.arange(3))
     surface.shades[3] = 7
     surface.shades_changed()
-    where = np.linalg.norm(data.points[:, None] + surface._origin - V, axis=2).argmin(axis=1)
+    (actor,) = (actor for actor in view.renderer.GetActors() if actor.GetMapper().GetInput() is data)
+    where = np.linalg.norm(data.points[:, None] + actor.GetPosition() - V, axis=2).argmin(axis=1)
     rgba = np.asarray(data.point_data["rgba"])
     np.testing.assert_array_equal(rgba[:, 0] == 250, where < 3)
     np.testing.assert_array_equal(rgba[:, 3] == 7, where == 3)
     colored = rgba[: len(V)].copy()
     surface.shading = Shading.SMOOTH
-    np.testing.assert_array_equal(surface._arrays.rgba, colored)
-    assert len(surface._arrays.data.points) == len(V)
+    np.testing.assert_array_equal(surface.arrays.rgba, colored)
+    assert len(surface.arrays.data.points) == len(V)
     assert (view.screenshot() != sharp).any()
     for shading, bent in ((Shading.SMOOTH, True), (Shading.SHARP, False)):
         surface.shading = shading
@@ -344,7 +345,8 @@ def test_a_resting_view_is_drawn_once_more_with_smooth_edges(qtbot, view, surfac
     before = view.draws
     view.update()
     qtbot.waitUntil(lambda: view.draws == before + 2, timeout=2000)
-    qtbot.wait(200)
+    work_off()
+    assert not view.antialiasing.still.isActive()
     assert view.draws == before + 2
 
 
@@ -361,12 +363,12 @@ def test_closing_leaves_nothing_alive(qtbot, ball):
         view.tools[:] = [gizmo, painter]
         gizmo.visible = painter.enabled = True
         show(qtbot, window, view)
-        remains += [weakref.ref(o) for o in (window, view, surface, surface._arrays.data, gizmo, painter)]
+        remains += [weakref.ref(o) for o in (window, view, surface, surface.arrays.data, gizmo, painter)]
         view.close()
         window.close()
         window.deleteLater()
         del window, view, surface, gizmo, painter
-        qtbot.wait(10)
+        work_off()
     gc.collect()
     assert [r() for r in remains if r() is not None] == []
 
@@ -387,10 +389,10 @@ def test_a_closed_view_takes_late_calls(qtbot, ball):
     surface.set_points(0.5 * U)  # a frame that was on its way
     surface.set_colors(grey(len(U)))
     window.resize(400, 300)
-    qtbot.wait(10)
+    work_off()
     window.close()
     window.deleteLater()
-    qtbot.wait(10)
+    work_off()
 
 
 def test_centre_of_the_view_is_the_focal_point(view, surface):

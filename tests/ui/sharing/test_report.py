@@ -10,7 +10,7 @@ import meshes
 import numpy as np
 import pytest
 import trimesh
-from driving import idle
+from driving import idle, settle, work_off
 from page_parts import PageParts
 from PySide6.QtGui import QImage
 
@@ -103,9 +103,9 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
     )
     size, shown = rows["Size and mass"], panel.measures
     assert size["Bounding box"] == shown.extent.text()
-    assert size["Bounding box volume"] == f"{shown.box.text()}\n{shown._box_change.text()}"
-    assert size["Smallest box volume"] == f"{shown.packed.text()}\n{shown._packed_change.text()}"
-    assert size["Compactness"] == f"{shown.compact.text()}\n{shown._compact_change.text()}"
+    assert size["Bounding box volume"] == f"{shown.box.text()}\n{shown.box_change.text()}"
+    assert size["Smallest box volume"] == f"{shown.packed.text()}\n{shown.packed_change.text()}"
+    assert size["Compactness"] == f"{shown.compact.text()}\n{shown.compact_change.text()}"
     assert size["Mass"] == shown.mass.text()
     assert size["Wall"] == "0.3mm, 1.38\u00a0g/cm³"
     section, here = rows["Measurements"], panel.measure.list.rows[0].reading.text()
@@ -221,7 +221,7 @@ def test_a_report_asked_for_on_the_way_says_so_and_measures_what_is_shown(qtbot,
 
 
 def test_what_is_on_screen_stays_as_it_is(qtbot, bottle, tmp_path):
-    qtbot.wait(200)
+    settle(qtbot, bottle.canvas.viewport)
     view, before = bottle.canvas.viewport, bottle.canvas.viewport.screenshot(return_img=True)
     actors = view.renderer.GetActors().GetNumberOfItems()
     write(qtbot, bottle, tmp_path / "report.html")
@@ -243,6 +243,8 @@ def test_a_report_that_cannot_be_written_leaves_nothing(qtbot, bottle, tmp_path,
 
 def test_a_report_can_be_given_up(qtbot, bottle, tmp_path):
     bottle.reporting.write(tmp_path / "report.html")
+    job = bottle.session.jobs.current
     bottle.session.jobs.cancel()
-    qtbot.wait(300)
+    job.join(30.0)
+    work_off()
     assert not (tmp_path / "report.html").exists()

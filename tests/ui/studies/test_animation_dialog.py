@@ -82,7 +82,7 @@ def test_cancelled_nothing_is_written(qtbot, dialog, answer, tmp_path):
     before = sorted(tmp_path.iterdir())
     answer(tmp_path / "a.glb")
     click(dialog.run.start)
-    qtbot.waitUntil(lambda: dialog.run._command.running, timeout=10_000)
+    qtbot.waitUntil(lambda: dialog.run.command.running, timeout=10_000)
     click(dialog.run.cancel)
     assert not dialog.run.running
     assert sorted(tmp_path.iterdir()) == before

@@ -1,13 +1,14 @@
 """The dialogs that sweep and re-run the paper's tables: in a real window, with a real process."""
 
 import csv
+import os
 
 import numpy as np
 import pytest
-import shiboken6
-from driving import document, idle
+from driving import document, idle, work_off
 from meshes import box
-from PySide6.QtCore import QPointF, QProcess, Qt
+from process_tree import tree_of
+from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import QFileDialog, QLabel
 from study_driving import click, finish, open_bar
@@ -119,8 +120,8 @@ def test_the_motion_of_obstacles_is_swept_where_nothing_is_painted(qtbot, bar):
 
 def test_cancel_leaves_nothing(qtbot, dialog):
     click(dialog.run.start)
-    qtbot.waitUntil(lambda: dialog.run._command.running, timeout=10_000)
-    scratch = dialog.run._scratch
+    qtbot.waitUntil(lambda: dialog.run.command.running, timeout=10_000)
+    scratch = dialog.run.scratch
     assert scratch.exists()
     click(dialog.run.cancel)
     assert not scratch.exists()
@@ -159,12 +160,12 @@ def test_what_is_not_painted_is_not_swept(qtbot, window):
 
 def test_esc_and_the_window_close_a_dialog_and_end_its_work(qtbot, bar, dialog):
     click(dialog.run.start)
-    qtbot.waitUntil(lambda: dialog.run._command.running, timeout=10_000)
-    process, scratch = dialog.run._command._process, dialog.run._scratch
+    qtbot.waitUntil(lambda: dialog.run.command.running, timeout=10_000)
+    number, scratch = dialog.run.command.number, dialog.run.scratch
     qtbot.keyClick(dialog, Qt.Key.Key_Escape)
     assert bar.studies.dialogs == {}
     assert not scratch.exists()
-    assert not shiboken6.isValid(process) or process.state() is QProcess.ProcessState.NotRunning
+    assert number not in tree_of(os.getpid())
     bar.actions_.pose.sweep.trigger()
     assert bar.studies.dialogs["sweep"].isVisible()
     bar.shell.close()
@@ -183,7 +184,7 @@ def test_no_word_about_the_papers_tables_is_cut_off_while_they_are_run(qtbot, wi
     for _ in range(2):
         click(dialog.run.start)
         qtbot.waitUntil(dialog.run.bar.isVisible)
-        qtbot.wait(20)
+        work_off()
         assert words.height() >= words.heightForWidth(words.width())
         click(dialog.run.cancel)
 
@@ -207,8 +208,8 @@ def test_the_papers_tables_stand_beside_ours(qtbot, window, tmp_path):
     from PIL import Image
 
     Image.fromarray(bar_picture).save(results / "handle.png")
-    dialog.run._scratch = scratch
-    dialog.run._end("Table 1: twisting\n\n| move |\n\nPass: in all 1 moves APD keeps the area.")
+    dialog.run.scratch = scratch
+    dialog.run.command.ended.emit("Table 1: twisting\n\n| move |\n\nPass: in all 1 moves APD keeps the area.")
     cells = [
         dialog.table.itemAtPosition(2, column).widget().text() for column in range(dialog.table.columnCount())
     ]

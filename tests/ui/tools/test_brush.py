@@ -192,8 +192,10 @@ def test_the_ring_follows_the_surface_under_a_resting_cursor(view, surface, pain
     mouse(view).move(centre(view))
     before = view.overlay.grab().toImage()
     surface.set_points(surface.U + 5.0)
-    assert view.overlay.grab().toImage() != before
-    assert painter._hit is None
+    after = view.overlay.grab().toImage()
+    assert after != before
+    view.mouse.leave()
+    assert view.overlay.grab().toImage() == after, "there is nothing under the cursor"
 
 
 def test_hovering_draws_no_scene_and_nothing_at_all_off_the_surface(view, painter, mouse):

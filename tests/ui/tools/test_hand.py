@@ -119,11 +119,11 @@ def test_what_is_wrong_with_what_was_typed_is_said_under_it(qtbot, bottle, text,
     before = bottle.session.store.state
     typed(qtbot, bottle, "TWIST", text)
     field = bottle.panel.handles.motion
-    assert field._problem.isVisibleTo(field)
-    assert words in field._problem.text()
+    assert field.problem.isVisibleTo(field)
+    assert words in field.problem.text()
     assert bottle.session.store.state is before
     typed(qtbot, bottle, "TWIST", "10")
-    assert not field._problem.isVisibleTo(field)
+    assert not field.problem.isVisibleTo(field)
     assert bottle.session.store.state is not before
 
 
@@ -136,6 +136,12 @@ def test_ctrl_m_goes_to_where_a_motion_is_typed(qtbot, bottle):
     assert bottle.shell.focusWidget() is not field
 
 
+def painted_at(window, place):
+    """Label of the triangle that is seen at a place; None where there is nothing."""
+    hit, surface = window.canvas.surface.hit(place), window.canvas.surface
+    return None if hit is None else window.session.store.state.document.labels[surface.skin.F[hit.face]].max()
+
+
 def test_the_painted_patch_is_dragged_in_the_plane_of_the_picture(qtbot, bottle, mouse):
     view, canvas = bottle.canvas.viewport, bottle.canvas
     eye = view.look.eye
@@ -144,7 +150,7 @@ def test_the_painted_patch_is_dragged_in_the_plane_of_the_picture(qtbot, bottle,
     free = [
         QPointF(*place)
         for place in places[::37]
-        if canvas.gizmo.frame.handle_at(*place) is None and canvas._handle_at(QPointF(*place)) == 0
+        if canvas.gizmo.frame.handle_at(*place) is None and painted_at(bottle, QPointF(*place)) == HANDLE
     ]
     at = free[0]
     mouse(view).drag(at, at + QPointF(20, -10), at + QPointF(40, -25))
@@ -290,11 +296,11 @@ def test_baking_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbo
     assert bottle.panel.area.percent.text() == "100.000 %"
     assert not bottle.actions_.bake.isEnabled()
     np.testing.assert_array_equal(bottle.canvas.surface.U, before.frame.U)
-    assert np.abs(bottle.looks.heat._mesh.V - before.frame.U).max() == 0.0
+    assert np.abs(bottle.looks.heat.mesh.V - before.frame.U).max() == 0.0
     bottle.actions_.undo.trigger()
     assert session.store.state is before
     assert view.look.eye.key == eye
-    assert bottle.looks.heat._mesh is before.document.mesh
+    assert bottle.looks.heat.mesh is before.document.mesh
 
 
 def test_a_ring_dragged_around_more_than_once_is_remembered_and_undone_at_once(qtbot, bottle, mouse):

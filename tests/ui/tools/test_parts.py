@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from driving import Mouse, arrow_grip, document, drag, on_screen, stroke
+from driving import Mouse, arrow_grip, document, drag, on_screen, stroke, work_off
 from PySide6.QtCore import Qt
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -30,7 +30,7 @@ def two(qtbot, bottle):
     assert bottle.canvas.tool is Tool.HANDLE
     stroke(qtbot, bottle, on_screen(bottle, front(bottle, 8.0)), half_width=10)
     bottle.tools.take(Tool.MOVE)
-    qtbot.wait(30)
+    work_off()
     return bottle
 
 
@@ -77,7 +77,7 @@ def test_a_region_is_seen_on_the_mesh_and_hides_no_paint(qtbot, bottle):
     assert away[1] < kept[1], "free vertices have the region's colour"
     assert (kept[[0, 2, 3]] < away[[0, 2, 3]]).all(), "paint stays what it is"
     region_at(qtbot, bottle, 8.0)
-    mesh_colors = np.asarray(bottle.canvas.surface._arrays.rgba)
+    mesh_colors = np.asarray(bottle.canvas.surface.arrays.rgba)
     assert np.array_equal(mesh_colors, label_colors(document(bottle).labels, document(bottle).member))
 
 
@@ -157,7 +157,7 @@ def test_two_handles_have_each_its_pose(qtbot, two):
 
 def test_a_press_on_the_dot_makes_the_other_handle_active(qtbot, two):
     view = two.canvas.viewport
-    dots = two.canvas.pivots._pivots
+    dots = two.canvas.pivots.pivots
     assert [pivot.name for pivot in dots] == ["Handle 1"]
     at = view.look.eye.project(dots[0].centre[None])[0]
     mouse = Mouse(view)
@@ -179,7 +179,7 @@ def test_a_press_on_the_paint_of_a_handle_takes_it_and_a_drag_moves_it(qtbot, tw
     labels, U = document(two).labels, two.session.store.state.frame.U
     cap = np.flatnonzero((labels == HANDLE) & (U[:, 2] > 0.5))
     points = view.look.eye.project(U[cap])
-    dot = view.look.eye.project(two.canvas.pivots._pivots[0].centre[None])[0]
+    dot = view.look.eye.project(two.canvas.pivots.pivots[0].centre[None])[0]
     away = points[np.argmax(np.linalg.norm(points - dot, axis=1) * (np.abs(points[:, 0] - dot[0]) < 12))]
     before, steps = view.look.eye.key, two.session.gestures.history.done
     mouse.drag(away, away, modifiers=Qt.KeyboardModifier.ShiftModifier)
@@ -196,7 +196,7 @@ def test_a_press_on_the_paint_of_a_handle_takes_it_and_a_drag_moves_it(qtbot, tw
     shift = 30 * view.look.eye.world_per_pixel(U[cap].mean(axis=0)) * view.look.eye.axes[0]
     assert np.allclose(pose[:3, 3], shift, rtol=0.05, atol=0.05 * np.linalg.norm(shift))
     two.parts.choose_handle(1)
-    dot = view.look.eye.project(two.canvas.pivots._pivots[0].centre[None])[0]
+    dot = view.look.eye.project(two.canvas.pivots.pivots[0].centre[None])[0]
     mouse.press(dot)
     mouse.move(dot + (30, 0))
     assert view.mouse.cancel()

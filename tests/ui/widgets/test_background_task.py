@@ -7,6 +7,7 @@ import pytest
 from driving import idle
 from meshes import sphere
 from PySide6.QtCore import QObject
+from PySide6.QtWidgets import QApplication
 
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -27,6 +28,11 @@ def told(task):
     results = []
     task.done.connect(results.append)
     return results
+
+
+def measuring():
+    """Threads that are still at work."""
+    return [thread for thread in threading.enumerate() if thread.name == "measuring"]
 
 
 def patient(started, result):
@@ -67,7 +73,8 @@ def test_what_is_given_up_is_not_told(qtbot, task, told):
     assert started.wait(5)
     task.give_up()
     assert not task.busy
-    qtbot.waitUntil(lambda: task._thread is None)
+    qtbot.waitUntil(lambda: not measuring())
+    QApplication.processEvents()
     task.begin(lambda _: "new")
     qtbot.waitUntil(lambda: not task.busy)
     assert told == ["new"]
@@ -94,7 +101,7 @@ def test_a_window_that_is_closed_waits_for_no_measurement(qtbot, window, monkeyp
     window.actions_.looks.measures[Measure.DISTANCE].trigger()
     qtbot.waitUntil(started.is_set, timeout=60_000)
     window.shell.close()
-    assert window.looks.heat._task._thread is None
+    assert not measuring()
 
 
 def test_too_little_memory_to_measure_is_said(qtbot, window, monkeypatch):
@@ -105,5 +112,5 @@ def test_too_little_memory_to_measure_is_said(qtbot, window, monkeypatch):
     window.filing.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, window)
     window.actions_.looks.measures[Measure.AREA].trigger()
-    qtbot.waitUntil(lambda: "memory" in window.looks.legend._note.text(), timeout=60_000)
+    qtbot.waitUntil(lambda: "memory" in window.looks.legend.note.text(), timeout=60_000)
     assert window.canvas.surface.worn is None

@@ -56,7 +56,7 @@ def test_why_a_number_is_refused_and_what_is_allowed_is_said_beneath(qtbot, text
     window.resize(400, 200)
     window.show()
     enter(qtbot, field, text)
-    error = field._error
+    error = field.error
     assert error.text() == REFUSED[text]
     assert error.isVisible()
     assert error.geometry().top() > field.geometry().bottom()
@@ -81,10 +81,10 @@ def test_a_number_left_behind_is_refused_too(qtbot):
     qtbot.keyClicks(field, "5000")
     other.setFocus()
     assert field.text() == "100.00 %"
-    assert field._error.isVisible()
-    assert "5000" in field._error.text()
+    assert field.error.isVisible()
+    assert "5000" in field.error.text()
     window.hide()
-    assert field._error.isHidden()
+    assert field.error.isHidden()
 
 
 @pytest.mark.parametrize(
@@ -96,11 +96,12 @@ def test_a_number_left_behind_is_refused_too(qtbot):
         ((0.0, 0.5), "from 0 to 0.5 mm"),
     ],
 )
-def test_the_range_is_said_as_one_says_it(field, limits, said):
+def test_the_range_is_said_as_one_says_it(qtbot, field, limits, said):
     field.setDecimals(30)
     field.setSuffix(" mm")
     field.setRange(*limits)
-    assert field._range == said
+    enter(qtbot, field, "abc")
+    assert field.error.text() == f"“abc” is not a number; enter one {said}."
 
 
 @pytest.mark.parametrize("text", ["5", "5 mm", "5mm", " 5\u00a0mm", "5,0", "0.5e1"])
@@ -136,11 +137,11 @@ def test_a_percentage_that_could_be_a_factor_is_asked_about(qtbot):
     window.show()
     enter(qtbot, field, "1.1")
     assert field.value() == 100.0
-    assert field._error.text() == "1.1 can mean 110 % or 1.1 %; write 110% or 1.1%."
+    assert field.error.text() == "1.1 can mean 110 % or 1.1 %; write 110% or 1.1%."
     enter(qtbot, field, "1.1%")
     assert field.value() == 1.1
     qtbot.keyClick(field, Qt.Key.Key_Return)
     assert field.value() == 1.1, "what is shown can be entered again"
-    assert field._error.isHidden()
+    assert field.error.isHidden()
     enter(qtbot, field, "110")
     assert field.value() == 110.0
