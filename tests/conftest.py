@@ -1,6 +1,8 @@
 """What all rooms' tests share. pytest puts this folder on sys.path, so ``from meshes import box`` works."""
 
 import os
+import random
+from itertools import groupby
 
 os.environ["APD_VIEWER_LANGUAGE"] = "en"  # what the tests expect, wherever they are run
 
@@ -18,6 +20,23 @@ START = process_client.start_process
 # The kernels compile on first use, which no deadline can foresee; the same examples on every machine.
 settings.register_profile("suite", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("suite")
+
+
+def pytest_addoption(parser):
+    parser.addoption("--shuffle", metavar="SEED", help="run files, and the tests of each, in a random order")
+
+
+def pytest_report_header(config):
+    return f"shuffled with seed {config.getoption('shuffle')}" if config.getoption("shuffle") else None
+
+
+def pytest_collection_modifyitems(config, items):
+    """Shuffle the tests if asked to."""
+    if seed := config.getoption("shuffle"):
+        chance = random.Random(seed)
+        files = [list(tests) for _, tests in groupby(items, lambda item: item.path)]
+        chance.shuffle(files)
+        items[:] = [test for tests in files for test in chance.sample(tests, len(tests))]
 
 
 @pytest.fixture(scope="session", autouse=True)
