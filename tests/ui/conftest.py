@@ -8,9 +8,11 @@ import pytest
 import trimesh
 from choosing import Theatre
 from driving import Mouse, grey, idle, settle, show
+from kept_window import KeptWindow, at_rest, bottle_in, close_window, open_window
 from meshes import sample_bottle
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QMainWindow
+from shiboken6 import isValid
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
@@ -57,7 +59,7 @@ def view(qtbot):
     view.close()
     window.close()
     window.deleteLater()
-    qtbot.wait(10)
+    qtbot.waitUntil(lambda: not isValid(window))
 
 
 @pytest.fixture(scope="session")
@@ -79,21 +81,48 @@ def surface(qtbot, view, ball):
     return surface
 
 
-@pytest.fixture
-def settings(tmp_path):
-    return QSettings(str(tmp_path / "settings.ini"), QSettings.Format.IniFormat)
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    """The settings of all windows of a file of tests."""
+    return QSettings(str(tmp_path_factory.mktemp("settings") / "settings.ini"), QSettings.Format.IniFormat)
 
 
 @pytest.fixture
-def window(qtbot, settings, monkeypatch):
-    """A window without a mesh, that does not ask before it is closed."""
+def settings(stored):
+    """They, empty."""
+    yield stored
+    stored.clear()
+
+
+@pytest.fixture
+def unasked(monkeypatch):
+    """Windows do not ask before they are closed."""
     monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
-    window = Workbench(Shell(settings))
-    show(qtbot, window.shell, window.canvas.viewport)
+
+
+@pytest.fixture(scope="module")
+def kept(qapp, stored):
+    """The window of a file of tests."""
+    kept = KeptWindow(stored)
+    with pytest.MonkeyPatch.context() as patch:
+        yield kept
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+        kept.close()
+
+
+@pytest.fixture
+def window(qtbot, settings, unasked):
+    """A window of the test's own, without a mesh."""
+    window = open_window(qtbot, settings)
     yield window
-    window.shell.close()
-    window.shell.deleteLater()
-    qtbot.wait(10)
+    close_window(qtbot, window)
+
+
+@pytest.fixture
+def kept_window(qtbot, kept, unasked):
+    """The window of all tests of a file, as it was opened, for one that opens a mesh."""
+    yield kept.opened(qtbot)
+    kept.reset(qtbot)
 
 
 @pytest.fixture(scope="session")
@@ -106,21 +135,22 @@ def painted_bottle(tmp_path_factory):
 
 
 @pytest.fixture
-def bottle(qtbot, window, painted_bottle):
-    """A window on the bottle, painted."""
-    window.session.files.open_with("bottle", lambda: painted_bottle)
-    idle(qtbot, window)
-    qtbot.wait(50)
-    return window
+def bottle(qtbot, kept_window, painted_bottle):
+    """The window of all tests of a file on the bottle, painted, as if it had just been opened."""
+    return bottle_in(qtbot, kept_window, painted_bottle)
 
 
 @pytest.fixture
-def sample(qtbot, window):
-    """A window on the sample bottle itself, painted."""
-    window.session.files.open_sample("bottle")
-    idle(qtbot, window)
-    qtbot.wait(50)
-    return window
+def new_bottle(qtbot, window, painted_bottle):
+    """A window of the test's own on the bottle, painted."""
+    return bottle_in(qtbot, window, painted_bottle)
+
+
+@pytest.fixture
+def sample(qtbot, kept_window):
+    """The window of all tests of a file on the sample bottle itself, painted."""
+    kept_window.session.files.open_sample("bottle")
+    return at_rest(qtbot, kept_window)
 
 
 @pytest.fixture
@@ -130,9 +160,8 @@ def folder(tmp_path):
 
 
 @pytest.fixture
-def started(qtbot, folder, settings, monkeypatch):
+def started(qtbot, folder, settings, unasked):
     """Starts a window on the bottle that keeps what is done in the folder, and closes it at last."""
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
     windows = []
 
     def start():
@@ -146,9 +175,7 @@ def started(qtbot, folder, settings, monkeypatch):
 
     yield start
     for window in windows:
-        window.shell.close()
-        window.shell.deleteLater()
-    qtbot.wait(10)
+        close_window(qtbot, window)
 
 
 @pytest.fixture(scope="module")

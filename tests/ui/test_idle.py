@@ -19,6 +19,12 @@ from apd_viewer.session.model.motions import TypedMotion
 GESTURES = 20
 
 
+@pytest.fixture
+def bottle(new_bottle):
+    """A window of each test's own: it is hidden."""
+    return new_bottle
+
+
 def test_it_rests_in_every_state(sample, painted_bottle, tmp_path):
     """No paint, a handful of timers and hardly any processor time, whatever is open."""
     watch = Watch()

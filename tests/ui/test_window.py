@@ -42,6 +42,12 @@ from apd_viewer.ui.widgets.fields import Entry, Number
 from apd_viewer.ui.workbench import Workbench
 
 
+@pytest.fixture
+def bottle(new_bottle):
+    """A window of each test's own: its frames are watched."""
+    return new_bottle
+
+
 def pose_of(window):
     return document(window).handles[0].pose
 

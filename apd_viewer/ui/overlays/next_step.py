@@ -33,12 +33,17 @@ class NextStep:
     invitation : Invitation
     tools : mapping of Tool to QAction
         Whose keys are named.
+
+    Attributes
+    ----------
+    has_moved : bool
+        Whether something has been dragged since the window was opened.
     """
 
     def __init__(self, invitation: Invitation, tools: Mapping[Tool, QAction]) -> None:
         self._invitation = invitation
         self._tools = tools
-        self._moved = False
+        self.has_moved = False
         self._waits = ""
         self._asked: tuple[Document, Tool, int, int | None] | None = None
         for action in tools.values():
@@ -46,7 +51,7 @@ class NextStep:
 
     def moved(self) -> None:
         """Note a drag: no more hints are needed."""
-        self._moved = True
+        self.has_moved = True
         self.rest()
 
     def rest(self) -> None:
@@ -90,12 +95,12 @@ class NextStep:
             )
         if tool is Tool.REGION and not document.member.any():
             return tr("Paint a part to measure its area or keep it")
-        if self._moved or document.from_rest.posed:
+        if self.has_moved or document.from_rest.posed:
             return ""
         return _TWIST if tool is Tool.MOVE else with_keys(tr("Now move the handle"), self._tools[Tool.MOVE])
 
     def _of_obstacles(self, document: Document, tool: Tool, obstacle: int | None) -> str:
-        if self._moved or any(each.shift.any() for each in document.obstacles):
+        if self.has_moved or any(each.shift.any() for each in document.obstacles):
             return ""
         if tool is not Tool.MOVE:
             return with_keys(tr("Now move an obstacle"), self._tools[Tool.MOVE])

@@ -24,6 +24,12 @@ def solvers():
     return [number for number in found if "solver_main" in text_of(Path(f"/proc/{number}/cmdline"))]
 
 
+@pytest.fixture
+def bottle(new_bottle):
+    """A window of each test's own: its solver is kept from answering."""
+    return new_bottle
+
+
 def test_a_stopped_solver_is_said_until_it_is_restarted(qtbot, bottle):
     store, notice, button = bottle.session.store, bottle.notice, bottle.status.pause
     bottle.session.handles.move_by(TypedMotion.TWIST, "5", 0)

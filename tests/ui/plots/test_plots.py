@@ -21,6 +21,12 @@ from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
 
 @pytest.fixture
+def bottle(new_bottle):
+    """A window of each test's own: its plots are loaded and watched."""
+    return new_bottle
+
+
+@pytest.fixture
 def plotted(qtbot, bottle):
     """The bottle with all plots in sight."""
     bottle.docks["plots"].show()

@@ -15,6 +15,12 @@ from apd_viewer.ui.tools.toolbox import Tool
 
 
 @pytest.fixture
+def bottle(new_bottle):
+    """A window of each test's own: its solver is kept from answering."""
+    return new_bottle
+
+
+@pytest.fixture
 def work(bottle, monkeypatch):
     """What the surface of the bottle is made to do, by name; a colouring by its number of vertices."""
     done, surface = [], bottle.canvas.surface

@@ -208,6 +208,7 @@ def test_handles_are_added_stepped_through_and_removed(qtbot, two):
     row = two.panel.handles.list.rows[1]
     two.actions_.pose.parts[1].trigger()
     assert two.parts.handle == 0
+    two.panel.handles.list.rows[0].setFocus()
     qtbot.keyClick(two.panel.handles.list.rows[0], Qt.Key.Key_Down)
     assert two.parts.handle == 1
     row.remove.click()

@@ -1,0 +1,149 @@
+"""A window that tests use one after the other, each as if it had just been opened."""
+
+from driving import idle, settle, show
+from meshes import box
+from PySide6.QtGui import QAction, QGuiApplication
+from PySide6.QtWidgets import QAbstractButton, QApplication
+from shiboken6 import isValid
+
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.history import History
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.store import Activity
+from apd_viewer.ui.settings_page.preference_table import GROUPS
+from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.tools.brush_size import USUAL
+from apd_viewer.ui.tools.toolbox import FIRST_TOOL
+from apd_viewer.ui.workbench import Workbench
+
+
+def open_window(qtbot, settings):
+    """A window, shown, without a mesh."""
+    window = Workbench(Shell(settings))
+    show(qtbot, window.shell, window.canvas.viewport)
+    return window
+
+
+def close_window(qtbot, window):
+    """Close a window, and wait until it is gone."""
+    window.shell.close()
+    window.shell.deleteLater()
+    qtbot.waitUntil(lambda: not isValid(window.shell))
+
+
+def bottle_in(qtbot, window, painted):
+    """The window with a painted mesh, read anew: a window tells meshes by their identity."""
+    mesh, labels = painted.document.mesh, painted.document.labels
+    window.shell.setUpdatesEnabled(False)  # it is drawn once
+    window.session.files.open_with("bottle", lambda: opened(open_mesh(mesh.path), labels))
+    idle(qtbot, window)
+    window.shell.setUpdatesEnabled(True)
+    return at_rest(qtbot, window)
+
+
+def at_rest(qtbot, window):
+    """The window once nothing is opened or drawn any more."""
+    idle(qtbot, window)
+    settle(qtbot, window.canvas.viewport)
+    return window
+
+
+class KeptWindow:
+    """A window and the way back to how it was opened; another one is opened once it was closed.
+
+    Parameters
+    ----------
+    settings : QSettings
+    """
+
+    def __init__(self, settings):
+        self._settings = settings
+        self._window = None
+
+    def opened(self, qtbot):
+        """The window, active and without a mesh; its view may still show the last one."""
+        if self._window is None:
+            self._window = window = open_window(qtbot, self._settings)
+            self._layout, self._size = window.shell.saveState(), window.shell.size()
+            checkable = (*window.shell.findChildren(QAbstractButton), *window.shell.findChildren(QAction))
+            self._checked = {each: each.isChecked() for each in checkable if each.isCheckable()}
+        self._window.shell.activateWindow()
+        qtbot.waitUntil(self._window.shell.isActiveWindow)
+        if (keys := self._window.shell.focusWidget()) is not None:
+            keys.clearFocus()
+        return self._window
+
+    def reset(self, qtbot):
+        """Close all that was opened, take back all that was chosen, and forget the mesh."""
+        if self._window.shell.is_closed:
+            self._window.shell.deleteLater()
+            self._window = None
+            return
+        self._close_all()
+        QApplication.processEvents()  # what was to come next comes now
+        idle(qtbot, self._window)
+        self._forget_mesh()
+        self._restore_choices()
+
+    def _close_all(self):
+        window, session = self._window, self._window.session
+        while (popup := QApplication.activePopupWidget()) is not None:
+            popup.close()
+        window.editing.give_up()
+        session.gestures.cancel()
+        session.jobs.cancel()
+        if session.store.activity is Activity.REFINING:
+            session.store.pause_or_resume()
+        while window.help.close():
+            pass
+        for card in window.editing.typed.cards:
+            card.close_card()
+        window.health.close()
+        window.recovery.close_all()
+        window.case_studies.close()
+        for top in QApplication.topLevelWidgets():
+            if top.isVisible() and top is not window.shell:
+                top.close()
+
+    def _forget_mesh(self):
+        """Have the next mesh be the first one; answers about the last one come too late for another."""
+        window, store, gestures = self._window, self._window.session.store, self._window.session.gestures
+        store.jump(opened(Mesh(*box())))
+        store.state, store.activity, store.seconds_per_iteration = None, Activity.IDLE, 0.0
+        gestures.history = History()
+        gestures.history.forgot = window.session.saved_work.forget
+        window.session.saved_work.forget()
+        window.next_step.has_moved = False
+        window.invitation.say("")
+        window.measure.choose_kind(Kind.DISTANCE)
+        window.tools.take(FIRST_TOOL)
+        window.signals.status_changed.emit()
+
+    def _restore_choices(self):
+        window, shell = self._window, self._window.shell
+        self._settings.clear()
+        window.memory.values.restore(row for group in GROUPS for row in group.rows)
+        window.help.shortcuts.reset_all()
+        for each, on in sorted(self._checked.items(), key=lambda item: -item[1]):  # of one of several the one
+            if isValid(each) and each.isChecked() != on:
+                each.setChecked(on)
+        window.looks.heat.scales.clear()
+        window.actions_.looks.off.trigger()
+        window.looks.cut.slider.setValue(window.looks.cut.slider.maximum() // 2)
+        window.canvas.painter.size.radius = USUAL
+        shell.showNormal()
+        shell.resize(self._size)
+        shell.restoreState(self._layout)
+        window.panel.folded = window.memory.folded
+        window.panel.verticalScrollBar().setValue(0)
+        window.status.clearMessage()
+        window.notice.hide()
+        QGuiApplication.clipboard().clear()
+
+    def close(self):
+        """Close it for good."""
+        if self._window is not None:
+            self._window.shell.close()
+            self._window.shell.deleteLater()

@@ -1,0 +1,110 @@
+"""All that can be told of a window, to compare one that has been used with one just opened."""
+
+import gc
+import threading
+from enum import Enum
+from pathlib import Path
+
+import numpy as np
+from PySide6.QtCore import QObject, QTimer
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QApplication, QWidget
+from shiboken6 import isValid
+
+from apd_viewer.ui.settings_page.preference_table import GROUPS
+
+_PLAIN = str, int, float, bool, Enum, type(None)
+_TOLD = (
+    *("visible", "enabled", "checked", "toolTip", "text", "currentText", "value", "windowTitle"),
+    *("x", "y", "width", "height"),
+)
+_ROUNDING = 2  # pixels, by which a row of a layout is moved by what it has shown
+_DEEPEST = 5
+_COUNTS = {"draws", "revision", "shape_revision", "moment", "compiled", "step"}
+_NOTHING = "–"
+
+
+def whole_state(window):
+    """What is told, by its place."""
+    gc.collect()
+    found = {}
+    for child in (window.shell, *window.shell.findChildren(QObject)):
+        if isinstance(child, QWidget | QAction):
+            _tell_shown(found, child)
+        elif isinstance(child, QTimer) and child.isActive() and _in_sight(child.parent()):
+            found[_free(found, child)] = child.interval()
+    _tell_attributes(found, window, "window", set(), 0)
+    return {**found, **_surroundings(window)}
+
+
+def _in_sight(thing):
+    return not isinstance(thing, QWidget) or (isValid(thing) and thing.isVisible())
+
+
+def _tell_shown(found, child):
+    if not _in_sight(child) or child.objectName().startswith("qt_"):
+        return
+    place = _free(found, child)
+    if "qt_toolbar_ext" in place:
+        return
+    found[place] = type(child).__name__
+    for name in _TOLD:
+        if (value := child.property(name)) is not None:
+            found[f"{place}.{name}"] = value if isinstance(value, int | float) else str(value)
+    if isinstance(child, QAction):
+        found[f"{place}.keys"] = [key.toString() for key in child.shortcuts()]
+
+
+def _free(found, child):
+    """The names of a thing and of all that it is in, told apart from those of its like."""
+    names = []
+    while child is not None:
+        names.append(f"{type(child).__name__} {child.objectName()}".strip())
+        child = child.parent()
+    place = "/".join(reversed(names))
+    while place in found:
+        place += "'"
+    return place
+
+
+def _tell_attributes(found, thing, place, seen, level):
+    """Plain values of the program's objects that anybody may read, and of those that they have."""
+    if isinstance(thing, _PLAIN):
+        found[place] = thing
+    elif not _in_sight(thing):
+        found[place] = "hidden"
+    elif id(thing) not in seen and level < _DEEPEST and type(thing).__module__.startswith("apd_viewer"):
+        seen.add(id(thing))
+        for name, value in getattr(thing, "__dict__", {}).items():
+            if not name.startswith("_") and name not in _COUNTS:
+                _tell_attributes(found, value, f"{place}.{name}", seen, level + 1)
+
+
+def _surroundings(window):
+    view = window.canvas.viewport
+    eye, picture = view.look.eye, np.asarray(view.screenshot(return_img=True))
+    return {
+        "threads": sorted(thread.name for thread in threading.enumerate() if thread.daemon),
+        "handles": len(list(Path("/proc/self/fd").iterdir())),
+        "windows": sorted(type(top).__name__ for top in QApplication.topLevelWidgets() if top.isVisible()),
+        "focus": type(window.shell.focusWidget()).__name__,
+        "clipboard": QApplication.clipboard().text(),
+        "camera": [repr(np.round(part, 4)) for part in (eye.position, eye.focal, eye.up)],
+        "brush": (window.canvas.painter.size.radius, window.canvas.painter.size.length),
+        "kind": window.measure.tool.kind,
+        "preferences": [window.memory.values[row] for group in GROUPS for row in group.rows],
+        "picture": hash(picture.tobytes()),
+    }
+
+
+def differences(before, after):
+    """Lines that say what is not the same."""
+    places = sorted({*before, *after})
+    pairs = [(place, before.get(place, _NOTHING), after.get(place, _NOTHING)) for place in places]
+    return [f"{place}: {one} → {other}" for place, one, other in pairs if not _alike(place, one, other)]
+
+
+def _alike(place, one, other):
+    if place.rpartition(".")[2] in ("x", "y", "width", "height") and _NOTHING not in (one, other):
+        return abs(one - other) <= _ROUNDING
+    return one == other or (one != one and other != other)

@@ -1,0 +1,232 @@
+"""What a used window leaves to the next test: nothing, whatever was done with it."""
+
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from driving import Mouse, arrow_grip, centre, drag, idle, on_screen, ring_grip, stroke
+from finished_study import write_study
+from kept_window import bottle_in
+from meshes import box
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication
+from pytestqt.exceptions import TimeoutError as Waited
+from whole_state import differences, whole_state
+
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.settings_page import preference_table
+from apd_viewer.ui.tools.toolbox import Tool, Way
+
+
+def drags(qtbot, window, _):
+    drag(qtbot, window, ring_grip(window, 1), (60, 0), steps=4)
+    idle(qtbot, window)
+
+
+def breaks_off_a_drag(qtbot, window, _):
+    mouse = Mouse(window.canvas.viewport)
+    mouse.move(arrow_grip(window, 1))
+    mouse.press(arrow_grip(window, 1))
+    mouse.move(np.add(arrow_grip(window, 1), (0, 30)))
+
+
+def paints(qtbot, window, _):
+    window.actions_.select.ways[Way.LASSO].trigger()
+    window.actions_.select.ways[Way.BRUSH].trigger()
+    window.actions_.tools[Tool.REGION].trigger()
+    window.actions_.select.sizes[0].trigger()
+    window.actions_.select.through.trigger()
+    stroke(qtbot, window, centre(window.canvas.viewport).toTuple())
+
+
+def pauses(qtbot, window, _):
+    window.session.handles.move_by(TypedMotion.TWIST, "40deg", 0)
+    window.session.store.pause_or_resume()
+
+
+def undoes(qtbot, window, _):
+    window.session.handles.move_by(TypedMotion.TWIST, "4deg", 0)
+    window.actions_.undo.trigger()
+
+
+def types_what_is_wrong(qtbot, window, _):
+    field = window.panel.handles.motion
+    field.choice.setCurrentIndex(2)
+    field.amount.setText("many")
+    field.amount.returnPressed.emit()
+    window.panel.measures.thickness.setText("2")
+    window.panel.measures.thickness.editingFinished.emit()
+
+
+def types_on_cards(qtbot, window, _):
+    typed = window.editing.typed
+    typed.open_brush()
+    typed.open(typed.vertices)
+
+
+def shows_an_overlay(qtbot, window, _):
+    looks = window.actions_.looks
+    looks.measures[Measure.AREA].trigger()
+    qtbot.waitUntil(lambda: window.looks.heat.reading.values is not None, timeout=60_000)
+    window.looks.legend.scaled.emit(0.3, 0.1)
+    looks.worst[0].trigger()
+
+
+def switches_all_on(qtbot, window, _):
+    for switch in window.actions_.looks.switches.values():
+        switch.setChecked(True)
+
+
+def cuts(qtbot, window, _):
+    window.actions_.looks.switches["cut"].trigger()
+    cut = window.looks.cut
+    cut.axes[0].click()
+    cut.flip.click()
+    cut.slider.setValue(30)
+    cut.measure.click()
+
+
+def plots(qtbot, window, _):
+    window.docks["plots"].show()
+    for button in window.plots.choices.values():
+        button.click()
+
+
+def moves_docks(qtbot, window, _):
+    window.docks["history"].show()
+    window.docks["readings"].setFloating(True)
+    window.shell.resize(900, 700)
+    window.panel.folded = ["Handles"]
+    window.shell.history.setFocus()
+
+
+def looks_from_elsewhere(qtbot, window, _):
+    camera = window.actions_.view.camera
+    camera.up_axes[UpAxis.PLUS_Z].trigger()
+    camera.orthographic.trigger()
+    camera.directions["top"].trigger()
+    Mouse(window.canvas.viewport).wheel(centre(window.canvas.viewport), 3)
+
+
+def chooses_preferences(qtbot, window, _):
+    values = window.memory.values
+    values.choose(preference_table.COLOR_SCHEME, Qt.ColorScheme.Dark)
+    values.choose(preference_table.UNIT, Unit.MILLIMETRE)
+    values.choose(preference_table.SELECTION_MODE, Way.BOX)
+    values.choose(preference_table.UNDO_MEMORY, 64 * 2**20)
+    window.panel.area.unit.chosen.emit(Unit.CENTIMETRE)
+
+
+def changes_shortcuts(qtbot, window, _):
+    shortcuts = window.help.shortcuts
+    shortcuts.give(next(entry for entry in shortcuts.entries if entry.name == "undo"), "Ctrl+K")
+
+
+def opens_dialogs(qtbot, window, _):
+    window.studies.press()
+    window.studies.sweep()
+    window.case_studies.design()
+    window.settings_page.open()
+
+
+def compares(qtbot, window, _):
+    window.session.handles.move_by(TypedMotion.TWIST, "4deg", 0)
+    window.comparing.open()
+
+
+def opens_a_study(qtbot, window, folder):
+    write_study(folder / "study", 6)
+    window.case_studies.open(folder / "study")
+    qtbot.waitUntil(lambda: bool(window.case_studies.panel.model.rows))
+
+
+def keeps_poses(qtbot, window, _):
+    window.poses.keep()
+    window.session.handles.move_by(TypedMotion.TWIST, "4deg", 0)
+    window.poses.keep()
+    window.symmetry.switch(True)
+
+
+def presses_on_a_floor(qtbot, window, _):
+    window.obstacles.put_floor()
+    window.parts.choose_obstacle(0)
+
+
+def measures(qtbot, window, _):
+    measure = window.actions_.measure
+    list(measure.kinds.values())[-1].trigger()
+    Mouse(window.canvas.viewport).drag(on_screen(window, 0), on_screen(window, 0))
+
+
+def asks_for_help(qtbot, window, _):
+    window.help.open_search()
+    window.help.search.search.setText("twist")
+    window.help.open_sheet()
+
+
+def hears_of_failures(qtbot, window, _):
+    window.notice.fail("A failure.")
+    window.status.showMessage("A message.")
+    QApplication.clipboard().setText("copied")
+
+
+def opens_a_bad_mesh(qtbot, window, _):
+    V, F = box()
+    window.session.files.open_mesh(Mesh(V, np.vstack([F, F[:1]])))
+    idle(qtbot, window)
+    window.health.open()
+
+
+USES = (
+    drags,
+    breaks_off_a_drag,
+    paints,
+    pauses,
+    undoes,
+    types_what_is_wrong,
+    types_on_cards,
+    shows_an_overlay,
+    switches_all_on,
+    cuts,
+    plots,
+    moves_docks,
+    looks_from_elsewhere,
+    chooses_preferences,
+    changes_shortcuts,
+    opens_dialogs,
+    compares,
+    opens_a_study,
+    keeps_poses,
+    presses_on_a_floor,
+    measures,
+    asks_for_help,
+    hears_of_failures,
+    opens_a_bad_mesh,
+)
+
+
+@pytest.fixture(scope="module")
+def at_first():
+    """What is told of the window of this file as it was opened."""
+    return {}
+
+
+@pytest.mark.parametrize("use", USES, ids=lambda use: use.__name__)
+def test_a_window_is_as_it_was_opened(qtbot, kept, unasked, painted_bottle, at_first, tmp_path, use):
+    window = bottle_in(qtbot, kept.opened(qtbot), painted_bottle)
+    if not at_first:
+        at_first.update(whole_state(window))
+    use(qtbot, window, tmp_path)
+    assert differences(at_first, whole_state(window)), "it was not used"
+    kept.reset(qtbot)
+    assert kept.opened(qtbot) is window
+    bottle_in(qtbot, window, painted_bottle)
+
+    with suppress(Waited):
+        qtbot.waitUntil(lambda: not differences(at_first, whole_state(window)), timeout=2_000)
+    left = differences(at_first, whole_state(window))
+    assert not left, "\n".join(left)
