@@ -236,11 +236,11 @@ def allowed(library, where):
     return library in own | sys.stdlib_module_names | {"__future__"}
 
 
-def test_the_program_keeps_the_rules():
+def test_architecture_rules_are_kept_by_the_program():
     assert violations(ROOT) == []
 
 
-def test_the_rules_look_at_the_whole_program():
+def test_architecture_rules_look_at_the_whole_program():
     """An empty tree would keep all rules too."""
     known = modules(ROOT)
     rooms = {room(path.relative_to(ROOT / PACKAGE).as_posix()) for path in known.values()}
@@ -336,18 +336,18 @@ def build(root, tree):
         path.write_text(content)
 
 
-def test_a_tree_that_keeps_the_rules(tmp_path):
+def test_architecture_rules_accept_a_tree_that_keeps_them(tmp_path):
     build(tmp_path, GOOD)
     assert violations(tmp_path) == []
 
 
-def test_a_full_folder_is_noticed(tmp_path):
+def test_architecture_rules_notice_a_full_folder(tmp_path):
     build(tmp_path, GOOD | {f"ui/scene/part_{k}.py": "" for k in range(MOST_MODULES)})
     assert violations(tmp_path) == ["ui/scene: has too many modules"]
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_a_violation_is_noticed(case, tmp_path):
+def test_architecture_rules_notice_a_violation(case, tmp_path):
     where, source, words = BAD[case]
     build(tmp_path, GOOD | {where: GOOD.get(where, "") + source + "\n"})
     said = violations(tmp_path)
@@ -356,13 +356,13 @@ def test_a_violation_is_noticed(case, tmp_path):
     assert any(words in line for line in said)
 
 
-def test_links_in_a_circle_raise_no_error_of_python_s():
+def test_architecture_lets_links_in_a_circle_raise_no_error_of_python_s():
     """Path.resolve does, before Python 3.13; only the program's own place is known to be none."""
     source = {path: path.read_text(encoding="utf-8") for path in modules(ROOT).values()}
     assert [path for path, text in source.items() if re.search(r"(?<!__file__\))\.resolve\(", text)] == []
 
 
-def test_every_kernel_is_kept_by_the_program_s_own_cache():
+def test_architecture_has_every_kernel_kept_by_the_program_s_own_cache():
     """Numba's ends the program where a file is damaged or none can be written."""
     own = ROOT / PACKAGE / "geometry" / "linalg" / "kernels.py"
     source = {path: path.read_text(encoding="utf-8") for path in modules(ROOT).values()}
@@ -403,7 +403,7 @@ HEADLESS = """
 """
 
 
-def test_neither_importing_nor_working_without_a_window_loads_qt_or_vtk(tmp_path):
+def test_architecture_loads_no_qt_or_vtk_by_importing_or_working_without_a_window(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(HEADLESS), str(tmp_path), *sorted(SCREEN)],
         cwd=ROOT,
@@ -432,7 +432,7 @@ FIRST_PICTURE = """
 """
 
 
-def test_a_first_picture_waits_for_nothing_that_only_work_needs():
+def test_architecture_lets_a_first_picture_wait_for_nothing_that_only_work_needs():
     done = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(FIRST_PICTURE)],
         cwd=ROOT,

@@ -48,7 +48,7 @@ COMMANDS = [
 SNIPPETS = blocks("python")
 
 
-def test_the_readme_is_short():
+def test_documentation_has_a_short_readme():
     assert len(TEXTS["README.md"].split()) <= 700
 
 
@@ -62,7 +62,7 @@ def sentences(text):
         yield from re.split(r"(?<=[.!?:;])\s+(?=[A-Z*\[(“\"])", " ".join(paragraph.split()))
 
 
-def test_sentences_are_short():
+def test_documentation_has_short_sentences():
     """What counts stands in the first words; a sentence of more than thirty has another one in it."""
     found = [
         (page, sentence)
@@ -74,7 +74,7 @@ def test_sentences_are_short():
     assert [each for each in found if len(re.findall(r"[\w'’-]+", each[1])) > 30] == []
 
 
-def test_relative_links_lead_somewhere():
+def test_documentation_has_relative_links_that_lead_somewhere():
     links = [(page, target) for page, (target,) in found(r"\]\(([^)\s]+)\)") if "://" not in target]
     assert len(links) > 40, "the test is blind"
     broken = []
@@ -87,11 +87,11 @@ def test_relative_links_lead_somewhere():
 
 
 @pytest.mark.parametrize(("page", "line"), COMMANDS)
-def test_commands_parse(page, line):
+def test_documentation_names_commands_that_parse(page, line):
     command_line.parsed(shlex.split(line, comments=True)[1:])
 
 
-def test_lines_of_the_page_on_scripting_find_their_files():
+def test_documentation_on_scripting_has_lines_that_find_their_files():
     """In resources, written by a line above, or named as the reader's own."""
     page = TEXTS["docs/scripting.md"]
     (own,) = re.findall(r"two files of your own\.\n(.*?)\n\n", page, re.DOTALL)
@@ -105,7 +105,7 @@ def test_lines_of_the_page_on_scripting_find_their_files():
         there |= written
 
 
-def test_commands_and_targets_of_make_exist():
+def test_documentation_names_commands_and_targets_of_make_that_exist():
     assert len(COMMANDS) > 8
     named = {name for _, (name,) in found(r"`apd-viewer ([a-z]+)")}
     assert named <= set(command_line.COMMANDS)
@@ -114,7 +114,7 @@ def test_commands_and_targets_of_make_exist():
     assert [name for name in targets if not re.search(rf"(?m)^{name}:", MAKEFILE)] == []
 
 
-def test_the_quick_tests_exist():
+def test_documentation_of_make_names_quick_tests_that_exist():
     paths = re.findall(r"tests/[\w./]+", MAKEFILE.partition("quick_tests = ")[2].partition("\n\n")[0])
     assert len(paths) > 5
     assert [path for path in paths if not (ROOT / path).exists()] == []
@@ -130,7 +130,7 @@ LONG = {"docs/scripting.md"}  # its code runs by night
         for page, code in SNIPPETS
     ],
 )
-def test_python_snippets_run(page, code, compiled, tmp_path, monkeypatch):
+def test_documentation_has_python_snippets_that_run(page, code, compiled, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     exec(compile(code.replace('"resources/', f'"{ROOT.as_posix()}/resources/'), page, "exec"), {})
 
@@ -147,7 +147,7 @@ def cells():
     ]
 
 
-def test_names_and_arguments_in_snippets_and_cells_are_those_of_the_package(cells):
+def test_documentation_uses_names_and_arguments_of_the_package_in_snippets_and_cells(cells):
     calls = [
         call
         for code in (*(code for _, code in SNIPPETS), *cells)
@@ -163,7 +163,7 @@ def test_names_and_arguments_in_snippets_and_cells_are_those_of_the_package(cell
 
 
 @pytest.mark.night
-def test_the_notebook_runs(cells, compiled, tmp_path, monkeypatch):
+def test_documentation_has_a_notebook_that_runs(cells, compiled, tmp_path, monkeypatch):
     """Cell after cell; the value of a name in a last line is shown, as a notebook does."""
     monkeypatch.chdir(tmp_path)
     names, printed, shown = {}, io.StringIO(), []
@@ -184,14 +184,14 @@ def test_the_notebook_runs(cells, compiled, tmp_path, monkeypatch):
     np.testing.assert_allclose(written.V, names["results"]["local"].U, rtol=0, atol=1e-9)
 
 
-def test_the_readme_names_the_system_packages_of_the_makefile():
+def test_documentation_names_the_system_packages_of_the_makefile_in_the_readme():
     (listed,) = re.findall(r"(?m)^packages = ((?:.*\\\n)*.*)$", MAKEFILE)
     packages = listed.replace("\\", "").split()
     assert len(packages) > 5
     assert set(packages) <= set(re.findall(r"[\w.-]+", TEXTS["README.md"]))
 
 
-def test_menu_entries_exist():
+def test_documentation_names_menu_entries_that_exist():
     named = found(rf"\*\*({MENUS}) > ([^*]+)\*\*")
     assert len(named) > 5
     texts = {
@@ -202,7 +202,7 @@ def test_menu_entries_exist():
     assert [(page, path) for page, (_, path) in named if not texts.issuperset(path.split(" > "))] == []
 
 
-def test_the_architecture_page_names_every_room():
+def test_documentation_names_every_room_on_the_architecture_page():
     page = TEXTS["docs/architecture.md"]
     folders = [path.parent for path in (ROOT / "apd_viewer").glob("**/__init__.py")]
     rooms = [folder.name for folder in folders if folder.name != "apd_viewer"]
@@ -210,7 +210,7 @@ def test_the_architecture_page_names_every_room():
     assert [room for room in rooms if f"`{room}/`" not in page] == []
 
 
-def test_files_named_in_the_pages_exist():
+def test_documentation_names_files_that_exist():
     named = found(r"`((?:apd_viewer|tests|docs|resources)/[\w/.-]*)`")
     assert len(named) > 8
     made = "apd_viewer/languages/"  # begun with the first translation

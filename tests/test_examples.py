@@ -38,21 +38,21 @@ print(titles[0])
 
 
 @pytest.mark.parametrize("name", apd_viewer.__all__)
-def test_every_public_name_has_an_example_that_is_run(name):
+def test_examples_are_there_for_every_public_name_and_are_run(name):
     found = examples(name)
     assert len(found) > 1
     assert not any(doctest.SKIP in example.options for example in found)
 
 
 @pytest.mark.parametrize("name", sorted(set(apd_viewer.__all__) - {"view"}))
-def test_the_example_says_what_comes_of_it(name, compiled, tmp_path, monkeypatch):
+def test_examples_say_what_comes_of_them(name, compiled, tmp_path, monkeypatch):
     shutil.copy(ROOT / "resources" / "bottle.obj", tmp_path)
     monkeypatch.chdir(tmp_path)
     found = doctest.DocTestParser().get_doctest(getattr(apd_viewer, name).__doc__, {}, name, None, 0)
     assert doctest.DocTestRunner().run(found).failed == 0
 
 
-def test_the_example_of_the_window_opens_it_and_returns_when_it_is_closed(tmp_path):
+def test_view_has_an_example_that_opens_the_window_and_returns_when_it_is_closed(tmp_path):
     shutil.copy(ROOT / "resources" / "bottle.obj", tmp_path)
     home = {"HOME": str(tmp_path), "XDG_CONFIG_HOME": str(tmp_path / "config")}
     done = subprocess.run(

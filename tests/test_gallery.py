@@ -24,7 +24,7 @@ DAILY = {"bottle_twisted", "bottle_pressed", "bottle_label", "animal_posed", "fa
 NAMES = [pytest.param(name, marks=() if name in DAILY else pytest.mark.night) for name in ENTRIES]
 
 
-def test_there_are_many_entries_and_each_is_short():
+def test_gallery_has_many_entries_and_each_is_short():
     assert len(ENTRIES) == sum(map(len, GROUPS.values())) >= 24
     for entry in ENTRIES.values():
         assert len(entry.code.splitlines()) <= 5
@@ -32,12 +32,12 @@ def test_there_are_many_entries_and_each_is_short():
         assert entry.sentence.count(".") <= 3
 
 
-def test_sessions_are_those_of_the_entries():
+def test_gallery_has_the_sessions_of_its_entries():
     assert {path.stem for path in SESSIONS.glob("*.apd")} == set(ENTRIES)
     assert sum(path.stat().st_size for path in SESSIONS.iterdir()) <= MOST
 
 
-def test_the_page_has_picture_code_and_session_of_each():
+def test_gallery_page_has_picture_code_and_session_of_each_entry():
     page = gallery_page()
     for entry in ENTRIES.values():
         assert f"```{entry.language}\n{printed(entry)}\n```" in page
@@ -47,7 +47,7 @@ def test_the_page_has_picture_code_and_session_of_each():
 
 
 @pytest.mark.parametrize("name", ENTRIES)
-def test_the_lines_can_be_read(name):
+def test_gallery_has_lines_that_can_be_read(name):
     entry = ENTRIES[name]
     if entry.language == "python":
         compile(entry.quick_code, name, "exec")
@@ -70,7 +70,7 @@ def place_of_mesh(session):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_lines_run_and_the_session_says_the_same(name, compiled, tmp_path):
+def test_gallery_has_lines_that_run_and_a_session_that_says_the_same(name, compiled, tmp_path):
     entry = ENTRIES[name]
     state = entry.run(tmp_path, COUNT, quickly=True)
     document = state.document
@@ -84,7 +84,7 @@ def test_the_lines_run_and_the_session_says_the_same(name, compiled, tmp_path):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_session_to_download_opens_and_can_be_replayed_unless_it_is_pressed(name):
+def test_gallery_session_to_download_opens_and_can_be_replayed_unless_it_is_pressed(name):
     state, view = open_session(SESSIONS / f"{name}.apd")
     assert bool(state.document.problem) == ENTRIES[name].code.startswith("apd-viewer press")
     assert place_of_mesh(SESSIONS / f"{name}.apd").as_posix() == f"/{state.document.mesh.name}"

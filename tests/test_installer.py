@@ -41,14 +41,14 @@ def contents(monkeypatch):
     sys.modules.pop("contents", None)
 
 
-def test_the_spec_names_files_and_functions_that_are_there(contents):
+def test_installer_spec_names_files_and_functions_that_are_there(contents):
     used = set(re.findall(r"\bcontents\.(\w+)", SPEC))
     assert {"modules", "data", "vtk_modules"} <= used
     assert [name for name in used if not hasattr(contents, name)] == []
     assert re.findall(r'SPECPATH\) / "(.*?)"', SPEC) == ["launch.py"]
 
 
-def test_all_modules_and_data_of_the_package_are_in_the_program(contents):
+def test_installer_puts_all_modules_and_data_of_the_package_into_the_program(contents):
     assert {"apd_viewer", "apd_viewer.__main__", "apd_viewer.session.processes.solver_main"} <= set(
         contents.modules()
     )
@@ -61,14 +61,14 @@ def test_all_modules_and_data_of_the_package_are_in_the_program(contents):
     assert [name for name in needed if f"apd_viewer/resources/{name}" not in packed] == []
 
 
-def test_a_manual_that_has_been_built_is_packed(contents, tmp_path, monkeypatch):
+def test_installer_packs_a_manual_that_has_been_built(contents, tmp_path, monkeypatch):
     (tmp_path / "howto").mkdir()
     (tmp_path / "howto" / "open.html").write_text("")
     monkeypatch.setattr(contents, "MANUAL", tmp_path)
     assert (str(tmp_path / "howto" / "open.html"), "apd_viewer/manual/howto") in contents.data()
 
 
-def test_no_module_of_ours_is_left_out(contents):
+def test_installer_leaves_out_no_module_of_ours(contents):
     """A library that the sources import cannot be one that is never used; Dask is refused with a sentence."""
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "apd_viewer").rglob("*.py"))
     imported = set(re.findall(r"(?m)^\s*(?:from|import) ([\w.]+)", sources))
@@ -76,7 +76,7 @@ def test_no_module_of_ours_is_left_out(contents):
     assert imported & set(contents.UNUSED) <= optional
 
 
-def test_installers_know_all_formats(contents):
+def test_installer_knows_all_formats(contents):
     assert {f".{name}" for name in contents.MESHES} == set(FORMATS)
     assert [f".{name}" for name in contents.SESSIONS] == [SUFFIX]
     assert set(WRITTEN) <= set(FORMATS)
@@ -87,7 +87,7 @@ def test_installers_know_all_formats(contents):
     }
 
 
-def test_libraries_described_are_installed(contents):
+def test_installer_describes_libraries_that_are_installed(contents):
     assert contents.version() == apd_viewer.__version__
     read = set(
         re.findall(
@@ -99,13 +99,13 @@ def test_libraries_described_are_installed(contents):
     assert len(contents.build_name()) == 12
 
 
-def test_workers_of_multiprocessing_are_recognised_first():
+def test_installer_launch_recognizes_workers_of_multiprocessing_first():
     (main,) = (node for node in ast.parse(LAUNCH.read_text()).body if getattr(node, "name", "") == "main")
     first = next(node for node in main.body if not isinstance(getattr(node, "value", None), ast.Constant))
     assert ast.unparse(first) == "multiprocessing.freeze_support()"
 
 
-def test_no_process_is_started_in_a_way_that_the_program_lacks():
+def test_installer_program_has_every_way_in_which_a_process_is_started():
     """It understands `-c`, and neither `-m` nor a script."""
     for path in (ROOT / "apd_viewer").rglob("*.py"):
         source = path.read_text(encoding="utf-8")
@@ -135,18 +135,18 @@ def launched(tmp_path):
     return launched
 
 
-def test_the_entry_point_runs_code_as_python_does(launched):
+def test_installer_launch_runs_code_as_python_does(launched):
     done = launched("-c", "import sys; print(__name__, sys.argv[1:]); sys.exit(3)", "a", "-c")
     assert (done.stdout, done.returncode) == ("__main__ ['a', '-c']\n", 3), done.stderr
 
 
-def test_the_entry_point_runs_the_command_line(launched):
+def test_installer_launch_runs_the_command_line(launched):
     assert launched("--version").stdout.startswith("apd-viewer ")
     assert launched("info", "missing.obj").returncode == 2
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems have other folders and variables")
-def test_caches_are_the_user_s_and_variables_the_system_s(launched, tmp_path):
+def test_installer_launch_takes_caches_of_the_user_and_variables_of_the_system(launched, tmp_path):
     caches = tmp_path / ".cache" / "apd-viewer"
     old, other = caches / "kernels-old", caches / "apd-viewer-manual.html"
     old.mkdir(parents=True)
@@ -179,7 +179,7 @@ def twice(number):
 """
 
 
-def test_kernels_that_the_program_brings_are_not_compiled_again(tmp_path):
+def test_kernel_cache_does_not_compile_kernels_again_that_the_program_brings(tmp_path):
     """Compiled in one place, packed, and found in another, where they are only read."""
     packed, program, cache, home = (tmp_path / name for name in ("packed", "program", "cache", "home"))
     for place in (packed, program):
@@ -207,7 +207,7 @@ def test_kernels_that_the_program_brings_are_not_compiled_again(tmp_path):
     assert hits(program, home, moved) == 0, "this is no packaged program"
 
 
-def test_a_packaged_program_says_what_it_cannot_do(monkeypatch, tmp_path):
+def test_installer_program_says_what_it_cannot_do(monkeypatch, tmp_path):
     monkeypatch.setattr(sys, "frozen", True, raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match="This program has no Dask"):

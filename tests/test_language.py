@@ -28,7 +28,7 @@ def is_text(node):
     return isinstance(node, ast.Constant) and isinstance(node.value, str) and bool(node.value.strip())
 
 
-def test_what_is_translated_can_be_found_in_the_sources():
+def test_language_translates_only_what_can_be_found_in_the_sources():
     """An f-string or a name in tr() would be looked up, but in no catalogue."""
     found = list(calls())
     assert len(found) > 800, "the test is blind"
@@ -41,7 +41,7 @@ def test_what_is_translated_can_be_found_in_the_sources():
     assert len(found) == len(messages()), "the extraction misses some"
 
 
-def test_every_value_in_a_sentence_has_a_name():
+def test_language_has_a_name_for_every_value_in_a_sentence():
     """A translation may need another order."""
     texts = [
         text for message, _ in messages() for text in ((message,) if isinstance(message, str) else message)
@@ -51,7 +51,7 @@ def test_every_value_in_a_sentence_has_a_name():
     assert any(map(fields, texts)), "the test is blind"
 
 
-def test_one_and_many_take_the_same_values():
+def test_language_takes_the_same_values_in_one_and_many():
     pairs = [message for message, _ in messages() if isinstance(message, tuple)]
     assert len(pairs) > 10
     for one, many in pairs:
@@ -69,7 +69,7 @@ def strangers(content):
     ]
 
 
-def test_no_translation_has_a_value_of_its_own():
+def test_language_has_no_translation_with_a_value_of_its_own():
     assert strangers(b'msgid "{n} faces"\nmsgstr "{m} Dreiecke"\n') == ["{m} Dreiecke"]
     assert strangers(b'msgid "{n} faces in {name}"\nmsgstr "in {name} sind {n} Dreiecke"\n') == []
     for path in (ROOT / "apd_viewer" / "languages").glob("*/LC_MESSAGES/*.po"):
@@ -97,11 +97,11 @@ def test_no_translation_has_a_value_of_its_own():
         ({"LANG": "zh_TW.UTF-8"}, ["zh_TW"]),
     ],
 )
-def test_the_language_is_that_of_the_environment(environment, names):
+def test_wished_language_is_that_of_the_environment(environment, names):
     assert wished(environment) == names
 
 
-def test_the_chosen_language_goes_before_that_of_the_system(tmp_path, monkeypatch):
+def test_chosen_language_goes_before_that_of_the_system(tmp_path, monkeypatch):
     assert wished({"LANG": "de_DE.UTF-8"}, "fr") == ["fr"]
     assert wished({"LANG": "de_DE.UTF-8"}, "en") == []
     assert wished({"APD_VIEWER_LANGUAGE": "ja"}, "fr") == ["ja"]
@@ -114,7 +114,7 @@ def test_the_chosen_language_goes_before_that_of_the_system(tmp_path, monkeypatc
     assert language.chosen_language() == ""
 
 
-def test_english_and_every_catalogue_are_offered(tmp_path, monkeypatch):
+def test_languages_are_english_and_that_of_every_catalogue(tmp_path, monkeypatch):
     monkeypatch.setattr(language, "FOLDER", tmp_path)
     assert language.languages() == ["en"]
     write_catalogue(tmp_path)
@@ -131,7 +131,7 @@ def test_english_and_every_catalogue_are_offered(tmp_path, monkeypatch):
         ([], "en"),
     ],
 )
-def test_the_first_language_that_there_is_is_spoken(tmp_path, monkeypatch, names, found):
+def test_catalogue_is_that_of_the_first_language_that_there_is(tmp_path, monkeypatch, names, found):
     monkeypatch.setenv("LANGUAGE", LANGUAGE)  # gettext looks there too, unless it is hindered
     write_catalogue(tmp_path)
     name, words = catalogue(tmp_path, names)
@@ -139,7 +139,7 @@ def test_the_first_language_that_there_is_is_spoken(tmp_path, monkeypatch, names
     assert bool(MARKED.search(words.gettext("There is no file {path}; check the name."))) == (found != "en")
 
 
-def test_a_catalogue_that_is_damaged_is_no_reason_to_stop(tmp_path, capsys):
+def test_catalogue_that_is_damaged_is_no_reason_to_stop(tmp_path, capsys):
     write_catalogue(tmp_path)
     path = tmp_path / LANGUAGE / "LC_MESSAGES" / "apd_viewer.mo"
     for content in (b"", b"no catalogue", path.read_bytes()[:300]):
@@ -149,7 +149,7 @@ def test_a_catalogue_that_is_damaged_is_no_reason_to_stop(tmp_path, capsys):
         assert "compile it again" in capsys.readouterr().err
 
 
-def test_what_is_still_to_be_translated_is_said_in_english(tmp_path, monkeypatch):
+def test_language_says_in_english_what_is_still_to_be_translated(tmp_path, monkeypatch):
     write_catalogue(tmp_path, spoken=lambda _: "")
     monkeypatch.setattr(language, "CATALOGUE", language.catalogue(tmp_path, [LANGUAGE])[1])
     assert language.tr("No issues") == "No issues"
@@ -186,14 +186,14 @@ def unmarked(text):
     return text
 
 
-def test_the_help_speaks_the_language(spoken):
+def test_main_speaks_the_language_in_its_help(spoken):
     done = run(spoken, "--help")
     assert done.returncode == 0
     words = {word.strip("-,") for word in unmarked(done.stdout).split()}
     assert words <= {"FILE", "h", "help", "version", "clicked", "log-level", "LEVEL", "", ":"}
 
 
-def test_the_help_of_a_command_speaks_the_language(spoken):
+def test_deform_speaks_the_language_in_its_help(spoken):
     """Of which the names of options, and what stands for their values, are no words."""
     done = run(spoken, "deform", "--help")
     assert done.returncode == 0
@@ -205,7 +205,7 @@ def test_the_help_of_a_command_speaks_the_language(spoken):
     assert left <= {"exact", "go"}
 
 
-def test_what_is_wrong_is_said_in_the_language(spoken):
+def test_main_says_in_the_language_what_is_wrong(spoken):
     done = run(spoken, "info", "gone.obj")
     assert done.returncode == 2
     assert unmarked(done.stderr).split() == ["gone.obj"]
@@ -223,7 +223,7 @@ def test_what_is_wrong_is_said_in_the_language(spoken):
         (["thumbnail", "a.obj", "b.png", "--size", "many"], {"--size", "many", "int", "_size"}),
     ],
 )
-def test_what_is_wrong_with_the_options_is_said_in_the_language(spoken, words, left):
+def test_parser_says_in_the_language_what_is_wrong_with_the_options(spoken, words, left):
     """By argparse, in whose sentences there are the names of options and values."""
     done = run(spoken, *words)
     assert done.returncode == 2
@@ -232,7 +232,7 @@ def test_what_is_wrong_with_the_options_is_said_in_the_language(spoken, words, l
     assert len(MARKED.findall(done.stderr)) >= 3
 
 
-def test_what_a_mesh_is_like_is_said_in_the_language(spoken):
+def test_info_says_in_the_language_what_a_mesh_is_like(spoken):
     done = run(spoken, "info", str(Path("resources") / "bottle.obj"))
     assert done.returncode == 0, done.stderr
     assert not [word for word in unmarked(done.stdout).split() if word.isalpha() and word != "x"]

@@ -42,18 +42,18 @@ def python(script, **environment):
     )
 
 
-def test_the_library_writes_no_log(folder):
+def test_log_is_not_written_by_the_library(folder):
     done = python("import apd_viewer, apd_viewer.__main__; apd_viewer.Mesh")
     assert done.returncode == 0, done.stderr
     assert not folder.exists()
 
 
-def test_a_command_without_trouble_leaves_no_file(folder):
+def test_log_has_no_file_after_a_command_without_trouble(folder):
     assert main(["info", str(ROOT / "resources" / "bottle.obj")]) == 0
     assert list(folder.iterdir()) == []
 
 
-def test_a_log_begins_with_the_versions(folder):
+def test_log_begins_with_the_versions(folder):
     with log.recording():
         LOGGER.info("hello")
     lines = text(folder).splitlines()
@@ -62,7 +62,7 @@ def test_a_log_begins_with_the_versions(folder):
     assert lines[-1].endswith("INFO apd_viewer.test: hello")
 
 
-def test_the_log_ends_with_its_block(folder):
+def test_recording_ends_with_its_block(folder):
     hooks = sys.excepthook, threading.excepthook, warnings.showwarning
     with log.recording(), log.recording("debug"):
         assert len(logging.getLogger("apd_viewer").handlers) == 1
@@ -71,7 +71,7 @@ def test_the_log_ends_with_its_block(folder):
     assert log.current_file() is None
 
 
-def test_a_level_is_recorded_and_printed(folder, capsys):
+def test_recording_records_and_prints_a_level(folder, capsys):
     with log.recording("warning"):
         LOGGER.info("small")
         LOGGER.warning("great")
@@ -80,7 +80,7 @@ def test_a_level_is_recorded_and_printed(folder, capsys):
         assert "small" not in said
 
 
-def test_without_a_level_nothing_is_printed(folder, capsys):
+def test_recording_without_a_level_prints_nothing(folder, capsys):
     with log.recording():
         LOGGER.debug("smallest")
         LOGGER.error("great")
@@ -88,14 +88,14 @@ def test_without_a_level_nothing_is_printed(folder, capsys):
     assert "smallest" not in text(folder)
 
 
-def test_each_command_takes_the_level(folder, capsys):
+def test_main_takes_a_level_of_the_log_for_each_command(folder, capsys):
     assert main(["info", "--log-level", "debug", str(ROOT / "resources" / "bottle.obj")]) == 0
     with pytest.raises(SystemExit):
         main(["info", "--log-level", "loud", "x.obj"])
     assert "debug" in capsys.readouterr().err
 
 
-def test_a_long_log_is_rotated(folder, monkeypatch):
+def test_log_that_is_long_is_rotated(folder, monkeypatch):
     monkeypatch.setattr(log, "MOST_BYTES", 10_000)
     with log.recording():
         for k in range(1000):
@@ -107,7 +107,7 @@ def test_a_long_log_is_rotated(folder, monkeypatch):
     assert "record 999" in files[0].read_text(encoding="utf-8")
 
 
-def test_old_files_are_removed_and_others_are_not(folder):
+def test_recording_removes_old_files_and_no_others(folder):
     folder.mkdir()
     (folder / "notes.txt").touch()
     for k in range(50):
@@ -122,7 +122,7 @@ def test_old_files_are_removed_and_others_are_not(folder):
     assert (folder / "notes.txt").exists()
 
 
-def test_two_processes_have_a_log_each(folder):
+def test_log_is_one_for_each_of_two_processes(folder):
     script = """
         import logging
         from apd_viewer import log
@@ -141,7 +141,7 @@ def test_two_processes_have_a_log_each(folder):
     assert [path.read_text(encoding="utf-8").count("hello") for path in folder.glob("*.log")] == [1, 1]
 
 
-def test_a_folder_that_cannot_be_written_stops_nothing(tmp_path, monkeypatch, capsys):
+def test_recording_is_not_stopped_by_a_folder_that_cannot_be_written(tmp_path, monkeypatch, capsys):
     (tmp_path / "file").touch()
     monkeypatch.setenv("APD_VIEWER_LOGS", str(tmp_path / "file" / "logs"))
     with log.recording():
@@ -149,7 +149,7 @@ def test_a_folder_that_cannot_be_written_stops_nothing(tmp_path, monkeypatch, ca
     assert capsys.readouterr().err == ""
 
 
-def test_an_exception_in_a_thread_reaches_the_log(folder):
+def test_log_has_an_exception_in_a_thread(folder):
     done = python(
         """
         import threading
@@ -165,32 +165,32 @@ def test_an_exception_in_a_thread_reaches_the_log(folder):
     assert "ZeroDivisionError" in done.stderr
 
 
-def test_an_exception_in_a_callback_reaches_the_log(folder, monkeypatch):
+def test_log_has_an_exception_in_a_callback(folder, monkeypatch):
     monkeypatch.setattr(sys, "excepthook", lambda *_: None)
     with log.recording():
         sys.excepthook(ValueError, ValueError("from Qt"), None)
     assert "from Qt" in text(folder)
 
 
-def test_an_exception_that_ends_the_program_reaches_the_log(folder):
+def test_log_has_an_exception_that_ends_the_program(folder):
     with pytest.raises(ZeroDivisionError), log.recording():
         raise ZeroDivisionError
     assert "ZeroDivisionError" in text(folder)
     assert "test_log.py" in text(folder)
 
 
-def test_what_the_user_can_act_on_is_no_failure(folder):
+def test_log_takes_what_the_user_can_act_on_for_no_failure(folder):
     assert main(["info", "gone.obj"]) == 2
     assert list(folder.iterdir()) == []
 
 
-def test_a_warning_reaches_the_log_and_the_terminal(folder):
+def test_recording_lets_a_warning_reach_the_log_and_the_terminal(folder):
     with pytest.warns(UserWarning, match="odd"), log.recording():
         warnings.warn("odd", UserWarning, stacklevel=1)
     assert "odd" in text(folder)
 
 
-def test_a_crash_leaves_a_file(folder):
+def test_recording_leaves_a_file_after_a_crash(folder):
     done = python(
         """
         import ctypes
@@ -203,7 +203,7 @@ def test_a_crash_leaves_a_file(folder):
     assert "most recent call first" in text(folder, "*.crash")
 
 
-def test_a_run_without_a_crash_leaves_no_file(folder):
+def test_recording_leaves_no_file_after_a_run_without_a_crash(folder):
     assert python("from apd_viewer import log\nwith log.recording(): pass").returncode == 0
     assert list(folder.iterdir()) == []
 
@@ -225,11 +225,11 @@ HOME = Path.home()
         ("3 / 4, n/a, +3 %/mm, https://a.org/x/y", "3 / 4, n/a, +3 %/mm, https://a.org/x/y"),
     ],
 )
-def test_a_path_is_reduced_to_its_name(said, kept):
+def test_redacted_reduces_a_path_to_its_name(said, kept):
     assert redacted(said) == kept
 
 
-def test_the_log_names_no_folder(folder, tmp_path):
+def test_log_names_no_folder(folder, tmp_path):
     with log.recording():
         try:
             (tmp_path / "secret" / "a.obj").read_bytes()

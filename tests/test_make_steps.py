@@ -14,7 +14,7 @@ STEP = ROOT / ".ci" / "step"
 
 @pytest.mark.skipif(shutil.which("sh") is None, reason="there is no make either")
 @pytest.mark.parametrize(("status", "told"), [(0, "   127 s"), (3, "   failed after 127 s: Some work")])
-def test_a_step_tells_its_time_and_passes_its_status_on(status, told, tmp_path):
+def test_make_steps_tell_their_time_and_pass_their_status_on(status, told, tmp_path):
     clock, date = tmp_path / "clock", tmp_path / "date"
     clock.write_text("1000\n")
     date.write_text(f'#!/bin/sh\ncat "{clock}"\n')
@@ -32,7 +32,7 @@ def test_a_step_tells_its_time_and_passes_its_status_on(status, told, tmp_path):
     assert done.returncode == status
 
 
-def test_all_programs_that_take_time_are_steps():
+def test_make_steps_are_all_programs_that_take_time():
     recipes = re.findall(r"(?m)^\t@(.*)$", (ROOT / "Makefile").read_text(encoding="utf-8"))
     working = [line for line in recipes if re.search(r"/bin/|\$\((?:python|manual|environment)\)", line)]
     assert len(working) > 10

@@ -35,7 +35,7 @@ def told(found):
     return {(place.line, str(place)) for place in found}
 
 
-def test_places_are_valid_code_of_as_many_lines_that_does_something_else():
+def test_mutants_are_valid_code_of_as_many_lines_that_does_something_else():
     source = SOURCE.encode()
     found = places(source)
     assert {place.kind for place in found} == KINDS
@@ -49,7 +49,7 @@ def test_places_are_valid_code_of_as_many_lines_that_does_something_else():
         assert differing[-1] <= place.line + place.old.count("\n")
 
 
-def test_places_are_where_the_code_decides_and_computes():
+def test_mutants_are_made_where_the_code_decides_and_computes():
     assert told(places(SOURCE.encode())) == {
         (2, "1 -> 2"),
         (2, "0.5 -> 1.5"),
@@ -75,7 +75,7 @@ def test_places_are_where_the_code_decides_and_computes():
     }
 
 
-def test_the_same_seed_chooses_the_same_places_and_areas_take_turns(tmp_path):
+def test_mutants_are_chosen_alike_by_the_same_seed_and_their_areas_take_turns(tmp_path):
     for name in "abcdefgh":
         (tmp_path / name).mkdir()
         (tmp_path / name / "code.py").write_text(SOURCE, encoding="utf-8")
@@ -86,7 +86,7 @@ def test_the_same_seed_chooses_the_same_places_and_areas_take_turns(tmp_path):
     assert [area for area, _ in chosen] == ["first", "second"] * 3 + ["second"]
 
 
-def test_a_change_that_is_no_code_is_not_chosen(tmp_path):
+def test_mutants_are_not_chosen_if_they_are_no_code(tmp_path):
     (tmp_path / "a.py").write_text("def f(x):\n    with x():\n        return [*x, -1]\n", encoding="utf-8")
     chosen = {
         str(place) for seed in range(30) for _, place in chosen_places(tmp_path, {"all": ["."]}, 1, seed)
@@ -94,7 +94,7 @@ def test_a_change_that_is_no_code_is_not_chosen(tmp_path):
     assert chosen == {"[*x, -1] -> None", "- -> +", "1 -> 2"}
 
 
-def test_functions_note_that_they_are_entered_except_what_numba_compiles():
+def test_mutants_note_which_functions_are_entered_except_what_numba_compiles():
     source = """
 class A:
     def f(self):
@@ -173,7 +173,7 @@ def tiny(tmp_path_factory):
     return root, json.loads((root / "build" / "map.json").read_text(encoding="utf-8"))
 
 
-def test_the_map_says_which_tests_reach_a_function_and_how_they_went(tiny):
+def test_mutants_map_says_which_tests_reach_a_function_and_how_they_went(tiny):
     _, found = tiny
     assert found["reached"] == {
         "inner/code.py::double": [
@@ -214,11 +214,11 @@ def verdict_on(tiny, change, function, seconds=60.0):
         ("+ -> -", "unreached", "not reached", ""),
     ],
 )
-def test_killed_mutants_and_survivors_are_told_apart(tiny, change, function, outcome, test):
+def test_mutants_that_are_killed_and_survivors_are_told_apart(tiny, change, function, outcome, test):
     assert verdict_on(tiny, change, function) == (outcome, test)
 
 
-def test_a_mutant_that_hangs_is_ended(tiny):
+def test_mutants_that_hang_are_ended(tiny):
     assert verdict_on(tiny, "!= -> ==", "sign", seconds=2.0)[0] == "broken off"
 
 

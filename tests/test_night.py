@@ -107,7 +107,7 @@ def suite(text):
     git("commit", "--quiet", "--message", "A suite")
 
 
-def test_a_night_that_has_passed(folder):
+def test_night_that_has_passed_writes_its_results(folder):
     suite(SUITE)
     assert run("lint", "suite") == 0
     assert [row[:2] for row in rows("Steps")] == [["lint", "passed"], ["suite", "passed"]]
@@ -124,7 +124,7 @@ def test_a_night_that_has_passed(folder):
     assert re.fullmatch(r"Last night: \d minutes? ago, passed in \d+ (s|min)\.", last_night(PAGE))
 
 
-def test_a_night_that_has_failed_runs_all_steps_and_says_so(folder):
+def test_night_that_has_failed_runs_all_steps_and_says_so(folder):
     suite(FAILING)
     assert run("mistaken", "suite", "lint") == 1
     steps = {"mistaken": "failed", "suite": "failed", "lint": "passed"}
@@ -137,7 +137,7 @@ def test_a_night_that_has_failed_runs_all_steps_and_says_so(folder):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals of this kind")
 @pytest.mark.parametrize(("how", "said"), [("SIGINT", "interrupted (SIGINT)"), ("SIGTERM", "not ended")])
-def test_a_night_that_was_stopped_has_not_passed(how, said, folder):
+def test_night_that_was_stopped_has_not_passed(how, said, folder):
     assert run("lint") == 0
     assert run("lint", how, "lint") != 0
     assert last_night(PAGE).endswith(f" ago, {said}.")
@@ -156,7 +156,7 @@ def before():
     return night
 
 
-def test_the_last_night_is_so_many_commits_ago(folder, before):
+def test_night_tells_how_many_commits_ago_the_last_one_was(folder, before):
     begun = Night.begun(PAGE)
     assert re.fullmatch("[0-9a-f]{40}", begun.commit)
     before(timedelta(days=3, hours=5), begun.commit)
@@ -170,7 +170,7 @@ def test_the_last_night_is_so_many_commits_ago(folder, before):
     assert last_night(PAGE) == "Last night: 1 hour ago, passed in 48 min, with uncommitted changes."
 
 
-def test_without_its_history_only_the_time_is_said(folder, before):
+def test_night_tells_only_the_time_without_its_history(folder, before):
     """As in a clone of the newest commit alone, or in a source package within another repository."""
     before(timedelta(minutes=7), "0" * 40)
     assert last_night(PAGE) == "Last night: 7 minutes ago, passed in 48 min."
@@ -183,7 +183,7 @@ def test_without_its_history_only_the_time_is_said(folder, before):
     assert last_night(PAGE) == "Last night: 7 minutes ago, passed in 48 min."
 
 
-def test_ages_and_durations_in_words():
+def test_night_says_ages_and_durations_in_words():
     ages = {59: "59 minutes", 60: "1 hour", 1439: "23 hours", 1440: "1 day", 90_000: "62 days"}
     assert {minutes: aged(timedelta(minutes=minutes)) for minutes in ages} == ages
     assert aged(timedelta(seconds=-9)) == "1 minute", "the clock of another machine"
@@ -199,14 +199,14 @@ def test_ages_and_durations_in_words():
         (["--extras"], ["extra"]),
     ],
 )
-def test_tests_are_chosen_by_their_marks(options, chosen, folder):
+def test_night_chooses_tests_by_their_marks(options, chosen, folder):
     suite(SUITE)
     words = ["-m", "pytest", "--collect-only", "-q", "-p", "night_tests", *options]
     told = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=True).stdout
     assert re.findall(r"::test_(\w+)$", told, re.M) == chosen
 
 
-def test_by_day_no_extra_is_installed():
+def test_night_alone_has_extras_and_none_is_installed_by_day():
     """What a user has who installed none is what is tested."""
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 

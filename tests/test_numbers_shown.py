@@ -49,7 +49,7 @@ def strangers(source):
             yield node.lineno
 
 
-def test_every_number_that_is_shown_is_written_in_the_notation_in_use():
+def test_numbers_shown_are_all_written_in_the_notation_in_use():
     found = {
         f"{path.relative_to(ROOT)}:{line}"
         for folder in FOLDERS
@@ -60,12 +60,12 @@ def test_every_number_that_is_shown_is_written_in_the_notation_in_use():
     assert found == set()
 
 
-def test_every_exception_is_needed():
+def test_numbers_shown_have_only_exceptions_that_are_needed():
     for name in FOR_PROGRAMS:
         assert list(strangers((ROOT / name).read_text(encoding="utf-8"))), name
 
 
-def test_a_number_in_english_signs_is_noticed():
+def test_numbers_shown_in_english_signs_are_noticed():
     assert list(strangers('f"{x:.3f} %"')) == [1]
     assert list(strangers('f"{n:,}"')) == [1]
     assert list(strangers('f"{x:g}"')) == [1]

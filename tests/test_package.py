@@ -21,21 +21,21 @@ import apd_viewer
 ROOT = Path(__file__).parents[1]
 
 
-def test_one_version():
+def test_package_has_one_version():
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     stated = re.findall(r'(?m)^version = "(.*)"', project)
     assert stated == [apd_viewer.__version__]
     assert version("apd-viewer") == apd_viewer.__version__
 
 
-def test_the_command_is_the_main_function():
+def test_main_is_the_function_of_the_command():
     from apd_viewer.__main__ import main
 
     (script,) = entry_points(group="console_scripts", name="apd-viewer")
     assert script.load() is main
 
 
-def test_all_names_are_there():
+def test_package_has_all_its_names():
     assert {"open_mesh", "deform", "Deformation", "save_mesh", "view", "InputError"} <= set(
         apd_viewer.__all__
     )
@@ -56,7 +56,7 @@ def test_all_names_are_there():
     ],
     ids=lambda value: getattr(value, "__qualname__", ""),
 )
-def test_parameters(function, positional, named):
+def test_package_has_the_promised_parameters(function, positional, named):
     parameters = inspect.signature(function).parameters
     assert list(parameters)[: len(positional)] == positional
     for name in positional:
@@ -66,22 +66,22 @@ def test_parameters(function, positional, named):
     assert all(p.default is not p.empty for name, p in parameters.items() if name not in positional)
 
 
-def test_promised_defaults():
+def test_deform_has_the_promised_defaults():
     parameters = inspect.signature(apd_viewer.deform).parameters
     assert parameters["tolerance"].default == 1e-3
     assert parameters["iterations"].default is None
 
 
-def test_fields_of_a_result():
+def test_result_has_the_promised_fields():
     fields = {field.name for field in dataclasses.fields(apd_viewer.Result)}
     assert fields >= {"U", "area", "area_error", "energy", "iterations", "converged", "warnings"}
 
 
-def test_an_input_error_is_a_value_error():
+def test_input_error_is_a_value_error():
     assert issubclass(apd_viewer.InputError, ValueError)
 
 
-def test_the_example_of_the_interfaces(tmp_path, monkeypatch):
+def test_package_does_what_the_example_of_the_interfaces_says(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     V, F = box(1, 1, 4)
     trimesh.Trimesh(V, F, process=False).export("bar.off")
@@ -117,7 +117,7 @@ def test_the_example_of_the_interfaces(tmp_path, monkeypatch):
     np.testing.assert_allclose(apd_viewer.open_mesh("out.off").V, result.U, rtol=0, atol=1e-13)
 
 
-def test_the_window_takes_meshes_of_other_libraries():
+def test_as_mesh_takes_meshes_of_other_libraries_for_the_window():
     import pyvista
 
     from apd_viewer.ui.application import as_mesh
@@ -164,7 +164,7 @@ def wheel(tmp_path):
 
 
 @pytest.mark.parametrize("pages", [("index.html", "reference/keys.html", "_static/site.css"), ()], ids=len)
-def test_a_wheel_takes_the_manual_along_where_it_is_built(wheel, pages):
+def test_package_takes_the_manual_along_in_its_wheel_where_it_is_built(wheel, pages):
     built = [f"docs/{page}" for page in (*pages, *(["_static/site.css.map", ".buildinfo"] if pages else []))]
     path = wheel(built)
     assert path.name.endswith("-py3-none-any.whl")
@@ -174,7 +174,7 @@ def test_a_wheel_takes_the_manual_along_where_it_is_built(wheel, pages):
         assert all(archive.read(name).decode() == f"docs/{name.split('/', 2)[2]}" for name in inside)
 
 
-def test_a_wheel_with_kernels_is_one_of_this_system(wheel):
+def test_package_with_kernels_has_a_wheel_of_this_system(wheel):
     compiled = [
         f"kernels/apd_viewer/geometry/{name}" for name in ("a-1.py311.nbi", "b/c-2.py311.1.nbc", "d.tmp")
     ]

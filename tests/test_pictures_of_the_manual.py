@@ -41,18 +41,18 @@ def made():
     return {HERE / f"{name}.webp" for name in names()}
 
 
-def test_every_picture_is_made_by_a_script_and_every_script_makes_one_that_is_shown():
+def test_pictures_of_the_manual_are_made_by_scripts_each_of_which_makes_one_that_is_shown():
     assert len(made()) > 60
     assert shown(pages()) == made()
     assert {path for path in HERE.rglob("*") if path.suffix in (".webp", ".png", ".gif")} == made()
 
 
-def test_a_picture_without_a_script_is_noticed(tmp_path):
+def test_pictures_of_the_manual_are_noticed_without_a_script(tmp_path):
     page = tmp_path / "page.md"
     assert shown({page: "![What it shows](other.png) and [a link](other.md)"}) == {tmp_path / "other.png"}
 
 
-def test_every_picture_says_what_it_shows():
+def test_pictures_of_the_manual_all_say_what_they_show():
     silent = [
         (page.name, link)
         for page, text in pages().items()
@@ -62,7 +62,7 @@ def test_every_picture_says_what_it_shows():
     assert silent == []
 
 
-def test_pictures_are_sharp_and_small():
+def test_pictures_of_the_manual_are_sharp_and_small():
     sizes = {path.name: path.stat().st_size for path in made()}
     assert sum(sizes.values()) < MOST
     assert max(sizes.values()) < 600_000
@@ -98,7 +98,7 @@ def by_day(names):
 
 
 @pytest.mark.parametrize("name", by_day([*SCRIPTED, *(f"gallery_{name}" for name in OF_THE_GALLERY)]))
-def test_a_script_runs(name, staged):
+def test_pictures_of_the_manual_have_scripts_that_run(name, staged):
     drawn = drawer(name)(staged())
     picture = np.asarray(still(drawn).convert("RGB"), dtype=int)
     assert min(picture.shape[:2]) > 100
@@ -107,13 +107,13 @@ def test_a_script_runs(name, staged):
 
 @pytest.mark.night
 @pytest.mark.parametrize("name", ["move_gizmo", "targets_fields", "choose_lasso"])
-def test_a_picture_made_twice_is_the_same(name, staged):
+def test_pictures_of_the_manual_made_twice_are_the_same(name, staged):
     """Pixel for pixel, with the same drawing of OpenGL."""
     first, second = (np.asarray(still(drawer(name)(staged(smooth=True)))) for _ in range(2))
     np.testing.assert_array_equal(first, second)
 
 
-def test_a_film_is_written_with_its_pace(tmp_path):
+def test_pictures_of_the_manual_write_a_film_with_its_pace(tmp_path):
     frames = [Image.new("RGB", (40, 30), color) for color in ("red", "green", "blue")]
     frames[0].save(tmp_path / "a.gif", save_all=True, append_images=frames[1:], duration=[100, 200, 300])
     film = film_of_gif(tmp_path / "a.gif", 20)

@@ -35,14 +35,14 @@ def sample(request):
 
 
 @pytest.mark.parametrize("name", CLOSED)
-def test_samples_are_closed_and_outward(name):
+def test_resources_have_samples_that_are_closed_and_outward(name):
     mesh = read_mesh(RESOURCES / f"{name}.obj")
     assert mesh.is_watertight
     assert mesh.euler_number == 2
     assert mesh.volume > 0
 
 
-def test_the_cloth_is_a_disc_that_looks_upwards():
+def test_resources_have_a_cloth_that_is_a_disc_and_looks_upwards():
     mesh = read_mesh(RESOURCES / "cloth.obj")
     assert mesh.euler_number == 1
     assert len(mesh.outline().entities) == 1
@@ -51,7 +51,7 @@ def test_the_cloth_is_a_disc_that_looks_upwards():
     assert (mesh.face_normals[flat, 1] > 0).all()
 
 
-def test_samples_are_single_and_oriented(sample):
+def test_resources_have_samples_that_are_single_and_oriented(sample):
     mesh, _ = sample
     assert mesh.is_winding_consistent
     assert (
@@ -60,7 +60,7 @@ def test_samples_are_single_and_oriented(sample):
 
 
 @pytest.mark.parametrize("name", ["cloth", "cushion"])
-def test_triangles_of_fabric_have_no_preferred_direction(name):
+def test_resources_have_fabric_whose_triangles_have_no_preferred_direction(name):
     mesh = read_mesh(RESOURCES / f"{name}.obj")
     ends = mesh.vertices[mesh.edges_unique][:, :, [2, 0]]
     inner = np.hypot(*ends.mean(axis=1).T) < 8.0  # nearly flat, and away from hem and piping
@@ -69,21 +69,21 @@ def test_triangles_of_fabric_have_no_preferred_direction(name):
     assert max(abs(np.exp(1j * k * angle).mean()) for k in (2, 4)) < 0.05
 
 
-def test_samples_are_of_a_handy_size_and_stand_on_the_ground(sample):
+def test_resources_have_samples_of_a_handy_size_that_stand_on_the_ground(sample):
     mesh, _ = sample
     assert 8_000 <= len(mesh.vertices) <= 15_000
     assert len(np.unique(mesh.vertices, axis=0)) == len(mesh.vertices)
     assert mesh.vertices[:, 1].min() == pytest.approx(0, abs=1e-3)
 
 
-def test_sample_triangles_are_well_shaped(sample):
+def test_resources_have_samples_whose_triangles_are_well_shaped(sample):
     mesh, _ = sample
     smallest = np.degrees(mesh.face_angles.min(axis=1))
     assert np.percentile(smallest, 1) > 30
     assert smallest.min() > 20
 
 
-def test_selections_hold_one_base_and_one_handle(sample):
+def test_resources_have_selections_of_one_base_and_one_handle(sample):
     mesh, labels = sample
     assert len(labels) == len(mesh.vertices)
     assert set(labels) == {0, 1, 2}
@@ -92,12 +92,12 @@ def test_selections_hold_one_base_and_one_handle(sample):
         assert len(trimesh.graph.connected_components(edges, nodes=np.flatnonzero(labels == label))) == 1
 
 
-def test_the_bottle_holds_half_a_litre():
+def test_resources_have_a_bottle_that_holds_half_a_liter():
     assert read_mesh(RESOURCES / "bottle.obj").volume == pytest.approx(500, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", TRANSFORMS)
-def test_transforms_are_rigid(name):
+def test_resources_have_transforms_that_are_rigid(name):
     M = read_transform(name)
     np.testing.assert_allclose(M[:3, :3] @ M[:3, :3].T, np.eye(3), atol=1e-12)
     assert np.linalg.det(M[:3, :3]) > 0
@@ -105,19 +105,19 @@ def test_transforms_are_rigid(name):
 
 
 @pytest.mark.parametrize("degrees", [60, 120, 180])
-def test_the_twist_turns_about_the_bottle_s_axis(degrees):
+def test_resources_have_a_twist_that_turns_about_the_bottle_s_axis(degrees):
     M = read_transform(f"bottle-twist-{degrees}")
     assert np.degrees(np.arccos((np.trace(M) - 2) / 2)) == pytest.approx(degrees)
     assert (M @ [0, 5, 0, 1]).tolist() == [0, 5, 0, 1]
 
 
-def test_the_second_bend_is_twice_the_first():
+def test_resources_have_a_second_bend_that_is_twice_the_first():
     first, second = (read_transform(f"duck-bend-{share}")[:3, 3] for share in ("015", "030"))
     np.testing.assert_allclose(second, 2 * first, rtol=1e-12)
 
 
 @pytest.mark.night
-def test_the_script_reproduces_the_samples(tmp_path):
+def test_resources_have_a_script_that_reproduces_the_samples(tmp_path):
     runpy.run_path(str(RESOURCES / "make_samples.py"))["main"](tmp_path)
     for name in SAMPLES:
         made, kept = read_mesh(tmp_path / f"{name}.obj"), read_mesh(RESOURCES / f"{name}.obj")
@@ -128,14 +128,14 @@ def test_the_script_reproduces_the_samples(tmp_path):
         np.testing.assert_allclose(np.loadtxt(tmp_path / f"{name}.def"), read_transform(name), atol=1e-6)
 
 
-def test_every_icon_is_used_and_every_one_that_is_used_is_there():
+def test_resources_have_every_icon_that_is_used_and_no_other():
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "apd_viewer" / "ui").rglob("*.py"))
     assert [name for name in ICONS if f'"{name}"' not in sources and not name.startswith("nudge-")] == []
     assert set(re.findall(r'icon\("([a-z-]+)"', sources)) <= set(ICONS)
 
 
 @pytest.mark.parametrize("name", ICONS)
-def test_icons_are_one_family(name):
+def test_resources_have_icons_of_one_family(name):
     root = ElementTree.parse(RESOURCES / "icons" / f"{name}.svg").getroot()
     assert root.get("viewBox") == "0 0 20 20"
     assert root.get("stroke") == "currentColor"
@@ -144,7 +144,7 @@ def test_icons_are_one_family(name):
     assert colours <= {"none", "currentColor", "baseColor", "handleColor", "regionColor"}
 
 
-def test_the_application_icon_carries_the_colours_of_base_and_handle():
+def test_resources_have_an_application_icon_in_the_colors_of_base_and_handle():
     path = RESOURCES / "icons" / "apd-viewer.svg"
     assert ElementTree.parse(path).getroot().get("viewBox") == "0 0 64 64"
     assert {"#0072B2", "#D55E00"} <= set(path.read_text().split('"'))

@@ -45,7 +45,7 @@ def keys():
     return window_facts.entries()
 
 
-def test_every_command_and_every_option_is_on_the_page():
+def test_site_has_every_command_and_every_option_on_its_page():
     page = commands_page.commands_page()
     assert set(re.findall(r"(?m)^## apd-viewer (\w+)", page)) == set(COMMANDS)
     sections = dict(re.findall(r"(?ms)^```\{program\} ([\w -]+)$(.*?)(?=^```\{program\}|\Z)", page))
@@ -55,35 +55,35 @@ def test_every_command_and_every_option_is_on_the_page():
     assert listed == set(options())
 
 
-def test_what_an_option_says_is_that_of_its_help():
+def test_site_says_of_an_option_what_its_help_says():
     page = commands_page.commands_page()
     assert escaped("4x4 matrix that moves the handle; repeat for each handle") in page
     assert "%(default)s" not in page
 
 
-def test_every_python_name_is_on_the_page():
+def test_site_has_every_python_name_on_its_page():
     assert set(re.findall(r":: apd_viewer\.(\w+)", python_page.python_page())) == set(apd_viewer.__all__)
 
 
-def test_every_setting_has_an_anchor_and_nothing_of_this_machine():
+def test_site_has_an_anchor_of_every_setting_and_nothing_of_this_machine():
     page = settings_page.settings_page()
     anchors = re.findall(r"\{#([\w-]+)\}", page)
     assert anchors == [of_setting(row.name).anchor for row in PREFERENCES]
     assert "All cores (" not in page
 
 
-def test_every_format_is_on_the_page():
+def test_site_has_every_format_on_its_page():
     assert re.findall(r"`(\.\w+)`", generated_pages.WRITERS["formats"]()) == list(FORMATS)
 
 
-def test_every_menu_entry_has_an_anchor_of_its_own(keys):
+def test_site_has_an_anchor_of_its_own_for_every_menu_entry(keys):
     assert {"File", "Edit", "Tools", "Select", "Handle", "View", "Help"} == {entry.menu for entry in keys}
     anchors = [of_action(entry.name).anchor for entry in keys]
     assert len(anchors) > 140
     assert len(set(anchors)) == len(anchors)
 
 
-def test_keys_named_in_the_pages_are_those_of_the_window(keys):
+def test_site_names_the_keys_of_the_window_in_its_pages(keys):
     """A menu entry in bold type with keys behind it: ``**Menu > Entry** (`Ctrl+X`)``."""
     pattern = r"\*\*(?:\w+ > )+([^*>]+)\*\*\s+\(`([^`]+)`\)"
     named = [found for page in DOCS.rglob("*.md") for found in re.findall(pattern, page.read_text("utf-8"))]
@@ -92,7 +92,7 @@ def test_keys_named_in_the_pages_are_those_of_the_window(keys):
     assert [(title, key) for title, key in named if key not in real[title]] == []
 
 
-def test_the_tutorial_names_what_the_window_shows():
+def test_site_names_in_its_tutorial_what_the_window_shows():
     """What stands in italics is a text of the window, but for capitals."""
     said = re.findall(
         r"(?<!\*)\*([^*\s](?:[^*\n]*[^*\s])?)\*(?!\*)", (DOCS / "tutorial.md").read_text("utf-8")
@@ -106,7 +106,7 @@ def test_the_tutorial_names_what_the_window_shows():
     assert [words for words in said if words.lower() not in texts] == []
 
 
-def test_every_control_is_listed_once_with_a_sentence():
+def test_site_lists_every_control_once_with_a_sentence():
     found = window_facts.controls()
     assert len(found) > 150
     groups = [group.path for group in control_words.GROUPS]
@@ -120,7 +120,7 @@ def test_every_control_is_listed_once_with_a_sentence():
     assert [row for row in rows if not row.title or len(row.sentence) < 8] == []
 
 
-def test_menu_entries_lead_to_the_pages_about_them(keys):
+def test_site_leads_from_menu_entries_to_the_pages_about_them(keys):
     entry = next(entry for entry in keys if entry.name == "bake")
     assert "[Undo, and begin from a new rest shape](../howto/undo.md)" in keys_page.keys_page()
     assert keys_page.page_about(entry).name == "undo.md"
@@ -130,21 +130,21 @@ def test_menu_entries_lead_to_the_pages_about_them(keys):
     ("name", "page"),
     [("open", "open.md"), ("settings", "settings.md"), ("way:SLAB", "choose.md"), ("cut", "look.md")],
 )
-def test_menu_entries_lead_to_the_page_that_begins_with_them(keys, name, page):
+def test_site_leads_from_menu_entries_to_the_page_that_begins_with_them(keys, name, page):
     entry = next(entry for entry in keys if entry.name == name)
     assert keys_page.page_about(entry).name == page
 
 
-def test_signs_count_in_anchors():
+def test_slug_counts_signs_in_anchors():
     assert slug("up:-X") != slug("up:+X")
     assert slug("nudge:(-1,0,0)") == "nudge-minus-1-0-0"
 
 
-def test_text_keeps_its_signs():
+def test_site_keeps_the_signs_of_a_text():
     assert escaped("a_b *c*\n<d>") == r"a\_b \*c\* \<d\>"
 
 
-def test_a_page_shows_a_file_and_links_lead_from_there(tmp_path):
+def test_site_shows_a_file_on_a_page_and_links_lead_from_there(tmp_path):
     (tmp_path / "docs" / "sub").mkdir(parents=True)
     (tmp_path / "NEWS.md").write_text("# News\n\n[Here](docs/page.md#a), [there](https://a.example/b)\n")
     (tmp_path / "docs" / "page.md").write_text("[News](../NEWS.md)\n")
@@ -165,7 +165,7 @@ needs_sphinx = pytest.mark.skipif(
 
 @pytest.mark.night
 @needs_sphinx
-def test_a_page_follows_what_it_is_made_of(tmp_path):
+def test_site_has_a_page_follow_what_it_is_made_of(tmp_path):
     """Built again beside its doctrees, as by ``make docs``, it shows the file as it has become."""
     docs, news = tmp_path / "docs", tmp_path / "NEWS.md"
     docs.mkdir()
@@ -183,7 +183,7 @@ def test_a_page_follows_what_it_is_made_of(tmp_path):
 
 @pytest.mark.night
 @needs_sphinx
-def test_the_site_is_built_without_a_warning(tmp_path):
+def test_site_is_built_without_a_warning(tmp_path):
     command = [sys.executable, "-m", "sphinx", "-W", "-n", "-q", "-d", str(tmp_path / "trees")]
     done = subprocess.run(
         [*command, str(DOCS), str(tmp_path / "site")], cwd=ROOT, capture_output=True, text=True, check=False

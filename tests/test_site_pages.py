@@ -17,7 +17,7 @@ needs_browser = pytest.mark.skipif(
 
 
 @needs_browser
-def test_wide_pages_broken_pictures_and_pale_text_are_named(tmp_path):
+def test_site_pages_names_wide_pages_broken_pictures_and_pale_text(tmp_path):
     for name, inside in {
         "good": "<p style='color: #333'>legible</p>",
         "wide": "<div style='width: 500px; color: #333'>wide</div>",
@@ -38,7 +38,7 @@ def test_wide_pages_broken_pictures_and_pale_text_are_named(tmp_path):
 
 @pytest.mark.night
 @needs_browser
-def test_all_pages_of_the_site_fit(tmp_path):
+def test_site_pages_all_fit(tmp_path):
     command = [sys.executable, "-m", "sphinx", "-q", "-d", str(tmp_path / "trees")]
     subprocess.run([*command, str(DOCS), str(tmp_path / "site")], cwd=DOCS.parent, check=True)
     assert looked_at(tmp_path / "site") == []

@@ -30,29 +30,29 @@ def found():
     return modules()
 
 
-def test_folders_and_files_are_small(found):
+def test_structure_has_small_folders_and_files(found):
     assert max(folder_sizes(found).values()) <= 20
     assert percentile([len(module.lines) for module in found], 0.9) <= 200
 
 
-def test_functions_and_classes_are_small(found):
+def test_structure_has_small_functions_and_classes(found):
     assert percentile(body_lengths(found), 0.9) <= 15
     assert {name: count for name, count in method_counts(found).items() if count > 25} == {}
 
 
-def test_few_methods_only_forward(found):
+def test_structure_has_few_methods_that_only_forward(found):
     assert len(forwarders(found)) < 0.02 * len(body_lengths(found))
 
 
-def test_nothing_in_the_window_is_completed_after_its_constructor(found):
+def test_structure_completes_nothing_in_the_window_after_its_constructor(found):
     assert late_starts(found) == []
 
 
-def test_traits_decide_and_not_the_names_of_methods(found):
+def test_structure_lets_traits_decide_and_not_the_names_of_methods(found):
     assert method_comparisons(found) == []
 
 
-def test_imports_in_functions_have_their_reason(found):
+def test_structure_gives_imports_in_functions_their_reason(found):
     assert [place for place, explained in local_imports(found) if not explained] == []
 
 
@@ -61,17 +61,17 @@ def test_private_names_are_not_used_by_tests(room):
     assert private_names(modules(Path(__file__).parent / room)) == []
 
 
-def test_each_class_has_a_name_of_its_own(found):
+def test_structure_gives_each_class_a_name_of_its_own(found):
     assert homonyms(found) == []
 
 
-def test_docstrings_begin_with_a_name_or_an_imperative(found):
+def test_structure_begins_docstrings_with_a_name_or_an_imperative(found):
     lines = first_lines(found)
     assert [place for place, text in lines if QUESTION.match(text)] == []
     assert [place for place, text in lines if len(text) > 80] == []
 
 
-def test_relative_clauses_are_rare_in_first_lines(found):
+def test_structure_keeps_relative_clauses_rare_in_first_lines(found):
     texts = [text for _, text in first_lines(found)]
     assert sum(len(RELATIVE.findall(text)) for text in texts) <= 0.1 * len(texts)
 
@@ -111,7 +111,7 @@ def odd(method):
 )
 
 
-def test_the_figures_see_what_they_should():
+def test_structure_has_figures_that_see_what_they_should():
     """A measure that finds nothing would keep all limits."""
     assert [line.split()[1] for line in forwarders([BAD])] == ["forward", "length"]
     assert len(method_comparisons([BAD])) == 2

@@ -74,12 +74,12 @@ def spaces(text):
     return text[: len(text) - len(text.lstrip())], text[len(text.rstrip()) :]
 
 
-def test_there_are_languages():
+def test_translations_are_there():
     assert "de" in {path.parents[1].name for path in FILES}
 
 
 @EACH
-def test_every_text_is_in_the_catalogue_and_none_that_is_gone(path):
+def test_translations_have_every_text_in_the_catalogue_and_none_that_is_gone(path):
     """``make texts`` adds what is new, and removes what is gone."""
     wanted = {(context, message) for message, context in messages()}
     there = {(message.context, message.id) for message in read(path) if message.id}
@@ -89,7 +89,7 @@ def test_every_text_is_in_the_catalogue_and_none_that_is_gone(path):
 
 
 @EACH
-def test_every_text_is_translated(path):
+def test_translations_have_every_text_translated(path):
     catalogue = read(path)
     wrong = [
         message.id
@@ -110,12 +110,12 @@ def test_translations_keep_fields_signs_and_spaces(path):
 
 
 @EACH
-def test_what_a_reader_must_check_comes_with_a_question(path):
+def test_translations_come_with_a_question_where_a_reader_must_check_them(path):
     assert [message.id for message in read(path) if message.fuzzy and not message.user_comments] == []
 
 
 @EACH
-def test_the_catalogue_is_compiled(path):
+def test_translations_have_their_catalogue_compiled(path):
     """``make texts`` compiles it; fuzzy texts are shown too. Its head may name another release of Babel."""
     wanted = io.BytesIO()
     write_mo(wanted, read(path), use_fuzzy=True)
@@ -148,7 +148,7 @@ def texts_of(catalogue):
         (("a face", "{n} faces"), ("ein Dreieck", "Dreiecke"), ["fields"]),
     ],
 )
-def test_faults_are_found(english, text, kinds):
+def test_translations_with_faults_are_noticed(english, text, kinds):
     catalogue = Catalog(locale="de")
     catalogue.add(english, text)
     assert [kind for kind, _ in faults(catalogue)] == kinds
@@ -164,7 +164,7 @@ def texts(tmp_path, monkeypatch):
     return script
 
 
-def test_a_catalogue_is_begun_and_followed(texts, tmp_path, capsys):
+def test_translations_have_a_catalogue_begun_and_followed(texts, tmp_path, capsys):
     """What is new is added without a guess, what is gone is removed, what is translated stays."""
     texts.main(["de"])
     path = tmp_path / "de" / "LC_MESSAGES" / "apd_viewer.po"
@@ -182,7 +182,7 @@ def test_a_catalogue_is_begun_and_followed(texts, tmp_path, capsys):
     assert capsys.readouterr().out.count("to translate") == 2
 
 
-def test_the_site_lists_what_is_to_be_checked():
+def test_translations_to_be_checked_are_listed_on_the_site():
     page = translations_page()
     for path in FILES:
         catalogue = read(path)
@@ -191,7 +191,7 @@ def test_the_site_lists_what_is_to_be_checked():
     assert "German (Deutsch)" in page
 
 
-def test_chinese_has_signs_of_its_own_and_no_spaces():
+def test_translations_into_chinese_have_signs_of_their_own_and_no_spaces():
     catalogue = Catalog(locale="zh_CN")
     catalogue.add("usage: ", "用法：")
     catalogue.add("along &{axis}…", "沿 {axis} (&{axis})…")

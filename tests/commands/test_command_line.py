@@ -150,7 +150,9 @@ def process(*words, env=None, without=()):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("iterations", [1, 5])
-def test_a_count_of_iterations_gives_what_python_gives_bit_for_bit(method, iterations, bar, deformed):
+def test_deform_gives_what_python_gives_bit_for_bit_for_a_count_of_iterations(
+    method, iterations, bar, deformed
+):
     report, _, _ = deformed(bar, "--method", method, "--iterations", iterations)
     result = deform(bar.V, bar.F, bar.fixed, bar.targets, method, iterations, handle=bar.handle)
     save_mesh(open_mesh(bar.mesh), result.U, bar.folder / "api.obj")
@@ -160,14 +162,14 @@ def test_a_count_of_iterations_gives_what_python_gives_bit_for_bit(method, itera
         assert report[field] == getattr(result, field), field
 
 
-def test_held_vertices_are_where_they_were_put(bar, deformed):
+def test_deform_keeps_held_vertices_where_they_were_put(bar, deformed):
     _, mesh, _ = deformed(bar, "--method", "arap", "--iterations", 3)
     np.testing.assert_allclose(mesh.V[bar.fixed], bar.targets, rtol=0, atol=1e-13)
     np.testing.assert_array_equal(mesh.F, bar.F)
 
 
 @pytest.mark.parametrize("suffix", WRITTEN)
-def test_every_format_can_be_written(suffix, bar, command):
+def test_deform_writes_every_format(suffix, bar, command):
     bar.out = bar.folder / f"out{suffix}"
     status, out, err = command(*bar.words("--method", "arap", "--iterations", 2))
     assert (status, err) == (0, "")
@@ -176,7 +178,7 @@ def test_every_format_can_be_written(suffix, bar, command):
     np.testing.assert_allclose(open_mesh(bar.out).V[open_mesh(bar.out).F], expected[bar.F], atol=1e-6)
 
 
-def test_without_transform_and_iterations_nothing_moves(tmp_path, deformed):
+def test_deform_moves_nothing_without_transform_and_iterations(tmp_path, deformed):
     case = Case(tmp_path, *box(2, 2, 5), M=np.eye(4))
     report, mesh, _ = deformed(case)
     np.testing.assert_allclose(mesh.V, case.V, atol=1e-9)
@@ -221,7 +223,7 @@ def energy(V, F, U):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_the_report_says_what_is_in_the_file(method, bar, deformed):
+def test_deform_reports_what_is_in_the_file(method, bar, deformed):
     report, mesh, _ = deformed(bar, "--method", method)
     assert set(PROMISED) <= set(report)
     assert {key: type(report[key]) for key in PROMISED} == PROMISED
@@ -245,14 +247,14 @@ def test_the_report_says_what_is_in_the_file(method, bar, deformed):
     assert report["warnings"] == []
 
 
-def test_the_paper_s_method_keeps_the_area_and_moves_the_handle_for_it(bar, deformed):
+def test_deform_by_the_paper_s_method_keeps_the_area_and_moves_the_handle_for_it(bar, deformed):
     plain, _, _ = deformed(bar, "--method", "arap")
     report, _, _ = deformed(bar, "--method", "paper", "--tolerance", "1e-4")
     assert abs(plain["area_error"]) > 1e-3 > 1e-4 >= abs(report["area_error"])
     assert plain["handle_drift"] < 1e-12 < report["handle_drift"]
 
 
-def test_exact_is_the_default_and_takes_targets(bar, deformed):
+def test_deform_is_exact_by_default_and_takes_targets(bar, deformed):
     report, mesh, out = deformed(bar, "--area", 105, "--volume", 95, "--stiffness", 0.01)
     assert report["method"] == "exact"
     assert report["converged"] is True
@@ -267,7 +269,7 @@ def test_exact_is_the_default_and_takes_targets(bar, deformed):
     assert "(-5.000 %)" in out
 
 
-def test_stiffness_and_the_stiffnesses_of_local_change_the_shape(bar, deformed):
+def test_deform_changes_the_shape_by_stiffness_and_the_stiffnesses_of_local(bar, deformed):
     shapes = [
         deformed(bar, "--method", "local", "--iterations", 5, *words)[1].V
         for words in ([], ["--stiffness", 0.05], ["--area-stiffness", 1], ["--shear-stiffness", 5])
@@ -276,7 +278,7 @@ def test_stiffness_and_the_stiffnesses_of_local_change_the_shape(bar, deformed):
         assert all(np.abs(shape - other).max() > 1e-3 for other in shapes[:i])
 
 
-def test_walls_are_kept_apart_when_asked(tmp_path, deformed):
+def test_deform_keeps_walls_apart_when_asked(tmp_path, deformed):
     V, F = tube(12, 12)
     wrung = np.eye(4)
     wrung[:3, :3], wrung[2, 3] = rotation((0, 0, 1), 2.8), -0.3 * V[:, 2].max()
@@ -291,7 +293,7 @@ def test_walls_are_kept_apart_when_asked(tmp_path, deformed):
     assert abs(kept["area_error"]) <= 1e-9
 
 
-def test_regions_are_read_measured_and_kept(bar, deformed):
+def test_deform_reads_measures_and_keeps_regions(bar, deformed):
     z = bar.V[:, 2]
     for name, inside in (("low", z <= 2), ("high", z >= 3)):
         (bar.folder / f"{name}.txt").write_text("\n".join(map(str, inside.astype(int))))
@@ -308,7 +310,7 @@ def test_regions_are_read_measured_and_kept(bar, deformed):
     assert "“neck”" in out
 
 
-def test_two_handles_each_with_its_motion(bar, deformed):
+def test_deform_moves_two_handles_each_by_its_motion(bar, deformed):
     labels = np.where((bar.labels == 2) & (bar.V[:, 0] > 0.5), 3, bar.labels)
     (bar.folder / "s.sel").write_text("\n".join(map(str, labels)))
     other = pose(-0.3, (-0.2, 0.0, 0.5))
@@ -322,7 +324,7 @@ def test_two_handles_each_with_its_motion(bar, deformed):
     assert abs(report["area_error"]) <= 1e-9
 
 
-def test_what_is_out_of_reach_is_said_and_written(bar, deformed):
+def test_deform_says_what_is_out_of_reach_and_writes_the_shape(bar, deformed):
     report, mesh, out = deformed(bar, "--area", "5%")
     assert report["converged"] is False
     assert "Out of reach in this pose: the area is at" in report["warnings"][-1]
@@ -331,13 +333,13 @@ def test_what_is_out_of_reach_is_said_and_written(bar, deformed):
     assert np.isfinite(mesh.V).all()
 
 
-def test_what_is_not_converged_says_so(bar, deformed):
+def test_deform_says_that_a_shape_has_not_converged(bar, deformed):
     report, _, out = deformed(bar, "--method", "paper", "--iterations", 1)
     assert report["converged"] is False
     assert "not converged after 1 iterations" in out
 
 
-def test_an_open_mesh_has_no_volume_and_is_told_why(tmp_path, deformed):
+def test_deform_gives_an_open_mesh_no_volume_and_tells_why(tmp_path, deformed):
     V, F = grid(4, 6)
     case = Case(tmp_path, V, F, labels=np.clip(1 + (V[:, 1] == 6) - (V[:, 1] == 0), 0, 2).astype(int))
     report, mesh, out = deformed(case, "--method", "arap", "--iterations", 2)
@@ -350,7 +352,7 @@ def test_an_open_mesh_has_no_volume_and_is_told_why(tmp_path, deformed):
     assert report["area"] == pytest.approx(trimesh.Trimesh(mesh.V, F, process=False).area, rel=1e-12)
 
 
-def test_a_piece_that_nothing_holds_goes_along(two_pieces, deformed):
+def test_deform_takes_a_piece_that_nothing_holds_along(two_pieces, deformed):
     report, mesh, _ = deformed(two_pieces)
     (warning,) = report["warnings"]
     assert warning.startswith(
@@ -360,7 +362,7 @@ def test_a_piece_that_nothing_holds_goes_along(two_pieces, deformed):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_piece_that_nothing_holds_can_stay_bit_for_bit(method, two_pieces, deformed):
+def test_deform_can_let_a_piece_that_nothing_holds_stay_bit_for_bit(method, two_pieces, deformed):
     report, _, out = deformed(two_pieces, "--method", method, "--iterations", 3, "--loose", "stay")
     (warning,) = report["warnings"]
     assert warning == "1 connected part without base or handle; it stays where it is."
@@ -381,7 +383,7 @@ def test_a_piece_that_nothing_holds_can_stay_bit_for_bit(method, two_pieces, def
     assert two_pieces.out.read_bytes() == (two_pieces.folder / "api.obj").read_bytes()
 
 
-def test_the_summary_says_what_the_report_says(bar, deformed):
+def test_deform_says_in_its_summary_what_the_report_says(bar, deformed):
     report, _, out = deformed(bar, "--method", "arap", "--iterations", 4)
     assert f"{report['area']:.6g} of {report['area_rest']:.6g}" in out
     assert f"({100 * report['area_error']:+.3f} %)" in out
@@ -390,14 +392,14 @@ def test_the_summary_says_what_the_report_says(bar, deformed):
     assert "4 iterations" in out
 
 
-def test_the_mesh_may_be_written_over_itself(bar, command):
+def test_deform_may_write_the_mesh_over_itself(bar, command):
     expected = deform(bar.V, bar.F, bar.fixed, bar.targets, "arap", 2).U
     assert command(*bar.words("--method", "arap", "--iterations", 2, out=bar.mesh))[0] == 0
     np.testing.assert_allclose(open_mesh(bar.mesh).V, expected, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("terminal", [True, False])
-def test_progress_is_drawn_on_a_terminal_only(terminal, bar, monkeypatch, capsys):
+def test_deform_draws_progress_on_a_terminal_only(terminal, bar, monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
     assert main(bar.words("--method", "arap", "--iterations", "45")) == 0
     said = capsys.readouterr().err
@@ -449,7 +451,7 @@ WRONG_SELECTIONS = {
 
 
 @pytest.mark.parametrize("case", WRONG_SELECTIONS)
-def test_a_wrong_selection(case, bar, refused):
+def test_deform_refuses_a_wrong_selection(case, bar, refused):
     change, words = WRONG_SELECTIONS[case]
     (bar.folder / "s.sel").write_text("\n".join(map(str, change(bar.labels))))
     assert re.search(words, refused())
@@ -465,18 +467,18 @@ def test_a_wrong_selection(case, bar, refused):
         ("", "is not a 4x4 matrix"),
     ],
 )
-def test_a_wrong_transform(content, words, bar, refused):
+def test_deform_refuses_a_wrong_transform(content, words, bar, refused):
     (bar.folder / "t.def").write_text(content)
     assert words in refused()
 
 
 @pytest.mark.parametrize("file", ["mesh", "sel", "def"])
-def test_a_missing_file(file, bar, refused):
+def test_deform_refuses_a_missing_file(file, bar, refused):
     assert re.search(r"There is no file .*gone\.obj", refused(**{file: bar.folder / "gone.obj"}))
 
 
 @pytest.mark.parametrize("file", ["sel", "def"])
-def test_a_folder_in_place_of_a_file(file, bar, refused):
+def test_deform_refuses_a_folder_in_place_of_a_file(file, bar, refused):
     assert "is a folder, a pipe or a device; name a file instead" in refused(**{file: bar.folder})
 
 
@@ -491,18 +493,18 @@ def test_a_folder_in_place_of_a_file(file, bar, refused):
         (("x" * 300) + "/out.obj", "error: "),
     ],
 )
-def test_a_wrong_output(out, words, bar, refused):
+def test_deform_refuses_a_wrong_output(out, words, bar, refused):
     assert words in refused(out=bar.folder / out)
 
 
 @pytest.mark.parametrize(("place", "words"), [(".", "it is a folder"), ("gone/r.json", "There is no folder")])
-def test_a_report_that_cannot_be_written_is_named_at_once(place, words, bar, refused, monkeypatch):
+def test_deform_names_a_report_that_cannot_be_written_at_once(place, words, bar, refused, monkeypatch):
     monkeypatch.setattr("apd_viewer.commands.deform.deform", None)  # nothing is deformed before
     assert words in refused("--report", bar.folder / place)
 
 
 @pytest.mark.parametrize("option", ["--report", "--scalars"])
-def test_a_file_to_be_written_twice(option, bar, refused):
+def test_deform_refuses_a_file_to_be_written_twice(option, bar, refused):
     out = bar.folder / "out.ply"
     assert "out.ply would be written twice" in refused(option, bar.folder / "." / out.name, out=out)
 
@@ -533,7 +535,7 @@ def test_a_file_to_be_written_twice(option, bar, refused):
         ("--picture", "picture.jpg", "use .png"),
     ],
 )
-def test_a_wrong_option(option, value, words, refused):
+def test_deform_refuses_a_wrong_option(option, value, words, refused):
     assert words in refused("--iterations", "1", option, value)
 
 
@@ -546,21 +548,21 @@ def test_a_wrong_option(option, value, words, refused):
         (["--thickness", "nan"], "thickness must be a length"),
     ],
 )
-def test_contact_that_cannot_be_had(words, said, refused):
+def test_deform_refuses_contact_that_cannot_be_had(words, said, refused):
     assert said in refused("--contact", *words)
 
 
 @pytest.mark.parametrize("option", ["--report", "--picture"])
-def test_a_missing_folder_for_what_comes_beside_the_mesh(option, bar, refused):
+def test_deform_refuses_a_missing_folder_for_what_comes_beside_the_mesh(option, bar, refused):
     assert "There is no folder" in refused("--iterations", "1", option, bar.folder / "gone" / "a.png")
 
 
-def test_a_mesh_that_cannot_be_written_leaves_no_report_either(bar, refused):
+def test_deform_leaves_no_report_either_if_the_mesh_cannot_be_written(bar, refused):
     (bar.folder / "taken.obj").mkdir()
     refused("--iterations", "1", out=bar.folder / "taken.obj")
 
 
-def test_a_report_that_cannot_be_written_leaves_no_picture_either(bar, refused, monkeypatch):
+def test_deform_leaves_no_picture_either_if_the_report_cannot_be_written(bar, refused, monkeypatch):
     from apd_viewer.commands import deform as deform_command
 
     def drawn(_, pictures, *__):  # the real one takes its time
@@ -572,7 +574,7 @@ def test_a_report_that_cannot_be_written_leaves_no_picture_either(bar, refused, 
     )
 
 
-def test_a_full_disk(refused, monkeypatch):
+def test_deform_refuses_a_full_disk_and_leaves_files_as_they_were(refused, monkeypatch):
     def full(descriptor):
         raise OSError(28, "No space left on device")
 
@@ -580,7 +582,7 @@ def test_a_full_disk(refused, monkeypatch):
     assert "No space left on device" in refused("--iterations", "1")
 
 
-def test_an_interruption_writes_nothing(bar, command, monkeypatch):
+def test_deform_writes_nothing_when_interrupted(bar, command, monkeypatch):
     def interrupted(*args, **kwargs):
         raise KeyboardInterrupt
 
@@ -604,7 +606,7 @@ def test_an_interruption_writes_nothing(bar, command, monkeypatch):
         (["info", "two\nlines.obj"], "There is no file"),
     ],
 )
-def test_wrong_words(words, said, command):
+def test_main_refuses_wrong_words_in_one_line(words, said, command):
     status, out, err = command(*words)
     assert (status, out) == (2, "")
     assert re.fullmatch(r"error: .+\n", err)
@@ -623,7 +625,7 @@ def saved(bar):
     return bar.folder / "a.apd"
 
 
-def test_a_replay_from_rest_is_what_deform_does(bar, saved, deformed, command):
+def test_replay_from_rest_does_what_deform_does(bar, saved, deformed, command):
     expected, _, summary = deformed(bar)
     content = bar.out.read_bytes()
     bar.out.unlink()
@@ -642,7 +644,7 @@ def test_a_replay_from_rest_is_what_deform_does(bar, saved, deformed, command):
     assert others == summary.splitlines()[1:]
 
 
-def test_a_replay_goes_on_and_then_leaves_the_shape_as_it_is(bar, saved, command):
+def test_replay_goes_on_and_then_leaves_the_shape_as_it_is(bar, saved, command):
     assert command("replay", saved, "-o", bar.out)[0] == 0
     mesh = open_mesh(bar.mesh)
     state, _ = open_session(saved)
@@ -661,13 +663,13 @@ def test_a_replay_goes_on_and_then_leaves_the_shape_as_it_is(bar, saved, command
 
 
 @pytest.mark.parametrize("terminal", [True, False])
-def test_the_progress_of_a_replay_is_drawn_on_a_terminal_only(terminal, bar, saved, monkeypatch, capsys):
+def test_replay_draws_progress_on_a_terminal_only(terminal, bar, saved, monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
     assert main(["replay", str(saved), "-o", str(bar.out)]) == 0
     assert ("\riteration " in capsys.readouterr().err) is terminal
 
 
-def test_a_replay_needs_neither_a_display_nor_qt(bar, saved):
+def test_replay_needs_neither_a_display_nor_qt(bar, saved):
     script = "import sys; from apd_viewer.__main__ import main; status = main(sys.argv[1:]);"
     script += "sys.exit(status or any(name in sys.modules for name in ('PySide6', 'vtkmodules', 'pyvista')))"
     words = ["replay", saved, "-o", bar.out]
@@ -722,13 +724,13 @@ def refused_replay(bar, saved, command):
     return run
 
 
-def test_a_replay_of_a_mesh_is_refused_as_no_session(bar, command):
+def test_replay_refuses_a_mesh_as_no_session(bar, command):
     (bar.folder / "plain.off").write_text("OFF")
     status, _, err = command("replay", bar.folder / "plain.off", "-o", bar.out)
     assert (status, err) == (2, "error: plain.off is not a session; give a .apd file.\n")
 
 
-def test_a_selection_without_a_motion_is_refused(bar, command):
+def test_deform_refuses_a_selection_without_a_motion(bar, command):
     (bar.folder / "s.sel").write_text("\n".join(map(str, bar.labels)))
     status, _, err = command("deform", bar.mesh, "--selection", bar.folder / "s.sel", "-o", bar.out)
     assert status == 2
@@ -738,13 +740,13 @@ def test_a_selection_without_a_motion_is_refused(bar, command):
 
 
 @pytest.mark.parametrize("case", WRONG_SESSIONS)
-def test_a_wrong_session(case, bar, saved, refused_replay):
+def test_replay_refuses_a_wrong_session(case, bar, saved, refused_replay):
     change, words = WRONG_SESSIONS[case]
     change(bar, saved)
     assert re.search(words, refused_replay())
 
 
-def test_wrong_words_of_a_replay(bar, refused_replay):
+def test_replay_refuses_wrong_words(bar, refused_replay):
     assert "does not have a supported ending" in refused_replay(out=bar.folder / "out.xyz")
     assert "There is no folder" in refused_replay(out=bar.folder / "gone" / "out.obj")
     assert "There is no folder" in refused_replay("--report", bar.folder / "gone" / "r.json")
@@ -754,7 +756,7 @@ def test_wrong_words_of_a_replay(bar, refused_replay):
 # ---- info
 
 
-def test_info_as_json(bar, command):
+def test_info_describes_a_mesh_as_json(bar, command):
     status, out, err = command("info", bar.mesh, "--json")
     assert (status, err) == (0, "")
     found, other = json.loads(out), trimesh.Trimesh(bar.V, bar.F, process=False)
@@ -769,7 +771,7 @@ def test_info_as_json(bar, command):
     assert found["mesh"] == str(bar.mesh)
 
 
-def test_info_for_people(bar, command):
+def test_info_describes_a_mesh_for_people(bar, command):
     status, out, err = command("info", bar.mesh)
     assert (status, err) == (0, "")
     assert f"in.obj: {len(bar.V)} vertices, {len(bar.F)} triangles, 1 connected part(s)" in out
@@ -779,7 +781,7 @@ def test_info_for_people(bar, command):
     assert "No issues" in out
 
 
-def test_info_on_a_mesh_with_everything_that_can_be_found(tmp_path, command):
+def test_info_tells_everything_that_can_be_found_on_a_mesh(tmp_path, command):
     V, F = grid(2, 2)
     V = np.vstack([V, V[:1], [[5, 5, 5]], V + [10, 0, 0]])
     F = np.vstack([F, F + 11, [[9, 1, 1]]])  # 9 repeats 0; 10 is in no face; the last has no area
@@ -801,7 +803,7 @@ def test_info_on_a_mesh_with_everything_that_can_be_found(tmp_path, command):
     assert "No issues" not in said
 
 
-def test_info_on_a_bottle_without_a_cap_and_on_one_that_passes_through_itself(tmp_path, command):
+def test_info_measures_a_bottle_without_a_cap_and_tells_of_one_that_passes_through_itself(tmp_path, command):
     V, F = box(2, 2, 5)
     mouth = (V[F][:, :, 2] == 5).all(axis=1)
     found = json.loads(command("info", Case(tmp_path, V, F[~mouth]).mesh, "--json")[1])
@@ -825,7 +827,7 @@ def test_info_on_a_bottle_without_a_cap_and_on_one_that_passes_through_itself(tm
     assert f"the {exempt['vertex_count']} vertices" in exempt["sentence"]
 
 
-def test_a_shape_that_passes_through_itself_is_reported_with_its_volume(tmp_path, deformed):
+def test_deform_reports_a_shape_that_passes_through_itself_with_its_volume(tmp_path, deformed):
     """The bar's end is pushed in and past its base."""
     M = np.eye(4)
     M[:3, 3] = 0.3, 0.2, -6.5
@@ -836,7 +838,7 @@ def test_a_shape_that_passes_through_itself_is_reported_with_its_volume(tmp_path
     assert report["volume"] == pytest.approx(trimesh.Trimesh(mesh.V, mesh.F, process=False).volume, rel=1e-6)
 
 
-def test_the_report_on_an_open_mesh_has_the_volume_with_the_mouth_capped(tmp_path, deformed):
+def test_deform_reports_the_volume_of_an_open_mesh_with_its_mouth_capped(tmp_path, deformed):
     V, F = box(2, 2, 5)
     report, mesh, out = deformed(Case(tmp_path, V, F[~(V[F][:, :, 2] == 5).all(axis=1)]))
     assert report["volume"] is report["volume_rest"] is None
@@ -878,21 +880,21 @@ def test_the_report_on_an_open_mesh_has_the_volume_with_the_mouth_capped(tmp_pat
         (["--version"], [f"apd-viewer {apd_viewer.__version__}"]),
     ],
 )
-def test_help_and_version(words, said, command):
+def test_main_tells_help_and_version(words, said, command):
     status, out, err = command(*words)
     assert (status, err) == (0, "")
     assert all(word in out for word in said), out
 
 
 @pytest.mark.parametrize("given", [[], ["in.obj"]])
-def test_a_file_or_nothing_opens_the_window(given, command, monkeypatch):
+def test_main_opens_the_window_on_a_file_or_nothing(given, command, monkeypatch):
     shown = []
     monkeypatch.setattr(apd_viewer, "show_window", lambda mesh, _: shown.append(mesh))
     assert command(*given) == (0, "", "")
     assert shown == (given or [None])
 
 
-def test_a_missing_library_of_the_window_is_a_sentence(command, monkeypatch):
+def test_main_says_in_a_sentence_that_a_library_of_the_window_is_missing(command, monkeypatch):
     monkeypatch.setitem(sys.modules, "apd_viewer.ui.application", None)
     status, out, err = command()
     assert (status, out) == (2, "")
@@ -902,19 +904,19 @@ def test_a_missing_library_of_the_window_is_a_sentence(command, monkeypatch):
 DISPLAY = ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")
 
 
-def test_the_installed_command_without_a_display():
+def test_main_says_in_a_sentence_that_no_display_is_available():
     status, out, err = process(ENTRY, without=DISPLAY)
     assert (status, out) == (2, "")
     assert re.fullmatch(r"error: No display is available .+ apd-viewer deform --help\.\n", err)
 
 
-def test_a_wrong_file_without_a_display(tmp_path):
+def test_main_says_that_a_file_is_missing_also_without_a_display(tmp_path):
     status, out, err = process(sys.executable, "-m", "apd_viewer", tmp_path / "gone.obj", without=DISPLAY)
     assert (status, out) == (2, "")
     assert re.fullmatch(r"error: There is no file .*gone\.obj; check the name\.\n", err)
 
 
-def test_the_module_runs_like_the_command(bar):
+def test_main_runs_as_a_module_like_the_command(bar):
     words = ["info", bar.mesh, "--json"]
     assert process(ENTRY, *words) == process(sys.executable, "-m", "apd_viewer", *words)
     assert process(sys.executable, "-m", "apd_viewer", "--version")[:2] == (
@@ -924,7 +926,7 @@ def test_the_module_runs_like_the_command(bar):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a device that is always full")
-def test_a_standard_output_that_is_full(bar):
+def test_main_fails_without_a_traceback_if_the_standard_output_is_full(bar):
     with open("/dev/full", "w") as full:  # noqa: PTH123
         done = subprocess.run(
             [ENTRY, "info", bar.mesh], stdout=full, stderr=subprocess.PIPE, check=False, timeout=60
@@ -934,7 +936,7 @@ def test_a_standard_output_that_is_full(bar):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="Windows reports a closed pipe as an invalid argument")
-def test_a_reader_that_goes_away_is_no_error_of_the_program(bar):
+def test_main_takes_a_reader_that_goes_away_for_no_error_of_the_program(bar):
     reading, writing = os.pipe()
     os.close(reading)
     done = subprocess.run(
@@ -945,7 +947,7 @@ def test_a_reader_that_goes_away_is_no_error_of_the_program(bar):
     assert b"Exception ignored" not in done.stderr
 
 
-def test_a_picture_needs_no_display(bar):
+def test_deform_draws_a_picture_without_a_display(bar):
     from PySide6.QtGui import QImage
 
     path = bar.folder / "Bild é.png"
@@ -969,7 +971,7 @@ def test_a_picture_needs_no_display(bar):
 
 
 @pytest.mark.usefixtures("without_opengl")
-def test_without_opengl_the_mesh_is_written_and_the_picture_is_not(bar, capsys):
+def test_deform_writes_the_mesh_and_not_the_picture_without_opengl(bar, capsys):
     path = bar.folder / "picture.png"
     path.write_bytes(b"of yesterday")
     assert main([*map(str, bar.words("--iterations", "3", "--picture", path))]) == 0
@@ -986,7 +988,7 @@ def columns_of(path):
     return head.split(","), np.array([[float(x or "nan") for x in row.split(",")] for row in rows])
 
 
-def test_scalars_of_a_result_are_written_beside_it(bar, command):
+def test_deform_writes_scalars_of_a_result_beside_it(bar, command):
     vertices, triangles = bar.folder / "v.csv", bar.folder / "t.csv"
     options = "--scalars", vertices, "--triangle-scalars", triangles, "--method", "arap"
     status, _, err = command(*bar.words(*options))
@@ -1002,14 +1004,14 @@ def test_scalars_of_a_result_are_written_beside_it(bar, command):
     np.testing.assert_allclose(rows[:, names.index("area_change")], areas[1] / areas[0] - 1.0, atol=1e-9)
 
 
-def test_a_replay_writes_scalars_too(bar, saved, command):
+def test_replay_writes_scalars_too(bar, saved, command):
     path = bar.folder / "s.ply"
     assert command("replay", saved, "-o", bar.out, "--scalars", path)[0] == 0
     np.testing.assert_allclose(open_mesh(path).V, open_mesh(bar.out).V, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("option", [("--scalars", "s.obj"), ("--triangle-scalars", "t.ply")])
-def test_scalars_in_another_kind_of_file_are_refused_before_anything_is_done(option, bar, command):
+def test_deform_refuses_scalars_in_another_kind_of_file_before_anything_is_done(option, bar, command):
     name, path = option
     status, _, err = command(*bar.words(name, bar.folder / path))
     assert status == 2
@@ -1029,7 +1031,7 @@ def test_info_measures_the_distance_from_another_mesh(bar, command):
     assert "apart   0.25 at most" in command("info", bar.mesh, "--compare", away)[1]
 
 
-def test_a_result_is_compared_with_a_target_shape(bar, command):
+def test_deform_compares_a_result_with_a_target_shape(bar, command):
     other, report, scalars = (bar.folder / name for name in ("away.obj", "r.json", "s.csv"))
     save_mesh(open_mesh(bar.mesh), bar.V + [0.0, 0.0, 0.25], other)
     status, *_ = command(*bar.words("--compare", other, "--report", report, "--scalars", scalars))
@@ -1042,7 +1044,7 @@ def test_a_result_is_compared_with_a_target_shape(bar, command):
     assert rows[:, names.index("target_distance")].max() == pytest.approx(said["largest_distance"], rel=1e-9)
 
 
-def test_convergence_is_set_and_reported(bar, command):
+def test_deform_sets_and_reports_convergence(bar, command):
     report = bar.folder / "r.json"
     criteria = ("--most-iterations", 3, "--energy-tolerance", "1e-9", "--step-tolerance", "1e-6")
     status, out, _ = command(*bar.words(*criteria, "--report", report))

@@ -97,7 +97,7 @@ BOTH_WAYS = pytest.mark.parametrize("turn", [TURN, pytest.param(-TURN, marks=pyt
 
 
 @BOTH_WAYS
-def test_every_way_gives_the_same_volume_without_a_crossing(turn):
+def test_contact_by_default_gives_the_same_volume_by_every_way_without_a_crossing(turn):
     report, crossed = deformed(turn=turn)
     same = pytest.approx(report["volume_capped"], rel=0.01)
     assert not crossed
@@ -113,7 +113,7 @@ def test_every_way_gives_the_same_volume_without_a_crossing(turn):
 
 
 @BOTH_WAYS
-def test_without_contact_each_way_says_what_it_lost(turn, capsys):
+def test_passing_warnings_say_by_each_way_what_was_lost_without_contact(turn, capsys):
     lost = f"The surface holds {turn - np.sign(turn) * 360} of the {turn} degrees asked: without contact"
     report, _ = deformed("--no-contact", turn=turn)
     assert report["least_gap"] is None
@@ -128,13 +128,13 @@ def test_without_contact_each_way_says_what_it_lost(turn, capsys):
     assert lost in studied("--set", "contact=no", turn=turn)["sentence"]
 
 
-def test_without_contact_the_volume_is_another():
+def test_contact_option_gives_another_volume_when_turned_off():
     kept = deformed()[0]["volume_capped"]
     for unwound in (deformed("--no-contact")[0]["volume_capped"], swept("--no-contact")[0]):
         assert abs(unwound / kept - 1) > 0.05
 
 
-def test_a_thickness_needs_no_word_of_contact(capsys):
+def test_deform_takes_a_thickness_without_a_word_of_contact(capsys):
     report, crossed = deformed("--thickness", "0.05")
     assert not crossed
     assert 0.01 < report["least_gap"] <= 0.05
@@ -143,7 +143,7 @@ def test_a_thickness_needs_no_word_of_contact(capsys):
         assert "--thickness is the distance" in capsys.readouterr().err
 
 
-def test_large_meshes_say_how_contact_is_turned_on(monkeypatch, capsys):
+def test_contact_by_default_is_off_for_large_meshes_which_say_how_it_is_turned_on(monkeypatch, capsys):
     monkeypatch.setattr(methods, "MOST_IN_CONTACT", len(V) - 1)
     report, _ = deformed()
     assert any("Walls may pass through each other" in said for said in report["warnings"])

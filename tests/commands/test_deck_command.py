@@ -51,7 +51,7 @@ def where_ours_are(path):
 
 
 @needs_ccx
-def test_calculix_computes_a_tube_twisted_in_two_steps(deck, tmp_path):
+def test_deck_of_a_tube_twisted_in_two_steps_is_computed_by_calculix(deck, tmp_path):
     V, F = tube(24, 26)
     mesh = bar(tmp_path, V, F)
     status, said, out = deck(*mesh, "--twist", "40deg", "--unit", "mm", "--thickness", "0.1")
@@ -65,7 +65,7 @@ def test_calculix_computes_a_tube_twisted_in_two_steps(deck, tmp_path):
 
 @pytest.mark.night
 @needs_ccx
-def test_calculix_computes_the_bottle(deck):
+def test_deck_of_the_bottle_is_computed_by_calculix(deck):
     words = (
         "--selection",
         resource("bottle.sel"),
@@ -82,7 +82,7 @@ def test_calculix_computes_the_bottle(deck):
     assert np.isfinite(np.array(list(moved.values()))).all()
 
 
-def test_a_session_is_written_with_its_wall_and_its_pose(deck, tmp_path):
+def test_deck_writes_a_session_with_its_wall_and_its_pose(deck, tmp_path):
     V, F = box(2, 2, 6)
     mesh = bar(tmp_path, V, F)
     matrix = np.eye(4)
@@ -120,7 +120,7 @@ def test_a_session_is_written_with_its_wall_and_its_pose(deck, tmp_path):
         (("--selection", "bar.sel", "--twist", "9deg", "--material", "gold"), "no material"),
     ],
 )
-def test_what_makes_no_deck_is_said_in_one_line(words, says, deck, tmp_path, monkeypatch):
+def test_deck_says_in_one_line_what_makes_none(words, says, deck, tmp_path, monkeypatch):
     mesh = bar(tmp_path, *box(2, 2, 6))
     monkeypatch.chdir(tmp_path)
     status, said, out = deck(mesh[0], *words)

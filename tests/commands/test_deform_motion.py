@@ -34,7 +34,7 @@ def deformed(bar, capsys, tmp_path):
     return run
 
 
-def test_a_twist_is_that_of_the_matrix(deformed, tmp_path):
+def test_deform_twists_as_the_matrix_does(deformed, tmp_path):
     pose = np.eye(4)
     pose[:3, :3] = rotation([0, 0, 1], np.radians(60))
     pose[:3, 3] = (c := np.array([1.0, 1.0, 0.0])) - pose[:3, :3] @ c
@@ -43,7 +43,7 @@ def test_a_twist_is_that_of_the_matrix(deformed, tmp_path):
     np.testing.assert_allclose(one, other, atol=1e-6)
 
 
-def test_a_twist_goes_past_half_a_turn(deformed, bar):
+def test_deform_twists_past_half_a_turn(deformed, bar):
     top, middle = bar[:, 2] == 5, bar[:, 2] == 3
     (_, _, back), (_, _, on) = deformed("--twist=-160deg"), deformed("--twist", "200deg")
     np.testing.assert_allclose(back[top], on[top], atol=1e-6)
@@ -51,7 +51,7 @@ def test_a_twist_goes_past_half_a_turn(deformed, bar):
     assert apart.max() > 1.0, "more than half a turn lies between them there"
 
 
-def test_words_and_options_are_the_same_motion(deformed):
+def test_deform_takes_words_and_options_for_the_same_motion(deformed):
     shapes = [
         deformed(*words, selection="two.sel")[2]
         for words in (
@@ -77,7 +77,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_what_is_no_motion_is_said_in_a_sentence(case, deformed):
+def test_deform_says_in_a_sentence_what_is_no_motion(case, deformed):
     words, said = WRONG[case]
     status, err, _ = deformed(*words)
     assert status != 0

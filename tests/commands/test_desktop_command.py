@@ -78,7 +78,7 @@ def examples(tmp_path):
     return found
 
 
-def test_all_files_are_written_and_all_are_removed(installed, capsys):
+def test_desktop_writes_all_files_and_removes_all(installed, capsys):
     assert {MENU, TYPES, THUMBNAILS, ICON} <= files(installed)
     assert main(["desktop", "--install"]) == 0  # once more, over the old ones
     assert main(["desktop", "--remove"]) == 0
@@ -88,7 +88,7 @@ def test_all_files_are_written_and_all_are_removed(installed, capsys):
     assert "There was nothing to remove" in capsys.readouterr().out
 
 
-def test_what_others_have_installed_stays(folder):
+def test_desktop_leaves_what_others_have_installed(folder):
     others = {
         "applications/other.desktop": "[Desktop Entry]\nType=Application\nName=Other\nExec=other\n",
         "mime/packages/other.xml": '<mime-info xmlns="http://www.freedesktop.org/standards/shared-mime-info">'
@@ -107,7 +107,7 @@ def test_what_others_have_installed_stays(folder):
         assert "*.apd" not in (folder / "mime/globs2").read_text()
 
 
-def test_missing_programs_are_named(folder, capsys, monkeypatch):
+def test_desktop_names_missing_programs(folder, capsys, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     assert main(["desktop", "--install"]) == 0
     assert "install update-mime-database and update-desktop-database" in capsys.readouterr().out
@@ -116,7 +116,7 @@ def test_missing_programs_are_named(folder, capsys, monkeypatch):
 
 
 @pytest.mark.parametrize("content", ["#!/bin/sh\nexec sleep 60\n", "no program"])
-def test_a_program_that_does_not_work_is_named_and_all_is_removed(
+def test_desktop_names_a_program_that_does_not_work_and_removes_all(
     content, folder, tmp_path, capsys, monkeypatch
 ):
     program = tmp_path / "collector"
@@ -133,26 +133,26 @@ def test_a_program_that_does_not_work_is_named_and_all_is_removed(
     assert files(folder) == set()
 
 
-def test_a_folder_that_cannot_be_written_is_said(folder, capsys):
+def test_desktop_says_that_a_folder_cannot_be_written(folder, capsys):
     folder.write_text("a file")
     assert main(["desktop", "--install"]) == 2
     assert "cannot be written" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("system", "said"), [("win32", "Open with"), ("darwin", "Terminal")])
-def test_other_systems_are_told_their_own_way(system, said, monkeypatch, capsys):
+def test_desktop_tells_other_systems_their_own_way(system, said, monkeypatch, capsys):
     monkeypatch.setattr(sys, "platform", system)
     assert main(["desktop", "--install"]) == 2
     assert said in capsys.readouterr().err
 
 
-def test_a_relative_folder_of_data_does_not_count(monkeypatch):
+def test_data_folder_does_not_count_a_relative_one(monkeypatch):
     for value in ("", "data"):
         monkeypatch.setenv("XDG_DATA_HOME", value)
         assert desktop_files.data_folder() == Path.home() / ".local" / "share"
 
 
-def test_the_command_is_the_script_that_was_started(tmp_path, monkeypatch):
+def test_own_command_is_the_script_that_was_started(tmp_path, monkeypatch):
     script = tmp_path / "apd-viewer"
     script.touch()
     monkeypatch.setattr(sys, "argv", [str(script)])
@@ -164,7 +164,7 @@ def test_the_command_is_the_script_that_was_started(tmp_path, monkeypatch):
     assert desktop.own_command() == [sys.executable, "-m", "apd_viewer"]
 
 
-def test_all_formats_have_a_type_and_all_types_are_opened(installed):
+def test_desktop_gives_all_formats_a_type_and_opens_all_types(installed):
     types = ElementTree.parse(installed / TYPES).getroot().findall(f"{NAMESPACE}mime-type")
     patterns = {glob.get("pattern") for each in types for glob in each.findall(f"{NAMESPACE}glob")}
     assert patterns == {f"*{suffix}" for suffix in (*FORMATS, SUFFIX)}
@@ -174,7 +174,7 @@ def test_all_formats_have_a_type_and_all_types_are_opened(installed):
 
 
 @needs("desktop-file-validate", "desktop-file-utils")
-def test_the_menu_entry_is_valid(installed):
+def test_desktop_installs_a_valid_menu_entry(installed):
     assert asked("desktop-file-validate", str(installed / MENU)) == ""
 
 
@@ -182,7 +182,7 @@ def test_the_menu_entry_is_valid(installed):
 @needs("update-desktop-database", "desktop-file-utils")
 @needs("xdg-mime", "xdg-utils")
 @needs("gio", "libglib2.0-bin")
-def test_files_are_known_and_opened_by_the_program(installed, examples):
+def test_desktop_lets_files_be_known_and_opened_by_the_program(installed, examples):
     found = {suffix: asked("xdg-mime", "query", "filetype", str(path)) for suffix, path in examples.items()}
     assert found == {
         ".obj": "model/obj",
@@ -200,7 +200,7 @@ def test_files_are_known_and_opened_by_the_program(installed, examples):
 
 
 @pytest.mark.parametrize("suffix", [SUFFIX, ".stl"])
-def test_the_registered_command_makes_a_thumbnail(suffix, installed, examples, tmp_path):
+def test_desktop_registers_a_command_that_makes_a_thumbnail(suffix, installed, examples, tmp_path):
     entry = read(installed / THUMBNAILS, "Thumbnailer Entry")
     assert Path(entry["TryExec"]).is_absolute()
     given = {"%i": str(examples[suffix]), "%o": str(tmp_path / "thumbnail"), "%s": "96"}
@@ -211,7 +211,7 @@ def test_the_registered_command_makes_a_thumbnail(suffix, installed, examples, t
 
 
 @pytest.mark.parametrize("name", ["plain", "a b", 'q"uo`te$', "back\\slash", "100%", "é'"])
-def test_any_folder_of_the_program_can_be_said(name, tmp_path):
+def test_desktop_files_can_say_any_folder_of_the_program(name, tmp_path):
     """A word is read back as the specification says: escapes undone, then quotes, then percent signs."""
     program = str(tmp_path / name / "apd-viewer")
     desktop_files.install(tmp_path / "data", [program, "-m", "x"])

@@ -32,33 +32,33 @@ def font(tmp_path):
     return Path(shutil.copy(own, tmp_path / "msyh.ttf"))
 
 
-def test_languages_in_latin_letters_have_the_same_figures_everywhere(system, font):
+def test_families_are_the_same_everywhere_for_languages_in_latin_letters(system, font):
     system(font)
     for language in ("en", "de"):
         assert font_file(language) is None
         assert families(language) == ["DejaVu Sans"]
 
 
-def test_chinese_takes_what_is_missing_from_a_font_of_the_system(system, font):
+def test_families_of_chinese_take_what_is_missing_from_a_font_of_the_system(system, font):
     system(font.with_name("arial.ttf"), font)
     assert font_file("zh_CN") == font
     assert families("zh_CN") == ["DejaVu Sans", "DejaVu Serif"]
 
 
-def test_the_best_of_several_fonts_is_taken(system, font):
+def test_font_file_is_the_best_of_several(system, font):
     best = Path(shutil.copy(font, font.with_name("NotoSansSC-Regular.otf")))
     system(font, best)
     assert font_file("zh_CN") == best
 
 
-def test_a_system_without_chinese_fonts_draws_all_the_same(system):
+def test_families_of_chinese_are_those_of_all_on_a_system_without_chinese_fonts(system):
     system()
     assert font_file("zh_CN") is None
     assert families("zh_CN") == ["DejaVu Sans"]
 
 
 @pytest.mark.parametrize("name", [r"$\frac{$", r"a $ \b $"])
-def test_a_name_with_dollars_is_no_formula(name, tmp_path):
+def test_draw_takes_a_name_with_dollars_for_no_formula(name, tmp_path):
     def fill(figure):
         figure.subplots().set_title(name)
 

@@ -43,7 +43,7 @@ def deformed(mesh, obstacles, folder, *more):
     return command("deform", mesh.path, "--stiffness", 0.001, *files, *more)
 
 
-def test_plates_of_a_file_press_what_nothing_holds(mesh, tmp_path):
+def test_deform_presses_what_nothing_holds_by_plates_of_a_file(mesh, tmp_path):
     assert not deformed(mesh, PLATES, tmp_path)
     said, U = json.loads((tmp_path / "r.json").read_text()), open_mesh(tmp_path / "out.obj").V
     assert np.ptp(U[:, 0]) == pytest.approx(1.62, abs=0.02)
@@ -56,7 +56,7 @@ def test_plates_of_a_file_press_what_nothing_holds(mesh, tmp_path):
     assert said["load_excess_percent"] == pytest.approx(75.0 * square / (0.002 * said["area_rest"]), rel=0.25)
 
 
-def test_obstacles_bring_the_contact_that_a_thickness_needs(mesh, tmp_path):
+def test_deform_with_obstacles_has_the_contact_that_a_thickness_needs(mesh, tmp_path):
     assert not deformed(mesh, PLATES, tmp_path, "--thickness", 0.02)
     assert np.ptp(open_mesh(tmp_path / "out.obj").V[:, 0]) < 1.61  # between plates 1.62 apart
 
@@ -70,13 +70,13 @@ def test_obstacles_bring_the_contact_that_a_thickness_needs(mesh, tmp_path):
         ([{**PLATES[0], "place": [0, 0, 0]}], "intersects the shape to begin from"),
     ],
 )
-def test_obstacles_that_cannot_be_used_are_refused(obstacles, words, mesh, tmp_path, capsys):
+def test_deform_refuses_obstacles_that_cannot_be_used(obstacles, words, mesh, tmp_path, capsys):
     assert deformed(mesh, obstacles, tmp_path)
     assert words in capsys.readouterr().err
     assert not (tmp_path / "out.obj").exists()
 
 
-def test_without_obstacles_a_selection_is_needed(mesh, tmp_path, capsys):
+def test_deform_needs_a_selection_without_obstacles(mesh, tmp_path, capsys):
     assert command("deform", mesh.path, "-o", tmp_path / "out.obj")
     assert "--selection" in capsys.readouterr().err
 
@@ -99,7 +99,7 @@ def squeezed(mesh) -> Document:
     )
 
 
-def test_a_sweep_of_obstacles_alone_tells_the_load_of_every_step(mesh, tmp_path):
+def test_sweep_of_obstacles_alone_tells_the_load_of_every_step(mesh, tmp_path):
     state = opened(mesh)
     save_session(tmp_path / "a.apd", state.at(squeezed(mesh)), View())
     out = tmp_path / "swept"
@@ -117,7 +117,7 @@ def test_a_sweep_of_obstacles_alone_tells_the_load_of_every_step(mesh, tmp_path)
     assert any(path.suffix == ".png" or path.suffix == ".pdf" for path in out.iterdir())
 
 
-def test_a_method_without_contact_is_refused_where_obstacles_alone_move(mesh, tmp_path, capsys):
+def test_sweep_refuses_a_method_without_contact_where_obstacles_alone_move(mesh, tmp_path, capsys):
     save_session(tmp_path / "a.apd", opened(mesh).at(squeezed(mesh)), View())
     assert command("sweep", tmp_path / "a.apd", "--methods", "exact,paper", "-o", tmp_path / "swept")
     assert "omit it" in capsys.readouterr().err

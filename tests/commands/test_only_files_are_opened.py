@@ -82,7 +82,7 @@ def refused(capsys, words, begins="error: "):
 
 @pytest.mark.parametrize("named", ["pipe", "zero"])
 @pytest.mark.parametrize("what", COMMANDS)
-def test_a_pipe_given_by_name(what, named, pipe, capsys):
+def test_main_refuses_a_pipe_given_by_name_and_does_not_open_it(what, named, pipe, capsys):
     said = refused(capsys, [word.format(named) for word in COMMANDS[what]])
     assert not pipe.opened, said
     assert named in said
@@ -90,13 +90,13 @@ def test_a_pipe_given_by_name(what, named, pipe, capsys):
 
 @pytest.mark.parametrize("ending", ENDINGS[3:])
 @pytest.mark.parametrize("named", ["pipe", "zero"])
-def test_a_pipe_in_the_place_of_each_kind_of_selection(named, ending, pipe, capsys):
+def test_deform_refuses_a_pipe_in_the_place_of_each_kind_of_selection(named, ending, pipe, capsys):
     words = [word.format(f"{named}{ending}") for word in COMMANDS["selection"]]
     assert "name a file instead" in refused(capsys, words)
     assert not pipe.opened
 
 
-def test_a_pipe_of_the_shell(pipe, capsys):
+def test_deform_refuses_a_pipe_of_the_shell_without_waiting(pipe, capsys):
     """As by ``<(...)`` or ``... |``: what is in it is lost, and nothing is waited for."""
     read, write = os.pipe()
     os.write(write, Path("part.sel").read_bytes()[:1000])
@@ -109,7 +109,7 @@ def test_a_pipe_of_the_shell(pipe, capsys):
 
 
 @pytest.mark.parametrize("named", ["pipe", "zero"])
-def test_a_plan_of_a_stranger(named, pipe):
+def test_study_opens_no_pipe_that_a_plan_of_a_stranger_names(named, pipe):
     plan = (
         ("mesh", "selection", "motion"),
         (f"{named}.off", "part.sel", "twist 3deg"),
@@ -128,7 +128,7 @@ def test_a_plan_of_a_stranger(named, pipe):
 
 
 @pytest.mark.parametrize("ending", ["", "-journal", "-wal"])
-def test_a_folder_of_a_study_from_a_stranger(ending, pipe, capsys):
+def test_study_opens_no_pipe_in_a_folder_from_a_stranger(ending, pipe, capsys):
     Path("x").mkdir()
     if ending:
         (Path("x") / DATABASE).write_bytes(b"")
@@ -151,7 +151,7 @@ def edited(session, change):
 
 
 @pytest.mark.parametrize("named", ["pipe", "zero"])
-def test_a_session_of_a_stranger(named, pipe, capsys):
+def test_open_session_opens_no_pipe_that_a_session_of_a_stranger_names(named, pipe, capsys):
     V = open_mesh("part.off").V
     state = opened(open_mesh("part.off"), np.loadtxt("part.sel").astype(np.uint8))
     save_session("mesh.apd", state, View())

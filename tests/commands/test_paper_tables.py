@@ -34,7 +34,7 @@ def table(request):
         yield list(paper_tables.rows())
 
 
-def test_the_area_is_kept_where_arap_changes_it(table):
+def test_paper_tables_keep_the_area_where_arap_changes_it(table):
     assert [row.name for row in table] == list(paper_tables.CASES)
     for row in table:
         assert row.paper.converged
@@ -43,7 +43,7 @@ def test_the_area_is_kept_where_arap_changes_it(table):
         assert abs(row.paper.area_error) <= 1e-3 < abs(row.arap.area_error)
 
 
-def test_the_areas_are_those_of_the_shapes(table):
+def test_paper_tables_have_the_areas_of_the_shapes(table):
     for row in table:
         mesh, _ = paper_tables.open_sample(row.case.sample)
         for result in (row.arap, row.paper):
@@ -52,7 +52,7 @@ def test_the_areas_are_those_of_the_shapes(table):
             assert shape.volume == pytest.approx(result.volume, rel=1e-9)
 
 
-def test_the_tables_say_what_was_measured_beside_what_the_paper_says(table):
+def test_paper_tables_say_what_was_measured_beside_what_the_paper_says(table):
     text = paper_tables.tables(table)
     assert [line for line in text.splitlines() if line.startswith("Table")] == list(
         paper_tables.TITLES.values()
@@ -73,19 +73,19 @@ def test_the_tables_say_what_was_measured_beside_what_the_paper_says(table):
     assert [line[4] for line in theirs] == ["-1.92 %", "-0.44 %", "-0.68 %", "-1.35 %"]
 
 
-def test_the_columns_of_a_table_are_of_equal_width(table):
+def test_markdown_has_columns_of_equal_width(table):
     for sample in paper_tables.TITLES:
         rows = [row for row in table if row.case.sample == sample]
         assert len({len(line) for line in paper_tables.markdown(rows).splitlines()}) == 1
 
 
-def test_the_columns_of_a_table_are_of_equal_width_in_chinese(table):
+def test_markdown_has_columns_of_equal_width_in_chinese(table):
     row = table[0]._replace(case=table[0].case._replace(title="瓶子扭转 60°"))
     lines = paper_tables.markdown([row, *table[:2]]).splitlines()
     assert len(set(map(columns_of, lines))) == 1
 
 
-def test_a_row_outside_the_tolerance_does_not_pass(table):
+def test_row_outside_the_tolerance_does_not_pass(table):
     failed = table[0]._replace(paper=table[0].arap)
     assert not failed.passes
     assert failed.lines()[0][-1] == "fail"
@@ -94,7 +94,7 @@ def test_a_row_outside_the_tolerance_does_not_pass(table):
     assert paper_tables.verdict([failed, *table[1:]]).startswith("Fail")
 
 
-def test_the_csv_holds_all_digits(table, tmp_path):
+def test_write_csv_keeps_all_digits(table, tmp_path):
     paper_tables.write_csv(table, tmp_path / "tables.csv")
     with (tmp_path / "tables.csv").open(encoding="utf-8") as stream:
         read = list(csv.DictReader(stream))
@@ -127,7 +127,7 @@ def read(path):
 
 
 @pytest.mark.usefixtures("coarse")
-def test_the_command_writes_tables_curves_and_figures(tmp_path, capsys):
+def test_paper_writes_tables_curves_and_figures(tmp_path, capsys):
     folder = tmp_path / "new" / "folder"
     assert main(["paper", "-o", str(folder), "--progress-lines"]) == 0
     assert {path.name for path in folder.iterdir()} == FILES
@@ -152,13 +152,13 @@ def test_the_command_writes_tables_curves_and_figures(tmp_path, capsys):
 
 
 @pytest.mark.usefixtures("coarse", "without_opengl")
-def test_without_opengl_the_command_does_without_pictures_of_shapes(tmp_path, capsys):
+def test_paper_does_without_pictures_of_shapes_without_opengl(tmp_path, capsys):
     assert main(["paper", "-o", str(tmp_path)]) == 0
     assert "The shapes were not drawn" in capsys.readouterr().out
     assert {path.name for path in tmp_path.iterdir()} == FILES - {"bottle.png"}
 
 
-def test_a_folder_that_cannot_be_made_is_refused_in_one_line(tmp_path, capsys):
+def test_paper_refuses_in_one_line_a_folder_that_cannot_be_made(tmp_path, capsys):
     (tmp_path / "taken").write_text("")
     assert main(["paper", "-o", str(tmp_path / "taken")]) == 2
     said = capsys.readouterr().err
@@ -167,7 +167,7 @@ def test_a_folder_that_cannot_be_made_is_refused_in_one_line(tmp_path, capsys):
 
 
 @pytest.mark.usefixtures("coarse")
-def test_what_is_interrupted_leaves_nothing(tmp_path, monkeypatch):
+def test_paper_leaves_nothing_when_interrupted(tmp_path, monkeypatch):
     def stop(*_, **__):
         raise KeyboardInterrupt
 

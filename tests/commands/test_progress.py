@@ -16,7 +16,7 @@ def drawn(text, width=100):
     return "".join(line).rstrip()
 
 
-def test_a_terminal_has_a_bar_that_goes_away(monkeypatch, capsys):
+def test_progress_is_a_bar_on_a_terminal_that_goes_away(monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     clock = iter(range(10))
     monkeypatch.setattr("time.monotonic", lambda: float(next(clock)))
@@ -29,7 +29,7 @@ def test_a_terminal_has_a_bar_that_goes_away(monkeypatch, capsys):
     assert drawn(text + capsys.readouterr().err) == ""
 
 
-def test_it_is_said_no_more_often_than_can_be_read(monkeypatch, capsys):
+def test_progress_is_said_no_more_often_than_can_be_read(monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     monkeypatch.setattr("time.monotonic", lambda: 1.0)
     progress = Progress()
@@ -38,7 +38,7 @@ def test_it_is_said_no_more_often_than_can_be_read(monkeypatch, capsys):
     assert capsys.readouterr().err.count("\r") == 1
 
 
-def test_a_file_gets_nothing(capsys):
+def test_progress_gives_a_file_nothing(capsys):
     progress = Progress()
     progress.show(0.5, "Exact")
     progress.end()

@@ -68,7 +68,7 @@ def deformed(installed, out):
 
 
 @pytest.mark.night
-def test_a_deformation_needs_no_place_for_its_kernels(installed, tmp_path):
+def test_deform_needs_no_place_for_its_kernels(installed, tmp_path):
     folder = installed / "apd_viewer" / "geometry" / "mesh" / "__pycache__"
     content, said = deformed(installed, tmp_path / "usual")
     assert "kernels" not in said, "all are there"

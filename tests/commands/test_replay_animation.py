@@ -42,7 +42,7 @@ def run(session, tmp_path, capsys):
     return words
 
 
-def test_it_begins_with_the_shape_saved_and_has_each_iteration(session, run, tmp_path):
+def test_replay_animation_begins_with_the_shape_saved_and_has_each_iteration(session, run, tmp_path):
     passed = []
     replay(session, passed=lambda U: passed.append(U.astype(np.float32)))
     words = [word for name in ("a.pc2", "a.pvd") for word in ("--animation", tmp_path / name)]
@@ -55,7 +55,7 @@ def test_it_begins_with_the_shape_saved_and_has_each_iteration(session, run, tmp
     assert pyvista.get_reader(tmp_path / "a.pvd").time_values == list(range(len(shapes)))
 
 
-def test_of_many_iterations_it_has_some(run, tmp_path, monkeypatch):
+def test_replay_animation_has_some_of_many_iterations(run, tmp_path, monkeypatch):
     recorder = replay_command.ShapeRecorder
     monkeypatch.setattr(replay_command, "ShapeRecorder", lambda folder, _: recorder(folder, 4))
     assert run("--animation", tmp_path / "a.pc2") == (0, "")
@@ -72,7 +72,7 @@ def settled(session):
     save_session(session, replace(state, document=document, frame=frame), View())
 
 
-def test_what_has_settled_passes_nothing_but_from_rest(session, run, tmp_path):
+def test_replay_animation_has_nothing_of_what_has_settled_but_from_rest(session, run, tmp_path):
     settled(session)
     before = sorted(tmp_path.iterdir())
     status, err = run("--animation", tmp_path / "a.pc2")
@@ -93,7 +93,7 @@ def test_what_has_settled_passes_nothing_but_from_rest(session, run, tmp_path):
         ("out.glb", "a name of its own"),
     ],
 )
-def test_what_is_wrong_is_said_and_nothing_is_written(name, words, run, tmp_path):
+def test_replay_says_what_is_wrong_with_an_animation_and_writes_nothing(name, words, run, tmp_path):
     before = sorted(tmp_path.iterdir())
     status, err = run("-o", tmp_path / "out.glb", "--animation", tmp_path / name)
     assert status == 2
@@ -103,7 +103,7 @@ def test_what_is_wrong_is_said_and_nothing_is_written(name, words, run, tmp_path
 
 
 @pytest.mark.parametrize("option", ["--scalars", "--triangle-scalars", "--report"])
-def test_a_file_is_written_once(option, run, tmp_path):
+def test_replay_refuses_a_file_to_be_written_twice(option, run, tmp_path):
     before = sorted(tmp_path.iterdir())
     name = "a.csv" if option == "--triangle-scalars" else "a.ply"
     more = ["--scalars", tmp_path / "a.csv"] if option == "--triangle-scalars" else ["-o", tmp_path / "a.ply"]
@@ -112,7 +112,7 @@ def test_a_file_is_written_once(option, run, tmp_path):
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_nothing_is_written_where_the_mesh_cannot_be(run, tmp_path):
+def test_replay_writes_nothing_where_its_report_cannot_be_written(run, tmp_path):
     before = sorted(tmp_path.iterdir())
     status, _ = run("--animation", tmp_path / "a.pc2", "--report", tmp_path / "gone" / "r.json")
     assert status == 2

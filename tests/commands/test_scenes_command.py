@@ -49,7 +49,7 @@ def test_info_tells_unit_places_and_what_another_format_loses(tmp_path, capsys):
     ("build", "words"),
     [(two_places, "several places that now differ"), (quantized, "stores rounded positions")],
 )
-def test_a_file_that_cannot_take_the_shape_is_refused_before_the_work(
+def test_deform_refuses_a_file_that_cannot_take_the_shape_before_the_work(
     build, words, suffix, tmp_path, capsys, monkeypatch
 ):
     path = build(tmp_path / f"a{suffix}")
@@ -67,7 +67,7 @@ def test_a_file_that_cannot_take_the_shape_is_refused_before_the_work(
     assert np.abs(open_mesh(tmp_path / "b.obj").V[mesh.V[:, 2] == 2, 2] - 2.1).max() < 1e-9
 
 
-def test_the_unit_of_an_option_goes_before_that_of_the_file(tmp_path, capsys):
+def test_deform_takes_the_unit_of_an_option_before_that_of_the_file(tmp_path, capsys):
     scene = GltfScene()
     scene.node(mesh=scene.mesh(V, F))
     path = scene.write(tmp_path / "a.glb")

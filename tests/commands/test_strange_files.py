@@ -37,7 +37,7 @@ def said(request, tmp_path, monkeypatch, capsys):
     return run
 
 
-def test_a_remark_on_the_file(said):
+def test_commands_say_a_remark_on_the_file_once(said):
     tail = b"written by a program"
     content = trimesh.Trimesh(*sphere(2), process=False).export(file_type="stl")
     Path("part.stl").write_bytes(content + tail)
@@ -46,7 +46,7 @@ def test_a_remark_on_the_file(said):
     assert sum(line.endswith(remark) for line in said("part.stl")) == 1
 
 
-def test_open_seams(said):
+def test_commands_say_once_that_seams_are_open(said):
     trimesh.Trimesh(*halves(1e-5), process=False).export("part.off")
     lines = said("part.off")
     assert sum("boundary edges lie on others without being joined" in line for line in lines) == 1

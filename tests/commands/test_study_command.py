@@ -34,7 +34,7 @@ def rows_of(folder):
         return list(csv.DictReader(stream))
 
 
-def test_a_study_is_planned_run_and_gone_on_with(bar, capsys):
+def test_study_is_planned_run_and_gone_on_with(bar, capsys):
     words = ["study", plan_of(bar, ["twist 30", "twist", "push 10%", "twist 30"]), "-o", str(bar / "out")]
     assert main([*words, "--dry-run"]) == 0
     said = capsys.readouterr()
@@ -70,7 +70,7 @@ def test_a_study_is_planned_run_and_gone_on_with(bar, capsys):
     assert {path: path.stat().st_mtime_ns for path in bar.rglob("*")} == before
 
 
-def test_a_failed_case_is_counted_and_may_be_tried_again(bar, capsys):
+def test_study_counts_a_failed_case_which_may_be_tried_again(bar, capsys):
     words = ["study", plan_of(bar, ["twist 30"]), "-o", str(bar / "out")]
     assert main([*words, "--processes", "1", "--limit", "1e-9"]) == 0
     assert [row["status"] for row in rows_of(bar / "out")] == ["failed"]
@@ -83,7 +83,7 @@ def test_a_failed_case_is_counted_and_may_be_tried_again(bar, capsys):
         assert capsys.readouterr().out.splitlines()[: len(said)] == said
 
 
-def test_a_damaged_result_is_computed_again_and_the_others_are_kept(bar, capsys):
+def test_study_computes_a_damaged_result_again_and_keeps_the_others(bar, capsys):
     """As after a fault of a disk, which leaves the size as it is."""
     words = ["study", plan_of(bar, ["twist 30", "push 10%"]), "-o", str(bar / "out"), "--processes", "1"]
     assert main(words) == 0
@@ -106,7 +106,7 @@ def test_a_damaged_result_is_computed_again_and_the_others_are_kept(bar, capsys)
     assert rows_of(bar / "out") == rows
 
 
-def test_what_cannot_be_run_is_said(bar, capsys, monkeypatch):
+def test_study_says_what_cannot_be_run(bar, capsys, monkeypatch):
     lack(monkeypatch, "distributed")
     plan = plan_of(bar, ["twist 30"])
     for words, said in (
@@ -126,7 +126,7 @@ def test_what_cannot_be_run_is_said(bar, capsys, monkeypatch):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal to interrupt a group of processes")
-def test_an_interrupt_finishes_what_runs_and_a_second_ends_at_once(bar):
+def test_study_finishes_what_runs_after_an_interrupt_and_ends_at_once_after_a_second(bar):
     plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=9)
 
     def interrupted(times):
@@ -158,7 +158,7 @@ def test_an_interrupt_finishes_what_runs_and_a_second_ends_at_once(bar):
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems list their sockets otherwise")
 @pytest.mark.parametrize("option", [pytest.param("--processes", marks=pytest.mark.night), "--workers"])
-def test_nobody_else_can_speak_to_the_processes_of_a_study(bar, option):
+def test_study_has_processes_to_which_nobody_else_can_speak(bar, option):
     """Whoever reaches a worker by a socket can have it run anything as the user."""
     plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=30)
     process = subprocess.Popen(

@@ -33,7 +33,7 @@ def shell(line, **environment):
 
 
 @pytest.mark.parametrize("closed", [pytest.param(">&-", marks=pytest.mark.night), "<&- >&- 2>&-"])
-def test_closed_streams_fail_no_job(closed, mesh, tmp_path):
+def test_use_streams_lets_closed_streams_fail_no_job(closed, mesh, tmp_path):
     out = tmp_path / "out.json"
     status, said, wrong = shell(f"apd volumes {mesh} --json {out} {closed}")
     assert (status, wrong) == (0, b"")
@@ -41,17 +41,17 @@ def test_closed_streams_fail_no_job(closed, mesh, tmp_path):
     assert out.read_text().startswith("{")  # and not with what was said
 
 
-def test_an_error_is_one_whatever_is_closed(tmp_path):
+def test_main_has_status_2_for_an_error_whatever_is_closed(tmp_path):
     assert shell(f"apd info {tmp_path}/none.obj >&- 2>/dev/full")[0] == 2
 
 
 @pytest.mark.parametrize("words", ["info {mesh}", pytest.param("--help", marks=pytest.mark.night)])
-def test_a_reader_that_has_seen_enough_fails_nothing(words, mesh):
+def test_main_is_not_failed_by_a_reader_that_has_seen_enough(words, mesh):
     line = f"apd {words.format(mesh=mesh)} | true; exit ${{PIPESTATUS[0]}}"
     assert shell(line)[::2] == (0, b"")
 
 
-def test_what_the_output_cannot_encode_is_replaced(mesh):
+def test_use_streams_replaces_what_the_output_cannot_encode(mesh):
     narrow = {"PYTHONIOENCODING": "ascii", "APD_VIEWER_LANGUAGE": "zh_CN"}
     status, said, wrong = shell(f"apd info {mesh}", **narrow)
     assert (status, wrong) == (0, b"")
@@ -63,7 +63,7 @@ def test_what_the_output_cannot_encode_is_replaced(mesh):
     ("name", "status"),
     [("SIGTERM", 143), *(pytest.param(*each, marks=pytest.mark.night) for each in OTHERS)],
 )
-def test_a_signal_leaves_no_scratch(name, status, mesh, tmp_path):
+def test_ended_by_signals_leaves_no_scratch(name, status, mesh, tmp_path):
     labels = np.where(box()[0][:, 2] > 5.0, 2, np.where(box()[0][:, 2] < 1.0, 1, 0))
     np.savetxt(tmp_path / "bar.sel", labels, fmt="%d")
     there, own = tmp_path / "there", tmp_path / "tmp"
@@ -88,7 +88,7 @@ def test_a_signal_leaves_no_scratch(name, status, mesh, tmp_path):
 
 
 @pytest.mark.night
-def test_nohup_is_respected(mesh):
+def test_ended_by_signals_respects_nohup(mesh):
     program = "import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)\n" + PROGRAM.replace(
         "main())", "[main(), print(signal.getsignal(signal.SIGHUP) is signal.SIG_IGN)][0])"
     )

@@ -71,7 +71,7 @@ def read(folder):
         return list(csv.DictReader(stream))
 
 
-def test_a_session_and_its_mesh_give_the_same_curves(bar, session, sweep, tmp_path):
+def test_sweep_gives_the_same_curves_by_a_session_and_by_its_mesh(bar, session, sweep, tmp_path):
     words = "--steps", 4, "--methods", "arap,exact"
     assert sweep(session, *words, folder=tmp_path / "a")[0] == 0
     assert sweep(*bar, "--transform", tmp_path / "bent.def", *words, folder=tmp_path / "b")[0] == 0
@@ -82,7 +82,7 @@ def test_a_session_and_its_mesh_give_the_same_curves(bar, session, sweep, tmp_pa
     ]
 
 
-def test_meshes_are_those_of_the_table(session, sweep):
+def test_sweep_writes_the_meshes_of_its_table(session, sweep):
     status, said, err, folder = sweep(session, "--steps", 2, "--methods", "exact", "--meshes")
     assert (status, err) == (0, "")
     assert re.search(r"Exact: area 0.00 % at the end", said)
@@ -105,7 +105,7 @@ def write_tube(bar, V, F):
     return np.ptp(V[:, 2])
 
 
-def test_a_handle_that_contact_stops_is_said(bar, sweep):
+def test_sweep_says_that_contact_stops_a_handle(bar, sweep):
     """The table has how far it was asked to go, and how much of that it went."""
     height = write_tube(bar, *tube(8, 5))
     words = "--push", "120%", "--methods", "exact", "--steps", 1, "--iterations", 6
@@ -117,7 +117,7 @@ def test_a_handle_that_contact_stops_is_said(bar, sweep):
     assert f"Contact stops the handle at {int(100 * float(last['share_reached']))} % of the way." in said
 
 
-def test_a_figure_and_a_film_are_drawn(bar, drawn_sweep, tmp_path):
+def test_sweep_draws_a_figure_and_a_film(bar, drawn_sweep, tmp_path):
     film = tmp_path / "film.gif"
     status, _, err, folder = drawn_sweep(
         *bar, "--twist", "200deg", "--steps", 2, "--methods", "arap,exact", "--animation", film
@@ -139,7 +139,7 @@ def test_a_figure_and_a_film_are_drawn(bar, drawn_sweep, tmp_path):
         assert (colors == color).all(axis=1).sum() > 100
 
 
-def test_animations_are_the_meshes_of_the_steps(session, sweep, tmp_path):
+def test_sweep_writes_animations_of_the_meshes_of_its_steps(session, sweep, tmp_path):
     """Of one method under the name given, in the output folder and beside it."""
     out, names = tmp_path / "out", ("a.pc2", "a.mdd", "a.glb", "a.pvd")
     words = [word for name in names for word in ("--animation", out / name)]
@@ -164,7 +164,7 @@ def test_animations_are_the_meshes_of_the_steps(session, sweep, tmp_path):
 
 
 @pytest.mark.parametrize("where", ["out", "."])
-def test_a_shorter_series_replaces_a_longer_one(where, session, sweep, tmp_path):
+def test_sweep_replaces_a_longer_series_by_a_shorter_one(where, session, sweep, tmp_path):
     """With all its files, in the output folder and beside it, but with no others."""
     path = tmp_path / where / "a.pvd"
     for steps in (3, 1):
@@ -175,7 +175,7 @@ def test_a_shorter_series_replaces_a_longer_one(where, session, sweep, tmp_path)
     assert pyvista.get_reader(path).time_values == [0, 1]
 
 
-def test_each_method_has_an_animation_of_its_own(session, sweep, tmp_path):
+def test_sweep_gives_each_method_an_animation_of_its_own(session, sweep, tmp_path):
     words = "--steps", 2, "--methods", "arap,exact", "--meshes", "--animation", tmp_path / "a.pc2"
     status, _, err, folder = sweep(session, *words)
     assert (status, err) == (0, "")
@@ -185,14 +185,14 @@ def test_each_method_has_an_animation_of_its_own(session, sweep, tmp_path):
     assert not (tmp_path / "a.pc2").exists()
 
 
-def test_the_same_sweep_writes_the_same_files(session, drawn_sweep, tmp_path):
+def test_sweep_writes_the_same_files_when_repeated(session, drawn_sweep, tmp_path):
     for name in ("a", "b"):
         assert drawn_sweep(session, "--steps", 2, "--methods", "exact", folder=tmp_path / name)[0] == 0
     for name in ("sweep.csv", "sweep.svg", "sweep.png"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
 
 
-def test_the_volume_of_an_open_surface_is_capped(bar, drawn_sweep, tmp_path):
+def test_sweep_caps_the_volume_of_an_open_surface(bar, drawn_sweep, tmp_path):
     write_tube(bar, *tube())
     status, said, err, folder = drawn_sweep(*bar, "--push", "20%", "--steps", 2, "--methods", "arap,exact")
     assert (status, err) == (0, "")
@@ -207,7 +207,7 @@ def test_the_volume_of_an_open_surface_is_capped(bar, drawn_sweep, tmp_path):
         assert image.width > image.height
 
 
-def test_shapes_that_do_not_settle_are_counted(session, sweep):
+def test_sweep_counts_shapes_that_do_not_settle(session, sweep):
     _, said, _, folder = sweep(session, "--steps", 3, "--methods", "exact", "--iterations", 1)
     unsettled = sum(line["settled"] == "0" for line in read(folder))
     assert unsettled > 0
@@ -215,7 +215,7 @@ def test_shapes_that_do_not_settle_are_counted(session, sweep):
 
 
 @pytest.mark.usefixtures("without_opengl")
-def test_without_opengl_there_is_no_film_and_all_else(session, drawn_sweep, tmp_path):
+def test_sweep_without_opengl_writes_no_film_and_all_else(session, drawn_sweep, tmp_path):
     film = tmp_path / "film.gif"
     status, said, _, folder = drawn_sweep(session, "--steps", 2, "--methods", "arap", "--animation", film)
     assert status == 0
@@ -273,7 +273,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_what_is_wrong_is_said_in_a_line_and_nothing_is_written(case, bar, sweep, tmp_path):
+def test_sweep_says_what_is_wrong_in_a_line_and_writes_nothing(case, bar, sweep, tmp_path):
     words, said = WRONG[case]
     before = sorted(tmp_path.rglob("*"))
     status, out, err, _ = sweep(*words(bar))
@@ -284,7 +284,7 @@ def test_what_is_wrong_is_said_in_a_line_and_nothing_is_written(case, bar, sweep
 
 
 @pytest.mark.parametrize(("name", "said"), [("a.pvd", "which is a file"), ("b.gif", "(it is a folder)")])
-def test_what_is_in_the_way_in_the_output_is_said_before_work(
+def test_sweep_says_before_work_what_is_in_the_way_in_the_output(
     name, said, session, sweep, tmp_path, monkeypatch
 ):
     monkeypatch.setattr(Sweep, "steps", lambda *_: pytest.fail("it has begun"))
@@ -295,7 +295,7 @@ def test_what_is_in_the_way_in_the_output_is_said_before_work(
     assert said in err
 
 
-def test_what_is_interrupted_leaves_nothing(session, sweep, tmp_path, monkeypatch):
+def test_sweep_leaves_nothing_when_interrupted(session, sweep, tmp_path, monkeypatch):
     before = sorted(tmp_path.rglob("*"))
 
     def stop(*_):
@@ -306,7 +306,7 @@ def test_what_is_interrupted_leaves_nothing(session, sweep, tmp_path, monkeypatc
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_other_files_in_the_folder_are_kept(session, sweep, tmp_path):
+def test_sweep_keeps_other_files_in_the_folder(session, sweep, tmp_path):
     folder = tmp_path / "out"
     folder.mkdir()
     (folder / "notes.txt").write_text("mine")
@@ -318,7 +318,7 @@ def test_other_files_in_the_folder_are_kept(session, sweep, tmp_path):
 
 @pytest.mark.extra
 @pytest.mark.filterwarnings("ignore:unclosed file", "ignore::pytest.PytestUnraisableExceptionWarning")
-def test_a_film_as_mp4(tmp_path):
+def test_write_film_writes_mp4_there_and_back(tmp_path):
     import imageio_ffmpeg
 
     pictures = []
@@ -335,7 +335,7 @@ def test_a_film_as_mp4(tmp_path):
     gc.collect()  # the library leaves its pipes open until then
 
 
-def test_mp4_without_an_encoder_is_refused(bar, sweep, tmp_path, monkeypatch):
+def test_sweep_refuses_mp4_without_an_encoder(bar, sweep, tmp_path, monkeypatch):
     lack(monkeypatch, "imageio_ffmpeg")
     status, _, err, folder = sweep(*bar, "--twist", 9, "--animation", tmp_path / "film.mp4")
     assert status == 2

@@ -19,18 +19,18 @@ TEXTS = st.text("a1 中文，。（）“”…", max_size=60)
 @pytest.mark.parametrize(
     ("text", "columns"), [("", 0), ("area", 4), ("面积", 4), ("面积 1 %", 8), ("（ARAP）", 8), ("π × ³…", 6)]
 )
-def test_a_wide_character_takes_two_columns(text, columns):
+def test_columns_of_counts_two_for_a_wide_character(text, columns):
     assert columns_of(text) == columns
 
 
 @given(TEXTS, st.integers(0, 40))
-def test_what_is_padded_ends_at_one_column(text, columns):
+def test_padded_ends_at_one_column(text, columns):
     assert columns_of(padded(text, columns)) == max(columns, columns_of(text))
     assert padded(text, columns).rstrip() == text.rstrip()
 
 
 @given(TEXTS, st.integers(0, 40))
-def test_what_is_cut_fits_and_leaves_no_room(text, columns):
+def test_cut_fits_and_leaves_no_room(text, columns):
     begun = cut(text, columns)
     assert text.startswith(begun)
     assert columns_of(begun) <= columns
@@ -38,18 +38,18 @@ def test_what_is_cut_fits_and_leaves_no_room(text, columns):
 
 
 @given(TEXTS, st.integers(2, 40))
-def test_lines_lose_nothing_but_spaces(text, columns):
+def test_wrapped_loses_nothing_but_spaces(text, columns):
     assert "".join("".join(wrapped(text, columns)).split()) == "".join(text.split())
 
 
 @given(st.text("中文字", min_size=1, max_size=60), st.integers(2, 40))
-def test_lines_of_wide_characters_are_full(text, columns):
+def test_wrapped_fills_lines_of_wide_characters(text, columns):
     lines = wrapped(text, columns)
     assert {columns_of(line) for line in lines[:-1]} <= {columns - columns % 2}
     assert columns_of(lines[-1]) <= columns
 
 
-def test_lines_do_not_begin_or_end_with_the_wrong_sign():
+def test_wrapped_begins_and_ends_no_line_with_the_wrong_sign():
     text = "移动控制区的 4x4 矩阵；每个控制区（重复一次）。“默认”：关闭，“另一个”"
     for columns in range(8, 40):
         for line in wrapped(text, columns):
@@ -57,7 +57,7 @@ def test_lines_do_not_begin_or_end_with_the_wrong_sign():
             assert line[-1] not in "（“", (columns, line)
 
 
-def test_volumes_stand_below_each_other_whatever_their_names():
+def test_volumes_output_stands_below_each_other_whatever_the_names():
     readings = ("", ""), ("12 cm³", ""), "", ()
     rows = [
         VolumeRow(name, title, "", *readings)
@@ -68,7 +68,7 @@ def test_volumes_stand_below_each_other_whatever_their_names():
 
 
 @pytest.mark.parametrize("words", [["deform"], ["study", "design"]])
-def test_chinese_help_fits_the_terminal(words):
+def test_parser_fits_chinese_help_into_the_terminal(words):
     environment = os.environ | {"APD_VIEWER_LANGUAGE": "zh_CN", "COLUMNS": "80", "PYTHONIOENCODING": "utf-8"}
     command = [sys.executable, "-m", "apd_viewer", *words, "--help"]
     done = subprocess.run(

@@ -37,7 +37,7 @@ def ball():
 
 
 @pytest.mark.parametrize("suffix", WRITTEN)
-def test_a_mesh_of_each_format_is_drawn(suffix, ball, tmp_path):
+def test_thumbnail_draws_a_mesh_of_each_format(suffix, ball, tmp_path):
     path = tmp_path / f"ball{suffix}"
     save_mesh(ball, ball.V, path)
     pixels = thumbnail(path, "--size", "64")
@@ -48,14 +48,14 @@ def test_a_mesh_of_each_format_is_drawn(suffix, ball, tmp_path):
     assert covered.sum() / box == pytest.approx(np.pi / 4, abs=0.03)  # an ellipse
 
 
-def test_a_session_shows_the_picture_that_it_has(ball, tmp_path):
+def test_thumbnail_shows_the_picture_that_a_session_has(ball, tmp_path):
     picture = np.random.default_rng(0).integers(0, 256, (40, 50, 4), dtype=np.uint8)
     save_session(tmp_path / "a.apd", opened(ball), View(), picture=png(picture))
     np.testing.assert_array_equal(thumbnail(tmp_path / "a.apd"), picture)
     assert thumbnail(tmp_path / "a.apd", "--size", "25").shape == (20, 25, 4)
 
 
-def test_a_session_without_a_picture_is_drawn_in_its_shape_and_its_colours(ball, tmp_path):
+def test_thumbnail_draws_a_session_without_a_picture_in_its_shape_and_its_colors(ball, tmp_path):
     labels = np.where(ball.V[:, 1] < 0, 0, 1).astype(np.uint8)
     state = opened(ball, labels)
     wide = frozen(ball.V[:, [1, 0, 2]])
@@ -69,7 +69,7 @@ def test_a_session_without_a_picture_is_drawn_in_its_shape_and_its_colours(ball,
     assert thumbnail(tmp_path / "b.apd", "--size", "64").shape[1] == 64
 
 
-def test_what_cannot_be_drawn_is_said(ball, tmp_path, capsys, monkeypatch):
+def test_thumbnail_says_what_cannot_be_drawn(ball, tmp_path, capsys, monkeypatch):
     (tmp_path / "bad.obj").write_text("nonsense")
     (tmp_path / "bad.apd").write_text("nonsense")
     (tmp_path / "note.txt").write_text("nonsense")
@@ -105,7 +105,7 @@ QUICK = """
 
 
 @pytest.mark.parametrize("name", ["a.apd", "ball.obj"])
-def test_a_thumbnail_waits_for_nothing_that_only_work_needs(name, ball, tmp_path):
+def test_thumbnail_waits_for_nothing_that_only_work_needs(name, ball, tmp_path):
     save_mesh(ball, ball.V, tmp_path / "ball.obj")
     save_session(tmp_path / "a.apd", opened(ball), View(), picture=png(np.zeros((4, 4, 4), dtype=np.uint8)))
     command = [sys.executable, "-c", textwrap.dedent(QUICK), str(tmp_path / name), str(tmp_path / "out.png")]

@@ -23,7 +23,7 @@ def files(tmp_path):
     return paths
 
 
-def test_a_missing_volume_has_its_reason(files, tmp_path, capsys):
+def test_volumes_says_the_reason_of_a_missing_volume(files, tmp_path, capsys):
     rest, _ = files
     mesh = apd_viewer.open_mesh(rest)
     broken = apd_viewer.Mesh(mesh.V, [*mesh.F, mesh.F[0]])  # two triangles in one place
@@ -34,7 +34,7 @@ def test_a_missing_volume_has_its_reason(files, tmp_path, capsys):
     assert "There is no volume" not in capsys.readouterr().out
 
 
-def test_readings_of_both_shapes_are_written_and_said(files, tmp_path, capsys):
+def test_volumes_writes_and_says_readings_of_both_shapes(files, tmp_path, capsys):
     rest, half = files
     words = ["--unit", "cm", "--bag", "45", "--thickness", "0.3mm", "--density", "1"]
     out = tmp_path / "v.json"
@@ -59,7 +59,7 @@ def test_readings_of_both_shapes_are_written_and_said(files, tmp_path, capsys):
     assert "100.0\u00a0cm³ of 200.0\u00a0cm³  −50.0 %" in said
 
 
-def test_a_mesh_alone_has_no_change(files, capsys):
+def test_volumes_says_no_change_of_a_mesh_alone(files, capsys):
     assert main(["volumes", str(files[0])]) == 0
     said = capsys.readouterr().out
     assert " of " not in next(line for line in said.splitlines() if line.startswith("Enclosed"))
@@ -77,7 +77,7 @@ def test_a_mesh_alone_has_no_change(files, capsys):
         (["--rest", "gone.obj"], "no file"),
     ],
 )
-def test_it_says_no_in_one_line_and_writes_nothing(files, tmp_path, capsys, words, sentence):
+def test_volumes_says_no_in_one_line_and_writes_nothing(files, tmp_path, capsys, words, sentence):
     out = tmp_path / "v.json"
     assert main(["volumes", str(files[0]), *words, "--json", str(out)]) == 2
     said = capsys.readouterr()
@@ -86,7 +86,7 @@ def test_it_says_no_in_one_line_and_writes_nothing(files, tmp_path, capsys, word
     assert not out.exists()
 
 
-def test_readings_stand_below_each_other_however_long_the_titles_are():
+def test_volumes_output_has_readings_below_each_other_however_long_the_titles_are():
     rows = [
         VolumeRow(VolumeName.ENCLOSED, title, "", ("-", ""), ("12 cm³", ""), "", ())
         for title in ("Volume", "A title of another language, which is longer")

@@ -44,7 +44,9 @@ def numbers(text):
 
 
 @pytest.mark.night
-def test_the_commands_run_and_print_the_quantities_of_the_table(folder, monkeypatch, capsys):
+def test_worked_example_runs_its_commands_and_they_print_the_quantities_of_its_table(
+    folder, monkeypatch, capsys
+):
     monkeypatch.chdir(folder)
     twist, press, volumes = commands()
     assert main(twist) == 0
@@ -64,7 +66,7 @@ def test_the_commands_run_and_print_the_quantities_of_the_table(folder, monkeypa
     check_table(said, found)
 
 
-def test_the_table_names_what_is_printed(folder, monkeypatch, capsys):
+def test_worked_example_names_in_its_table_what_is_printed(folder, monkeypatch, capsys):
     """With a bottle that is drawn together instead of twisted and crushed, which takes half a minute."""
     monkeypatch.chdir(folder)
     rest = open_mesh("bottle.obj")

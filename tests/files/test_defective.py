@@ -15,7 +15,7 @@ SUITE = suite()
 
 @pytest.mark.parametrize("suffix", [".obj", ".ply"])
 @pytest.mark.parametrize("name", SUITE)
-def test_it_survives_all_the_way(name, suffix, tmp_path):
+def test_defective_meshes_survive_all_the_way_from_open_mesh_to_save_mesh(name, suffix, tmp_path):
     case = SUITE[name]
     path = tmp_path / f"mesh{suffix}"
     if suffix == ".ply":  # in double precision, which no library writes
@@ -46,7 +46,7 @@ def test_it_survives_all_the_way(name, suffix, tmp_path):
 
 
 @pytest.mark.parametrize("name", SUITE)
-def test_a_finding_says_where(name):
+def test_finding_says_where_the_defect_is(name):
     case = SUITE[name]
     mesh = Mesh(case.V, case.F)
     (finding,) = [finding for finding in inspect(mesh).findings if finding.kind == case.finding]

@@ -36,7 +36,9 @@ ENCODINGS = {
 
 @pytest.mark.parametrize("suffix", TEXTS)
 @pytest.mark.parametrize(("mark", "codec"), ENCODINGS.values(), ids=ENCODINGS)
-def test_a_text_in_any_encoding_opens_and_is_written_back_in_it(suffix, mark, codec, tmp_path):
+def test_open_mesh_opens_a_text_in_any_encoding_and_save_mesh_writes_it_back_in_it(
+    suffix, mark, codec, tmp_path
+):
     text = TEXTS[suffix].replace("\n", "\r\n").replace('"1.0"', f'"1.0" encoding="{codec[:6].upper()}"')
     mesh = opened(tmp_path / f"a.{suffix}", mark + text.encode(codec))
     assert inspect(mesh).volume == pytest.approx(6.0 if suffix == "stl" else 1.0)
@@ -48,18 +50,18 @@ def test_a_text_in_any_encoding_opens_and_is_written_back_in_it(suffix, mark, co
     assert len(lines) == len(before)
 
 
-def test_letters_of_all_languages_come_back(tmp_path):
+def test_copy_of_brings_letters_of_all_languages_back(tmp_path):
     text = "# Größe 瓶子 🍾\r\n" + obj(V, QUADS)
     content = codecs.BOM_UTF16_LE + text.encode("utf-16-le")
     assert copy_of(opened(tmp_path / "a.obj", content)) == {"mesh.obj": content}
 
 
-def test_after_a_mark_of_utf8_other_bytes_stay(tmp_path):
+def test_read_obj_lets_other_bytes_stay_after_a_mark_of_utf8(tmp_path):
     content = codecs.BOM_UTF8 + b"# Gr\xf6\xdfe\n" + obj(V, QUADS).encode()
     assert inspect(opened(tmp_path / "a.obj", content)).volume == pytest.approx(1.0)
 
 
-def test_materials_may_be_in_utf16_too(tmp_path):
+def test_images_of_takes_materials_in_utf16_too(tmp_path):
     text = "mtllib a.mtl\nusemtl skin\nvt 0 0\nvt 1 0\nvt 1 1\n" + obj(V, [QUADS[0][:3]], "{0}/1")
     (tmp_path / "a.obj").write_bytes(codecs.BOM_UTF16_LE + text.encode("utf-16-le"))
     material = "newmtl skin\nmap_Kd gone.png\n"
@@ -69,12 +71,12 @@ def test_materials_may_be_in_utf16_too(tmp_path):
 
 
 @pytest.mark.parametrize("mark", [codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, codecs.BOM_UTF8, b"a\0" * 40])
-def test_binary_data_may_begin_like_a_mark(mark, tmp_path):
+def test_read_stl_takes_binary_data_that_begins_like_a_mark(mark, tmp_path):
     mesh = opened(tmp_path / "a.stl", binary_stl(*BOX, header=mark))
     assert inspect(mesh).volume == pytest.approx(6.0)
 
 
-def test_a_text_of_gltf_with_a_mark_opens(tmp_path):
+def test_read_gltf_opens_a_text_with_a_mark(tmp_path):
     (tmp_path / "a.gltf").write_bytes(codecs.BOM_UTF8 + gltf_of(textured_glb()))
     mesh = open_mesh(tmp_path / "a.gltf")
     save_mesh(mesh, mesh.V, tmp_path / "b.gltf")
@@ -94,7 +96,7 @@ MIXED = {
 
 @pytest.mark.parametrize("suffix", ["obj", "off", "ply", "stl"])
 @pytest.mark.parametrize("ended", MIXED.values(), ids=MIXED)
-def test_line_ends_may_be_mixed(suffix, ended, tmp_path):
+def test_open_mesh_takes_mixed_line_ends(suffix, ended, tmp_path):
     content = ended(TEXTS[suffix].splitlines()).encode()
     mesh = opened(tmp_path / f"a.{suffix}", content)
     assert len(mesh.V) == (3 * len(BOX[1]) if suffix == "stl" else len(V))
@@ -102,7 +104,7 @@ def test_line_ends_may_be_mixed(suffix, ended, tmp_path):
 
 
 @pytest.mark.parametrize("line_end", ["\n", "\r\n", "\r"])
-def test_a_line_goes_on_after_a_backslash_whatever_ends_it(line_end, tmp_path):
+def test_read_obj_goes_on_with_a_line_after_a_backslash_whatever_ends_it(line_end, tmp_path):
     text = obj(V, QUADS).replace("f 1 3", "f 1 \\\n 3").replace("v 0.0 0.0", "v 0.0 \\\n0.0", 1)
     text = text.replace("f 5 6 8 7", "f -4 -3 -1 -2")
     assert text.count("\\") == 2

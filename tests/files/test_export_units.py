@@ -16,7 +16,7 @@ METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 
 @pytest.mark.parametrize("unit", METRES)
 @pytest.mark.parametrize("stated", [True, False])
-def test_a_new_glb_is_in_metres(unit, stated, tmp_path):
+def test_save_mesh_writes_a_new_glb_in_metres(unit, stated, tmp_path):
     mesh = Mesh(V, F, unit=unit if stated else "")
     written = save_mesh(mesh, 2 * V, tmp_path / "a.glb", None if stated else unit)
     again = open_mesh(tmp_path / "a.glb")
@@ -26,14 +26,14 @@ def test_a_new_glb_is_in_metres(unit, stated, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl", ".off"])
-def test_formats_without_a_unit_have_the_numbers_as_they_are(suffix, tmp_path):
+def test_save_mesh_writes_the_numbers_as_they_are_in_formats_without_a_unit(suffix, tmp_path):
     save_mesh(Mesh(V, F, unit="in"), V, tmp_path / f"a{suffix}")
     again = open_mesh(tmp_path / f"a{suffix}")
     assert again.unit == ""
     assert np.ptp(again.V, axis=0).tolist() == [1, 2, 2]
 
 
-def test_a_glb_stays_the_same_file_in_whatever_unit_it_is_measured(tmp_path):
+def test_save_mesh_keeps_a_glb_the_same_file_in_whatever_unit_it_is_measured(tmp_path):
     save_mesh(Mesh(V, F), V, tmp_path / "a.glb")
     mesh = open_mesh(tmp_path / "a.glb")
     save_mesh(replace(mesh, unit="mm"), mesh.V, tmp_path / "b.glb", "mm")

@@ -5,7 +5,7 @@ from fuzz import NAMES, damaged, fuzz
 
 
 @pytest.mark.parametrize("times", [15, pytest.param(40, marks=pytest.mark.night)])
-def test_damaged_files_open_and_can_be_written_or_are_refused_in_one_sentence(times):
+def test_open_mesh_opens_damaged_files_that_can_be_written_or_refuses_them_in_one_sentence(times):
     count = times * len(NAMES)
     outcomes, failures = fuzz(count, seed=0, report=lambda _: None)
     assert failures == []
@@ -14,6 +14,6 @@ def test_damaged_files_open_and_can_be_written_or_are_refused_in_one_sentence(ti
     assert outcomes["refused"] > count / 10
 
 
-def test_the_same_damage_can_be_done_again():
+def test_fuzz_can_do_the_same_damage_again():
     assert damaged(7, seed=3) == damaged(7, seed=3)
     assert damaged(7, seed=3) != damaged(7 + len(NAMES), seed=3)

@@ -47,7 +47,7 @@ def page(name="bunny"):
 
 
 @pytest.mark.parametrize("name", ["bunny", HOSTILE, "a\nb", ""])
-def test_a_page_is_well_formed_and_says_what_it_was_given(name):
+def test_html_of_is_well_formed_and_says_what_it_was_given(name):
     found = PageParts(html_of(page(name)))
     assert found.wrong == []
     assert "script" not in found.tags
@@ -60,13 +60,13 @@ def test_a_page_is_well_formed_and_says_what_it_was_given(name):
     assert found.notes[name][:3] == [name, name, name]
 
 
-def test_the_reader_of_pages_sees_what_is_wrong():
+def test_html_page_reader_sees_what_is_wrong():
     assert PageParts("<p><b>x</p>").wrong == ["</p> closes something else", "<p> is not closed"]
     assert PageParts("<div>").wrong == ["<div> is not closed"]
     assert PageParts("<p onclick='x()'></p>").wrong == ["<p> would run onclick"]
 
 
-def test_a_page_needs_nothing_but_itself():
+def test_html_of_makes_a_page_that_needs_nothing_but_itself():
     text = html_of(page())
     found = PageParts(text)
     assert len(found.held) == 2
@@ -77,7 +77,7 @@ def test_a_page_needs_nothing_but_itself():
     assert base64.b64decode(held["href"].partition(",")[2]) == b"content"
 
 
-def test_a_page_is_written_whole_or_not_at_all(tmp_path):
+def test_write_page_writes_a_page_whole_or_not_at_all(tmp_path):
     path = tmp_path / "page.html"
     write_page(path, page("half of a character: \udcff"))
     assert PageParts(path.read_bytes().decode("utf-8")).title == "half of a character: ?"
@@ -88,7 +88,7 @@ def test_a_page_is_written_whole_or_not_at_all(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_file_is_known_by_its_content(tmp_path):
+def test_fingerprint_knows_a_file_by_its_content(tmp_path):
     path, content = tmp_path / "mesh.obj", os.urandom((1 << 20) + 17)
     path.write_bytes(content)
     found = fingerprint(path)
@@ -97,7 +97,7 @@ def test_a_file_is_known_by_its_content(tmp_path):
     assert fingerprint(path)[1:] == (None, "")
 
 
-def test_where_a_file_is_tells_nobodys_name(monkeypatch, tmp_path):
+def test_place_of_a_file_tells_nobodys_name(monkeypatch, tmp_path):
     monkeypatch.setattr(Path, "home", lambda: tmp_path / "somebody")
     assert place_of(tmp_path / "somebody" / "meshes" / "a.obj") == "~/meshes/a.obj"
     assert place_of(tmp_path / "else" / "a.obj") == str(tmp_path / "else" / "a.obj")

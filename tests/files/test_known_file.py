@@ -98,7 +98,7 @@ def path(tmp_path):
 
 @pytest.mark.parametrize("written", [False, True], ids=["read", "written"])
 @pytest.mark.parametrize(("found", "act"), [(found, act) for found, acts in ACTS.items() for act in acts])
-def test_only_another_content_is_a_change(path, written, found, act):
+def test_known_file_takes_only_another_content_for_a_change(path, written, found, act):
     if written:
         scratch = path.with_name("scratch")
         scratch.write_bytes(OLD)
@@ -113,7 +113,7 @@ def test_only_another_content_is_a_change(path, written, found, act):
     assert [known.look(), known.look(), known.found] == [found] * 3
 
 
-def test_what_comes_back_is_the_same_again(path):
+def test_known_file_is_the_same_again_when_its_content_comes_back(path):
     known = KnownFile(path)
     path.unlink()
     assert known.look() is Fate.GONE
@@ -124,7 +124,7 @@ def test_what_comes_back_is_the_same_again(path):
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")
-def test_a_pipe_is_not_waited_for(path):
+def test_known_file_does_not_wait_for_a_pipe(path):
     put_pipe(path)
     done = threading.Event()
     threading.Thread(target=lambda: (KnownFile(path).look(), done.set()), daemon=True).start()

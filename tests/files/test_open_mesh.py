@@ -90,20 +90,20 @@ WAYS = {
 
 
 @pytest.mark.parametrize("name", WAYS)
-def test_vertices_and_faces_are_those_of_the_file(name, opened):
+def test_open_mesh_gives_the_vertices_and_faces_of_the_file(name, opened):
     content, V = WAYS[name]
     assert_holds(opened(name, content), V, fans(POLYGONS))
 
 
 @pytest.mark.parametrize("kind", ["ascii", "binary_little_endian", "binary_big_endian"])
 @pytest.mark.parametrize("sides", [3, 4, 5])
-def test_ply_of_equal_polygons(kind, sides, opened):
+def test_read_ply_reads_equal_polygons(kind, sides, opened):
     polygons = [[(k + i) % len(CORNERS) for i in range(sides)] for k in range(5)]
     assert_holds(opened("a.ply", ply(CORNERS, polygons, kind)), CORNERS, fans(polygons))
 
 
 @pytest.mark.parametrize("sides", [3, 4, 5])
-def test_off_of_equal_polygons(sides, opened):
+def test_read_off_reads_equal_polygons(sides, opened):
     polygons = [[(k + i) % len(CORNERS) for i in range(sides)] for k in range(5)]
     assert_holds(opened("a.off", off(CORNERS, polygons)), CORNERS, fans(polygons))
 
@@ -116,31 +116,31 @@ def test_off_of_equal_polygons(sides, opened):
     ),
     V=st.lists(st.tuples(*[st.floats(-1e9, 1e9)] * 3), min_size=9, max_size=9),
 )
-def test_any_polygons_become_fans_in_their_order(suffix, polygons, V, tmp_path_factory):
+def test_open_mesh_makes_fans_of_any_polygons_in_their_order(suffix, polygons, V, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / f"any.{suffix}"
     content = {"obj": obj, "off": off, "ply": ply}[suffix](np.array(V), polygons)
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     assert_holds(open_mesh(path), V, fans(polygons, V))
 
 
-def test_objects_in_one_obj_share_their_numbering(opened):
+def test_read_obj_lets_objects_in_one_file_share_their_numbering(opened):
     V, F = box(1, 1, 1)
     text = "o one\n" + obj(V, F) + "o two\n" + obj(V + 5, F, offset=1 + len(V))
     assert_holds(opened("two.obj", text), np.vstack([V, V + 5]), np.vstack([F, F + len(V)]))
 
 
-def test_faces_whose_corners_are_written_differently(opened):
+def test_read_obj_reads_faces_whose_corners_are_written_differently(opened):
     text = "".join(f"v {row}\n" for row in rows(CORNERS)) + "f 1/1/1 2 3/1\nf 3/1 5 6/1/1\nf 3//1 5// 6\n"
     assert_holds(opened("mixed.obj", text), CORNERS, [[0, 1, 2], [2, 4, 5], [2, 4, 5]])
 
 
-def test_negative_numbers_count_back_from_where_they_stand(opened):
+def test_read_obj_counts_negative_numbers_back_from_where_they_stand(opened):
     V, F = box(1, 1, 1)
     text = "".join(obj(V + 5 * k, F, offset=-len(V)) for k in range(2))
     assert_holds(opened("two.obj", text), np.vstack([V, V + 5]), np.vstack([F, F + len(V)]))
 
 
-def test_a_refused_line_is_named_by_its_number_in_the_file(opened):
+def test_read_obj_names_a_refused_line_by_its_number_in_the_file(opened):
     text = "v 0 0 \\\n0\nv 1 0 0\nv 0 1 0\nf 1 2 x3\n"
     with pytest.raises(ValueError, match=r"line 5 .*f 1 2 x3"):
         opened("bad.obj", text)
@@ -158,7 +158,7 @@ SOUPS = {
 
 
 @pytest.mark.parametrize("name", SOUPS)
-def test_stl_keeps_three_vertices_for_every_triangle_and_welds_for_the_solve(name, opened):
+def test_read_stl_keeps_three_vertices_for_every_triangle_and_welds_for_the_solve(name, opened):
     V, F = box(1, 2, 1)
     mesh = opened(name, SOUPS[name](V, F))
     assert_holds(mesh, *soup(V, F))
@@ -166,29 +166,29 @@ def test_stl_keeps_three_vertices_for_every_triangle_and_welds_for_the_solve(nam
     np.testing.assert_array_equal(mesh.V[mesh.weld.first][mesh.weld.inverse], mesh.V)
 
 
-def test_solids_in_one_stl_stand_one_after_the_other(opened):
+def test_read_stl_lets_solids_in_one_file_stand_one_after_the_other(opened):
     V, F = box(1, 1, 1)
     mesh = opened("two.stl", stl(V, F, "one") + stl(V + 5, F, "two"))
     assert_holds(mesh, np.vstack([soup(V, F)[0], soup(V + 5, F)[0]]), np.arange(6 * len(F)).reshape(-1, 3))
 
 
-def test_solids_of_the_same_name(opened):
+def test_read_stl_reads_solids_of_the_same_name(opened):
     V, F = box(1, 1, 1)
     assert len(opened("two.stl", stl(V, F, "a") + stl(V + 5, F, "a")).V) == 6 * len(F)
 
 
-def test_glb_keeps_unused_and_repeated_vertices(opened):
+def test_read_gltf_keeps_unused_and_repeated_vertices_of_a_glb(opened):
     F = np.array(fans(POLYGONS))
     assert_holds(opened("a.glb", glb([(CORNERS, F)])), single, F)
 
 
-def test_glb_parts_stand_one_after_the_other_each_where_its_node_puts_it(opened):
+def test_read_gltf_lets_parts_stand_one_after_the_other_each_where_its_node_puts_it(opened):
     F = np.array(fans(POLYGONS))
     mesh = opened("two.glb", glb([(CORNERS, F), (CORNERS, F)], [[0, 0, 0], [16, 0, -4]]))
     assert_holds(mesh, np.vstack([single, single + [16, 0, -4]]), np.vstack([F, F + len(CORNERS)]))
 
 
-def test_texture_coordinates_of_faces_do_not_split_vertices(opened, caplog):
+def test_read_ply_does_not_split_vertices_by_texture_coordinates_of_faces(opened, caplog):
     V, F = grid(1, 1)
     text = ply(V, F).decode().replace("comment made in a test", "comment TextureFile not-there.png")
     text = text.replace("end_header", "property list uchar float texcoord\nend_header")
@@ -197,7 +197,7 @@ def test_texture_coordinates_of_faces_do_not_split_vertices(opened, caplog):
     assert not caplog.records  # would be printed
 
 
-def test_ply_with_further_elements(opened):
+def test_read_ply_reads_a_mesh_with_further_elements(opened):
     V, F = box(1, 1, 1)
     text = ply(V, F).decode()
     text = text.replace(
@@ -207,7 +207,7 @@ def test_ply_with_further_elements(opened):
 
 
 @pytest.mark.parametrize("name", ["bottle", "duck"])
-def test_a_sample_against_another_parser(name):
+def test_open_mesh_reads_a_sample_as_another_parser_does(name):
     text = resource(f"{name}.obj").read_text(encoding="utf-8")
     V = [[float(x) for x in row] for row in re.findall(r"(?m)^v +(\S+) +(\S+) +(\S+)", text)]
     words = re.findall(r"(?m)^f +(\S+) +(\S+) +(\S+) *$", text)
@@ -215,7 +215,7 @@ def test_a_sample_against_another_parser(name):
     assert_holds(open_mesh(resource(f"{name}.obj")), V, F)
 
 
-def test_arrays_are_read_only(opened):
+def test_open_mesh_gives_arrays_that_are_read_only(opened):
     mesh = opened("a.obj", obj(*box(1, 1, 1)))
     for array in (mesh.V, mesh.F):
         with pytest.raises(ValueError, match="read-only"):
@@ -233,7 +233,7 @@ CONTENTS = {
 
 @pytest.mark.parametrize("name", ["A.{}", "with a space.{}", "Körper 面 и.{}", "two.dots.{}", "~home.{}"])
 @pytest.mark.parametrize("suffix", CONTENTS)
-def test_names_and_capital_suffixes(name, suffix, opened, tmp_path):
+def test_open_mesh_takes_all_names_and_capital_suffixes(name, suffix, opened, tmp_path):
     name = name.format(suffix.upper())
     mesh = opened(name, CONTENTS[suffix])
     assert len(mesh.F) == 12
@@ -241,7 +241,7 @@ def test_names_and_capital_suffixes(name, suffix, opened, tmp_path):
     assert mesh.name == name
 
 
-def test_a_path_may_be_text_and_relative(tmp_path, monkeypatch):
+def test_open_mesh_takes_a_path_that_is_text_and_relative(tmp_path, monkeypatch):
     (tmp_path / "a.ply").write_bytes(CONTENTS["ply"])
     monkeypatch.chdir(tmp_path)
     assert len(open_mesh("a.ply").V) == 8

@@ -91,7 +91,7 @@ KNOWN = {
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("name", KNOWN)
-def test_what_is_known_is_named(name, suffix, tmp_path):
+def test_about_content_names_what_is_known(name, suffix, tmp_path):
     content, words = KNOWN[name]
     path = tmp_path / f"bottle.{suffix}"
     path.write_bytes(content)
@@ -125,7 +125,7 @@ ALIKE = {("glb", "gltf"), ("gltf", "glb"), ("vtp", "vtu"), ("vtu", "vtp")}
 
 @pytest.mark.parametrize("called", SUFFIXES)
 @pytest.mark.parametrize(("kind", "content"), [*MESHES.items(), *MORE.items()])
-def test_a_mesh_under_the_name_of_another_format_is_named(kind, content, called, tmp_path):
+def test_about_content_names_a_mesh_under_the_name_of_another_format(kind, content, called, tmp_path):
     path = tmp_path / f"bottle.{called}"
     path.write_bytes(content)
     if called == kind or (kind, called) in ALIKE:
@@ -146,7 +146,7 @@ NOTHING = {
 
 
 @pytest.mark.parametrize(("content", "words"), NOTHING.values(), ids=NOTHING)
-def test_what_is_not_known_is_shown(content, words, tmp_path):
+def test_about_no_vertices_shows_what_is_not_known(content, words, tmp_path):
     path = tmp_path / "bottle.obj"
     path.write_bytes(content)
     with pytest.raises(InputError) as refused:
@@ -166,7 +166,7 @@ EMPTY = {
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("content", [*EMPTY.values(), *(content for content, _ in NOTHING.values())])
-def test_without_a_vertex_nothing_is_called_a_point_cloud(content, suffix, tmp_path):
+def test_open_mesh_calls_nothing_without_a_vertex_a_point_cloud(content, suffix, tmp_path):
     path = tmp_path / f"bottle.{suffix}"
     path.write_bytes(content)
     with pytest.raises(InputError) as refused:
@@ -178,7 +178,7 @@ def test_without_a_vertex_nothing_is_called_a_point_cloud(content, suffix, tmp_p
     ("suffix", "content"),
     [("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"), ("ply", ply(CUBE, [])), ("off", off(CUBE, []))],
 )
-def test_vertices_without_faces_are_called_one(suffix, content, tmp_path):
+def test_open_mesh_calls_vertices_without_faces_a_point_cloud(suffix, content, tmp_path):
     path = tmp_path / f"bottle.{suffix}"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     with pytest.raises(InputError, match="this looks like a point cloud"):

@@ -15,18 +15,18 @@ def pixels():
     return np.random.default_rng(0).integers(0, 256, (30, 60, 4), dtype=np.uint8)
 
 
-def test_the_same_pixels_come_back_and_give_the_same_bytes(pixels):
+def test_png_brings_the_same_pixels_back_and_gives_the_same_bytes(pixels):
     content = png(pixels)
     assert content == png(pixels.copy())
     np.testing.assert_array_equal(read_png(content, 60), pixels)
 
 
-def test_a_picture_is_made_smaller_but_not_larger(pixels):
+def test_read_png_makes_a_picture_smaller_but_not_larger(pixels):
     assert read_png(png(pixels), 20).shape == (10, 20, 4)
     assert read_png(png(pixels), 200).shape == (30, 60, 4)
 
 
-def test_what_is_no_small_picture_is_refused(pixels):
+def test_read_png_refuses_what_is_no_small_picture(pixels):
     content, other = png(pixels), io.BytesIO()
     Image.fromarray(pixels[..., :3]).save(other, "GIF")
     large = png(np.zeros((1, 1025, 4), dtype=np.uint8))
@@ -36,7 +36,7 @@ def test_what_is_no_small_picture_is_refused(pixels):
 
 
 @pytest.mark.parametrize("side", [10_000, 50_000])
-def test_a_picture_that_only_says_that_it_is_huge_is_refused_without_a_warning(side, pixels):
+def test_read_png_refuses_without_a_warning_a_picture_that_only_says_that_it_is_huge(side, pixels):
     content = bytearray(png(pixels))
     content[16:24] = 2 * side.to_bytes(4, "big")
     content[29:33] = zlib.crc32(content[12:29]).to_bytes(4, "big")

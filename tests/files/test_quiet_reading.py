@@ -31,7 +31,7 @@ print([len(apd_viewer.open_mesh(path).F) for path in sys.argv[1:]])
 """
 
 
-def test_whatever_a_reader_calls_says_nothing(tmp_path):
+def test_open_mesh_says_nothing_whatever_a_reader_calls(tmp_path):
     paths = [tmp_path / f"a{suffix}" for suffix in FORMATS]
     for path in paths:
         path.write_text("anything")
@@ -40,7 +40,7 @@ def test_whatever_a_reader_calls_says_nothing(tmp_path):
     assert (done.stdout.strip(), done.stderr) == (str([1] * len(FORMATS)), "")
 
 
-def test_a_package_that_refers_to_what_is_not_there_says_one_sentence(tmp_path):
+def test_info_says_one_sentence_of_a_package_that_refers_to_what_is_not_there(tmp_path):
     with zipfile.ZipFile(tmp_path / "a.3mf", "w") as archive:
         space = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
         model = f'<model xmlns="{space}"><resources/><build><item objectid="9"/></build></model>'
@@ -52,7 +52,7 @@ def test_a_package_that_refers_to_what_is_not_there_says_one_sentence(tmp_path):
     assert len(done.stderr.splitlines()) == 1
 
 
-def test_a_texture_that_pillow_warns_of_is_read_in_silence(tmp_path, recwarn):
+def test_read_image_reads_a_texture_that_pillow_warns_of_in_silence(tmp_path, recwarn):
     picture = io.BytesIO()
     Image.new("P", (4, 4)).save(picture, "PNG", transparency=bytes(3))
     before = Image.MAX_IMAGE_PIXELS

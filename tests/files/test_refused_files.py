@@ -202,7 +202,7 @@ def refused_by_the_command_line(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_is_no_mesh_is_refused(name, tmp_path, refused_by_the_command_line):
+def test_open_mesh_refuses_what_is_no_mesh(name, tmp_path, refused_by_the_command_line):
     content, words = REFUSED[name]
     path = tmp_path / name
     path.write_bytes(content.encode() if isinstance(content, str) else content)
@@ -213,7 +213,7 @@ def test_what_is_no_mesh_is_refused(name, tmp_path, refused_by_the_command_line)
 
 
 @pytest.mark.parametrize("content", [OBJ, OFF, PLY, PLY_BINARY, STL, STL_BINARY], ids=lambda c: repr(c[:6]))
-def test_what_the_refused_files_were_made_from_is_a_mesh(content, tmp_path):
+def test_open_mesh_opens_what_the_refused_files_were_made_from(content, tmp_path):
     content = content.encode() if isinstance(content, str) else content
     suffix = {b"v": "obj", b"O": "off", b"p": "ply", b"s": "stl", b"\0": "stl"}[content[:1]]
     (tmp_path / f"good.{suffix}").write_bytes(content)
@@ -222,20 +222,20 @@ def test_what_the_refused_files_were_made_from_is_a_mesh(content, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["gone.obj", "gone.ply", "no folder/gone.off"])
-def test_a_missing_file(name, tmp_path, refused_by_the_command_line):
+def test_open_mesh_refuses_a_missing_file(name, tmp_path, refused_by_the_command_line):
     with pytest.raises(InputError, match=r"There is no file .*check the name"):
         open_mesh(tmp_path / name)
     refused_by_the_command_line(tmp_path / name, ["There is no file", str(tmp_path / name)])
 
 
-def test_a_folder(tmp_path, refused_by_the_command_line):
+def test_open_mesh_refuses_a_folder(tmp_path, refused_by_the_command_line):
     (tmp_path / "folder.obj").mkdir()
     with pytest.raises(InputError, match="is not a file"):
         open_mesh(tmp_path / "folder.obj")
     refused_by_the_command_line(tmp_path / "folder.obj", ["is not a file"])
 
 
-def test_a_name_that_is_longer_than_names_can_be(tmp_path, refused_by_the_command_line):
+def test_open_mesh_refuses_a_name_that_is_longer_than_names_can_be(tmp_path, refused_by_the_command_line):
     path = tmp_path / ("x" * 300 + ".obj")
     with pytest.raises(InputError):
         open_mesh(path)
@@ -243,7 +243,9 @@ def test_a_name_that_is_longer_than_names_can_be(tmp_path, refused_by_the_comman
 
 
 @pytest.mark.parametrize("suffix", ["obj", "off", "ply"])
-def test_a_file_that_may_not_be_read(suffix, tmp_path, monkeypatch, refused_by_the_command_line):
+def test_open_mesh_refuses_a_file_that_may_not_be_read(
+    suffix, tmp_path, monkeypatch, refused_by_the_command_line
+):
     path = tmp_path / f"secret.{suffix}"
     path.write_text({"obj": OBJ, "off": OFF, "ply": PLY}[suffix])
     mode = path.stat().st_mode

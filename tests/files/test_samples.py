@@ -14,12 +14,12 @@ CHECKOUT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize("name", ["bottle.obj", "bottle-twist-60.def", "window.qss", "icons/apd-viewer.svg"])
-def test_resources_of_a_checkout(name):
+def test_resource_finds_what_is_in_a_checkout(name):
     assert resource(name) == CHECKOUT / "resources" / name
     assert resource(name).is_file()
 
 
-def test_resources_of_an_installed_package(tmp_path, monkeypatch):
+def test_resource_finds_what_is_in_an_installed_package(tmp_path, monkeypatch):
     package = tmp_path / "site-packages" / "apd_viewer"
     (package / "files").mkdir(parents=True)
     (package / "resources").mkdir()
@@ -28,14 +28,14 @@ def test_resources_of_an_installed_package(tmp_path, monkeypatch):
     assert resource("bottle.obj") == package / "resources" / "bottle.obj"
 
 
-def test_the_wheel_puts_resources_where_they_are_looked_for():
+def test_resource_looks_where_the_wheel_puts_resources():
     project = (CHECKOUT / "pyproject.toml").read_text(encoding="utf-8")
     included = project.partition("[tool.hatch.build.targets.wheel.force-include]")[2].partition("\n[")[0]
     assert re.findall(r'(?m)^"(.*)" = "(.*)"', included) == [("resources", "apd_viewer/resources")]
 
 
 @pytest.mark.parametrize("name", SAMPLES)
-def test_a_sample_comes_with_its_labels(name):
+def test_open_sample_gives_a_sample_with_its_labels(name):
     mesh, labels = open_sample(name)
     other = trimesh.load(resource(f"{name}.obj"), process=False, maintain_order=True)
     np.testing.assert_array_equal(mesh.F, other.faces)

@@ -35,7 +35,7 @@ def ball():
 
 @pytest.mark.parametrize("suffix", WRITTEN)
 @pytest.mark.parametrize("unit", [1e-6, 1e-3, 1, 9.999999, 10, 1e6])
-def test_reading_back_gives_what_was_written(suffix, unit, ball, tmp_path):
+def test_save_mesh_writes_what_reading_back_gives(suffix, unit, ball, tmp_path):
     U = unit * deformed(ball.V)
     path = tmp_path / f"out{suffix}"
     save_mesh(ball, U, path)
@@ -48,7 +48,7 @@ def test_reading_back_gives_what_was_written(suffix, unit, ball, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", WRITTEN)
-def test_another_program_reads_the_same(suffix, ball, tmp_path):
+def test_save_mesh_writes_what_another_program_reads_the_same(suffix, ball, tmp_path):
     U = deformed(ball.V)
     save_mesh(ball, U, tmp_path / f"out{suffix}")
     other = trimesh.load(tmp_path / f"out{suffix}", process=False, maintain_order=True, force="mesh")
@@ -57,7 +57,7 @@ def test_another_program_reads_the_same(suffix, ball, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", EXACT)
-def test_small_parts_of_large_coordinates_keep_their_digits(suffix, tmp_path):
+def test_save_mesh_keeps_the_digits_of_small_parts_of_large_coordinates(suffix, tmp_path):
     """Far from the origin, as in maps, all the digits of a double are needed."""
     V, F = box(1, 1, 1)
     U = V / 3 + [4e6, -5e5, 0]
@@ -66,26 +66,26 @@ def test_small_parts_of_large_coordinates_keep_their_digits(suffix, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", WRITTEN)
-def test_all_positions_zero(suffix, tmp_path):
+def test_save_mesh_writes_positions_that_are_all_zero(suffix, tmp_path):
     mesh = Mesh(*box(1, 1, 1))
     save_mesh(mesh, np.zeros_like(mesh.V), tmp_path / f"out{suffix}")
     assert (open_mesh(tmp_path / f"out{suffix}").V == 0).all()
 
 
-def test_a_capital_suffix_names_the_same_format(ball, tmp_path):
+def test_save_mesh_takes_a_capital_suffix_for_the_same_format(ball, tmp_path):
     for suffix in WRITTEN:
         save_mesh(ball, ball.V, tmp_path / f"a{suffix}")
         save_mesh(ball, ball.V, tmp_path / f"Körper b{suffix.upper()}")
         assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"Körper b{suffix.upper()}").read_bytes()
 
 
-def test_a_relative_name_without_folder(ball, tmp_path, monkeypatch):
+def test_save_mesh_takes_a_relative_name_without_folder(ball, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     save_mesh(ball, ball.V, "out.ply")
     assert len(open_mesh("out.ply").V) == len(ball.V)
 
 
-def test_saving_leaves_the_positions_alone(ball, tmp_path):
+def test_save_mesh_leaves_the_positions_alone(ball, tmp_path):
     U = deformed(ball.V)
     before = U.copy()
     U.flags.writeable = False
@@ -108,14 +108,14 @@ def target(request, tmp_path):
 
 
 @pytest.mark.parametrize("shape", [(3, 3), (163, 3), (164, 2), (164,), (3, 164), ()])
-def test_positions_of_another_shape(shape, ball, target):
+def test_save_mesh_refuses_positions_of_another_shape(shape, ball, target):
     assert shape != ball.V.shape
     with pytest.raises(InputError, match="Give 164 positions, one for each vertex"):
         save_mesh(ball, np.ones(shape), target)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_positions_that_are_no_numbers(value, ball, target):
+def test_save_mesh_refuses_positions_that_are_no_numbers(value, ball, target):
     U = ball.V.copy()
     U[7, 1] = value
     with pytest.raises(InputError, match="number"):
@@ -123,7 +123,7 @@ def test_positions_that_are_no_numbers(value, ball, target):
 
 
 @pytest.mark.parametrize("suffix", WRITTEN)
-def test_positions_beyond_single_precision(suffix, ball, tmp_path):
+def test_save_mesh_refuses_positions_beyond_single_precision(suffix, ball, tmp_path):
     with pytest.raises(
         InputError, match=r"A position of [23](\.\d+)?e\+39 is too large; nothing was written"
     ):
@@ -132,26 +132,26 @@ def test_positions_beyond_single_precision(suffix, ball, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["out.xyz", "out", "out.obj.bak", ".obj"])
-def test_names_without_a_format(name, ball, tmp_path):
+def test_save_mesh_refuses_names_without_a_format(name, ball, tmp_path):
     with pytest.raises(InputError, match=r"does not have a supported ending; use \.obj, .*\.glb"):
         save_mesh(ball, ball.V, tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_missing_folder(ball, tmp_path):
+def test_save_mesh_refuses_a_missing_folder(ball, tmp_path):
     with pytest.raises(InputError, match=r"There is no folder .*gone"):
         save_mesh(ball, ball.V, tmp_path / "gone" / "out.obj")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_in_place_of_the_file(ball, tmp_path):
+def test_save_mesh_refuses_a_folder_in_place_of_the_file(ball, tmp_path):
     (tmp_path / "out.obj").mkdir()
     with pytest.raises(InputError, match="cannot be written"):
         save_mesh(ball, ball.V, tmp_path / "out.obj")
     assert [path.name for path in tmp_path.iterdir()] == ["out.obj"]
 
 
-def test_a_folder_that_may_not_be_written_to(ball, target, monkeypatch):
+def test_save_mesh_refuses_a_folder_that_may_not_be_written_to(ball, target, monkeypatch):
     def denied(*args, **kwargs):  # root may write everywhere, so permissions cannot be taken away here
         raise PermissionError(errno.EACCES, "Permission denied")
 
@@ -160,7 +160,7 @@ def test_a_folder_that_may_not_be_written_to(ball, target, monkeypatch):
         save_mesh(ball, ball.V, target)
 
 
-def test_a_disk_that_is_full_when_the_file_is_flushed(ball, target, monkeypatch):
+def test_save_mesh_changes_nothing_on_a_disk_that_is_full_when_the_file_is_flushed(ball, target, monkeypatch):
     def full(descriptor):
         raise OSError(errno.ENOSPC, "No space left on device")
 
@@ -169,7 +169,7 @@ def test_a_disk_that_is_full_when_the_file_is_flushed(ball, target, monkeypatch)
         save_mesh(ball, ball.V, target)
 
 
-def test_a_disk_that_is_full_in_the_middle_of_the_file(ball, target):
+def test_save_mesh_changes_nothing_on_a_disk_that_is_full_in_the_middle_of_the_file(ball, target):
     resource = pytest.importorskip("resource", reason="Windows has no limits of file sizes")
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))  # the kernel refuses the 1001st byte
@@ -181,7 +181,7 @@ def test_a_disk_that_is_full_in_the_middle_of_the_file(ball, target):
 
 
 @pytest.mark.parametrize("error", [RuntimeError, MemoryError, KeyboardInterrupt])
-def test_a_writer_that_breaks_off_in_the_middle(error, ball, target, monkeypatch):
+def test_save_mesh_changes_nothing_when_a_writer_breaks_off_in_the_middle(error, ball, target, monkeypatch):
     def break_off(self, path=None, **kwargs):
         if path is not None:
             Path(path).write_bytes(b"half")
@@ -199,7 +199,7 @@ posix = pytest.mark.skipif(os.name != "posix", reason="POSIX permissions")
 
 @posix
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o664, 0o755])
-def test_a_replaced_file_keeps_its_permissions(mode, ball, tmp_path):
+def test_save_mesh_keeps_the_permissions_of_a_replaced_file(mode, ball, tmp_path):
     path = tmp_path / "out.obj"
     path.touch()
     path.chmod(mode)
@@ -210,7 +210,7 @@ def test_a_replaced_file_keeps_its_permissions(mode, ball, tmp_path):
 
 @posix
 @pytest.mark.parametrize("umask", [0o022, 0o077, 0o002])
-def test_a_new_file_gets_the_usual_permissions(umask, ball, tmp_path):
+def test_save_mesh_gives_a_new_file_the_usual_permissions(umask, ball, tmp_path):
     before = os.umask(umask)
     try:
         save_mesh(ball, ball.V, tmp_path / "out.off")

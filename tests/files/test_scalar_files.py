@@ -30,7 +30,7 @@ def table(path):
     return {name: np.array([float(row[name] or "nan") for row in rows]) for name in rows[0]}
 
 
-def test_a_table_of_vertices_comes_back(tmp_path):
+def test_write_scalars_writes_a_table_of_vertices_that_comes_back(tmp_path):
     write_scalars(tmp_path / "s.csv", MESH, U, SCALARS)
     read = table(tmp_path / "s.csv")
     assert np.array_equal(read.pop("vertex"), np.arange(len(V)))
@@ -40,7 +40,7 @@ def test_a_table_of_vertices_comes_back(tmp_path):
         np.testing.assert_array_equal(read[name], column)
 
 
-def test_a_table_of_triangles_comes_back(tmp_path):
+def test_write_scalars_writes_a_table_of_triangles_that_comes_back(tmp_path):
     write_scalars(tmp_path / "s.csv", MESH, U, SCALARS, Rows.TRIANGLES)
     read = table(tmp_path / "s.csv")
     assert np.array_equal(read.pop("triangle"), np.arange(len(F)))
@@ -49,7 +49,7 @@ def test_a_table_of_triangles_comes_back(tmp_path):
         np.testing.assert_array_equal(read[name], column)
 
 
-def test_a_ply_has_the_shape_the_selection_and_all_scalars(tmp_path):
+def test_write_scalars_writes_a_ply_with_the_shape_the_selection_and_all_scalars(tmp_path):
     path = tmp_path / "s.ply"
     write_scalars(path, MESH, U, SCALARS)
     mesh = open_mesh(path)
@@ -65,6 +65,6 @@ def test_a_ply_has_the_shape_the_selection_and_all_scalars(tmp_path):
     assert names == ["vertex_indices", *SCALARS.triangles]
 
 
-def test_another_kind_of_file_is_refused(tmp_path):
+def test_write_scalars_refuses_another_kind_of_file(tmp_path):
     with pytest.raises(InputError, match=r"use the ending \.csv or \.ply"):
         write_scalars(tmp_path / "s.obj", MESH, U, SCALARS)

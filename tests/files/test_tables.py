@@ -20,7 +20,7 @@ def computed(cell):
     return any(part[:1] in SIGNS for part in parts if part) or cell[:1] in ("\t", "\r")
 
 
-def test_what_is_read_back_is_the_same_to_the_last_digit(tmp_path):
+def test_write_table_writes_what_is_read_back_the_same_to_the_last_digit(tmp_path):
     rows = np.random.default_rng(0).normal(size=(50, 3)) * 10.0 ** np.random.default_rng(1).integers(
         -20, 20, (50, 3)
     )
@@ -36,7 +36,7 @@ def test_what_is_read_back_is_the_same_to_the_last_digit(tmp_path):
     assert lines[4][1] == ""
 
 
-def test_a_table_may_have_words_counts_and_gaps(tmp_path):
+def test_write_table_takes_words_counts_and_gaps(tmp_path):
     rows = [["arap", 0.1, 3, True], ["exact, or so", float("nan"), None, np.float64(2.5)]]
     write_table(tmp_path / "a.csv", ["method", "x", "n", "y"], rows)
     with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as stream:
@@ -45,7 +45,7 @@ def test_a_table_may_have_words_counts_and_gaps(tmp_path):
     assert lines == [["arap", "0.1", "3", "1"], ["exact, or so", "", "", "2.5"]]
 
 
-def test_a_table_that_cannot_be_written_leaves_what_was_there(tmp_path):
+def test_write_table_leaves_what_was_there_when_it_cannot_write(tmp_path):
     (tmp_path / "taken.csv").mkdir()
     with pytest.raises(InputError, match="choose another location"):
         write_table(tmp_path / "taken.csv", ("a",), np.ones((1, 1)))
@@ -65,7 +65,7 @@ def is_number(text):
 @given(st.text(st.sampled_from("=+-@'; \t\r\n,1a.%\N{FULLWIDTH EQUALS SIGN}")) | st.text())
 @example("-1.5")
 @example("'=1+1")
-def test_a_text_is_never_a_formula_and_comes_back(text):
+def test_text_cell_is_never_a_formula_and_comes_back(text):
     cell = text_cell(text)
     assert text_in(cell) == text
     if is_number(text):
@@ -75,7 +75,7 @@ def test_a_text_is_never_a_formula_and_comes_back(text):
 
 
 @pytest.mark.parametrize("text", FORMULAS)
-def test_a_formula_stays_text_in_the_file(tmp_path, text):
+def test_write_table_lets_a_formula_stay_text_in_the_file(tmp_path, text):
     assert computed(text)
     write_table(tmp_path / "a.csv", [text, "n"], [[text, -1.5], ["-1.5", None]])
     with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as stream:
@@ -86,5 +86,5 @@ def test_a_formula_stays_text_in_the_file(tmp_path, text):
 
 
 @pytest.mark.parametrize("text", ["no = formula", "twist 30deg; push 10%", "it's", "-20%", "+2.34 %", ""])
-def test_other_texts_are_written_as_they_are(text):
+def test_text_cell_writes_other_texts_as_they_are(text):
     assert text_cell(text) == text

@@ -44,13 +44,13 @@ def bits(thing):
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("name", THINGS)
-def test_a_copy_has_the_same_bits(name, way, compiled):
+def test_copies_of_public_objects_have_the_same_bits(name, way, compiled):
     thing = THINGS[name]()
     assert bits(WAYS[way](thing)) == bits(thing)
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_the_arrays_of_a_copied_mesh_are_read_only(way):
+def test_mesh_copies_have_read_only_arrays(way):
     again = WAYS[way](apd_viewer.Mesh(V, F))
     assert not again.V.flags.writeable
     assert not again.F.flags.writeable
@@ -58,7 +58,7 @@ def test_the_arrays_of_a_copied_mesh_are_read_only(way):
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("options", [{}, {"method": "paper"}, {"contact": True}])
-def test_a_deformation_says_that_it_cannot_be_copied(options, way, compiled):
+def test_deformation_says_that_it_cannot_be_copied(options, way, compiled):
     solver = apd_viewer.Deformation(V, F, FIXED, handle=TOP, **options)
     frame = solver.step()
     with pytest.raises(InputError, match="cannot be copied or pickled; make another one"):

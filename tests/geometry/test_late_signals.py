@@ -50,7 +50,7 @@ def raised_by(number):
     return False
 
 
-def test_handlers_are_called_at_the_end_once_each_and_restored():
+def test_late_signals_call_handlers_at_the_end_once_each_and_restore_them():
     with pytest.raises(StoppedError), LATE_SIGNALS, cores_for(10):  # noqa: PT012
         CALLED.clear()
         for number in (signal.SIGINT, signal.SIGALRM, signal.SIGINT):
@@ -61,7 +61,7 @@ def test_handlers_are_called_at_the_end_once_each_and_restored():
     assert raised_by(signal.SIGALRM)
 
 
-def test_another_thread_is_left_alone():
+def test_late_signals_leave_another_thread_alone():
     seen = []
 
     def look():
@@ -99,7 +99,7 @@ def interrupted_at(step):
     return False, left[0] > 0
 
 
-def test_a_signal_at_any_instruction_is_raised_and_leaves_all_in_order():
+def test_late_signals_raise_a_signal_at_any_instruction_and_leave_all_in_order():
     for step in range(1, 5_000):
         stopped, beyond = interrupted_at(step)
         if beyond:
@@ -112,7 +112,7 @@ def test_a_signal_at_any_instruction_is_raised_and_leaves_all_in_order():
     assert 50 < step < 4_999
 
 
-def test_no_python_runs_between_a_kernel_and_its_result():
+def test_kernel_signals_run_no_python_between_a_kernel_and_its_result():
     V, F = sphere(2)
     seen = set()
 
@@ -130,7 +130,7 @@ def test_no_python_runs_between_a_kernel_and_its_result():
     assert all(type(result) is np.ndarray for result in results)
 
 
-def test_what_a_handler_raises_is_what_comes_out_of_a_contact_kernel():
+def test_kernel_signals_let_out_of_a_contact_kernel_what_a_handler_raises():
     V, F = sphere(3)
     V, E = V * [1.0, 1.0, 0.05], np.unique(np.sort(F[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0)
     patches = Patches(V, F, E)
@@ -147,7 +147,7 @@ def test_what_a_handler_raises_is_what_comes_out_of_a_contact_kernel():
     assert all(np.array_equal(*columns) for columns in zip(found, expected, strict=True))
 
 
-def test_a_kernel_is_compiled_to_its_end():
+def test_kernel_signals_let_a_kernel_be_compiled_to_its_end():
     @numba.njit
     def kernel(n):
         return np.arange(n).sum() + np.ones(n).sum()

@@ -30,18 +30,18 @@ def compiled_for(code, **environment):
     return said.stdout.rstrip("\n")
 
 
-def test_kernels_fit_every_processor_of_the_level():
+def test_compile_for_level_makes_kernels_fit_every_processor_of_the_level():
     there = binding.get_host_cpu_features()
     expected = f"{processor.LEVEL} " if there["avx2"] and there["fma"] else compiled_for(TOLD)
     assert compiled_for(OURS + TOLD) == expected
 
 
-def test_another_choice_and_a_user_s_own_kernels_are_left_alone():
+def test_compile_for_level_leaves_another_choice_and_a_user_s_own_kernels_alone():
     assert compiled_for(OURS + TOLD, NUMBA_CPU_NAME="x86-64", NUMBA_CPU_FEATURES="") == "x86-64 "
     assert compiled_for("import numba\n" + OURS + TOLD) == compiled_for(TOLD)
 
 
-def test_an_older_processor_gets_kernels_of_its_own(monkeypatch):
+def test_compile_for_level_gives_an_older_processor_kernels_of_its_own(monkeypatch):
     monkeypatch.setattr(binding, "get_host_cpu_features", lambda: {"avx": True, "avx2": False})
     for name in ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"):
         monkeypatch.delenv(name, raising=False)

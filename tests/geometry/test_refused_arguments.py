@@ -76,13 +76,13 @@ CASES = {
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("name", CASES)
-def test_what_cannot_be_used_is_refused_in_a_sentence(name, compiled):
+def test_input_error_says_in_a_sentence_what_cannot_be_used(name, compiled):
     call, said = CASES[name]
     with pytest.raises(InputError, match=re.escape(said)):
         call()
 
 
-def test_measures_take_lists(compiled):
+def test_plane_section_and_geodesic_path_take_lists(compiled):
     point, normal = (0.0, 0.0, 0.1), (0.0, 0.0, 1.0)
     cut, same = (
         apd_viewer.plane_section(*mesh, point, normal) for mesh in ((V.tolist(), F.tolist()), (V, F))

@@ -165,13 +165,15 @@ def arguments(call, given):
     return [name for name in signature.parameters if name not in ("self", "cls")]
 
 
-def test_nothing_public_is_left_out():
+def test_wrong_arguments_are_tried_with_everything_public():
     assert set(apd_viewer.__all__) - MADE - {"view"} <= CALLS.keys()
 
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("function", CALLS)
-def test_a_wrong_argument_is_refused_or_has_a_sound_meaning(function, compiled, tmp_path, monkeypatch):
+def test_input_error_is_raised_by_a_wrong_argument_unless_that_has_a_sound_meaning(
+    function, compiled, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     call, given = CALLS[function]
     wrong = []

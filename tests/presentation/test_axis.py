@@ -43,7 +43,7 @@ def test_ticks_of_numbers_say_where_they_are(seed, most):
     assert rounded(low, high).high >= high - 1e-9 * abs(high)
 
 
-def test_whole_numbers_have_no_ticks_between_them():
+def test_linear_has_no_ticks_between_whole_numbers():
     assert [text for _, text in linear(0.0, 2.0, whole=True).ticks(9)] == ["0", "1", "2"]
     assert linear(0.0, 12_000.0, whole=True).ticks(3)[1][1] == "5,000"
 
@@ -60,13 +60,13 @@ def test_decades_are_percentages(low, high, most):
         assert value(text) == pytest.approx(100.0 * 10.0**place, rel=1e-12)
 
 
-def test_a_power_is_written_out_where_that_is_short():
+def test_power_is_written_out_where_that_is_short():
     assert [power(k) for k in (-4, -3, 0, 2, 4)] == ["10⁻⁴", "0.001", "1", "100", "10⁴"]
 
 
 @pytest.mark.parametrize("reach", [1.001, 1.05, 1.5])
 @pytest.mark.parametrize("most", [1, 3, 8])
-def test_small_ratios_are_percentages_on_both_sides(reach, most):
+def test_ratios_that_are_small_are_percentages_on_both_sides(reach, most):
     axis = ratios(reach)
     assert axis.low == -axis.high
     ticks = axis.ticks(most)
@@ -78,7 +78,7 @@ def test_small_ratios_are_percentages_on_both_sides(reach, most):
 
 
 @pytest.mark.parametrize("reach", [2.0, 16.0, 1024.0])
-def test_large_ratios_are_factors(reach):
+def test_ratios_that_are_large_are_factors(reach):
     axis = ratios(reach)
     for place, text in axis.ticks(6):
         factor = float(text.lstrip("×÷").replace(",", ""))

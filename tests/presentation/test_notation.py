@@ -40,7 +40,7 @@ def some_numbers(count):
 
 
 @EACH
-def test_what_a_field_shows_is_read_again(used):
+def test_to_type_shows_in_a_field_what_is_read_again(used):
     use_notation(used)
     for x in some_numbers(2000):
         text = number_format.to_type(x, 12)
@@ -49,7 +49,7 @@ def test_what_a_field_shows_is_read_again(used):
 
 
 @EACH
-def test_what_number_fields_show_is_entered_again(qtbot, used):
+def test_number_fields_show_what_is_entered_again(qtbot, used):
     use_notation(used)
     wide = {"minimum": -1e9, "maximum": 1e9}
     plain = Number(brief=True, decimals=9, **wide), Number(decimals=3, suffix=" mm", **wide)
@@ -63,7 +63,7 @@ def test_what_number_fields_show_is_entered_again(qtbot, used):
 
 
 @EACH
-def test_a_point_that_is_shown_can_be_typed(used):
+def test_coordinates_that_are_shown_can_be_typed(used):
     use_notation(used)
     chance = random.Random(3)
     for _ in range(200):
@@ -74,7 +74,7 @@ def test_a_point_that_is_shown_can_be_typed(used):
 
 
 @EACH
-def test_groups_and_decimals_are_told_apart(used):
+def test_notation_tells_groups_and_decimals_apart(used):
     use_notation(used)
     for x in some_numbers(500):
         text = number_format.grouped(x, 3)
@@ -87,7 +87,7 @@ def test_groups_and_decimals_are_told_apart(used):
     assert tr("{name}: {value:.2f}").format(name="a.b,c", value=0.5) == f"a.b,c: 0{used.point}50"
 
 
-def test_what_is_read_in_every_language_is_read_as_ever():
+def test_number_reads_as_ever_what_is_read_in_every_language():
     for used in (ENGLISH, GERMAN, FRENCH):
         use_notation(used)
         assert number("0,3", {}) == number("0.3", {}) == 0.3
@@ -96,7 +96,7 @@ def test_what_is_read_in_every_language_is_read_as_ever():
             number("1,500", {})
 
 
-def test_a_point_that_the_window_puts_between_groups_is_asked_about(qtbot):
+def test_as_typed_asks_about_a_point_that_the_window_puts_between_groups(qtbot):
     field = Number(brief=True, decimals=6, maximum=1e9)
     qtbot.addWidget(field)
     field.setValue(7.0)
@@ -114,7 +114,7 @@ def test_a_point_that_the_window_puts_between_groups_is_asked_about(qtbot):
 
 
 @pytest.mark.parametrize("language", languages())
-def test_the_command_line_keeps_the_point_and_the_window_does_not(language):
+def test_show_numbers_changes_the_point_in_the_window_which_the_command_line_keeps(language):
     code = (
         "from apd_viewer.language import show_numbers, tr\n"
         "say = tr('{value:.3f} {n:,}').format\n"

@@ -69,7 +69,7 @@ def result(compiled):
     return replace(bent(regions=[region], iterations=2), warnings=(f"Look at {NAME}.",))
 
 
-def test_a_result_is_a_result_and_can_be_sent(result):
+def test_pictured_result_is_a_result_and_can_be_sent(result):
     assert isinstance(result, apd_viewer.Result)
     assert pickle.loads(pickle.dumps(apd_viewer.deform)) is apd_viewer.deform
     again = pickle.loads(pickle.dumps(result))
@@ -77,7 +77,7 @@ def test_a_result_is_a_result_and_can_be_sent(result):
     assert again._repr_html_() == result._repr_html_()
 
 
-def test_the_readings_stand_in_a_table_and_names_stay_names(result):
+def test_pictured_result_has_readings_in_a_table_in_which_names_stay_names(result):
     page = Page(result._repr_html_())
     assert page.tags == {"div", "img", "table", "tr", "th", "td"}
     rows = page.rows
@@ -91,7 +91,7 @@ def test_the_readings_stand_in_a_table_and_names_stay_names(result):
     assert rows["Warning"] == f"Look at {NAME}."
 
 
-def test_an_open_surface_has_its_volume_with_caps(compiled):
+def test_pictured_result_of_an_open_surface_has_its_volume_with_caps(compiled):
     V, F = meshes.box(1, 1, 4)
     base, end = meshes.ends(V)
     open_end = F[~np.isin(F, end).all(axis=1)]
@@ -102,7 +102,7 @@ def test_an_open_surface_has_its_volume_with_caps(compiled):
     assert rows["Volume, capped"].startswith(f"{result.volume_capped:.5f} of 4.00000 (")
 
 
-def test_the_picture_is_in_the_page_and_on_nothing(result):
+def test_pictured_result_has_its_picture_in_the_page_and_on_nothing(result):
     (image,) = Page(result._repr_html_()).images
     assert "Rest shape and deformed shape" in image["alt"]
     kind, content = image["src"].split(",", 1)
@@ -114,20 +114,20 @@ def test_the_picture_is_in_the_page_and_on_nothing(result):
     assert not np.array_equal(left, right)
 
 
-def test_pictures_are_of_bounded_size(result):
+def test_pictured_result_has_pictures_of_bounded_size(result):
     (image,) = Page(result._repr_html_()).images
     with Image.open(io.BytesIO(base64.b64decode(image["src"].split(",")[1]))) as picture:
         assert max(picture.size) <= 2 * 280
 
 
-def test_nothing_has_a_colour_of_its_own_but_lines():
+def test_pictured_result_gives_nothing_a_color_of_its_own_but_lines():
     """What a page of any colour shows: text in its own colour, and lines that are half transparent."""
     text = re.sub(r'src="[^"]*"', "", bent(iterations=1)._repr_html_())
     assert set(re.findall(r"(?<![-\w])(?:color|background):([^;\"]+)", text)) == {"inherit", "none"}
     assert "rgba(128,128,128,0.35)" in text
 
 
-def test_colours_tell_grown_from_shrunk(result):
+def test_change_colors_tell_grown_from_shrunk(result):
     rest, F = result.rest, result.triangles
     unmoved, grown, shrunk = (
         change_colors(SimpleNamespace(rest=rest, U=factor * rest, triangles=F))[0].astype(int)
@@ -176,7 +176,7 @@ class Notebook(ModuleType):
         return SimpleNamespace(update=self._update)
 
 
-def test_a_terminal_shows_one_line_that_ends_with_the_last_frame(compiled, monkeypatch):
+def test_progress_line_is_one_on_a_terminal_and_ends_with_the_last_frame(compiled, monkeypatch):
     screen = on(monkeypatch, Screen(True))
     result = bent(progress=True)
     text = screen.getvalue()
@@ -186,13 +186,13 @@ def test_a_terminal_shows_one_line_that_ends_with_the_last_frame(compiled, monke
     assert last == f"iteration {result.iterations:,}   area {100 * result.area_error:+.3f} %"
 
 
-def test_plain_iterations_are_counted_down(compiled, monkeypatch):
+def test_progress_line_counts_plain_iterations_down(compiled, monkeypatch):
     screen = on(monkeypatch, Screen(True))
     bent(progress=True, iterations=7)
     assert "iteration 7 of 7   area" in screen.getvalue()
 
 
-def test_a_notebook_has_one_line_that_changes(compiled, monkeypatch):
+def test_progress_line_is_one_in_a_notebook_and_changes(compiled, monkeypatch):
     notebook = Notebook()
     screen = on(monkeypatch, Screen(False), notebook)
     result = bent(progress=True)
@@ -202,13 +202,13 @@ def test_a_notebook_has_one_line_that_changes(compiled, monkeypatch):
 
 
 @pytest.mark.parametrize("ipython", [None, Notebook(runs=False)], ids=["without IPython", "IPython at rest"])
-def test_where_nobody_reads_nothing_is_said(ipython, compiled, monkeypatch, capsys):
+def test_progress_line_says_nothing_where_nobody_reads(ipython, compiled, monkeypatch, capsys):
     screen = on(monkeypatch, Screen(False), ipython)
     bent(progress=True, iterations=3)
     assert screen.getvalue() == capsys.readouterr().out == ""
 
 
-def test_progress_is_only_shown_on_request_and_a_function_is_called_as_before(compiled, monkeypatch):
+def test_progress_line_is_only_shown_on_request_and_a_function_is_called_as_before(compiled, monkeypatch):
     screen, frames = on(monkeypatch, Screen(True)), []
     bent(iterations=3)
     bent(iterations=3, progress=False)
@@ -217,14 +217,14 @@ def test_progress_is_only_shown_on_request_and_a_function_is_called_as_before(co
     assert [frame.iteration for frame in frames] == [1, 2, 3]
 
 
-def test_the_line_ends_where_an_error_begins(compiled, monkeypatch):
+def test_progress_line_ends_where_an_error_begins(compiled, monkeypatch):
     screen = on(monkeypatch, Screen(True))
     with pytest.raises(apd_viewer.InputError):
         bent(progress=True, method="nonsense")
     assert screen.getvalue() == ""
 
 
-def test_it_is_said_no_more_often_than_can_be_read(monkeypatch):
+def test_progress_line_is_said_no_more_often_than_can_be_read(monkeypatch):
     screen = on(monkeypatch, Screen(True))
     monkeypatch.setattr(progress_line.time, "monotonic", lambda: 1.0)
     line = ProgressLine()

@@ -17,19 +17,19 @@ def value(text):
 
 
 @pytest.mark.parametrize(("written", "digits"), [(significant, 6), (short, 3)])
-def test_numbers_of_any_size_are_read_as_they_are(written, digits):
+def test_number_format_lets_numbers_of_any_size_be_read_as_they_are(written, digits):
     for x in np.geomspace(1e-20, 1e20, 997):
         text = written(x)
         assert value(text) == pytest.approx(x, rel=0.51 * 10.0 ** (1 - digits))
         assert "e" not in text, "that is how programs write it"
 
 
-def test_negative_numbers_have_true_minus_signs():
+def test_significant_gives_negative_numbers_true_minus_signs():
     for x in np.geomspace(1e-20, 1e20, 97):
         assert significant(-float(x)) == "−" + significant(float(x))
 
 
-def test_a_number_that_rounds_to_a_thousand_is_written_as_one():
+def test_short_writes_a_number_that_rounds_to_a_thousand_as_one():
     assert [short(x) for x in (999.4, 999.5, 1000.0, 1234.5)] == ["999", "1,000", "1,000", "1,234"]
     assert [short(x) for x in (0.00025, 2e-6, 20.0)] == ["0.00025", "2·10⁻⁶", "20"]
     assert [significant(x) for x in (1234567.0, 407.117, 2.4e-17)] == [
@@ -41,7 +41,7 @@ def test_a_number_that_rounds_to_a_thousand_is_written_as_one():
 
 @pytest.mark.parametrize("step", [2e-7, 0.05, 0.1, 0.5, 1.0, 20.0])
 @pytest.mark.parametrize("middle", [0.0, 12.0, -1000.0, 123_456.0])
-def test_places_on_an_axis_are_told_from_each_other(step, middle):
+def test_place_tells_places_on_an_axis_from_each_other(step, middle):
     ticks = step * np.arange(round(middle / step) - 8, round(middle / step) + 9)
     texts = [place(float(tick), step) for tick in ticks]
     assert len(set(texts)) == len(texts)
@@ -49,11 +49,11 @@ def test_places_on_an_axis_are_told_from_each_other(step, middle):
     assert "-" not in "".join(texts)
 
 
-def test_a_place_that_is_nothing_but_rounding_is_zero():
+def test_place_that_is_nothing_but_rounding_is_zero():
     assert place(math.sin(math.pi), 1.0) == place(-1e-17, 0.1) == "0"
 
 
-def test_digits_are_grouped_and_powers_begin_at_a_million():
+def test_significant_groups_digits_and_begins_powers_at_a_million():
     assert [significant(x) for x in (123456.7, 999999.4, 12345.678)] == ["123,457", "999,999", "12,345.7"]
     assert [significant(x, 4) for x in (1234.5, 12345.6, 99999.9, 999999.6)] == [
         "1,234",

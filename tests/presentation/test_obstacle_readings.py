@@ -29,7 +29,7 @@ def state(contact=True, **of_frame):
     return replace(rest, document=document, frame=replace(rest.frame, **of_frame))
 
 
-def test_loads_are_said_where_something_presses_and_only_at_rest():
+def test_load_is_said_where_something_presses_and_only_at_rest():
     loads = np.array([[0.0, 0.0, -1.2345], [0.0, 0.0, 0.0]])
     assert [readings.load(state(loads=loads), k) for k in (0, 1)] == ["load 1.23", ""]
     assert [readings.load(state(loads=loads, settled=False), k) for k in (0, 1)] == ["touched", ""]
@@ -39,7 +39,7 @@ def test_loads_are_said_where_something_presses_and_only_at_rest():
     assert [readings.load(state(loads=barely, settled=settled), 0) for settled in (True, False)] == ["", ""]
 
 
-def test_the_expected_excess_is_said_with_loads_at_rest():
+def test_load_excess_is_said_with_loads_at_rest():
     """Of the cells of squares, 0.75 h^2 over D; less by a quarter at the sharp edges of a narrow bar."""
     loads = np.array([[0.0, 0.0, -1.2345], [0.0, 0.0, 0.0]])
     pressed = state(loads=loads)
@@ -55,7 +55,7 @@ def test_the_expected_excess_is_said_with_loads_at_rest():
         assert readings.load_excess(nothing) == ""
 
 
-def test_a_motion_is_said_with_what_contact_has_not_let():
+def test_motion_is_said_with_what_contact_has_not_let():
     short = np.array([[0.0, 0.0, 0.2], [0.0, 0.0, 0.0]])
     asked = "asked for 0.5000\u00a0mm, stopped 0.3000\u00a0mm short"
     assert readings.motion(state(shifts=short), 0, Unit.MILLIMETRE) == asked
@@ -64,7 +64,7 @@ def test_a_motion_is_said_with_what_contact_has_not_let():
     assert readings.motion(state(), 1, Unit.NONE) == "where it was put"
 
 
-def test_the_report_says_enough_to_put_them_again():
+def test_obstacle_blocks_say_enough_to_put_obstacles_again():
     (table,) = obstacle_blocks(state(), Unit.NONE)
     plate, finger = table.rows
     assert plate == (
@@ -77,6 +77,6 @@ def test_the_report_says_enough_to_put_them_again():
     assert "Contact is off" in why.text
 
 
-def test_without_obstacles_the_report_says_so():
+def test_obstacle_blocks_say_that_there_are_no_obstacles():
     (note,) = obstacle_blocks(opened(bar()), Unit.NONE)
     assert "no obstacles" in note.text

@@ -65,14 +65,14 @@ def check_repeats(session, folder, monkeypatch):
 
 
 @pytest.mark.parametrize("case", SETTINGS)
-def test_the_lines_repeat_what_the_session_says(case, session, tmp_path, monkeypatch):
+def test_python_script_repeats_what_the_session_says(case, session, tmp_path, monkeypatch):
     for verb, given in SETTINGS[case].items():
         getattr(session.settings, verb)(*given)
     move(session)
     check_repeats(session, tmp_path, monkeypatch)
 
 
-def test_regions_are_repeated(session, tmp_path, monkeypatch):
+def test_python_script_repeats_regions(session, tmp_path, monkeypatch):
     V = session.store.state.document.mesh.V
     session.gestures.begin()
     session.painting.paint_region(np.flatnonzero(V[:, 2] <= 2), 1)
@@ -83,7 +83,7 @@ def test_regions_are_repeated(session, tmp_path, monkeypatch):
     check_repeats(session, tmp_path, monkeypatch)
 
 
-def test_turns_of_more_than_half_are_repeated(session, tmp_path, monkeypatch):
+def test_python_script_repeats_turns_of_more_than_half(session, tmp_path, monkeypatch):
     session.gestures.begin()
     for angle in np.linspace(0.3, 4.0, 14):
         for k in (0, 1):
@@ -106,19 +106,19 @@ def put_obstacles(session):
     session.obstacles.move(1, 0.15 * out)
 
 
-def test_obstacles_are_repeated_where_something_is_held(session, tmp_path, monkeypatch):
+def test_python_script_repeats_obstacles_where_something_is_held(session, tmp_path, monkeypatch):
     session.settings.set_stiffness(0.01)
     put_obstacles(session)
     check_repeats(session, tmp_path, monkeypatch)
 
 
-def test_obstacles_are_repeated_where_nothing_is_held(session, tmp_path, monkeypatch):
+def test_python_script_repeats_obstacles_where_nothing_is_held(session, tmp_path, monkeypatch):
     session.painting.clear_all()
     put_obstacles(session)
     check_repeats(session, tmp_path, monkeypatch)
 
 
-def test_what_was_painted_on_a_bent_shape_is_held_where_it_was(session, tmp_path, monkeypatch):
+def test_python_script_holds_what_was_painted_on_a_bent_shape_where_it_was(session, tmp_path, monkeypatch):
     move(session)
     assert session.wait_idle(60.0)
     V = session.store.state.document.mesh.V
@@ -127,7 +127,7 @@ def test_what_was_painted_on_a_bent_shape_is_held_where_it_was(session, tmp_path
     check_repeats(session, tmp_path, monkeypatch)
 
 
-def test_what_the_lines_cannot_say_is_refused(session):
+def test_python_script_refuses_what_its_lines_cannot_say(session):
     document = session.store.state.document
     session.settings.set_falloff(0, 1.0)
     with pytest.raises(InputError, match="falloff"):

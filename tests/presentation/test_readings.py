@@ -42,7 +42,7 @@ def said_of(document) -> str:
         (0.5, 60.0, 0.5, "moved 0.5000\u00a0mm, rotated +60.0°, scaled by 0.50"),
     ],
 )
-def test_a_motion_says_what_it_has(painted, moves, turns, grows, said):
+def test_motion_says_what_it_has(painted, moves, turns, grows, said):
     centre, angle = painted.centre(0), np.deg2rad(turns)
     pose = shifted(moves * X) @ turned_about(centre, X, angle) @ scaled_about(centre, grows)
     moved = replace(painted, handles=(painted.handles[0].moved(pose),))
@@ -51,7 +51,7 @@ def test_a_motion_says_what_it_has(painted, moves, turns, grows, said):
 
 @pytest.mark.parametrize("axis", [X, -X])
 @pytest.mark.parametrize(("turns", "said"), [(90.0, "twisted +90.0°"), (-90.0, "twisted −90.0°")])
-def test_a_twist_has_the_sign_that_it_was_typed_with(painted, axis, turns, said):
+def test_motion_gives_a_twist_the_sign_that_it_was_typed_with(painted, axis, turns, said):
     away = painted.mesh.V @ axis
     labels = np.where(away > np.median(away), HANDLE, BASE)
     both = replace(painted, labels=frozen(labels.astype(np.uint8)))
@@ -63,7 +63,7 @@ def test_a_twist_has_the_sign_that_it_was_typed_with(painted, axis, turns, said)
     assert said_of(crossed).startswith("rotated")
 
 
-def test_a_report_says_that_its_unit_is_a_guess():
+def test_mesh_blocks_say_that_their_unit_is_a_guess():
     state = opened(bar())
     for unit, symbol, remark in (
         (Unit.CENTIMETRE, "cm", ""),
@@ -75,7 +75,7 @@ def test_a_report_says_that_its_unit_is_a_guess():
 
 
 @pytest.mark.parametrize("unit", [unit for unit in UNITS if unit is not Unit.NONE])
-def test_a_guessed_unit_measures_as_the_known_one_and_is_marked(unit):
+def test_unit_that_is_guessed_measures_as_the_known_one_and_is_marked(unit):
     guess = unit.guessed
     assert (guess.is_guess, unit.is_guess, guess.confirmed) == (True, False, unit)
     for value in (1.0, 3e7):
@@ -101,7 +101,7 @@ def lagging(document, way, reached, share):
 @pytest.mark.parametrize(
     ("asked", "reached"), [(201.3, 173.1), (-400.0, -310.5), (725.0, 361.0), (20.0, 0.0)]
 )
-def test_what_lags_behind_is_said_as_asked_and_reached(painted, asked, reached):
+def test_motion_says_what_lags_behind_as_asked_and_reached(painted, asked, reached):
     turn = [turned_about(painted.centre(0), X, np.deg2rad(angle)) for angle in (asked, reached)]
     way = [turned_about(painted.centre(0), X, np.deg2rad(part * asked)) for part in np.linspace(0, 1, 33)]
     state = lagging(painted, [*way, turn[0]], turn[1], reached / asked)
@@ -111,7 +111,7 @@ def test_what_lags_behind_is_said_as_asked_and_reached(painted, asked, reached):
     assert motion(arrived, 0, Unit.NONE) == said.partition(",")[0]
 
 
-def test_a_lag_is_said_of_each_part_that_has_one(painted):
+def test_motion_says_a_lag_of_each_part_that_has_one(painted):
     asked, reached = shifted(0.5 * X), shifted(0.25 * X)
     assert motion(lagging(painted, [asked], reached, 0.5), 0, Unit.NONE) == "moved 0.5000, reached 0.2500"
     assert motion(lagging(painted, [np.eye(4)], reached, 0.5), 0, Unit.NONE) == "moved 0, reached 0.2500"

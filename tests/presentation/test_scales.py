@@ -50,7 +50,7 @@ def seen(rgb, sight):
 
 
 @pytest.mark.parametrize("sight", SIGHTS)
-def test_loss_and_gain_are_told_apart_by_everybody(sight):
+def test_color_maps_let_everybody_tell_loss_and_gain_apart(sight):
     t = np.linspace(0, 1, 101)
     lab = seen([DIVERGING.color(x) for x in t], sight)
     far = np.abs(t - 0.5) > 0.12
@@ -62,7 +62,7 @@ def test_loss_and_gain_are_told_apart_by_everybody(sight):
     assert (np.diff(sequence) < 0).all()
 
 
-def test_the_middle_is_neutral_and_the_ends_are_nobody_s_paint():
+def test_color_maps_have_a_neutral_middle_and_ends_that_are_nobody_s_paint():
     middle = DIVERGING.color(0.5)
     assert max(middle) - min(middle) <= 6
     for paint in (BASE_COLOR, *HANDLE_COLORS[:2]):
@@ -73,7 +73,7 @@ def test_the_middle_is_neutral_and_the_ends_are_nobody_s_paint():
 # Scales
 
 
-def test_the_ends_of_a_ratio_are_one_over_each_other():
+def test_scale_of_a_ratio_has_ends_that_are_one_over_each_other():
     scale = Scale(Measure.AREA, 0.25, 0.01)
     assert scale.written(scale.end, Unit.NONE) == "+25\u00a0%"
     assert scale.written(-scale.end, Unit.NONE) == "−20\u00a0%"
@@ -86,11 +86,11 @@ def test_the_ends_of_a_ratio_are_one_over_each_other():
 
 
 @pytest.mark.parametrize(("value", "expected"), [(0.13, 0.2), (0.2, 0.2), (21.0, 50.0), (7e-5, 1e-4)])
-def test_a_nice_number_is_the_next_one_above(value, expected):
+def test_round_step_is_the_next_nice_number_above(value, expected):
     assert round_step(value) == pytest.approx(expected)
 
 
-def test_a_scale_fits_the_size_of_the_mesh():
+def test_usual_scale_fits_the_size_of_the_mesh():
     for size in (1e-3, 1.0, 4e4):
         for measure in (Measure.DISPLACEMENT, Measure.DISTANCE):
             assert 0.1 <= usual(measure, size).reach / size <= 0.6
@@ -102,7 +102,7 @@ def test_a_scale_fits_the_size_of_the_mesh():
 
 @pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("measure", Measure)
-def test_a_scale_fits_what_there_is_on_a_mesh_of_any_size(measure, size):
+def test_fitted_scale_suits_what_there_is_on_a_mesh_of_any_size(measure, size):
     before = usual(measure, size)
     largest = 0.3 * before.end
     fitted = before.fitted((-largest, 0.5 * largest), size)
@@ -113,11 +113,11 @@ def test_a_scale_fits_what_there_is_on_a_mesh_of_any_size(measure, size):
 
 
 @pytest.mark.parametrize("measure", Measure)
-def test_rounding_is_nothing_to_fit(measure):
+def test_fitted_takes_rounding_for_nothing_to_fit(measure):
     before = usual(measure, 20.0)
     for rounding in (0.0, 1e-15 * before.end):
         assert before.fitted((-rounding, rounding), 20.0) is before
 
 
-def test_a_ratio_that_has_no_end_is_fitted_too():
+def test_fitted_takes_a_ratio_that_has_no_end_too():
     assert usual(Measure.STRAIN, 1.0).fitted((-np.inf, 0.1)).reach == 10.0

@@ -30,14 +30,14 @@ def by_rays(X, F, width, height):
     return found
 
 
-def test_each_pixel_has_the_nearest_triangle():
+def test_nearest_triangles_are_those_of_each_pixel():
     X, F = spread(40)
     found = nearest_triangles(X, F, 24, 24)
     assert len(np.unique(found)) > 10, "the test is blind"
     np.testing.assert_array_equal(found, by_rays(X, F, 24, 24))
 
 
-def test_so_many_triangles_that_they_come_in_portions_hide_none():
+def test_nearest_triangles_hide_none_of_so_many_that_they_come_in_portions():
     """Between the ones that cover pixels lie a million that are points."""
     X, F = spread(40)
     points = np.zeros((25_000, 3), dtype=int)
@@ -48,7 +48,7 @@ def test_so_many_triangles_that_they_come_in_portions_hide_none():
 
 
 @pytest.mark.parametrize("side", [8, 1024])
-def test_triangles_with_a_common_edge_share_no_pixel(side):
+def test_fragments_of_triangles_with_a_common_edge_share_no_pixel(side):
     """A square whose corners are on the middles of pixels, divided in two ways, is covered just once.
 
     The pixels of the larger one come in portions.
@@ -60,7 +60,7 @@ def test_triangles_with_a_common_edge_share_no_pixel(side):
         np.testing.assert_array_equal(np.sort(pixels), expected.ravel())
 
 
-def test_a_picture_does_not_depend_on_order_place_or_unit():
+def test_shape_picture_does_not_depend_on_order_place_or_unit():
     V, F = meshes.sphere(2)
     V = V * [1.0, 2.0, 0.5]
     picture = shape_picture([V], F, [GREY], 64)
@@ -71,7 +71,7 @@ def test_a_picture_does_not_depend_on_order_place_or_unit():
         assert np.abs(other.astype(int) - picture).max() <= 1
 
 
-def test_looking_from_elsewhere_is_turning_the_shape():
+def test_shape_picture_from_elsewhere_is_that_of_the_shape_turned():
     V, F = meshes.box(1, 2, 3)
     R = meshes.rotation((1, 2, 3), 0.7)
     look, up = np.array([0.55, 0.28, 1.0]), np.array([0.0, 1.0, 0.0])
@@ -81,7 +81,7 @@ def test_looking_from_elsewhere_is_turning_the_shape():
     assert differ.mean() < 0.01  # pixels whose middle is on an edge
 
 
-def test_a_sphere_covers_a_disc_and_is_lit():
+def test_shape_picture_of_a_sphere_covers_a_disc_and_is_lit():
     V, F = meshes.sphere(3)
     picture = shape_picture([V], F, [GREY], 128)
     covered = picture[..., 3].sum() / 255.0
@@ -92,7 +92,7 @@ def test_a_sphere_covers_a_disc_and_is_lit():
     assert 200 >= bright.min() > dark.max() + 40
 
 
-def test_what_is_in_front_hides_what_is_behind():
+def test_shape_picture_hides_what_is_behind_what_is_in_front():
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
     V, F = np.vstack([square, square - [0, 0, 1]]), np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]])
     colors = np.array([[255, 0, 0]] * 2 + [[0, 0, 255]] * 2, dtype=np.uint8)
@@ -102,7 +102,7 @@ def test_what_is_in_front_hides_what_is_behind():
     assert blue[2] > 200 > blue[0] == 0
 
 
-def test_shapes_side_by_side_have_one_scale():
+def test_shape_picture_has_one_scale_for_shapes_side_by_side():
     V, F = meshes.sphere(2)
     pair = shape_picture([V, 0.5 * V], F, [GREY, GREY], 64)
     left, right = np.hsplit(pair, 2)
@@ -110,7 +110,7 @@ def test_shapes_side_by_side_have_one_scale():
     assert (right[..., 3] > 0).sum() == pytest.approx((left[..., 3] > 0).sum() / 4, rel=0.1)
 
 
-def test_a_heap_of_large_triangles_is_bounded(monkeypatch):
+def test_nearest_triangles_bound_the_work_on_a_heap_of_large_ones(monkeypatch):
     """Twelve layers of them are enough."""
     X, F = spread(5000)
     drawn = []
@@ -127,6 +127,6 @@ def test_a_heap_of_large_triangles_is_bounded(monkeypatch):
 
 
 @pytest.mark.parametrize("V", [np.zeros((3, 3)), np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0.0]])])
-def test_a_shape_without_area_is_nothing(V):
+def test_shape_picture_of_a_shape_without_area_is_nothing(V):
     picture = shape_picture([V], np.array([[0, 1, 2]]), [GREY], 32)
     assert picture[..., 3].sum() == 0

@@ -17,7 +17,7 @@ def told(gaps, step=0.2):
 
 
 @pytest.mark.parametrize("end", [30.0, 300.0])
-def test_a_geometric_series_is_foretold_after_a_few_iterations(end):
+def test_forecast_foretells_a_geometric_series_after_a_few_iterations(end):
     gaps = 1e6 ** (1.0 - 0.2 * np.arange(1, round(end / 0.2)) / end)
     said, moments = told(gaps)
     true = end - moments
@@ -27,7 +27,7 @@ def test_a_geometric_series_is_foretold_after_a_few_iterations(end):
     assert np.abs(np.array(said)[known].astype(float) / true[known] - 1.0).max() < 0.2
 
 
-def test_noise_and_bumps_make_no_number_jump():
+def test_forecast_does_not_jump_by_noise_and_bumps():
     rng, t = np.random.default_rng(0), 0.2 * np.arange(1, 300)
     gaps = np.exp(13.8 * (1.0 - t / 60.0) + 0.5 * rng.standard_normal(len(t)) + 1.5 * np.sin(t / 3.0))
     said = told(gaps)[0]
@@ -37,18 +37,18 @@ def test_noise_and_bumps_make_no_number_jump():
 
 
 @pytest.mark.parametrize("gaps", [np.full(200, 50.0), np.linspace(1.0, 100.0, 200), [None] * 200])
-def test_nothing_is_said_of_what_does_not_converge(gaps):
+def test_forecast_says_nothing_of_what_does_not_converge(gaps):
     assert not any(told(gaps)[0])
 
 
-def test_what_stalls_is_no_longer_foretold():
+def test_forecast_no_longer_foretells_what_stalls():
     gaps = np.r_[1e6 * 0.9 ** np.arange(60), np.full(300, 1e6 * 0.9**60)]
     said = told(gaps)[0]
     assert said[59] is not None
     assert not any(said[-200:])
 
 
-def test_the_time_goes_on_while_nothing_is_heard():
+def test_forecast_lets_the_time_go_on_while_nothing_is_heard():
     forecast = Forecast(0.0)
     for k in range(1, 50):
         forecast.add(0.2 * k, 1e6 * 0.9**k)
@@ -61,7 +61,7 @@ def test_the_time_goes_on_while_nothing_is_heard():
     assert forecast.left(10.0) is None
 
 
-def test_what_the_solver_expects_counts_until_the_gap_tells():
+def test_forecast_counts_what_the_solver_expects_until_the_gap_tells():
     forecast = Forecast(0.0)
     forecast.add(1.0, None, 90.0)
     assert forecast.left(1.0) == pytest.approx(90.0)
@@ -86,7 +86,7 @@ def test_what_the_solver_expects_counts_until_the_gap_tells():
         (9000.0, "more than an hour left"),
     ],
 )
-def test_times_are_round(seconds, words):
+def test_in_words_says_round_times(seconds, words):
     assert in_words(seconds) == words
 
 
@@ -94,5 +94,5 @@ def test_times_are_round(seconds, words):
     ("seconds", "words"),
     [(99.4, "99 s"), (5400.0, "90 min"), (7190.0, "2 h 0 min"), (9e4, "25 h 0 min")],
 )
-def test_times_of_any_length_are_said(seconds, words):
+def test_duration_says_times_of_any_length(seconds, words):
     assert duration(seconds) == words

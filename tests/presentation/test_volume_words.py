@@ -21,7 +21,7 @@ def rows_of(shapes, unit=Unit.CENTIMETRE, density=1.0):
     return {row.quantity: row for row in volume_rows(*shapes, unit, density)}
 
 
-def test_every_quantity_has_one_row_with_figures_of_its_own(shapes):
+def test_volume_rows_are_one_for_every_quantity_with_figures_of_its_own(shapes):
     assert [row.quantity for row in volume_rows(*shapes, Unit.CENTIMETRE, 1.0)] == list(VolumeName)
     rows = rows_of(shapes)
     assert len({row.title for row in rows.values()}) == len(VolumeName)
@@ -29,7 +29,7 @@ def test_every_quantity_has_one_row_with_figures_of_its_own(shapes):
         assert row.published == PUBLISHED.get(quantity, ())
 
 
-def test_every_figure_has_a_source_and_a_range():
+def test_published_volumes_have_a_source_and_a_range_for_every_figure():
     figures = [figure for figures in PUBLISHED.values() for figure in figures]
     assert len(figures) > 5
     for figure in figures:
@@ -46,7 +46,7 @@ def test_every_figure_has_a_source_and_a_range():
         assert bulk.low * count.low == pytest.approx(1.0)
 
 
-def test_halving_the_height_halves_every_volume_but_the_material(shapes):
+def test_volume_rows_halve_every_volume_but_the_material_with_the_height(shapes):
     rows = rows_of(shapes)
     for quantity in (VolumeName.ENCLOSED, VolumeName.HULL, VolumeName.BOX, VolumeName.BULK):
         assert rows[quantity].change == "−50.0 %"
@@ -60,7 +60,7 @@ def test_halving_the_height_halves_every_volume_but_the_material(shapes):
     assert rows[VolumeName.DENSITY].rest[0] == "21.1\u00a0kg/m³"
 
 
-def test_what_is_not_known_is_a_dash_and_says_what_it_needs(shapes):
+def test_volume_rows_show_what_is_not_known_by_a_dash_and_say_what_it_needs(shapes):
     bare = [found._replace(material=None, enclosed=None) for found in shapes]
     rows = rows_of(bare, Unit.NONE, None)
     for quantity in (VolumeName.ENCLOSED, VolumeName.COUNT, VolumeName.DENSITY, VolumeName.MATERIAL):
@@ -70,7 +70,7 @@ def test_what_is_not_known_is_a_dash_and_says_what_it_needs(shapes):
     assert "thickness" in rows[VolumeName.MATERIAL].about
 
 
-def test_caps_are_named():
+def test_volume_rows_name_caps():
     V, F = meshes.box(2, 2, 5)
     found = apd_viewer.volume_readings(V, F[~(V[F][:, :, 2] == 5).all(axis=1)])
     assert "capped flat" in rows_of([found, found])[VolumeName.ENCLOSED].about

@@ -72,7 +72,7 @@ ALIASES: dict[str, tuple[str, Callable[[Driven], object]]] = {
 
 
 @pytest.mark.parametrize("name", [*VERBS, *ALIASES])
-def test_every_verb_is_one_entry_and_undone_exactly(parted, name):
+def test_gestures_record_every_verb_as_one_entry_and_undo_it_exactly(parted, name):
     gesture, verb = ALIASES.get(name) or (name, VERBS[name])
     parted.drag(BENT)
     parted.settle()
@@ -101,7 +101,7 @@ SETTERS: dict[str, tuple[Callable[[Driven, float], None], list[float]]] = {
 
 
 @pytest.mark.parametrize("what", SETTERS)
-def test_a_sweep_is_one_entry_and_single_settings_are_one_each(parted, what):
+def test_gestures_record_a_sweep_as_one_entry_and_single_settings_as_one_each(parted, what):
     setter, values = SETTERS[what]
     before, entries = parted.store.state, len(parted.gestures.history.past)
     parted.gestures.begin()
@@ -119,7 +119,7 @@ def test_a_sweep_is_one_entry_and_single_settings_are_one_each(parted, what):
     assert len(parted.gestures.history.past) == entries + len(values)
 
 
-def test_a_cancelled_sweep_leaves_no_trace(parted):
+def test_gestures_cancel_leaves_no_trace_of_a_sweep(parted):
     before, undo = parted.store.state, parted.gestures.history.next_undo
     parted.gestures.begin()
     parted.settings.set_area(120.0)
@@ -132,7 +132,7 @@ def test_a_cancelled_sweep_leaves_no_trace(parted):
     assert parted.store.state is before
 
 
-def test_a_setting_within_a_region_stroke_takes_the_stroke_back(parted):
+def test_settings_changed_within_a_region_stroke_take_the_stroke_back(parted):
     before = parted.store.state
     parted.gestures.begin()
     parted.painting.paint_region(layers(parted, 0, 6), 0)
@@ -143,7 +143,7 @@ def test_a_setting_within_a_region_stroke_takes_the_stroke_back(parted):
     assert parted.store.state is before
 
 
-def test_a_setting_that_is_the_same_does_nothing(parted):
+def test_settings_that_are_the_same_do_nothing(parted):
     state, changes = parted.store.state, len(parted.changes)
     document = state.document
     parted.settings.set_area(100)
@@ -164,7 +164,7 @@ def test_a_setting_that_is_the_same_does_nothing(parted):
 # Handles
 
 
-def test_two_handles_go_each_to_its_own_pose(parted):
+def test_handles_drag_takes_two_handles_each_to_its_own_pose(parted):
     poses = pose(0.3, (0.5, 0.0, 0.0)), pose(-0.2, (0.0, 0.4, 0.3))
     parted.gestures.begin()
     for which, there in enumerate(poses):
@@ -181,7 +181,7 @@ def test_two_handles_go_each_to_its_own_pose(parted):
     assert np.array_equal(parted.U[base], document.mesh.V[base])
 
 
-def test_a_removed_handle_lets_go_and_the_others_stay_where_they_are(parted):
+def test_remove_handle_lets_go_and_the_others_stay_where_they_are(parted):
     parted.gestures.begin()
     parted.handles.drag(BENT, 0)
     parted.handles.drag(pose(0.5, (0.3, 0.2, 0.4)), 1)
@@ -201,7 +201,7 @@ def test_a_removed_handle_lets_go_and_the_others_stay_where_they_are(parted):
     assert np.allclose(parted.U[other], U[other] + [0.0, 0.0, 0.1], rtol=0, atol=1e-12)
 
 
-def test_the_last_handle_can_be_removed_and_painted_again(session):
+def test_remove_handle_takes_the_last_and_it_can_be_painted_again(session):
     session.parts.remove_handle(0)
     assert [handle.name for handle in session.store.state.document.handles] == ["Handle 1"]
     session.drag(BENT)
@@ -227,7 +227,7 @@ def test_the_last_handle_can_be_removed_and_painted_again(session):
         ),
     ],
 )
-def test_there_are_only_so_many(session, add, most, remove):
+def test_parts_can_be_added_only_so_many(session, add, most, remove):
     numbers = [add(session) for _ in range(most)]
     assert numbers == list(range(numbers[0], numbers[0] + most))
     state = session.store.state
@@ -242,7 +242,7 @@ def test_there_are_only_so_many(session, add, most, remove):
     assert len(set(names)) == len(names)
 
 
-def test_names_are_not_worth_a_word_to_the_worker(parted, slow, factored):
+def test_parts_are_renamed_without_a_word_to_the_worker(parted, slow, factored):
     ready(parted)
     factored.count = 0
     there = parted.U
@@ -263,7 +263,7 @@ def test_names_are_not_worth_a_word_to_the_worker(parted, slow, factored):
     assert factored.count == 0
 
 
-def test_a_new_name_in_the_middle_of_a_drag_keeps_nothing_of_the_drag(parted):
+def test_rename_handle_in_the_middle_of_a_drag_keeps_nothing_of_the_drag(parted):
     before = parted.store.state.document.handles[0]
     parted.gestures.begin()
     parted.handles.drag(BENT)
@@ -275,7 +275,7 @@ def test_a_new_name_in_the_middle_of_a_drag_keeps_nothing_of_the_drag(parted):
     assert parted.store.state.document.handles[0] is before
 
 
-def test_a_name_that_stays_as_it_is_ends_no_drag(parted):
+def test_rename_handle_to_the_same_name_ends_no_drag(parted):
     parted.gestures.begin()
     parted.handles.drag(BENT)
     parted.parts.rename_handle(0, parted.store.state.document.handles[0].name)
@@ -286,7 +286,7 @@ def test_a_name_that_stays_as_it_is_ends_no_drag(parted):
 # Regions
 
 
-def test_a_region_with_a_target_has_it_while_a_pose_is_held(parted):
+def test_set_region_area_gives_a_region_its_target_while_a_pose_is_held(parted):
     parted.drag(BENT)
     parted.settle()
     there = parted.handle_at
@@ -301,7 +301,7 @@ def test_a_region_with_a_target_has_it_while_a_pose_is_held(parted):
 
 
 @pytest.mark.parametrize("target", [None, 100.0])
-def test_a_region_stroke_neither_factors_nor_moves_the_handle(parted, factored, target):
+def test_paint_region_neither_factors_nor_moves_the_handle(parted, factored, target):
     parted.settings.set_region_area(0, target)
     parted.drag(BENT)
     parted.settle()
@@ -328,7 +328,7 @@ def test_a_region_stroke_neither_factors_nor_moves_the_handle(parted, factored, 
     assert np.allclose(parted.U[held.fixed], held.targets, rtol=0, atol=1e-12)
 
 
-def test_a_region_that_is_painted_at_rest_is_measured_at_once(session):
+def test_paint_region_at_rest_has_the_region_measured_at_once(session):
     session.parts.add_region()
     assert session.store.state.frame.regions == (0.0,)
     region_stroke(session, layers(session, 0, 2), 1)
@@ -345,7 +345,7 @@ def test_a_region_that_is_painted_at_rest_is_measured_at_once(session):
     assert session.U is session.store.state.document.mesh.V
 
 
-def test_the_first_stroke_makes_its_region_and_is_one_step(session):
+def test_paint_region_makes_the_region_with_the_first_stroke_in_one_step(session):
     before = session.store.state
     region_stroke(session, layers(session, 0, 2), 1)
     assert [region.name for region in session.store.state.document.regions] == ["Region 1"]
@@ -354,7 +354,7 @@ def test_the_first_stroke_makes_its_region_and_is_one_step(session):
     assert session.store.state is before
 
 
-def test_every_frame_tells_the_regions_of_its_document(parted, slow):
+def test_store_tells_with_every_frame_the_regions_of_its_document(parted, slow):
     parted.gestures.begin()
     parted.handles.drag(BENT)
     parted.until(lambda: parted.store.state.frame.iteration)
@@ -371,7 +371,7 @@ def test_every_frame_tells_the_regions_of_its_document(parted, slow):
         assert len(state.frame.regions) == len(state.document.regions)
 
 
-def test_a_target_of_a_region_without_a_triangle_waits_for_one(session):
+def test_set_region_area_waits_for_a_triangle_in_a_region_without_one(session):
     session.parts.add_region()
     session.settings.set_region_area(0, 120.0)
     assert session.store.activity is Activity.IDLE
@@ -389,7 +389,7 @@ def test_a_target_of_a_region_without_a_triangle_waits_for_one(session):
     )
 
 
-def test_a_removed_region_asks_for_nothing(parted):
+def test_remove_region_leaves_nothing_asked_for(parted):
     parted.settings.set_region_area(0, 120.0)
     parted.settle()
     assert np.abs(parted.U - parted.store.state.document.mesh.V).max() > 1e-2
@@ -402,7 +402,7 @@ def test_a_removed_region_asks_for_nothing(parted):
 
 
 @pytest.mark.parametrize("method", ["exact", "paper"])
-def test_another_area_is_had_at_once_without_a_pose(session, factored, method):
+def test_set_area_is_met_at_once_without_a_pose(session, factored, method):
     session.settings.set_method(method)
     ready(session)
     session.rest_shape.restore()
@@ -426,7 +426,7 @@ def test_another_area_is_had_at_once_without_a_pose(session, factored, method):
     assert factored.count == 0
 
 
-def test_reset_asks_for_100_percent_and_leaves_free_what_is_free(parted):
+def test_rest_shape_restore_asks_for_100_percent_and_leaves_free_what_is_free(parted):
     parted.parts.add_region()
     parted.settings.set_region_area(0, 110.0)
     parted.settings.set_area(105.0)
@@ -447,7 +447,7 @@ def test_reset_asks_for_100_percent_and_leaves_free_what_is_free(parted):
     )
 
 
-def test_at_rest_with_100_percent_of_everything_nothing_moves(parted):
+def test_settings_move_nothing_at_rest_with_100_percent_of_everything(parted):
     ready(parted)
     parted.rest_shape.restore()
     for verb in (
@@ -476,7 +476,7 @@ def test_at_rest_with_100_percent_of_everything_nothing_moves(parted):
     assert abs(region_shares(parted)[0] - 1.0) < 1e-9
 
 
-def test_the_volume_is_kept_while_it_is_asked_for(session):
+def test_set_volume_keeps_the_volume_while_it_is_asked_for(session):
     session.drag(BENT)
     session.settle()
     free = volume_share(session)
@@ -494,7 +494,7 @@ def test_the_volume_is_kept_while_it_is_asked_for(session):
     assert volume_share(session) == pytest.approx(free, abs=1e-3)
 
 
-def test_what_is_no_longer_asked_for_is_let_go_without_a_pose(session):
+def test_set_volume_lets_go_what_is_no_longer_asked_for_without_a_pose(session):
     session.settings.set_method("arap")
     session.settings.set_volume(130.0)
     session.settle()
@@ -504,7 +504,7 @@ def test_what_is_no_longer_asked_for_is_let_go_without_a_pose(session):
     assert np.allclose(session.U, session.store.state.document.mesh.V, rtol=0, atol=1e-2)
 
 
-def test_an_open_mesh_has_no_volume_to_keep(empty):
+def test_set_volume_finds_no_volume_to_keep_in_an_open_mesh(empty):
     empty.show_now(Mesh(*grid(3, 3)))
     state = empty.store.state
     empty.settings.set_volume(100.0)
@@ -516,7 +516,7 @@ def test_an_open_mesh_has_no_volume_to_keep(empty):
 
 
 @pytest.mark.parametrize("verb", ["area", "region"])
-def test_what_is_out_of_reach_is_said_and_can_be_taken_back(parted, verb):
+def test_settings_out_of_reach_are_said_and_can_be_taken_back(parted, verb):
     parted.drag(BENT)
     parted.settle()
     before = parted.store.state
@@ -547,7 +547,7 @@ def test_what_is_out_of_reach_is_said_and_can_be_taken_back(parted, verb):
     assert parted.store.state.frame.unreached is None
 
 
-def test_another_method_deforms_the_pose_that_is_held(session):
+def test_set_method_deforms_the_pose_that_is_held_by_another_method(session):
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     shapes = {}
     for method in ("exact", "arap", "local", "paper", "exact"):
@@ -562,7 +562,7 @@ def test_another_method_deforms_the_pose_that_is_held(session):
     assert session.store.state.document.posed
 
 
-def test_the_local_method_holds_the_total_area_on_demand(session):
+def test_hold_area_holds_the_total_area_in_the_local_method_on_demand(session):
     session.settings.set_method("local")
     session.drag(BENT)
     session.settle()
@@ -575,7 +575,7 @@ def test_the_local_method_holds_the_total_area_on_demand(session):
 # Factorizations
 
 
-def test_targets_do_not_factor_and_every_stiffness_does(parted, factored):
+def test_settings_factor_for_every_stiffness_and_not_for_targets(parted, factored):
     parted.drag(BENT)
     parted.settle()
     factored.count = 0
@@ -599,7 +599,7 @@ def test_targets_do_not_factor_and_every_stiffness_does(parted, factored):
     assert factored.count == 3
 
 
-def test_only_what_differs_is_told_to_the_solver(session, monkeypatch):
+def test_solver_is_told_only_what_differs(session, monkeypatch):
     ready(session)
     kept, aimed = [], []
     keep, aim = Deformation.keep, Deformation.aim
@@ -619,7 +619,7 @@ def test_only_what_differs_is_told_to_the_solver(session, monkeypatch):
 # Painting and targets
 
 
-def test_what_is_asked_before_anything_is_painted_is_answered_afterwards(empty):
+def test_settings_made_before_anything_is_painted_are_answered_afterwards(empty):
     empty.show_now(bar())
     empty.settings.set_area(110.0)
     assert empty.store.activity is Activity.IDLE
@@ -646,7 +646,7 @@ def test_painting_on_an_inflated_shape_moves_nothing(session):
 
 
 @pytest.mark.parametrize(("cells", "on"), [(140, True), (141, False)])
-def test_contact_is_on_where_it_leaves_the_hand_its_pace(empty, cells, on):
+def test_contact_by_default_is_on_where_it_leaves_the_hand_its_pace(empty, cells, on):
     """Twenty thousand vertices are comfortable."""
     empty.show_now(Mesh(*grid(cells, cells)))
     document = empty.store.state.document
@@ -654,7 +654,7 @@ def test_contact_is_on_where_it_leaves_the_hand_its_pace(empty, cells, on):
     assert document.contact == on
 
 
-def test_another_mesh_begins_with_the_defaults_and_without_parts(parted):
+def test_files_open_mesh_begins_with_the_defaults_and_without_parts(parted):
     parted.settings.set_method("local")
     parted.settings.set_tolerance(0.01)
     parted.settings.set_stiffness(0.02)

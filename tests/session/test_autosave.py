@@ -105,7 +105,7 @@ def left_behind(folder: Path, mesh: Mesh, name: str = "1-1", age: float = 0.0) -
 # Keeping
 
 
-def test_every_step_is_in_the_file_soon(session, folder):
+def test_autosave_has_every_step_in_the_file_soon(session, folder):
     check_kept(folder, session)
     session.drag(BENT)
     session.settle()
@@ -126,7 +126,7 @@ def test_every_step_is_in_the_file_soon(session, folder):
     check_kept(folder, session)
 
 
-def test_the_end_of_a_drag_is_kept_before_its_shape_has_settled(session, folder, monkeypatch):
+def test_autosave_keeps_the_end_of_a_drag_before_its_shape_has_settled(session, folder, monkeypatch):
     written = []
     monkeypatch.setattr(autosave_writer.AutosaveWriter, "put", lambda _, copy, __: written.append(copy.state))
     session.drag(*(pose(k / 50) for k in range(1, 30)))
@@ -136,7 +136,7 @@ def test_the_end_of_a_drag_is_kept_before_its_shape_has_settled(session, folder,
     assert written[1] is session.store.state
 
 
-def test_what_is_not_finished_is_not_kept(session, folder):
+def test_autosave_does_not_keep_what_is_not_finished(session, folder):
     check_kept(folder, session)
     before = session.store.state
     session.gestures.begin()
@@ -149,7 +149,7 @@ def test_what_is_not_finished_is_not_kept(session, folder):
     check_kept(folder, session)
 
 
-def test_a_mesh_that_was_only_opened_is_not_kept(folder, bar):
+def test_autosave_does_not_keep_a_mesh_that_was_only_opened(folder, bar):
     session = Driven()
     session.autosave.keep_in(folder)
     session.show_now(bar)
@@ -159,7 +159,7 @@ def test_a_mesh_that_was_only_opened_is_not_kept(folder, bar):
     assert not folder.exists()
 
 
-def test_a_second_mesh_that_was_only_opened_is_not_kept(session, folder, bar):
+def test_autosave_does_not_keep_a_second_mesh_that_was_only_opened(session, folder, bar):
     check_kept(folder, session)
     session.show_now(bar)
     session.until(lambda: kept(folder) is None)
@@ -168,7 +168,7 @@ def test_a_second_mesh_that_was_only_opened_is_not_kept(session, folder, bar):
 
 
 @pytest.mark.parametrize("safe", ["saved", "undone"])
-def test_work_that_is_safe_is_kept_no_longer(session, folder, tmp_path, safe):
+def test_autosave_no_longer_keeps_work_that_is_safe(session, folder, tmp_path, safe):
     check_kept(folder, session)
     if safe == "saved":
         session.files.save(tmp_path / "mine.apd", VIEW)
@@ -180,14 +180,14 @@ def test_work_that_is_safe_is_kept_no_longer(session, folder, tmp_path, safe):
     check_kept(folder, session)
 
 
-def test_a_clean_end_leaves_nothing(session, folder):
+def test_autosave_leaves_nothing_after_a_clean_end(session, folder):
     check_kept(folder, session)
     assert len(list(folder.iterdir())) == 2
     session.close()
     assert list(folder.iterdir()) == []
 
 
-def test_without_a_folder_nothing_is_kept(tmp_path, bar):
+def test_autosave_keeps_nothing_without_a_folder(tmp_path, bar):
     session = Driven()
     session.show_now(bar)
     session.paint_ends()
@@ -195,7 +195,7 @@ def test_without_a_folder_nothing_is_kept(tmp_path, bar):
     assert [path.name for path in tmp_path.iterdir()] == ["bar.obj"]
 
 
-def test_at_an_interval_the_newest_is_kept_and_saved_work_does_not_wait(session, folder, tmp_path):
+def test_save_every_at_an_interval_keeps_the_newest_and_saved_work_does_not_wait(session, folder, tmp_path):
     check_kept(folder, session)
     session.listen(0.5)  # until the writer waits for the next copy: the interval counts from there
     session.autosave.save_every(1000.0)
@@ -214,7 +214,7 @@ def test_at_an_interval_the_newest_is_kept_and_saved_work_does_not_wait(session,
     session.until(lambda: kept(folder) is None)
 
 
-def test_turned_off_it_keeps_nothing_and_turned_on_again_all(session, folder):
+def test_autosave_keeps_nothing_turned_off_and_all_turned_on_again(session, folder):
     check_kept(folder, session)
     session.autosave.save_every(None)
     session.parts.rename_handle(0, "neck")
@@ -226,7 +226,7 @@ def test_turned_off_it_keeps_nothing_and_turned_on_again_all(session, folder):
 # The disk
 
 
-def test_a_step_is_safe_once_it_is_done(session, folder):
+def test_autosave_has_a_step_safe_once_it_is_done(session, folder):
     check_kept(folder, session)
     for name in ("Neck", "Shoulder", "Cap"):
         before = kept(folder).read_bytes()
@@ -234,7 +234,7 @@ def test_a_step_is_safe_once_it_is_done(session, folder):
         assert kept(folder).read_bytes() != before, "the very next moment may be the last"
 
 
-def test_a_step_is_safe_once_it_is_done_though_the_shape_before_it_is_being_written(
+def test_autosave_has_a_step_safe_once_done_though_the_shape_before_it_is_being_written(
     session, folder, monkeypatch
 ):
     check_kept(folder, session)
@@ -253,7 +253,7 @@ def test_a_step_is_safe_once_it_is_done_though_the_shape_before_it_is_being_writ
     assert open_session(kept(folder))[0].document.handles[0].name == "Neck"
 
 
-def test_a_key_that_is_held_down_waits_for_no_file(session, folder, monkeypatch):
+def test_autosave_lets_a_key_that_is_held_down_wait_for_no_file(session, folder, monkeypatch):
     check_kept(folder, session)
     awaited, put = [], autosave_writer.AutosaveWriter.put
 
@@ -271,7 +271,7 @@ def test_a_key_that_is_held_down_waits_for_no_file(session, folder, monkeypatch)
     assert awaited[-1]
 
 
-def test_a_slow_disk_keeps_nobody_waiting_and_gets_the_newest(session, folder, monkeypatch):
+def test_autosave_keeps_nobody_waiting_for_a_slow_disk_and_writes_the_newest(session, folder, monkeypatch):
     check_kept(folder, session)
     entered, go_on, written = threading.Event(), threading.Event(), []
 
@@ -293,7 +293,7 @@ def test_a_slow_disk_keeps_nobody_waiting_and_gets_the_newest(session, folder, m
     assert written == ["first", "name 99"]
 
 
-def test_a_full_disk_is_said_once_and_tried_again_with_the_next_step(session, folder, monkeypatch):
+def test_autosave_says_a_full_disk_once_and_tries_again_with_the_next_step(session, folder, monkeypatch):
     check_kept(folder, session)
     safe = kept(folder).read_bytes()
     full, write = True, Path.replace
@@ -320,7 +320,7 @@ def test_a_full_disk_is_said_once_and_tried_again_with_the_next_step(session, fo
     session.until(lambda: len(session.told) == told + 2)
 
 
-def test_a_disk_that_does_not_keep_what_it_took_is_said(session, folder, monkeypatch):
+def test_autosave_says_that_a_disk_does_not_keep_what_it_took(session, folder, monkeypatch):
     check_kept(folder, session)
 
     def fsync(descriptor):
@@ -332,7 +332,7 @@ def test_a_disk_that_does_not_keep_what_it_took_is_said(session, folder, monkeyp
     assert "Input/output error" in session.told[-1]
 
 
-def test_a_folder_that_cannot_be_made_is_said_once(tmp_path, bar):
+def test_autosave_says_once_that_a_folder_cannot_be_made(tmp_path, bar):
     (tmp_path / "file").write_text("in the way")
     session = Driven()
     session.autosave.keep_in(tmp_path / "file" / "recovery")
@@ -346,7 +346,7 @@ def test_a_folder_that_cannot_be_made_is_said_once(tmp_path, bar):
     assert session.told[0].startswith("Autosave failed (")
 
 
-def test_a_disk_without_locks_is_said(session, folder, tmp_path, monkeypatch):
+def test_autosave_says_that_a_disk_has_no_locks(session, folder, tmp_path, monkeypatch):
     def refused(*_):
         raise OSError(95, "Operation not supported")
 
@@ -359,7 +359,7 @@ def test_a_disk_without_locks_is_said(session, folder, tmp_path, monkeypatch):
     assert leftovers(tmp_path / "elsewhere") == []
 
 
-def test_a_folder_that_is_cleared_is_filled_again(session, folder):
+def test_autosave_fills_a_cleared_folder_again(session, folder):
     check_kept(folder, session)
     for path in folder.iterdir():
         path.unlink()
@@ -372,13 +372,13 @@ def test_a_folder_that_is_cleared_is_filled_again(session, folder):
 # What is left
 
 
-def test_what_a_living_program_keeps_is_not_offered(session, folder):
+def test_leftovers_does_not_offer_what_a_living_program_keeps(session, folder):
     check_kept(folder, session)
     assert leftovers(folder) == []
     assert kept(folder) is not None
 
 
-def test_what_is_offered_here_is_not_offered_elsewhere(folder, bar):
+def test_leftovers_does_not_offer_elsewhere_what_is_offered_here(folder, bar):
     left_behind(folder, bar)
     (left,) = leftovers(folder)
     assert leftovers(folder) == []
@@ -388,7 +388,7 @@ def test_what_is_offered_here_is_not_offered_elsewhere(folder, bar):
     assert list(folder.iterdir()) == []
 
 
-def test_the_newest_comes_first_and_none_is_too_old(folder, bar):
+def test_leftovers_has_the_newest_first_and_none_is_too_old(folder, bar):
     for name, age in (
         ("1-1", 60.0),
         ("2-1", 0.0),
@@ -408,7 +408,7 @@ def test_the_newest_comes_first_and_none_is_too_old(folder, bar):
     assert [path.name for path in folder.iterdir()] == ["mine.apd"], "which is none of the program's"
 
 
-def test_what_cannot_be_read_now_or_is_none_of_the_programs_stays(folder, bar, monkeypatch):
+def test_leftovers_lets_stay_what_cannot_be_read_now_or_is_none_of_the_programs(folder, bar, monkeypatch):
     path = left_behind(folder, bar)
     (folder / "2-1.apd").mkdir()
     (folder / "3-1.apd").symlink_to(path)
@@ -432,7 +432,7 @@ def test_what_cannot_be_read_now_or_is_none_of_the_programs_stays(folder, bar, m
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="whose folders of users are private")
-def test_nobody_else_can_read_what_is_kept_or_left(session, folder, bar, tmp_path):
+def test_keep_private_lets_nobody_else_read_what_is_kept_or_left(session, folder, bar, tmp_path):
     check_kept(folder, session)
     assert mode(folder) == 0o700
     assert {mode(path) for path in folder.glob("*.apd")} == {0o600}
@@ -452,7 +452,7 @@ def test_nobody_else_can_read_what_is_kept_or_left(session, folder, bar, tmp_pat
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="whose folders of users are private")
-def test_a_folder_of_an_older_version_is_closed_before_anything_is_written(folder, bar):
+def test_keep_private_closes_a_folder_of_an_older_version_before_anything_is_written(folder, bar):
     folder.mkdir(mode=0o755)
     folder.chmod(0o755)
     again = Driven()
@@ -468,11 +468,11 @@ def mode(path):
     return stat.S_IMODE(path.stat().st_mode)
 
 
-def test_no_folder_is_no_leftover(folder):
+def test_leftovers_finds_none_without_a_folder(folder):
     assert leftovers(folder) == []
 
 
-def test_a_lock_of_a_file_that_is_gone_is_none(tmp_path, monkeypatch):
+def test_take_gives_no_lock_of_a_file_that_is_gone(tmp_path, monkeypatch):
     fcntl = pytest.importorskip("fcntl")
     lock = fcntl.flock
 
@@ -487,7 +487,7 @@ def test_a_lock_of_a_file_that_is_gone_is_none(tmp_path, monkeypatch):
         recovery.owned(tmp_path)
 
 
-def test_how_long_ago_in_words():
+def test_ago_says_in_words_how_long_ago():
     now = time.time()
     said = [ago(now - seconds) for seconds in (-5, 0, 59, 61, 125, 3598, 3601, 86398, 2 * 86401)]
     minutes = ["1 minute ago", "2 minutes ago", "59 minutes ago"]
@@ -495,7 +495,7 @@ def test_how_long_ago_in_words():
     assert {ago(time) for time in (0.0, 86400.0, now + 1e9)} == {"at an unknown time"}
 
 
-def test_restoring_is_one_step_and_is_kept_again_before_the_file_goes(session, folder, bar):
+def test_autosave_restore_is_one_step_and_is_kept_again_before_the_file_goes(session, folder, bar):
     session.drag(BENT)
     session.settle()
     before = session.store.state
@@ -514,7 +514,7 @@ def test_restoring_is_one_step_and_is_kept_again_before_the_file_goes(session, f
     assert session.failed == []
 
 
-def test_what_was_restored_counts_as_unsaved(session, folder, bar):
+def test_autosave_restore_gives_work_that_counts_as_unsaved(session, folder, bar):
     session.drag(BENT)
     session.settle()
     check_kept(folder, session)
@@ -531,7 +531,7 @@ def test_what_was_restored_counts_as_unsaved(session, folder, bar):
 
 
 @pytest.mark.parametrize("damage", ["nonsense", "half", "no mesh"])
-def test_what_is_damaged_is_refused_in_a_sentence_and_stays(session, folder, bar, damage):
+def test_autosave_restore_refuses_in_a_sentence_what_is_damaged_and_it_stays(session, folder, bar, damage):
     check_kept(folder, session)
     path = left_behind(folder, bar)
     if damage == "no mesh":
@@ -659,7 +659,7 @@ def _lost(folder: Path, killed: float, kill: int) -> float:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="kills forks of a process")
 @pytest.mark.parametrize("kills", [3, pytest.param(8, marks=pytest.mark.night)])
-def test_a_killed_program_leaves_what_was_done_soon_before(compiled, tmp_path, kills):
+def test_autosave_leaves_of_a_killed_program_what_was_done_soon_before(compiled, tmp_path, kills):
     killed_programs(kills, tmp_path)
 
 

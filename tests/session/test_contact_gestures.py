@@ -5,7 +5,7 @@ import pytest
 
 
 @pytest.mark.parametrize(("gestures", "seed"), [(20, 7), pytest.param(60, 2, marks=pytest.mark.night)])
-def test_no_frame_crosses_itself_whatever_the_user_does(gestures, seed):
+def test_session_shows_no_frame_that_crosses_itself_whatever_the_user_does(gestures, seed):
     frames, touched = contact_gestures.play(gestures, seed)
     assert frames > gestures
     assert touched > 5

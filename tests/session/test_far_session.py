@@ -27,7 +27,7 @@ def dragged(session: Driven, place):
     return session.store.state
 
 
-def test_a_drag_far_away_is_the_drag_near(empty, tmp_path):
+def test_handles_drag_far_away_is_the_drag_near(empty, tmp_path):
     near = dragged(empty, np.zeros(3)).frame
     state = dragged(empty, FAR)
     far = state.frame
@@ -40,7 +40,7 @@ def test_a_drag_far_away_is_the_drag_near(empty, tmp_path):
     assert np.abs(open_mesh(tmp_path / "far.obj").V - far.U).max() < 1e-8, "it has 15 digits"
 
 
-def test_typed_places_keep_their_digits():
+def test_coordinates_keep_the_digits_of_typed_places():
     place = FAR + [0.125, 0.0625, -0.03125]
     said = [float(word) for word in coordinates(place, 6.0, 5).split(",")]
     assert np.abs(said - place).max() < 1e-4 * 6.0

@@ -36,7 +36,7 @@ def readings(session):
     return session.measuring.readings(session.store.state)
 
 
-def test_they_are_named_renamed_removed_and_undone(session):
+def test_measurements_are_named_renamed_removed_and_undone(session):
     before = session.store.state
     measure_all(session)
     session.measurements.add(Kind.DISTANCE, POINTS[1:])
@@ -62,7 +62,7 @@ def test_they_are_named_renamed_removed_and_undone(session):
     assert names() == []
 
 
-def test_there_is_a_limit(session):
+def test_measurements_have_a_limit(session):
     for _ in range(100):
         session.measurements.add(Kind.SECTION, plane=HALF)
     session.measurements.add(Kind.SECTION, plane=HALF)
@@ -70,7 +70,7 @@ def test_there_is_a_limit(session):
     assert "100" in session.failed[-1]
 
 
-def test_values_follow_the_shape_and_geodesics_wait_until_it_rests(session):
+def test_measurement_readings_follow_the_shape_and_geodesics_wait_until_it_rests(session):
     measure_all(session)
     session.until(lambda: readings(session)[2].now.values[0] is not None, COLD)
     mesh = session.store.state.document.mesh
@@ -93,7 +93,7 @@ def test_values_follow_the_shape_and_geodesics_wait_until_it_rests(session):
     assert readings(session)[2].rest.values == pytest.approx((path_length(rest),))
 
 
-def test_measuring_asks_nothing_of_the_solver(session):
+def test_measurements_ask_nothing_of_the_solver(session):
     session.drag(BENT)
     session.settle()
     U, activity = session.U, session.store.activity
@@ -102,14 +102,14 @@ def test_measuring_asks_nothing_of_the_solver(session):
     assert session.store.activity is activity
 
 
-def test_they_are_kept_in_a_session_file(session, tmp_path):
+def test_measurements_are_kept_in_a_session_file(session, tmp_path):
     measure_all(session)
     save_session(tmp_path / "bar.apd", session.store.state, VIEW, embed=True)
     found = open_session(tmp_path / "bar.apd")[0].document.measurements
     assert found == session.store.state.document.measurements
 
 
-def test_without_any_a_file_says_nothing_about_them(session, tmp_path):
+def test_save_session_says_nothing_about_measurements_without_any(session, tmp_path):
     save_session(tmp_path / "bar.apd", session.store.state, VIEW, embed=True)
     with zipfile.ZipFile(tmp_path / "bar.apd") as archive:
         assert "measurements" not in json.loads(archive.read("session.json"))["document"]
@@ -126,7 +126,7 @@ def test_without_any_a_file_says_nothing_about_them(session, tmp_path):
         {"kind": "section", "plane": {"normal": [0, 0, 0], "offset": 1}},
     ],
 )
-def test_damaged_ones_are_a_sentence(session, tmp_path, damage):
+def test_open_session_refuses_damaged_measurements_in_a_sentence(session, tmp_path, damage):
     session.measurements.add(Kind.DISTANCE, POINTS[:2])
     path = tmp_path / "bar.apd"
     save_session(path, session.store.state, VIEW, embed=True)
@@ -142,7 +142,7 @@ def test_damaged_ones_are_a_sentence(session, tmp_path, damage):
         open_session(path)
 
 
-def test_a_replay_reports_them(session, tmp_path):
+def test_replay_reports_the_measurements(session, tmp_path):
     measure_all(session)
     session.drag(BENT)
     session.settle()
@@ -162,7 +162,7 @@ def test_a_replay_reports_them(session, tmp_path):
     assert (section["length_rest"], section["area_rest"]) == pytest.approx((8.0, 4.0))
 
 
-def test_words_tell_values_changes_and_what_is_missing(session):
+def test_measurement_words_tell_values_changes_and_what_is_missing(session):
     measure_all(session)
     session.measurements.add(Kind.SECTION, plane=Plane((0.0, 0.0, 1.0), 100.0))
     session.until(lambda: readings(session)[2].now.values[0] is not None, COLD)
@@ -187,7 +187,7 @@ def test_words_tell_values_changes_and_what_is_missing(session):
     assert "°" in rows[1][1]
 
 
-def test_a_name_stays_text_in_the_spreadsheet_it_is_copied_to(session):
+def test_measurement_words_keep_a_name_text_in_the_spreadsheet_it_is_copied_to(session):
     session.measurements.add(Kind.DISTANCE, POINTS[:2])
     session.measurements.rename(0, "=1+1\t@x")
     line = words.table(readings(session), Unit.MILLIMETRE).splitlines()[1]

@@ -13,7 +13,7 @@ from apd_viewer.session.processes.deforming import deformation_of
 
 
 @pytest.mark.parametrize("name", SAMPLES)
-def test_a_sample_needs_nothing_but_a_drag(name):
+def test_opened_sample_needs_nothing_but_a_drag(name):
     document = opened_sample(name).document
     assert document.problem is None
     assert document.contact
@@ -22,7 +22,7 @@ def test_a_sample_needs_nothing_but_a_drag(name):
     np.testing.assert_array_equal(rest.U, document.mesh.V)
 
 
-def test_the_cloth_folds_about_the_pivot_of_its_handle():
+def test_opened_sample_cloth_folds_about_the_pivot_of_its_handle():
     document = opened_sample("cloth").document
     V, labels = document.mesh.V, document.labels
     fold, pivot = read_transform(resource("cloth-fold.def")), document.pivot(0)
@@ -37,7 +37,7 @@ def test_the_cloth_folds_about_the_pivot_of_its_handle():
     ("name", "motion", "share"),
     [("cloth", "fold", 0.1), pytest.param("cushion", "press", 0.2, marks=pytest.mark.night)],
 )
-def test_fabric_keeps_its_areas_and_never_crosses_itself(name, motion, share):
+def test_opened_sample_of_fabric_keeps_its_areas_and_never_crosses_itself(name, motion, share):
     document = opened_sample(name).document
     V, F = document.mesh.V, document.mesh.F
     rest, solver = face_areas(V, F), deformation_of(document, document.constraints())

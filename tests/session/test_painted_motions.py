@@ -129,7 +129,7 @@ EDITS = [
 
 
 @pytest.mark.parametrize("edit", EDITS)
-def test_no_edit_of_the_paint_forgets_a_motion(twisted, edit, tmp_path):
+def test_from_rest_forgets_no_motion_in_any_edit_of_the_paint(twisted, edit, tmp_path):
     before, rest = twisted.store.state, V(twisted)
     edit(twisted)
     twisted.settle()
@@ -163,7 +163,7 @@ def test_no_edit_of_the_paint_forgets_a_motion(twisted, edit, tmp_path):
     assert said(twisted) == "twisted +60.0°"
 
 
-def test_a_session_of_before_has_the_places_that_it_had(twisted, tmp_path):
+def test_open_session_gives_a_session_of_before_the_places_that_it_had(twisted, tmp_path):
     """It says only where its handles are held, not how they came there."""
     a_longer_handle(twisted)
     old = replace(document(twisted).handles[0], earlier=(), line=None)
@@ -178,7 +178,7 @@ def test_a_session_of_before_has_the_places_that_it_had(twisted, tmp_path):
 
 
 @pytest.mark.parametrize("said", [np.zeros((4, 4)), np.diag([1.0, 1.0, 0.0, 1.0])])
-def test_a_damaged_way_is_refused(twisted, tmp_path, said):
+def test_open_session_refuses_a_damaged_way(twisted, tmp_path, said):
     path = tmp_path / "damaged.apd"
     handle = replace(document(twisted).handles[0], earlier=(said,))
     save_session(path, twisted.store.state.at(document(twisted).with_handle(0, handle)), VIEW, embed=True)
@@ -186,7 +186,7 @@ def test_a_damaged_way_is_refused(twisted, tmp_path, said):
         open_session(path)
 
 
-def test_studies_of_a_painted_shape_go_along_the_whole_motion(twisted, tmp_path):
+def test_from_rest_takes_studies_of_a_painted_shape_along_the_whole_motion(twisted, tmp_path):
     a_base_stroke(twisted)
     twist(twisted, 10)
     sweep = sweep_of(document(twisted), 3, methods=["arap"])
@@ -211,7 +211,7 @@ def test_studies_of_a_painted_shape_go_along_the_whole_motion(twisted, tmp_path)
     np.testing.assert_allclose(shapes[-1], twisted.U, atol=2e-2)
 
 
-def test_a_handle_painted_on_a_deformed_shape_claims_no_motion(twisted):
+def test_readings_claim_no_motion_of_a_handle_painted_on_a_deformed_shape(twisted):
     another_handle(twisted)
     assert said(twisted, 1) == "not moved since it was painted"
     assert twisted.store.state.is_away(1)
@@ -226,14 +226,14 @@ def test_a_handle_painted_on_a_deformed_shape_claims_no_motion(twisted):
     np.testing.assert_allclose(twisted.U[mine], V(twisted)[mine], atol=1e-12)
 
 
-def test_a_handle_painted_elsewhere_starts_again(twisted):
+def test_set_part_lets_a_handle_painted_elsewhere_start_again(twisted):
     twisted.painting.set_part(Part(HANDLE), np.isin(np.arange(len(V(twisted))), ring(twisted, 0.0)), "Paint")
     twisted.stroke(ring(twisted, 1.0), BASE)
     assert said(twisted) == "at rest"
     assert not document(twisted).handles[0].earlier
 
 
-def test_full_turns_are_kept_and_wound_back(twisted):
+def test_from_rest_keeps_full_turns_and_they_are_wound_back(twisted):
     twist(twisted, 340)
     a_base_stroke(twisted)
     assert said(twisted) == "twisted +360.0°"
@@ -251,7 +251,7 @@ def test_full_turns_are_kept_and_wound_back(twisted):
 
 
 @pytest.mark.parametrize("back", [lambda s: s.handles.reset(0), lambda s: twist(s, 0, to=True)])
-def test_with_contact_a_wound_shape_is_unwound(twisted, back):
+def test_handles_unwind_a_wound_shape_with_contact(twisted, back):
     """The shortest way from 300 degrees back to rest leads on to a full turn."""
     twisted.settings.keep_apart(True)
     twist(twisted, 280)
@@ -262,7 +262,7 @@ def test_with_contact_a_wound_shape_is_unwound(twisted, back):
     np.testing.assert_allclose(twisted.U, V(twisted), atol=1e-3)
 
 
-def test_a_kept_pose_is_found_again_after_a_stroke(twisted):
+def test_poses_go_finds_a_kept_pose_again_after_a_stroke(twisted):
     twisted.poses.keep()
     twist(twisted, 300)
     a_longer_handle(twisted)
@@ -273,7 +273,7 @@ def test_a_kept_pose_is_found_again_after_a_stroke(twisted):
     np.testing.assert_allclose(pose, document(twisted).poses[0].placements[0].pose, atol=1e-9)
 
 
-def test_a_mirror_handle_goes_along_the_whole_motion(empty):
+def test_paint_partner_takes_a_mirror_handle_along_the_whole_motion(empty):
     empty.show_now(Mesh(*tube(12, 16)))
     x, z = V(empty)[:, 0], V(empty)[:, 2]
     empty.stroke(np.flatnonzero(z == z.min()), BASE)
@@ -291,7 +291,7 @@ def test_a_mirror_handle_goes_along_the_whole_motion(empty):
     np.testing.assert_allclose(empty.U[other], V(empty)[other] - [0.1, 0.0, 0.0], atol=1e-9)
 
 
-def test_baking_begins_anew_from_what_is_on_screen(twisted):
+def test_bake_begins_anew_from_what_is_on_screen(twisted):
     a_base_stroke(twisted)
     twisted.rest_shape.bake()
     twisted.until(lambda: twisted.jobs.current is None)
@@ -307,7 +307,7 @@ STEPS = st.lists(MOVES | STROKES | st.tuples(st.just("undo"), st.just(0), st.jus
 
 @settings(max_examples=10, deadline=None)
 @given(steps=STEPS)
-def test_the_total_is_the_product_of_all_motions(steps):
+def test_from_rest_has_the_product_of_all_motions(steps):
     """Whatever is painted between them, and whatever is undone."""
     session = Driven()
     try:

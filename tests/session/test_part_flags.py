@@ -52,7 +52,7 @@ ACTS = st.lists(
 
 @settings(max_examples=60, deadline=None)
 @given(part=st.sampled_from(PARTS), acts=ACTS)
-def test_a_locked_part_keeps_its_vertices_whatever_is_painted(part, acts):
+def test_part_flags_keep_the_vertices_of_a_locked_part_whatever_is_painted(part, acts):
     state = parted()
     member = part.of(state.document)
     state = state.at(part.flagged(state.document, LOCKED))
@@ -70,12 +70,12 @@ def test_a_locked_part_keeps_its_vertices_whatever_is_painted(part, acts):
         np.testing.assert_array_equal(part.of(document), member)
 
 
-def test_flags_go_with_their_handle_when_another_is_removed():
+def test_part_flags_go_with_their_handle_when_another_is_removed():
     document = Part(HANDLE + 1).flagged(parted().document, LOCKED)
     assert Part(HANDLE).flags(without_handle(document, 0)) == LOCKED
 
 
-def test_sessions_keep_the_flags(tmp_path):
+def test_save_session_keeps_the_part_flags(tmp_path):
     mesh = Mesh(*box(1, 1, 3))
     save_mesh(mesh, mesh.V, tmp_path / "bar.obj")
     state = opened(open_mesh(tmp_path / "bar.obj"))
@@ -89,7 +89,7 @@ def test_sessions_keep_the_flags(tmp_path):
 # The session
 
 
-def test_each_part_is_cleared_in_one_step(session):
+def test_painting_clears_each_part_in_one_step(session):
     session.parts.add_region()
     session.gestures.begin()
     session.painting.paint_region(np.arange(5), 1)
@@ -121,7 +121,7 @@ def test_lock_and_hide_are_steps_of_undo(session):
 
 
 @pytest.mark.parametrize("change", ["reshape", "remove", "load"])
-def test_a_change_of_a_locked_part_as_a_whole_is_refused_in_a_sentence(session, tmp_path, change):
+def test_parts_lock_refuses_a_change_of_a_part_as_a_whole_in_a_sentence(session, tmp_path, change):
     session.files.save_selection(tmp_path / "paint.json")
     session.until(lambda: session.jobs.current is None)
     session.parts.lock(Part(HANDLE), True)
@@ -138,7 +138,7 @@ def test_a_change_of_a_locked_part_as_a_whole_is_refused_in_a_sentence(session, 
     assert "unlock" in session.failed[0]
 
 
-def test_a_region_that_is_not_there_yet_has_nothing_to_lock(session):
+def test_parts_lock_finds_nothing_to_lock_in_a_region_that_is_not_there_yet(session):
     before = session.store.state
     session.parts.lock(Part(1, is_region=True), True)
     assert session.store.state is before

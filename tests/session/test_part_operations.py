@@ -85,7 +85,7 @@ CHANGES = st.sampled_from([PartOperation.GROW, PartOperation.SHRINK, PartOperati
 
 
 @given(st.sampled_from(list(MESHES)), SEEDS, st.sampled_from(PARTS), CHANGES)
-def test_a_part_becomes_what_plain_search_says_and_takes_from_no_other(name, seed, part, change):
+def test_reshaped_is_what_plain_search_says_and_takes_from_no_other(name, seed, part, change):
     state = painted(name, seed)
     document = state.document
     after = part.become(document, reshaped(state, part, change))
@@ -106,7 +106,7 @@ def test_a_part_becomes_what_plain_search_says_and_takes_from_no_other(name, see
 
 @given(st.sampled_from(list(MESHES)), SEEDS, st.sampled_from(PARTS))
 @settings(max_examples=30)
-def test_smoothing_stays_near_the_border_and_takes_from_no_other(name, seed, part):
+def test_reshaped_by_smoothing_stays_near_the_border_and_takes_from_no_other(name, seed, part):
     state = painted(name, seed)
     document, ring = state.document, ring_of(state.document.mesh)
     after = reshaped(state, part, PartOperation.SMOOTH)
@@ -122,7 +122,7 @@ def test_smoothing_stays_near_the_border_and_takes_from_no_other(name, seed, par
     assert set(place[after != before].tolist()) <= near
 
 
-def test_a_lone_vertex_and_a_lone_hole_are_smoothed_away():
+def test_reshaped_smooths_a_lone_vertex_and_a_lone_hole_away():
     V, F = meshes.grid(12, 12)
     state = opened(Mesh(V, F))
     half = V[:, 0] < 5.5
@@ -135,7 +135,7 @@ def test_a_lone_vertex_and_a_lone_hole_are_smoothed_away():
 
 
 @pytest.mark.parametrize("change", MIRRORS)
-def test_a_part_is_mirrored_in_the_middle_of_the_mesh_at_rest(change):
+def test_reshaped_mirrors_a_part_in_the_middle_of_the_mesh_at_rest(change):
     V, F = meshes.sphere(3)
     V = V * (3, 2, 1) + (10, 20, 30)
     state, axis, part = opened(Mesh(V, F)), MIRRORS.index(change), Part(1, is_region=True)
@@ -156,7 +156,7 @@ def test_a_part_is_mirrored_in_the_middle_of_the_mesh_at_rest(change):
 # Parts
 
 
-def test_a_part_is_its_vertices():
+def test_part_is_its_vertices():
     document = painted("whole", 3).document
     for part in PARTS:
         codes = document.member if part.is_region else document.labels
@@ -166,7 +166,7 @@ def test_a_part_is_its_vertices():
 
 
 @given(SEEDS, st.sampled_from(PARTS))
-def test_a_part_becomes_all_that_is_wanted_and_what_it_leaves_is_free(seed, part):
+def test_part_becomes_all_that_is_wanted_and_what_it_leaves_is_free(seed, part):
     document = painted("whole", seed).document
     want = np.random.default_rng(seed).random(len(document.labels)) < 0.4
     after = part.become(document, want)
@@ -176,7 +176,7 @@ def test_a_part_becomes_all_that_is_wanted_and_what_it_leaves_is_free(seed, part
     np.testing.assert_array_equal(part.codes(after)[rest], part.codes(document)[rest])
 
 
-def test_all_vertices_of_a_place_come_together():
+def test_part_takes_all_vertices_of_a_place_together():
     document = STATES["seams"].document
     place = place_of(document.mesh.V)
     for part in PARTS[:2]:
@@ -184,7 +184,7 @@ def test_all_vertices_of_a_place_come_together():
         np.testing.assert_array_equal(part.of(part.become(document, some)), place == place[17])
 
 
-def test_the_first_region_is_made_when_it_is_wanted():
+def test_part_makes_the_first_region_when_it_is_wanted():
     document, part = STATES["whole"].document, Part(1, is_region=True)
     assert document.regions == ()
     none, some = np.zeros(len(document.labels), dtype=bool), np.arange(len(document.labels)) < 5
@@ -220,7 +220,7 @@ def both_ways(session: Driven, before: Document, steps: int) -> None:
 
 @pytest.mark.parametrize("change", [PartOperation.GROW, PartOperation.SMOOTH, PartOperation.INVERT, *MIRRORS])
 @pytest.mark.parametrize("part", PARTS[:2])
-def test_a_change_is_one_step_and_has_its_name(session, part, change):
+def test_reshape_is_one_step_and_has_the_name_of_the_change(session, part, change):
     before, steps, shape = (
         session.store.state.document,
         len(session.gestures.history.past),
@@ -236,7 +236,7 @@ def test_a_change_is_one_step_and_has_its_name(session, part, change):
     both_ways(session, before, steps)
 
 
-def test_inverting_makes_the_first_region_of_everything(session):
+def test_reshape_by_inverting_makes_the_first_region_of_everything(session):
     before, steps = session.store.state.document, len(session.gestures.history.past)
     session.painting.reshape(Part(1, is_region=True), PartOperation.INVERT)
     assert [region.name for region in session.store.state.document.regions] == ["Region 1"]
@@ -245,7 +245,7 @@ def test_inverting_makes_the_first_region_of_everything(session):
     both_ways(session, before, steps)
 
 
-def test_a_change_takes_a_gesture_under_way_back(session):
+def test_reshape_takes_a_gesture_under_way_back(session):
     before, steps = session.store.state.document, len(session.gestures.history.past)
     session.gestures.begin()
     session.painting.paint(np.arange(100), BASE)
@@ -254,7 +254,7 @@ def test_a_change_takes_a_gesture_under_way_back(session):
     both_ways(session, before, steps)
 
 
-def test_a_bent_shape_stays_when_a_part_of_it_changes(session):
+def test_reshape_lets_a_bent_shape_stay(session):
     pose = np.eye(4)
     pose[0, 3] = 0.4
     session.drag(pose)

@@ -20,7 +20,7 @@ def paused(session):
     return session
 
 
-def test_a_paused_shape_stands_still(paused):
+def test_pause_or_resume_lets_a_paused_shape_stand_still(paused):
     assert paused.store.activity is Activity.PAUSED
     before = paused.store.state
     paused.listen(0.2)
@@ -28,7 +28,7 @@ def test_a_paused_shape_stands_still(paused):
     assert not before.frame.settled
 
 
-def test_it_goes_on_where_it_was_and_converges(paused):
+def test_pause_or_resume_goes_on_where_it_was_and_converges(paused):
     iteration = paused.store.state.frame.iteration
     paused.store.pause_or_resume()
     assert paused.store.activity is Activity.REFINING
@@ -37,14 +37,14 @@ def test_it_goes_on_where_it_was_and_converges(paused):
     assert paused.store.state.frame.iteration > iteration
 
 
-def test_the_next_change_goes_on_by_itself(paused):
+def test_pause_or_resume_lets_the_next_change_go_on_by_itself(paused):
     paused.drag(pose(0.2))
     assert paused.store.activity is Activity.REFINING
     paused.settle()
     assert paused.store.activity is Activity.SETTLED
 
 
-def test_a_name_does_not_wake_it(paused):
+def test_pause_or_resume_is_not_woken_by_a_name(paused):
     paused.parts.rename_handle(0, "neck")
     assert paused.store.activity is Activity.PAUSED
     paused.store.pause_or_resume()
@@ -60,7 +60,7 @@ def test_undo_leaves_a_paused_shape(paused):
     assert paused.store.state.frame.settled
 
 
-def test_nothing_is_paused_where_nothing_is_solved(session):
+def test_pause_or_resume_pauses_nothing_where_nothing_is_solved(session):
     session.settle()
     before = session.store.activity
     session.store.pause_or_resume()

@@ -56,7 +56,7 @@ def bent(empty):
     return empty
 
 
-def test_a_floor_is_under_the_lowest_point_and_turns_contact_on(opened):
+def test_put_floor_puts_a_floor_under_the_lowest_point_and_turns_contact_on(opened):
     before = now(opened)
     assert opened.obstacles.put_floor(UP) == 0
     (floor,) = now(opened).obstacles
@@ -72,7 +72,7 @@ def test_a_floor_is_under_the_lowest_point_and_turns_contact_on(opened):
     assert now(opened).obstacles == (floor,)
 
 
-def test_two_plates_touch_the_shape_from_both_sides(opened):
+def test_put_plates_lets_two_plates_touch_the_shape_from_both_sides(opened):
     axis = np.array([3.0, 4.0, 0.0])
     opened.obstacles.put_plates(axis)
     one, two = now(opened).obstacles
@@ -85,7 +85,7 @@ def test_two_plates_touch_the_shape_from_both_sides(opened):
     assert len(steps(opened)) == 1
 
 
-def test_what_is_put_keeps_the_thickness_of_the_walls(opened):
+def test_put_floor_and_put_plates_keep_the_thickness_of_the_walls(opened):
     opened.obstacles.put_floor(UP, thickness=0.05)
     assert now(opened).thickness == 0.05
     assert now(opened).obstacles[0].place[2] == pytest.approx(opened.U[:, 2].min() - 0.05)
@@ -94,7 +94,7 @@ def test_what_is_put_keeps_the_thickness_of_the_walls(opened):
 
 
 @pytest.mark.parametrize("kind", ObstacleKind)
-def test_what_is_proposed_touches_the_point_and_points_into_the_shape(opened, kind):
+def test_proposed_touches_the_point_and_points_into_the_shape(opened, kind):
     point, outwards = np.array([2.0, 1.0, 3.0]), np.array([1.0, 0.0, 0.0])
     obstacle = opened.obstacles.proposed(kind, point, outwards)
     np.testing.assert_array_equal(obstacle.axis, -outwards)
@@ -106,7 +106,7 @@ def test_what_is_proposed_touches_the_point_and_points_into_the_shape(opened, ki
 
 
 @pytest.mark.parametrize("kind", [ObstacleKind.SPHERE, ObstacleKind.CYLINDER])
-def test_what_another_part_is_in_the_way_of_is_moved_back_until_it_is_clear(bent, kind):
+def test_proposed_moves_back_until_it_is_clear_what_another_part_is_in_the_way_of(bent, kind):
     outwards = np.array([-1.5, 0.0, 1.0]) / np.hypot(1.5, 1.0)
     point = np.array([0.1, 0.5, 0.15])
     first = bent.obstacles.proposed(kind, point, outwards, at_once=True)
@@ -120,13 +120,13 @@ def test_what_another_part_is_in_the_way_of_is_moved_back_until_it_is_clear(bent
     assert least_distance(halfway) < apart(bent)  # it was not moved farther than necessary
 
 
-def test_a_plate_is_moved_back_behind_all_of_the_shape_even_at_once(bent):
+def test_proposed_moves_a_plate_back_behind_all_of_the_shape_even_at_once(bent):
     outwards = np.array([0.0, 0.0, -1.0])
     plate = bent.obstacles.proposed(ObstacleKind.PLATE, np.array([0.5, 0.5, 0.75]), outwards, at_once=True)
     assert plate.place[2] == pytest.approx(-apart(bent))
 
 
-def test_it_is_moved_in_one_step_with_its_distance_in_the_title(opened):
+def test_obstacles_move_is_one_step_with_the_distance_in_the_title(opened):
     opened.obstacles.put_floor(UP)
     opened.obstacles.move(0, 0.25 * UP)
     np.testing.assert_allclose(now(opened).obstacles[0].shift, 0.25 * UP)
@@ -140,7 +140,7 @@ def test_it_is_moved_in_one_step_with_its_distance_in_the_title(opened):
     assert steps(opened)[4:] == ["Reset Floor"]
 
 
-def test_a_drag_is_one_step_and_can_be_given_up(opened):
+def test_obstacles_drag_is_one_step_and_can_be_given_up(opened):
     opened.obstacles.put_floor(UP)
     before = now(opened)
     opened.gestures.begin()
@@ -159,7 +159,7 @@ def test_a_drag_is_one_step_and_can_be_given_up(opened):
     assert now(opened) is before
 
 
-def test_typed_numbers_place_it_anew(opened):
+def test_obstacles_replace_places_an_obstacle_anew_by_typed_numbers(opened):
     opened.obstacles.put_floor(UP)
     opened.obstacles.move(0, 0.1 * UP)
     floor = now(opened).obstacles[0]
@@ -172,7 +172,7 @@ def test_typed_numbers_place_it_anew(opened):
     assert not opened.told
 
 
-def test_a_plate_that_would_cut_the_shape_is_moved_back_and_said_so(opened):
+def test_obstacles_replace_moves_back_a_plate_that_would_cut_the_shape_and_says_so(opened):
     opened.obstacles.put_floor(UP)
     floor = now(opened).obstacles[0]
     opened.obstacles.replace(0, replace(floor, place=frozen(floor.place + 3.0 * UP)))
@@ -180,7 +180,7 @@ def test_a_plate_that_would_cut_the_shape_is_moved_back_and_said_so(opened):
     assert "moved back" in opened.told[-1]
 
 
-def test_a_sphere_in_the_shape_is_refused_with_a_place_that_is_taken(opened):
+def test_obstacles_replace_refuses_a_sphere_in_the_shape_with_a_place_that_is_taken(opened):
     point, outwards = np.array([2.0, 1.0, 3.0]), np.array([1.0, 0.0, 0.0])
     opened.obstacles.add(opened.obstacles.proposed(ObstacleKind.SPHERE, point, outwards))
     before, sphere = now(opened), now(opened).obstacles[0]
@@ -194,7 +194,7 @@ def test_a_sphere_in_the_shape_is_refused_with_a_place_that_is_taken(opened):
     assert now(opened) is before
 
 
-def test_names_and_removal(opened):
+def test_obstacles_have_names_of_their_own_and_can_be_removed(opened):
     opened.obstacles.put_plates(UP)
     opened.obstacles.rename(0, "Plate 2")
     assert [each.name for each in now(opened).obstacles] == ["Plate 2 2", "Plate 2"]
@@ -208,7 +208,7 @@ def test_names_and_removal(opened):
     assert [each.name for each in now(opened).obstacles] == ["Press", "Floor", "Floor 2"]
 
 
-def test_a_method_without_contact_and_too_many_are_refused(opened):
+def test_obstacles_are_refused_with_a_method_without_contact_and_when_too_many(opened):
     opened.settings.set_method("paper")
     before = now(opened)
     assert opened.obstacles.put_floor(UP) is None
@@ -223,7 +223,7 @@ def test_a_method_without_contact_and_too_many_are_refused(opened):
     assert len(now(opened).obstacles) == MOST_OBSTACLES
 
 
-def test_reset_all_brings_them_back_clear_of_the_rest_shape(session):
+def test_rest_shape_restore_brings_obstacles_back_clear_of_the_rest_shape(session):
     session.obstacles.put_floor(UP)
     session.obstacles.put_plates(np.eye(3)[0])
     floor = now(session).obstacles[0]
@@ -245,7 +245,7 @@ def test_reset_all_brings_them_back_clear_of_the_rest_shape(session):
     assert now(session).obstacles[3] is lid
 
 
-def test_a_new_rest_shape_keeps_them_where_they_are(session):
+def test_bake_keeps_obstacles_where_they_are(session):
     session.settings.keep_apart(False)
     session.drag(pose(0.6, (0.5, 0.0, 0.2)))
     session.settle()
@@ -260,7 +260,7 @@ def test_a_new_rest_shape_keeps_them_where_they_are(session):
     assert not floor.shift.any()
 
 
-def test_what_was_just_added_is_saved_and_opened(opened, tmp_path):
+def test_save_session_keeps_an_obstacle_that_was_just_added(opened, tmp_path):
     opened.obstacles.put_floor(UP)
     save_session(tmp_path / "a.apd", opened.store.state, VIEW)
     found, _ = open_session(tmp_path / "a.apd")
@@ -268,7 +268,7 @@ def test_what_was_just_added_is_saved_and_opened(opened, tmp_path):
     np.testing.assert_array_equal(floor.place, now(opened).obstacles[0].place)
 
 
-def test_what_stands_in_the_shape_is_moved_out_once_contact_is_on(opened):
+def test_keep_apart_moves_out_what_stands_in_the_shape_once_contact_is_on(opened):
     opened.obstacles.put_floor(UP)
     opened.settle()
     opened.settings.keep_apart(False)

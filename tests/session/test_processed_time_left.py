@@ -17,7 +17,7 @@ pytestmark = [pytest.mark.usefixtures("processes"), pytest.mark.night]
 MINUTES = 5.0
 
 
-def test_before_half_of_the_way_to_the_minimum_the_time_left_is_known(empty: Driven):
+def test_forecast_knows_the_time_left_before_half_of_the_way_to_the_minimum(empty: Driven):
     """Nothing can be told until the matrix is analysed, and that is up to 0.43 of a solve of six seconds."""
     ball, F = sphere(7)
     V = ball * [1.0, 1.0, 2.0]

@@ -32,19 +32,19 @@ def opened(empty):
     return empty
 
 
-def test_nothing_is_unsaved_before_a_mesh_is_open():
+def test_saved_work_has_nothing_unsaved_before_a_mesh_is_open():
     session = Driven()
     assert not session.saved_work.unsaved
     session.close()
 
 
-def test_a_mesh_that_was_only_opened_is_not_unsaved(opened):
+def test_saved_work_does_not_count_a_mesh_that_was_only_opened_as_unsaved(opened):
     assert not opened.saved_work.unsaved
     assert opened.saved_work.path is None
 
 
 @pytest.mark.parametrize("said", SAID)
-def test_whatever_is_said_is_unsaved_until_it_is_saved(opened, tmp_path, said):
+def test_saved_work_counts_whatever_is_said_as_unsaved_until_it_is_saved(opened, tmp_path, said):
     SAID[said](opened)
     assert opened.saved_work.unsaved
     opened.files.save(tmp_path / "a.apd", VIEW)
@@ -59,13 +59,13 @@ def test_whatever_is_said_is_unsaved_until_it_is_saved(opened, tmp_path, said):
 
 
 @pytest.mark.parametrize("said", SAID)
-def test_whatever_is_undone_is_no_longer_unsaved(opened, said):
+def test_saved_work_counts_whatever_is_undone_as_unsaved_no_longer(opened, said):
     SAID[said](opened)
     opened.gestures.undo()
     assert not opened.saved_work.unsaved
 
 
-def test_a_motion_is_unsaved_at_once_and_the_shape_that_follows_is_no_work(session, tmp_path):
+def test_saved_work_counts_a_motion_as_unsaved_at_once_and_not_the_shape_that_follows(session, tmp_path):
     session.files.save(tmp_path / "a.apd", VIEW)
     wait(session)
     session.drag(BENT)
@@ -75,7 +75,7 @@ def test_a_motion_is_unsaved_at_once_and_the_shape_that_follows_is_no_work(sessi
     assert not session.saved_work.unsaved
 
 
-def test_what_is_said_while_a_file_is_written_stays_unsaved(session, tmp_path):
+def test_saved_work_leaves_unsaved_what_is_said_while_a_file_is_written(session, tmp_path):
     session.files.save(tmp_path / "a.apd", VIEW)
     session.stroke(np.arange(3), BASE)
     wait(session)
@@ -84,7 +84,7 @@ def test_what_is_said_while_a_file_is_written_stays_unsaved(session, tmp_path):
     assert not session.saved_work.unsaved
 
 
-def test_an_exported_mesh_does_not_hold_what_was_said(session, tmp_path):
+def test_saved_work_stays_unsaved_though_the_mesh_is_exported(session, tmp_path):
     session.drag(BENT)
     session.settle()
     session.files.export(tmp_path / "bent.ply")
@@ -92,14 +92,14 @@ def test_an_exported_mesh_does_not_hold_what_was_said(session, tmp_path):
     assert session.saved_work.unsaved
 
 
-def test_what_could_not_be_saved_is_unsaved(session, tmp_path):
+def test_saved_work_leaves_unsaved_what_could_not_be_saved(session, tmp_path):
     done = []
     session.files.save(tmp_path / "gone" / "a.apd", VIEW, then=lambda: done.append(1))
     wait(session)
     assert (session.saved_work.unsaved, session.saved_work.path, done) == (True, None, [])
 
 
-def test_an_opened_session_is_saved_where_it_came_from(session, tmp_path):
+def test_saved_work_has_an_opened_session_saved_where_it_came_from(session, tmp_path):
     save_mesh(bar(), bar().V, tmp_path / "bar.obj")
     save_session(tmp_path / "a.apd", session.store.state, VIEW)
     session.files.open(tmp_path / "a.apd")
@@ -107,7 +107,7 @@ def test_an_opened_session_is_saved_where_it_came_from(session, tmp_path):
     assert (session.saved_work.unsaved, session.saved_work.path) == (False, tmp_path / "a.apd")
 
 
-def test_undo_across_an_opened_mesh_leads_back_to_the_file_of_the_first(session, tmp_path):
+def test_saved_work_goes_back_to_the_file_of_the_first_in_undo_across_an_opened_mesh(session, tmp_path):
     session.files.save(tmp_path / "a.apd", VIEW)
     wait(session)
     session.show_now(bar())
@@ -118,7 +118,7 @@ def test_undo_across_an_opened_mesh_leads_back_to_the_file_of_the_first(session,
     assert session.saved_work.unsaved
 
 
-def test_a_baked_shape_is_unsaved_work_on_the_same_file(session, tmp_path):
+def test_saved_work_counts_a_baked_shape_as_unsaved_on_the_same_file(session, tmp_path):
     session.drag(BENT)
     session.settle()
     session.files.save(tmp_path / "a.apd", VIEW)
@@ -130,7 +130,7 @@ def test_a_baked_shape_is_unsaved_work_on_the_same_file(session, tmp_path):
     assert not session.saved_work.unsaved
 
 
-def test_meshes_out_of_reach_of_undo_are_forgotten(session):
+def test_saved_work_forgets_meshes_out_of_reach_of_undo(session):
     session.gestures.limit_memory(0)
     others = living(SavedDocument) - 1
     for _ in range(5):
@@ -138,7 +138,7 @@ def test_meshes_out_of_reach_of_undo_are_forgotten(session):
     assert living(SavedDocument) - others <= 3
 
 
-def test_a_drag_called_off_leaves_nothing_unsaved(session, tmp_path):
+def test_saved_work_has_nothing_unsaved_after_a_drag_called_off(session, tmp_path):
     session.files.save(tmp_path / "a.apd", VIEW)
     wait(session)
     session.gestures.begin()
@@ -148,7 +148,7 @@ def test_a_drag_called_off_leaves_nothing_unsaved(session, tmp_path):
     assert not session.saved_work.unsaved
 
 
-def test_a_gesture_under_way_is_unsaved_though_its_beginning_was_saved(session, tmp_path):
+def test_saved_work_counts_a_gesture_under_way_as_unsaved_though_its_beginning_was_saved(session, tmp_path):
     session.gestures.begin()
     session.handles.drag(pose(0.2))
     session.files.save(tmp_path / "a.apd", VIEW)

@@ -59,7 +59,7 @@ def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
         "Open mesh",
     ],
 )
-def test_a_gesture_is_one_entry_and_undone_exactly(session, tmp_path, name):
+def test_gestures_are_one_entry_each_and_undone_exactly(session, tmp_path, name):
     session.drag(BENT)
     session.settle()
     before = session.store.state
@@ -74,7 +74,7 @@ def test_a_gesture_is_one_entry_and_undone_exactly(session, tmp_path, name):
     assert session.store.state is after
 
 
-def test_a_new_gesture_forgets_what_could_be_redone(session):
+def test_gestures_forget_with_a_new_one_what_could_be_redone(session):
     session.drag(BENT)
     session.gestures.undo()
     assert session.gestures.history.next_redo == "Rotate about y +34.38° (Handle 1)"
@@ -83,7 +83,7 @@ def test_a_new_gesture_forgets_what_could_be_redone(session):
 
 
 @pytest.mark.parametrize("kind", ["stroke", "drag"])
-def test_a_cancelled_gesture_leaves_no_trace(session, kind):
+def test_gestures_cancel_leaves_no_trace(session, kind):
     session.drag(pose(0.1))
     session.settle()
     session.gestures.undo()
@@ -105,7 +105,7 @@ def test_a_cancelled_gesture_leaves_no_trace(session, kind):
     assert session.store.state is before
 
 
-def test_an_empty_gesture_leaves_no_entry(session):
+def test_gestures_end_leaves_no_entry_of_an_empty_gesture(session):
     undo = session.gestures.history.next_undo, session.store.state.document
     session.gestures.begin()
     session.gestures.end("Move handle")
@@ -115,14 +115,14 @@ def test_an_empty_gesture_leaves_no_entry(session):
     assert (session.gestures.history.next_undo, session.store.state.document) == undo
 
 
-def test_a_stroke_that_changes_nothing_leaves_the_document(session):
+def test_paint_that_changes_nothing_leaves_the_document(session):
     document, undo = session.store.state.document, session.gestures.history.next_undo
     session.stroke(np.flatnonzero(document.labels == BASE), BASE)
     assert session.gestures.history.next_undo == undo
     assert session.store.state.document is document
 
 
-def test_a_part_that_is_replaced_by_itself_is_no_step(session):
+def test_paint_that_replaces_a_part_by_itself_is_no_step(session):
     before, undo = session.store.state.document, session.gestures.history.next_undo
     ids = np.flatnonzero(before.labels == BASE)
     session.gestures.begin()
@@ -133,7 +133,7 @@ def test_a_part_that_is_replaced_by_itself_is_no_step(session):
     assert session.gestures.history.next_undo == undo
 
 
-def test_a_region_that_is_replaced_by_itself_is_no_step_and_is_still_kept(session):
+def test_paint_region_that_replaces_a_region_by_itself_is_no_step_and_it_is_still_kept(session):
     ids = np.flatnonzero(session.store.state.document.labels == FREE)
     session.gestures.begin()
     session.painting.paint_region(ids, 1)
@@ -153,7 +153,7 @@ def test_a_region_that_is_replaced_by_itself_is_no_step_and_is_still_kept(sessio
     assert session.store.state.frame.regions[0] == pytest.approx(1.03 * before.rest_areas[0], rel=1e-6)
 
 
-def test_a_drag_settles_that_ends_while_a_stroke_without_effect_is_painted(session):
+def test_handles_drag_settles_when_it_ends_while_a_stroke_without_effect_is_painted(session):
     ready(session)
     session.drag(BENT)
     session.gestures.begin()
@@ -163,7 +163,7 @@ def test_a_drag_settles_that_ends_while_a_stroke_without_effect_is_painted(sessi
     assert session.wait_idle(1.0)
 
 
-def test_old_states_are_forgotten_by_their_bytes_but_one_stays(session):
+def test_history_forgets_old_states_by_their_bytes_but_one_stays(session):
     session.gestures.history = History(most_bytes=1)
     for angle in (0.1, 0.2, 0.3):
         session.drag(pose(angle))
@@ -193,7 +193,7 @@ def test_undo_within_a_gesture_cancels_it_first(session, kind):
     assert session.gestures.history.next_redo == "Change tolerance"
 
 
-def test_a_stroke_that_undo_has_ended_paints_no_more_unless_it_can_be_undone(session):
+def test_paint_adds_nothing_to_a_stroke_that_undo_has_ended_unless_it_can_be_undone(session):
     session.gestures.begin()
     session.painting.paint(np.arange(8), BASE)
     session.gestures.undo()
@@ -203,7 +203,7 @@ def test_a_stroke_that_undo_has_ended_paints_no_more_unless_it_can_be_undone(ses
     assert session.store.state.document is document or session.gestures.history.next_redo is None
 
 
-def test_what_was_undone_before_it_had_settled_goes_on_when_redone(session, slow):
+def test_redo_goes_on_with_what_was_undone_before_it_had_settled(session, slow):
     session.drag(BENT)
     session.until(lambda: session.store.state.frame.iteration >= 2)
     unfinished = session.store.state
@@ -232,7 +232,7 @@ def test_undo_to_a_shape_that_had_not_settled_goes_on(session):
 
 
 @pytest.mark.parametrize("detour", ["undo and redo", "cancel", "setting"])
-def test_a_drag_without_a_frame_yet_reaches_its_pose_after_a_detour(session, slow, detour):
+def test_handles_drag_without_a_frame_yet_reaches_its_pose_after_a_detour(session, slow, detour):
     session.settings.set_method("arap")
     ready(session)
     session.drag(BENT if detour != "setting" else np.eye(4))
@@ -250,7 +250,7 @@ def test_a_drag_without_a_frame_yet_reaches_its_pose_after_a_detour(session, slo
 
 
 @pytest.mark.parametrize("detour", ["undo and redo", "cancel"])
-def test_a_shape_at_rest_after_a_stroke_stays_at_rest(session, slow, detour):
+def test_gestures_leave_a_shape_at_rest_after_a_stroke_at_rest(session, slow, detour):
     session.drag(BENT)
     session.until(lambda: session.store.state.frame.iteration)
     session.stroke(np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 1.0), BASE)
@@ -265,7 +265,7 @@ def test_a_shape_at_rest_after_a_stroke_stays_at_rest(session, slow, detour):
     assert session.U is U
 
 
-def test_nothing_to_undo_or_redo_is_no_error(empty):
+def test_undo_and_redo_with_nothing_to_do_are_no_error(empty):
     empty.show_now(bar())
     state = empty.store.state
     empty.gestures.undo()
@@ -291,7 +291,7 @@ def test_undo_goes_back_in_time_whatever_was_done_within_a_drag(session, tmp_pat
     assert not np.array_equal(session.store.state.document.handles[0].pose, BENT)
 
 
-def test_a_setting_changed_within_a_stroke_does_not_let_the_painted_vertices_leap(session):
+def test_settings_changed_within_a_stroke_do_not_let_the_painted_vertices_leap(session):
     session.settings.set_method("arap")
     session.drag(BENT)
     session.settle()
@@ -304,7 +304,7 @@ def test_a_setting_changed_within_a_stroke_does_not_let_the_painted_vertices_lea
     assert np.abs(session.U[middle] - U).max() < 1e-3
 
 
-def test_a_mesh_that_arrives_within_a_gesture_can_be_undone_to_a_whole_state(session):
+def test_files_open_mesh_within_a_gesture_can_be_undone_to_a_whole_state(session):
     session.drag(BENT)
     session.settle()
     before = session.store.state
@@ -318,7 +318,7 @@ def test_a_mesh_that_arrives_within_a_gesture_can_be_undone_to_a_whole_state(ses
 # Factorizations
 
 
-def test_dragging_never_factors(session, factored):
+def test_handles_drag_never_factors(session, factored):
     ready(session)
     factored.count = 0
     session.gestures.begin()
@@ -330,7 +330,7 @@ def test_dragging_never_factors(session, factored):
     assert factored.count == 0
 
 
-def test_a_stroke_factors_once_before_the_first_drag(empty, factored):
+def test_solver_factors_once_after_a_stroke_before_the_first_drag(empty, factored):
     empty.show_now(bar())
     empty.paint_ends()
     empty.until(lambda: factored.count == 1)
@@ -339,7 +339,7 @@ def test_a_stroke_factors_once_before_the_first_drag(empty, factored):
     assert factored.count == 1
 
 
-def test_a_mesh_is_got_to_know_while_it_is_painted(empty, monkeypatch):
+def test_solver_gets_to_know_a_mesh_while_it_is_painted(empty, monkeypatch):
     known = []
     monkeypatch.setattr("apd_viewer.session.processes.solver.make_ready", known.append)
     empty.show_now(bar())
@@ -351,7 +351,7 @@ def test_a_mesh_is_got_to_know_while_it_is_painted(empty, monkeypatch):
     assert len({id(rest) for rest in known}) == 1, "once for all strokes"
 
 
-def test_until_the_first_shape_it_is_preparing(empty):
+def test_preparing_lasts_until_the_first_shape(empty):
     empty.show_now(bar())
     empty.paint_ends()
     assert not empty.store.preparing, "nobody waits for it yet"
@@ -370,7 +370,7 @@ def test_until_the_first_shape_it_is_preparing(empty):
     assert not empty.store.preparing
 
 
-def test_settings_undo_and_reset_do_not_factor(session, factored):
+def test_solver_does_not_factor_for_settings_undo_and_reset(session, factored):
     ready(session)
     factored.count = 0
     session.settings.set_tolerance(0.01)
@@ -386,7 +386,7 @@ def test_settings_undo_and_reset_do_not_factor(session, factored):
 
 
 @pytest.mark.parametrize("what", ["labels", "method", "mesh"])
-def test_other_labels_another_method_and_another_mesh_factor(session, factored, what):
+def test_solver_factors_for_other_labels_another_method_and_another_mesh(session, factored, what):
     ready(session)
     factored.count = 0
     if what == "labels":
@@ -403,7 +403,7 @@ def test_other_labels_another_method_and_another_mesh_factor(session, factored, 
 # The newest request wins
 
 
-def test_of_a_burst_of_poses_few_are_aimed_at_and_the_last_one_settles(session, slow, monkeypatch):
+def test_solver_aims_at_few_of_a_burst_of_poses_and_the_last_one_settles(session, slow, monkeypatch):
     session.settings.set_method("arap")
     ready(session)
     aimed = []
@@ -418,7 +418,7 @@ def test_of_a_burst_of_poses_few_are_aimed_at_and_the_last_one_settles(session, 
     assert session.store.activity is Activity.SETTLED
 
 
-def test_while_poses_arrive_faster_than_a_step_frames_are_shown(session, slow):
+def test_store_shows_frames_while_poses_arrive_faster_than_a_step(session, slow):
     ready(session)
     shown = len(session.changes)
     session.gestures.begin()
@@ -435,7 +435,7 @@ def test_while_poses_arrive_faster_than_a_step_frames_are_shown(session, slow):
     assert len(session.changes) > shown
 
 
-def test_while_poses_arrive_faster_than_they_can_be_aimed_at_frames_are_shown(session, monkeypatch):
+def test_store_shows_frames_while_poses_arrive_faster_than_they_can_be_aimed_at(session, monkeypatch):
     ready(session)
     real = Deformation.aim
 
@@ -456,7 +456,7 @@ def test_while_poses_arrive_faster_than_they_can_be_aimed_at_frames_are_shown(se
     assert len(frames - {first}) >= 12
 
 
-def test_the_listener_is_woken_by_the_worker_once_for_what_it_has_not_taken(session):
+def test_listener_is_woken_by_the_worker_once_for_what_it_has_not_taken(session):
     ready(session)
     session.woken.clear()
     session.gestures.begin()
@@ -486,7 +486,7 @@ def _jumps(session: Driven) -> dict[str, Callable[[], None]]:
 
 
 @pytest.mark.parametrize("jump", ["undo", "cancel", "reset", "stroke"])
-def test_no_frame_from_before_a_jump_is_shown_after_it(session, slow, jump):
+def test_jump_is_followed_by_no_frame_from_before_it(session, slow, jump):
     session.settings.set_method("arap")
     for k in range(8):
         session.gestures.begin()
@@ -503,7 +503,7 @@ def test_no_frame_from_before_a_jump_is_shown_after_it(session, slow, jump):
         session.rest_shape.restore()
 
 
-def test_a_jump_to_an_unsettled_shape_shows_its_own_frames_only(session, slow):
+def test_jump_to_an_unsettled_shape_shows_its_own_frames_only(session, slow):
     session.settings.set_method("arap")
     session.drag(pose(0.4, (-1.0, 0.0, 0.0)))
     session.until(lambda: session.store.state.frame.iteration)
@@ -521,7 +521,7 @@ def test_a_jump_to_an_unsettled_shape_shows_its_own_frames_only(session, slow):
         assert x < 1.0 + 1e-9, "a frame of the undone pose was shown"
 
 
-def test_frames_of_an_older_mesh_never_arrive(session, slow):
+def test_store_never_gets_frames_of_an_older_mesh(session, slow):
     small = Mesh(*box(1, 1, 3))
     for mesh in (small, bar(), small, bar()):
         session.drag(pose(0.5))
@@ -533,7 +533,7 @@ def test_frames_of_an_older_mesh_never_arrive(session, slow):
     assert all(state.frame.U.shape == state.document.mesh.V.shape for _, state in session.changes)
 
 
-def test_the_end_of_an_older_pose_is_not_the_end_of_this_one(session, slow):
+def test_store_does_not_take_the_end_of_an_older_pose_for_the_end_of_this_one(session, slow):
     """The frame lay there unread when the handle was moved on."""
     session.settings.set_method("arap")
     session.until(solver_threads)
@@ -580,7 +580,7 @@ def test_painting_after_a_drag_moves_nothing(session, method, settled):
 
 
 @pytest.mark.parametrize(("method", "most"), [("arap", 1e-3), ("paper", 1e-2)])
-def test_the_first_drag_after_painting_does_not_leap(session, method, most):
+def test_handles_drag_does_not_leap_when_it_is_the_first_after_painting(session, method, most):
     """paper: its area may still close by the tolerance, which shows as 5e-4 of the bar's length."""
     session.settings.set_method(method)
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
@@ -602,7 +602,7 @@ def test_the_first_drag_after_painting_does_not_leap(session, method, most):
     ("error", "said"),
     [(ValueError("not positive definite"), "not positive definite"), (MemoryError(), "Not enough memory")],
 )
-def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch, caplog, error, said):
+def test_store_tells_of_a_failing_solver_and_the_session_lives_on(session, monkeypatch, caplog, error, said):
     session.drag(BENT)
     session.settle()
     before = session.store.state
@@ -632,7 +632,7 @@ def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch,
     assert len(session.failed) == 1
 
 
-def test_an_error_that_says_nothing_is_named(session, monkeypatch, capfd):
+def test_store_names_an_error_that_says_nothing(session, monkeypatch, capfd):
     def failing(_):
         raise RuntimeError
 
@@ -642,7 +642,7 @@ def test_an_error_that_says_nothing_is_named(session, monkeypatch, capfd):
     assert "RuntimeError" in session.failed[0]
 
 
-def test_a_failure_while_making_ready_is_told(empty, monkeypatch, capfd):
+def test_store_tells_of_a_failure_while_making_ready(empty, monkeypatch, capfd):
     def failing(*_):
         raise MemoryError
 
@@ -659,7 +659,7 @@ def test_a_failure_while_making_ready_is_told(empty, monkeypatch, capfd):
     assert empty.store.state is state
 
 
-def test_a_pose_that_is_not_finite_is_told_and_can_be_undone(session):
+def test_handles_drag_to_a_pose_that_is_not_finite_is_told_and_can_be_undone(session):
     before = session.store.state
     session.drag(np.full((4, 4), np.nan))
     session.until(lambda: session.failed)
@@ -671,7 +671,7 @@ def test_a_pose_that_is_not_finite_is_told_and_can_be_undone(session):
     assert session.store.activity is Activity.SETTLED
 
 
-def test_a_listener_may_undo_when_told_of_a_failure(session, capfd, monkeypatch):
+def test_listener_may_undo_when_told_of_a_failure(session, capfd, monkeypatch):
     before = session.store.state
 
     def failing(*_):
@@ -688,7 +688,7 @@ def test_a_listener_may_undo_when_told_of_a_failure(session, capfd, monkeypatch)
     assert session.store.activity is Activity.SETTLED
 
 
-def test_a_listener_may_receive_when_told_of_a_change(session):
+def test_listener_may_receive_when_told_of_a_change(session):
     session.on_changed = session.receive
     session.drag(*(pose(k / 50) for k in range(40)))
     session.settle()
@@ -698,7 +698,7 @@ def test_a_listener_may_receive_when_told_of_a_change(session):
 # What the worker is doing
 
 
-def test_idle_after_opening_and_painting_refining_on_drag_settled_in_the_end(empty, slow):
+def test_activity_is_idle_after_opening_and_painting_refining_on_drag_settled_in_the_end(empty, slow):
     empty.show_now(bar())
     assert empty.store.activity is Activity.IDLE
     empty.paint_ends()
@@ -715,7 +715,7 @@ def test_idle_after_opening_and_painting_refining_on_drag_settled_in_the_end(emp
     assert empty.store.seconds_per_iteration > 0.0
 
 
-def test_the_area_is_kept_to_the_tolerance_that_is_set(session):
+def test_set_tolerance_keeps_the_area_to_the_tolerance_that_is_set(session):
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     for tolerance in (0.05, 1e-2, 1e-4):
         session.settings.set_tolerance(tolerance)
@@ -724,7 +724,7 @@ def test_the_area_is_kept_to_the_tolerance_that_is_set(session):
         assert abs(session.store.state.frame.area_error) <= tolerance
 
 
-def test_a_run_that_never_settles_ends_as_not_reached(session, monkeypatch):
+def test_activity_is_unreached_after_a_run_that_never_settles(session, monkeypatch):
     monkeypatch.setattr(Deformation, "settled", False)
     session.settings.set_convergence(Convergence(most_iterations=30))
     session.drag(BENT)
@@ -734,7 +734,7 @@ def test_a_run_that_never_settles_ends_as_not_reached(session, monkeypatch):
 
 
 @pytest.mark.parametrize("painted", [(), (BASE,), (HANDLE,)])
-def test_moving_without_base_or_handle_moves_nothing(empty, painted):
+def test_handles_drag_moves_nothing_without_base_or_handle(empty, painted):
     empty.show_now(bar())
     ids = dict(zip((BASE, HANDLE), ends(empty.store.state.document.mesh.V), strict=True))
     for label in painted:
@@ -747,7 +747,7 @@ def test_moving_without_base_or_handle_moves_nothing(empty, painted):
     assert empty.failed == []
 
 
-def test_everything_held_moves_nothing(session):
+def test_handles_drag_moves_nothing_where_everything_is_held(session):
     session.stroke(np.arange(len(session.U)), BASE)
     session.stroke(ends(session.store.state.document.mesh.V)[1], HANDLE)
     session.drag(BENT)
@@ -756,7 +756,7 @@ def test_everything_held_moves_nothing(session):
     assert session.failed == []
 
 
-def test_a_settled_worker_sleeps(session):
+def test_worker_sleeps_when_it_has_settled(session):
     session.drag(BENT)
     session.settle()
     (thread,) = solver_threads()
@@ -768,7 +768,7 @@ def test_a_settled_worker_sleeps(session):
     assert len(session.woken) == woken
 
 
-def test_verbs_without_a_mesh_say_so(empty):
+def test_session_verbs_without_a_mesh_say_so(empty):
     for verb in (
         empty.gestures.begin,
         empty.gestures.undo,
@@ -779,7 +779,7 @@ def test_verbs_without_a_mesh_say_so(empty):
             verb()
 
 
-def test_poses_are_copied_and_what_is_kept_is_read_only(session):
+def test_handles_drag_copies_the_pose_and_what_is_kept_is_read_only(session):
     mine = BENT.copy()
     session.drag(mine)
     mine[:] = 0.0
@@ -792,7 +792,7 @@ def test_poses_are_copied_and_what_is_kept_is_read_only(session):
     assert not session.store.state.document.handles[0].pose.flags.writeable
 
 
-def test_reset_brings_back_the_rest_shape_and_keeps_the_paint(session):
+def test_rest_shape_restore_brings_back_the_rest_shape_and_keeps_the_paint(session):
     labels = session.store.state.document.labels
     session.drag(BENT)
     session.settle()
@@ -812,13 +812,13 @@ def test_reset_brings_back_the_rest_shape_and_keeps_the_paint(session):
     assert session.gestures.history.next_undo == undo, "a second reset has nothing to do"
 
 
-def test_a_tolerance_that_cannot_be_met_is_refused(session):
+def test_set_tolerance_refuses_one_that_cannot_be_met(session):
     ready(session)
     session.settings.set_tolerance(-1.0)
     session.until(lambda: session.failed, seconds=2.0)
 
 
-def test_what_is_set_in_the_middle_of_a_stroke_outlives_a_stroke_that_paints_nothing(session):
+def test_settings_made_in_the_middle_of_a_stroke_outlive_it_when_it_paints_nothing(session):
     session.gestures.begin()
     session.settings.set_volume(95.0)
     session.painting.end_stroke("Paint")

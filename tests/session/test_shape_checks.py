@@ -75,7 +75,7 @@ def two_spheres(apart):
     return Shape(np.vstack([V, V + [apart, 0.1, 0.2]]), np.vstack([F, F + len(V)]))
 
 
-def test_it_says_what_is_found_here_too(checker_, woken):
+def test_shape_checker_says_what_is_found_here_too(checker_, woken):
     for apart in (1.0, 3.0):
         shape = two_spheres(apart)
         checker_.ask(shape)
@@ -87,7 +87,7 @@ def test_it_says_what_is_found_here_too(checker_, woken):
         assert checker_.take() is None
 
 
-def test_the_newest_shape_wins_and_what_is_forgotten_is_not_told(checker_, woken):
+def test_shape_checker_lets_the_newest_shape_win_and_does_not_tell_what_is_forgotten(checker_, woken):
     checker_.ask(two_spheres(1.0))
     checker_.forget()
     for apart in (1.1, 1.2):
@@ -97,7 +97,7 @@ def test_the_newest_shape_wins_and_what_is_forgotten_is_not_told(checker_, woken
     assert taken(checker_, woken)[0] is last
 
 
-def test_a_process_is_ended_when_its_shape_has_moved_on(checker_, woken, processes):
+def test_shape_checker_ends_its_process_when_the_shape_has_moved_on(checker_, woken, processes):
     checker_.ask(two_spheres(1.0))
     taken(checker_, woken)
     (process,) = processes
@@ -118,7 +118,7 @@ def test_a_process_is_ended_when_its_shape_has_moved_on(checker_, woken, process
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
-def test_of_a_shape_whose_process_dies_nothing_is_known(checker_, woken, processes):
+def test_shape_checker_knows_nothing_of_a_shape_whose_process_dies(checker_, woken, processes):
     checker_.ask(two_spheres(1.0))
     taken(checker_, woken)
     os.kill(processes[0].pid, SIGKILL)
@@ -130,7 +130,7 @@ def test_of_a_shape_whose_process_dies_nothing_is_known(checker_, woken, process
     assert len(taken(checker_, woken)[1].crossing)
 
 
-def test_where_there_can_be_no_process_nothing_is_known(checker_, woken, monkeypatch):
+def test_shape_checker_knows_nothing_where_there_can_be_no_process(checker_, woken, monkeypatch):
     def refused(*_):
         raise OSError("no more processes")
 
@@ -139,7 +139,7 @@ def test_where_there_can_be_no_process_nothing_is_known(checker_, woken, monkeyp
     assert taken(checker_, woken)[1].crossing is None
 
 
-def test_it_can_be_closed_at_any_time(woken, processes):
+def test_shape_checker_can_be_closed_at_any_time(woken, processes):
     others = set(threading.enumerate())
     for pause in (0.0, 0.05, 0.6):
         checker_ = ShapeChecker(woken.set)
@@ -183,7 +183,7 @@ def known(session):
     return session.shape_checks.found
 
 
-def test_every_shape_that_has_settled_is_checked_and_none_that_moves(session):
+def test_shape_checks_look_at_every_shape_that_has_settled_and_none_that_moves(session):
     V, F = meshes.tube(16, 24, height=4.0)
     V, F = meshes.soup(V, F)
     labels = np.full(len(V), FREE, dtype=np.uint8)

@@ -49,7 +49,7 @@ def load(session, path):
     session.until(lambda: session.jobs.current is None)
 
 
-def test_loading_and_clearing_are_steps_of_undo(session, file):
+def test_target_shapes_load_and_clear_are_steps_of_undo(session, file):
     first = session.store.state.document
     load(session, file)
     second = session.store.state.document
@@ -70,7 +70,7 @@ def test_loading_and_clearing_are_steps_of_undo(session, file):
     assert session.store.state.document.target is None, "it was for another mesh"
 
 
-def test_the_shape_is_solved_as_without_a_target(session, file, monkeypatch):
+def test_target_shapes_leave_the_shape_to_be_solved_as_without_a_target(session, file, monkeypatch):
     load(session, file)
     document = session.store.state.document
     sent = []
@@ -96,7 +96,7 @@ def test_the_shape_is_solved_as_without_a_target(session, file, monkeypatch):
         (None, "There is no file"),
     ],
 )
-def test_a_file_that_is_no_mesh_is_refused_in_a_sentence(session, file, content, sentence):
+def test_target_shapes_load_refuses_a_file_that_is_no_mesh_in_a_sentence(session, file, content, sentence):
     file.unlink()
     if content is not None:
         file.write_text(content)
@@ -106,7 +106,7 @@ def test_a_file_that_is_no_mesh_is_refused_in_a_sentence(session, file, content,
     assert sentence.lower() in session.failed[-1].lower()
 
 
-def test_a_target_in_another_unit_is_told(session, file):
+def test_target_shapes_load_tells_of_a_target_in_another_unit(session, file):
     mesh = bar()
     save_mesh(mesh, 1000.0 * mesh.V, file)
     load(session, file)
@@ -116,7 +116,7 @@ def test_a_target_in_another_unit_is_told(session, file):
 
 
 @pytest.mark.parametrize("embed", [False, True])
-def test_a_session_is_opened_with_its_target(compared, file, tmp_path, embed):
+def test_open_session_opens_a_session_with_its_target(compared, file, tmp_path, embed):
     path = tmp_path / "a.apd"
     save_session(path, compared, VIEW, embed=embed)
     copies = [name for name in zipfile.ZipFile(path).namelist() if name.startswith("target-")]
@@ -128,7 +128,7 @@ def test_a_session_is_opened_with_its_target(compared, file, tmp_path, embed):
     assert found.document.target.mesh.name == file.name
 
 
-def test_a_target_that_is_in_no_file_is_embedded(compared, tmp_path):
+def test_save_session_embeds_a_target_that_is_in_no_file(compared, tmp_path):
     target = TargetShape(Mesh(*sphere(1)))
     state = compared.at(replace(compared.document, target=target))
     assert save_session(tmp_path / "a.apd", state, VIEW) is False, "the mesh itself is in its file"
@@ -136,7 +136,7 @@ def test_a_target_that_is_in_no_file_is_embedded(compared, tmp_path):
     assert found.document.target.mesh.digest == target.mesh.digest
 
 
-def test_a_missing_target_is_missed_and_not_forgotten(session, compared, file, tmp_path):
+def test_open_session_misses_a_missing_target_and_does_not_forget_it(session, compared, file, tmp_path):
     path, away = tmp_path / "a.apd", tmp_path / "away.obj"
     save_session(path, compared, VIEW)
     file.rename(away)
@@ -155,7 +155,7 @@ def test_a_missing_target_is_missed_and_not_forgotten(session, compared, file, t
     assert session.store.state.document.missing_target is None
 
 
-def test_a_damaged_target_is_refused(compared, tmp_path):
+def test_open_session_refuses_a_damaged_target(compared, tmp_path):
     path = tmp_path / "a.apd"
     save_session(path, compared, VIEW, embed=True)
     with zipfile.ZipFile(path) as archive:

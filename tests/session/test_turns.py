@@ -46,7 +46,7 @@ def diagonal(session: Driven) -> float:
     return float(np.linalg.norm(np.ptp(session.store.state.document.mesh.V, axis=0)))
 
 
-def test_by_hand_typed_and_repeated_end_in_the_same_shape_and_reading(wall, tmp_path):
+def test_handles_turned_by_hand_typed_and_repeated_end_in_the_same_shape_and_reading(wall, tmp_path):
     at_rest = wall.store.state
     wall.drag(*(twisted(wall, angle) for angle in range(5, 401, 5)))
     assert wall.wait_idle(120)
@@ -81,13 +81,13 @@ def test_by_hand_typed_and_repeated_end_in_the_same_shape_and_reading(wall, tmp_
 @pytest.mark.parametrize(
     ("steps", "total"), [((120, 60, 60), "+240.0°"), ((-200, -111.2), "−311.2°"), ((400, -400), "rest")]
 )
-def test_the_total_has_its_sign(session, steps, total):
+def test_readings_give_the_total_its_sign(session, steps, total):
     for degrees in steps:
         session.handles.move_by(TypedMotion.TWIST, f"{degrees}deg", 0)
     assert reading(session) == total
 
 
-def test_a_turn_and_its_opposite_leave_the_rest_shape(session):
+def test_move_by_a_turn_and_its_opposite_leaves_the_rest_shape(session):
     session.settings.keep_apart(False)
     rest = session.store.state.document.mesh.V
     session.handles.move_by(TypedMotion.TWIST, "300", 0)
@@ -98,7 +98,7 @@ def test_a_turn_and_its_opposite_leave_the_rest_shape(session):
     np.testing.assert_allclose(session.U, rest, atol=1e-3)
 
 
-def test_reset_forgets_the_turns(session):
+def test_handles_reset_forgets_the_turns(session):
     session.handles.move_by(TypedMotion.TWIST, "1 turn", 0)
     assert reading(session) == "+360.0°"
     assert session.gestures.history.done[-1] == "Twist +360° (Handle 1)"
@@ -107,7 +107,7 @@ def test_reset_forgets_the_turns(session):
     assert session.store.state.document.handles[0].waypoints == ()
 
 
-def test_what_goes_on_in_the_middle_of_a_walk_arrives_as_well(session):
+def test_walk_arrives_as_well_when_something_else_is_asked_in_its_middle(session):
     session.settings.keep_apart(False)
     session.handles.move_by(TypedMotion.TWIST, "400", 0)
     session.settings.set_stiffness(1e-3)
@@ -118,7 +118,7 @@ def test_what_goes_on_in_the_middle_of_a_walk_arrives_as_well(session):
     assert state.frame.converged
 
 
-def test_a_sweep_goes_around_twice(session):
+def test_sweep_goes_around_twice(session):
     session.settings.keep_apart(False)
     session.handles.move_by(TypedMotion.TWIST, "720", 0)
     sweep = sweep_of(session.store.state.document, 16, methods=["exact"], iterations=20)
@@ -131,21 +131,21 @@ def test_a_sweep_goes_around_twice(session):
 
 
 @pytest.mark.parametrize("contact", [True, False])
-def test_walls_that_pass_are_told_of_unless_kept_apart(wall, contact):
+def test_move_by_tells_of_walls_that_pass_unless_kept_apart(wall, contact):
     wall.settings.keep_apart(contact)
     wall.settle()
     wall.handles.move_by(TypedMotion.TWIST, "200deg", 0)
     assert any("unwind" in text for text in wall.told) is not contact
 
 
-def test_half_a_turn_has_its_way(session):
+def test_sweep_of_half_a_turn_has_its_way(session):
     session.handles.move_by(TypedMotion.TWIST, "-180", 0)
     assert reading(session) == "−180.0°"
     steps = list(sweep_of(session.store.state.document, 2, methods=["arap"], iterations=5).steps())
     assert steps[1].degrees == pytest.approx(90.0)
 
 
-def test_more_turns_than_anyone_means_are_refused(session):
+def test_move_by_refuses_more_turns_than_anyone_means(session):
     before = session.store.state
     with pytest.raises(Exception, match="at most 100 turns"):
         session.handles.move_by(TypedMotion.TWIST, "101 turn", 0)

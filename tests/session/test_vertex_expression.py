@@ -30,7 +30,7 @@ N = len(V)
         (f"{N - 1}", [N - 1]),
     ],
 )
-def test_ids_and_ranges(text, ids):
+def test_chosen_takes_ids_and_ranges(text, ids):
     assert chosen(text, STATE, Unit.NONE).tolist() == list(ids)
 
 
@@ -49,7 +49,7 @@ def test_ids_and_ranges(text, ids):
         ("z > 80% Z - 1", Z > 3),
     ],
 )
-def test_conditions(text, holds):
+def test_chosen_takes_the_vertices_for_which_conditions_hold(text, holds):
     np.testing.assert_array_equal(chosen(text, STATE, Unit.NONE), np.flatnonzero(holds))
 
 
@@ -68,17 +68,17 @@ def test_conditions(text, holds):
         ("x < 51% < z", (X < 1.02) & (Z > 2.55)),
     ],
 )
-def test_a_percentage_is_a_share_of_the_way_through_the_mesh_wherever_it_stands(text, holds, shift):
+def test_chosen_takes_a_percentage_of_the_way_through_the_mesh_wherever_the_mesh_stands(text, holds, shift):
     state = opened(Mesh(V + shift, STATE.document.mesh.F))
     np.testing.assert_array_equal(chosen(text, state, Unit.NONE), np.flatnonzero(holds))
 
 
-def test_a_percentage_is_of_the_shape_on_screen():
+def test_chosen_takes_a_percentage_of_the_shape_on_screen():
     state = STATE.at(frame=replace(STATE.frame, U=np.column_stack((X, Y, np.minimum(Z, 3.0)))))
     np.testing.assert_array_equal(chosen("z > 50%", state, Unit.NONE), np.flatnonzero(Z > 1.5))
 
 
-def test_lengths_may_have_units():
+def test_chosen_takes_lengths_with_units():
     np.testing.assert_array_equal(chosen("z > 15mm", STATE, Unit.CENTIMETRE), np.flatnonzero(Z > 1.5))
 
 
@@ -102,7 +102,7 @@ def test_lengths_may_have_units():
         ("z > 8.0.0%", "operator is missing"),
     ],
 )
-def test_what_cannot_be_read_is_said(text, words):
+def test_chosen_says_what_cannot_be_read(text, words):
     with pytest.raises(InputError, match=r"\.$") as refused:
         chosen(text, STATE, Unit.NONE)
     assert words in str(refused.value)
@@ -110,7 +110,7 @@ def test_what_cannot_be_read_is_said(text, words):
 
 
 @given(st.text(alphabet="xyz0123456789 <>=&|andor-,;.()LXYZmk≤–%", max_size=25))
-def test_whatever_is_typed_is_read_or_refused(text):
+def test_chosen_reads_or_refuses_whatever_is_typed(text):
     try:
         ids = chosen(text, STATE, Unit.NONE)
     except InputError as error:

@@ -51,7 +51,7 @@ def kinds(session):
     return [finding.kind for finding in session.store.state.inspection.findings]
 
 
-def test_welding_is_a_step_of_undo(tube):
+def test_weld_is_a_step_of_undo(tube):
     before = tube.store.state
     assert SEAMS in kinds(tube)
     weld(tube)
@@ -67,7 +67,7 @@ def test_welding_is_a_step_of_undo(tube):
     assert tube.store.state.document.mesh.has_welded_seams
 
 
-def test_a_welded_tube_holds_together_in_the_pose(tube):
+def test_weld_holds_a_tube_together_in_the_pose(tube):
     weld(tube)
     tube.drag(quarter())
     tube.settle()
@@ -75,7 +75,7 @@ def test_a_welded_tube_holds_together_in_the_pose(tube):
     assert torn(tube.U) < 1.01 * torn(V)
 
 
-def test_a_torn_shape_is_closed_when_it_is_welded(tube):
+def test_weld_closes_a_torn_shape(tube):
     tube.drag(quarter())
     tube.settle()
     assert torn(tube.U) > 0.1
@@ -85,7 +85,7 @@ def test_a_torn_shape_is_closed_when_it_is_welded(tube):
     assert torn(tube.U) < 1.01 * torn(V)
 
 
-def test_the_session_keeps_the_weld_and_the_file_its_vertices(tube, tmp_path):
+def test_save_session_keeps_the_weld_and_the_file_its_vertices(tube, tmp_path):
     weld(tube)
     tube.drag(quarter())
     tube.settle()
@@ -105,12 +105,12 @@ def test_the_session_keeps_the_weld_and_the_file_its_vertices(tube, tmp_path):
     assert "weld=True" in python_script(state.document)
 
 
-def test_a_session_without_a_weld_opens_without(tube, tmp_path):
+def test_open_session_opens_without_a_weld_a_session_that_has_none(tube, tmp_path):
     save_session(tmp_path / "tube.apd", tube.store.state, View())
     assert not open_session(tmp_path / "tube.apd")[0].document.mesh.has_welded_seams
 
 
-def test_a_baked_shape_stays_welded(tube, tmp_path):
+def test_bake_leaves_a_welded_shape_welded(tube, tmp_path):
     weld(tube)
     tube.drag(quarter())
     tube.settle()
@@ -123,13 +123,13 @@ def test_a_baked_shape_stays_welded(tube, tmp_path):
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
-def test_what_is_in_place_is_so_in_any_unit(scale):
+def test_in_place_is_so_in_any_unit(scale):
     large = Mesh(scale * V, F).welded()
     there = [memo.in_place(mesh.V, mesh.weld) for mesh in (Mesh(V, F).welded(), large)]
     assert there[1] == pytest.approx(scale * there[0], rel=1e-3)
 
 
-def test_a_damaged_weld_is_refused(tube, tmp_path, monkeypatch):
+def test_open_session_refuses_a_damaged_weld(tube, tmp_path, monkeypatch):
     weld(tube)
     mesh = tube.store.state.document.mesh
     damaged = np.full(len(V), len(V) - 1)

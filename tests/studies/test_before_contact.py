@@ -32,7 +32,7 @@ def rows(path):
         return list(csv.DictReader(stream))
 
 
-def test_a_session_without_the_word_is_without_contact(old):
+def test_open_session_gives_a_session_without_the_word_no_contact(old):
     state, _ = open_session(old / "twisted.apd")
     assert state.document.contact is False
     _, result = replay(old / "twisted.apd", from_rest=True)
@@ -40,7 +40,7 @@ def test_a_session_without_the_word_is_without_contact(old):
     assert result.volume_capped_rest == pytest.approx(14.553841441395733, rel=1e-12)
 
 
-def test_results_are_shown_as_they_were(old):
+def test_case_session_shows_results_as_they_were(old):
     done = {row["key"] for row in rows(old / "results.csv")} & case_sizes(old / "study").keys()
     assert len(done) == 2
     for key in done:
@@ -48,7 +48,7 @@ def test_results_are_shown_as_they_were(old):
         assert state.document.contact is False
 
 
-def test_a_half_done_study_goes_on_to_what_it_would_have_given(old, capsys):
+def test_study_goes_on_from_half_done_to_what_it_would_have_given(old, capsys):
     before = rows(old / "results.csv")
     assert main(["study", str(old / "plan.csv"), "-o", str(old / "study"), "--processes", "1"]) == 0
     now = rows(old / "study" / "results.csv")

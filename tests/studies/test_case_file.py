@@ -24,7 +24,7 @@ def same(one, other):
     return all(getattr(one, name) == getattr(other, name) for name in vars(one) if name != "U")
 
 
-def test_a_result_comes_back_bit_for_bit():
+def test_unpacked_gives_a_result_back_bit_for_bit():
     found = unpacked(packed(RESULT))
     assert same(found, RESULT)
     assert np.array_equal(found.U, RESULT.U)
@@ -36,7 +36,7 @@ def test_a_result_comes_back_bit_for_bit():
 
 
 @given(st.data())
-def test_no_damage_goes_unnoticed(data):
+def test_unpacked_lets_no_damage_go_unnoticed(data):
     content = packed(RESULT)
     if data.draw(st.booleans()):
         broken = content[: data.draw(st.integers(0, len(content) - 1))]
@@ -47,7 +47,7 @@ def test_no_damage_goes_unnoticed(data):
         unpacked(broken)
 
 
-def test_a_case_that_is_not_there_or_damaged_is_said(tmp_path):
+def test_read_case_says_that_a_case_is_not_there_or_damaged(tmp_path):
     with pytest.raises(InputError, match="not done yet"):
         read_case(tmp_path, "abc")
     write_case(case_path(tmp_path, "abc"), packed(RESULT)[:-1])

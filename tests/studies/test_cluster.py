@@ -46,7 +46,7 @@ def run(scheduler, written, bar):
     return study
 
 
-def test_the_bits_are_those_of_this_process_though_workers_see_no_files(run, planned, bar, monkeypatch):
+def test_cluster_gives_the_bits_of_this_process_though_workers_see_no_files(run, planned, bar, monkeypatch):
     rows = [{"motion": f"twist {angle}deg; push 10%", "iterations": "20"} for angle in (50, 100, 200)]
     cases = planned(*rows).cases
     meshes = OpenedMeshes(lambda source: source.path.read_bytes())
@@ -75,7 +75,7 @@ def test_the_bits_are_those_of_this_process_though_workers_see_no_files(run, pla
     assert sum(map(bool, sent[before:])) <= 1, "a mesh travels once a worker"
 
 
-def test_dask_keeps_no_profile_of_a_worker_that_has_a_case(run, scheduler):
+def test_cluster_has_dask_keep_no_profile_of_a_worker_that_has_a_case(run, scheduler):
     import distributed
 
     assert run([{"steps": str(steps)} for steps in (1, 2, 3, 4)]).rows
@@ -88,18 +88,18 @@ def test_dask_keeps_no_profile_of_a_worker_that_has_a_case(run, scheduler):
         assert list(client.run(profiled).values()) == [[], []]
 
 
-def test_a_worker_that_dies_loses_no_case(run):
+def test_cluster_loses_no_case_by_a_worker_that_dies(run):
     rows = [{"steps": str(steps)} for steps in (3, 7, 5, 9)]
     assert [row.status for row in run(rows, study_work.deadly).rows] == ["done"] * 4
 
 
-def test_a_case_that_kills_every_worker_is_named(run):
+def test_cluster_names_a_case_that_kills_every_worker(run):
     table = run([{"steps": "13"}, {"steps": "3"}, {"steps": "5"}], study_work.deadly)
     assert [row.status for row in table.rows] == ["failed", "done", "done"]
     assert "died each time" in table.rows[0].sentence
 
 
-def test_there_may_be_no_scheduler(monkeypatch):
+def test_connected_says_that_there_is_no_scheduler(monkeypatch):
     monkeypatch.setattr("apd_viewer.studies.cluster.PATIENCE", 1)
     with pytest.raises(InputError, match=r"No scheduler answers at tcp://127\.0\.0\.1:9"):
         connected("tcp://127.0.0.1:9", None)

@@ -21,7 +21,7 @@ def compilations(tmp_path, monkeypatch):
     return commands
 
 
-def test_kernels_are_compiled_once_on_a_machine(compilations, tmp_path):
+def test_compile_once_compiles_kernels_once_on_a_machine(compilations, tmp_path):
     compile_once()
     compile_once()
     assert len(compilations) == 1
@@ -30,7 +30,7 @@ def test_kernels_are_compiled_once_on_a_machine(compilations, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["link", "open"])
-def test_nothing_is_written_into_a_folder_that_others_made(kind, compilations, tmp_path):
+def test_compile_once_writes_nothing_into_a_folder_that_others_made(kind, compilations, tmp_path):
     compile_once()
     (own,) = tmp_path.iterdir()
     for file in own.iterdir():
@@ -45,7 +45,7 @@ def test_nothing_is_written_into_a_folder_that_others_made(kind, compilations, t
 
 
 @pytest.mark.skipif(sys.platform == "win32" or os.getuid() != 0, reason="only root can give a folder away")
-def test_nor_into_one_that_is_somebody_else_s(compilations, tmp_path):
+def test_compile_once_writes_nothing_into_a_folder_that_is_somebody_else_s(compilations, tmp_path):
     compile_once()
     (own,) = tmp_path.iterdir()
     os.chown(own, 54321, -1)

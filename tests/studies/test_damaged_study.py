@@ -58,7 +58,7 @@ def damages(content, places):
             yield content[:start] + new[: len(content) - start] + content[start + len(new) :]
 
 
-def test_a_database_damaged_on_any_page_is_made_anew_from_its_cases(whole):
+def test_study_makes_a_database_damaged_on_any_page_anew_from_its_cases(whole):
     plan, folder, tables = whole
     sound = (folder / DATABASE).read_bytes()
     places = [(page, 4096) for page in range(0, len(sound), 4096)]
@@ -67,7 +67,7 @@ def test_a_database_damaged_on_any_page_is_made_anew_from_its_cases(whole):
         assert run(plan, folder) == ([], 0, tables)
 
 
-def test_a_byte_turned_over_anywhere_in_the_database_changes_no_result(whole):
+def test_study_changes_no_result_by_a_byte_turned_over_anywhere_in_the_database(whole):
     plan, folder, tables = whole
     sound = (folder / DATABASE).read_bytes()
     chance = np.random.default_rng(1)
@@ -79,7 +79,7 @@ def test_a_byte_turned_over_anywhere_in_the_database_changes_no_result(whole):
         assert run(plan, folder) == ([], 0, tables), place
 
 
-def test_an_error_of_sqlite_may_be_no_text(whole):
+def test_read_results_takes_an_error_of_sqlite_that_is_no_text_for_damage(whole):
     """It quotes the name of a table, in which there may be any byte."""
     plan, folder, tables = whole
     sound = (folder / DATABASE).read_bytes()
@@ -89,7 +89,7 @@ def test_an_error_of_sqlite_may_be_no_text(whole):
     assert run(plan, folder) == ([], 0, tables)
 
 
-def test_a_case_damaged_at_any_byte_is_computed_again(whole):
+def test_study_computes_a_case_damaged_at_any_byte_again(whole):
     plan, folder, tables = whole
     path = case_path(folder, read_results(folder).rows[3].key)
     sound = path.read_bytes()
@@ -99,7 +99,7 @@ def test_a_case_damaged_at_any_byte_is_computed_again(whole):
         assert path.read_bytes() == sound
 
 
-def test_a_damaged_case_is_found_though_others_are_left_to_do(whole, written):
+def test_study_finds_a_damaged_case_though_others_are_left_to_do(whole, written):
     _, folder, _ = whole
     path = case_path(folder, read_results(folder).rows[3].key)
     path.write_bytes(path.read_bytes()[:-1] + b"x")
@@ -110,7 +110,7 @@ def test_a_damaged_case_is_found_though_others_are_left_to_do(whole, written):
     assert len({row["line"] for row in steps}) == len(ROWS) + 1
 
 
-def test_a_case_in_the_place_of_another_is_not_taken_for_it(whole):
+def test_study_does_not_take_a_case_in_the_place_of_another_for_it(whole):
     plan, folder, tables = whole
     one, other = (case_path(folder, row.key) for row in read_results(folder).rows[:2])
     shutil.copy(one, other)
@@ -127,7 +127,7 @@ def overwrite(path):
 
 
 @pytest.mark.parametrize("damage", [drop, overwrite, Path.unlink])
-def test_damage_while_it_runs_loses_nothing(whole, written, damage):
+def test_study_loses_nothing_by_damage_while_it_runs(whole, written, damage):
     """Who writes next finds it, and goes on with a database made anew."""
     plan, folder, _ = whole
     study = Study(written(*ROWS, {"motion": "twist 90deg"}), folder)
@@ -139,7 +139,7 @@ def test_damage_while_it_runs_loses_nothing(whole, written, damage):
     assert [row.status for row in read_results(folder).rows] == ["done"] * (len(ROWS) + 1)
 
 
-def test_readers_of_a_damaged_database_are_told_what_to_do(whole, planned):
+def test_read_results_tells_readers_of_a_damaged_database_what_to_do(whole, planned):
     plan, folder, tables = whole
     with closing(sqlite3.connect(folder / DATABASE)) as base:
         base.execute('update cases set readings = \'{"volume": "much"}\'')
@@ -151,7 +151,7 @@ def test_readers_of_a_damaged_database_are_told_what_to_do(whole, planned):
     assert run(plan, folder) == ([], 0, tables)
 
 
-def test_a_database_that_is_a_program_is_not_run(whole):
+def test_read_results_does_not_run_a_database_that_is_a_program(whole):
     """A view can take for ever."""
     plan, folder, tables = whole
     with closing(sqlite3.connect(folder / DATABASE)) as base:
@@ -164,7 +164,7 @@ def test_a_database_that_is_a_program_is_not_run(whole):
     assert run(plan, folder) == ([], 0, tables)
 
 
-def test_a_folder_in_the_place_of_the_database_is_put_aside(whole):
+def test_study_puts_a_folder_in_the_place_of_the_database_aside(whole):
     plan, folder, tables = whole
     (folder / DATABASE).unlink()
     (folder / DATABASE).mkdir()
@@ -174,7 +174,7 @@ def test_a_folder_in_the_place_of_the_database_is_put_aside(whole):
 @pytest.mark.parametrize(
     "name", ["results.csv", "curves.csv", ".lock", DATABASE, "cases", "inputs", "a copy"]
 )
-def test_nothing_is_written_through_a_link_out_of_the_folder(whole, planned, name):
+def test_study_writes_nothing_through_a_link_out_of_its_folder(whole, planned, name):
     """An unpacked folder of a stranger can have one in the place of anything that is written."""
     plan, folder, _ = whole
     copy = next(iter(planned(*ROWS[:1]).cases.values())).selection.path
@@ -194,7 +194,7 @@ def test_nothing_is_written_through_a_link_out_of_the_folder(whole, planned, nam
     assert run(plan, folder)[1] == 0
 
 
-def test_a_case_takes_the_place_of_a_link(whole):
+def test_study_puts_a_case_in_the_place_of_a_link(whole):
     plan, folder, tables = whole
     path = case_path(folder, read_results(folder).rows[3].key)
     for outside in (plan.with_name("precious"), plan.with_name("nowhere")):
@@ -207,7 +207,7 @@ def test_a_case_takes_the_place_of_a_link(whole):
     assert not plan.with_name("nowhere").exists()
 
 
-def test_a_damaged_copy_of_a_mesh_is_made_again(whole, planned):
+def test_study_makes_a_damaged_copy_of_a_mesh_again(whole, planned):
     plan, folder, _ = whole
     case = next(iter(planned(*ROWS[:1]).cases.values()))
     copies = [folder / "inputs" / each.path.parent.name / each.path.name for each in case.sources]
@@ -230,7 +230,7 @@ def test_a_damaged_copy_of_a_mesh_is_made_again(whole, planned):
         {"unit": []},
     ],
 )
-def test_a_case_of_a_stranger_reaches_nothing_outside_its_folder(whole, planned, change):
+def test_case_session_of_a_stranger_reaches_nothing_outside_its_folder(whole, planned, change):
     _, folder, _ = whole
     key, case = next(iter(planned(*ROWS[:1]).cases.items()))
     (folder / "inputs" / "0000000000000000").mkdir()

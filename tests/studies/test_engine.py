@@ -68,7 +68,7 @@ def run(cases, engine, **options):
     return {result.case["steps"]: result for result in found}
 
 
-def test_a_case_is_blamed_after_several_deaths_of_its_own(cases):
+def test_runner_blames_a_case_after_several_deaths_of_its_own(cases):
     engine = Pseudo(lambda task, _: BrokenExecutor() if task.case.steps == 3 else quick(task))
     found = run(cases, engine)
     assert [found[k].status for k in range(1, 6)] == ["done", "done", "failed", "done", "done"]
@@ -76,7 +76,7 @@ def test_a_case_is_blamed_after_several_deaths_of_its_own(cases):
     assert sorted(engine.tried) == [1, 2, *[3] * MOST_DEATHS, 4, 5]
 
 
-def test_a_death_by_others_is_forgiven(cases):
+def test_runner_forgives_a_death_by_others(cases):
     deaths = dict.fromkeys((1, 2, 3, 4, 5), MOST_DEATHS - 1)
 
     def fate(task, _):
@@ -86,7 +86,7 @@ def test_a_death_by_others_is_forgiven(cases):
     assert {result.status for result in run(cases, Pseudo(fate)).values()} == {"done"}
 
 
-def test_where_blame_is_shared_suspects_are_tried_alone(cases):
+def test_runner_tries_suspects_alone_where_blame_is_shared(cases):
     """Case 2 kills its process; whoever is beside it is told of a death too."""
     beside = []
 
@@ -100,7 +100,7 @@ def test_where_blame_is_shared_suspects_are_tried_alone(cases):
     assert beside.count((2, True)) == 1
 
 
-def test_cases_whose_scheduler_is_lost_wait_for_the_next(cases):
+def test_runner_lets_cases_whose_scheduler_is_lost_wait_for_the_next(cases):
     lost = {1, 2, 3}
 
     def fate(task, _):
@@ -112,7 +112,7 @@ def test_cases_whose_scheduler_is_lost_wait_for_the_next(cases):
     assert {result.status for result in run(cases, Pseudo(fate)).values()} == {"done"}
 
 
-def test_files_are_sent_to_who_has_not_got_them(cases):
+def test_runner_sends_files_to_who_has_not_got_them(cases):
     def fate(task, _):
         digests = {source.digest for source in task.case.sources}
         if task.case.steps != 4 or task.sent:
@@ -125,13 +125,13 @@ def test_files_are_sent_to_who_has_not_got_them(cases):
     assert engine.tried.count(4) == 2
 
 
-def test_workers_without_the_program_are_said(cases):
+def test_runner_says_that_workers_are_without_the_program(cases):
     engine = Pseudo(lambda *_: ModuleNotFoundError("No", name="apd_viewer"))
     with pytest.raises(InputError, match="cannot load apd_viewer; install"):
         run(cases, engine)
 
 
-def test_time_that_runs_out_in_native_code_is_a_sentence(cases):
+def test_runner_says_in_a_sentence_that_time_ran_out_in_native_code(cases):
     engine = Pseudo(None)
 
     def fate(task, _):
@@ -152,7 +152,7 @@ def test_time_that_runs_out_in_native_code_is_a_sentence(cases):
     assert engine.tried.count(5) == 1
 
 
-def test_a_stop_finishes_what_runs(cases):
+def test_runner_finishes_what_runs_at_a_stop(cases):
     found = []
     engine = Pseudo(lambda task, _: quick(task), eager=False)
 

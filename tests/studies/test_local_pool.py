@@ -45,7 +45,7 @@ def run(written, bar):
     return study
 
 
-def test_what_dies_is_tried_again_and_the_rest_goes_on(pool, run, bar, monkeypatch):
+def test_local_pool_tries_what_dies_again_and_the_rest_goes_on(pool, run, bar, monkeypatch):
     monkeypatch.setenv("DEADLY_ONCE", str(bar / "once"))
     rows = [{"steps": str(steps)} for steps in (3, 13, 7, 5)]
     table = run(rows, pool(2, study_work.deadly))
@@ -54,7 +54,7 @@ def test_what_dies_is_tried_again_and_the_rest_goes_on(pool, run, bar, monkeypat
     assert (bar / "once").exists()
 
 
-def test_a_case_that_native_code_holds_is_ended(pool, run, bar, monkeypatch):
+def test_local_pool_ends_a_case_that_native_code_holds(pool, run, bar, monkeypatch):
     """By a clock that stands still but for a minute once the case is held: others may take their time."""
     held = bar / "held"
     monkeypatch.setenv("STUCK", str(held))
@@ -65,7 +65,7 @@ def test_a_case_that_native_code_holds_is_ended(pool, run, bar, monkeypatch):
     assert "longer than 0.5 s" in table.rows[0].sentence
 
 
-def test_processes_are_replaced_and_killed_idle_ones_too(pool, planned):
+def test_local_pool_replaces_processes_and_killed_idle_ones_too(pool, planned):
     case = next(iter(planned({}).cases.values()))
     engine = pool(1, study_work.quick, recycle=2)
 
@@ -81,7 +81,7 @@ def test_processes_are_replaced_and_killed_idle_ones_too(pool, planned):
     assert process() not in (first, third)
 
 
-def test_the_bits_are_those_of_this_process(pool, run, planned, bar):
+def test_local_pool_gives_the_bits_of_this_process(pool, run, planned, bar):
     rows = [{"motion": f"twist {angle}deg; push 10%", "iterations": "20"} for angle in (50, 100, 200)]
     table = run(rows, pool(2))
     meshes = OpenedMeshes(lambda source: source.path.read_bytes())

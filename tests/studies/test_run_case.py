@@ -43,7 +43,7 @@ def document(bar):
 
 
 @pytest.mark.parametrize("contact", ["", "no", "auto", "yes"])
-def test_a_case_is_a_sweep_bit_for_bit(run, document, contact):
+def test_run_case_is_a_sweep_bit_for_bit(run, document, contact):
     result = run(motion="twist 200deg", steps="3", iterations="40", method="exact", contact=contact)
     # New documents are in contact, and plans that do not say it are not.
     document = replace(document, contact=document.contact and contact in ("auto", "yes"))
@@ -61,7 +61,7 @@ def test_a_case_is_a_sweep_bit_for_bit(run, document, contact):
         assert result.readings[name] == values[-1]
 
 
-def test_readings_are_those_of_the_shape(run, document):
+def test_run_case_gives_the_readings_of_the_shape(run, document):
     result = run(motion="twist 170deg; push 30%", method="arap", iterations="200")
     shape = trimesh.Trimesh(result.U, document.mesh.F, process=False)
     found = result.readings
@@ -79,7 +79,7 @@ def test_readings_are_those_of_the_shape(run, document):
 @pytest.mark.parametrize(
     "cells", [{"motion": "twist 400deg; push 10%"}, {"motion": "bend 30", "contact": "yes"}]
 )
-def test_a_case_opens_as_a_session(cells, run, bar):
+def test_write_case_session_lets_a_case_open_as_a_session(cells, run, bar):
     result = run(**cells, iterations="30", unit="cm")
     write_case(case_path(bar, result.key), packed(result))
     write_case_session(bar, result.key, bar / "case.apd")
@@ -95,7 +95,7 @@ def test_a_case_opens_as_a_session(cells, run, bar):
     assert turned == pytest.approx(400 if "400" in cells["motion"] else 30)
 
 
-def test_a_session_walks_its_own_motion_or_a_given_one(bar, document, planned):
+def test_run_case_walks_the_own_motion_of_a_session_or_a_given_one(bar, document, planned):
     pose = turned_about([1, 1, 0], [1, 0, 0], 0.5)
     save_session(bar / "bar.apd", opened(document.mesh).at(document.with_pose(0, pose)), View(unit="mm"))
     nothing = {"mesh": "bar.apd", "selection": "", "motion": "", "method": "arap"}
@@ -107,7 +107,7 @@ def test_a_session_walks_its_own_motion_or_a_given_one(bar, document, planned):
     np.testing.assert_allclose(pushed.U[handle], X[handle] - [0, 0, 1], atol=1e-12)
 
 
-def test_what_does_not_fit_the_mesh_is_a_sentence(run, bar, monkeypatch):
+def test_run_case_says_in_a_sentence_what_does_not_fit_the_mesh(run, bar, monkeypatch):
     assert "no handle 2" in run(motion="handle 2: push 1").sentence
     assert "longer than 1e-06 s" in run(limit=1e-6).sentence
     V, F = tube()
@@ -125,19 +125,19 @@ def test_what_does_not_fit_the_mesh_is_a_sentence(run, bar, monkeypatch):
     assert "ZeroDivisionError" in result.sentence
 
 
-def test_targets_out_of_reach_are_said(run):
+def test_run_case_says_that_targets_are_out_of_reach(run):
     result = run(volume="900", iterations="300", steps="1")
     assert result.status == "done"
     assert "volume" in result.sentence
 
 
-def test_steps_that_do_not_settle_are_said(run):
+def test_run_case_says_that_steps_do_not_settle(run):
     result = run(iterations="1", motion="twist 90deg")
     assert "of 3 shapes did not converge within 1 iterations" in result.sentence
     assert result.readings["unsettled_steps"] > 0
 
 
-def test_a_part_of_a_motion_is_a_smaller_motion(run, bar):
+def test_part_of_motion_is_a_smaller_motion(run, bar):
     """Of typed motions, and of that of a session, whose handle then stands where the shape is."""
     part, whole = run(motion="twist 40deg", to="50%"), run(motion="twist 20deg")
     np.testing.assert_array_equal(part.U, whole.U)
@@ -152,7 +152,7 @@ def test_a_part_of_a_motion_is_a_smaller_motion(run, bar):
     np.testing.assert_allclose(half.U, run(motion="twist 10deg").U, atol=1e-6)
 
 
-def test_a_lost_turn_is_said(run):
+def test_run_case_says_that_a_turn_is_lost(run):
     result = run(motion="twist 400deg", steps="5", iterations="100", method="arap", contact="off")
     assert result.curves["turned"] == pytest.approx([0.0, 80.0, 160.0, 240.0, 320.0, 400.0])
     assert (result.readings["turned"], result.readings["turned_held"]) == pytest.approx((400.0, 40.0))

@@ -38,7 +38,7 @@ def run(written, bar):
     return study
 
 
-def test_a_changed_plan_computes_only_what_is_new(run):
+def test_study_computes_only_what_is_new_in_a_changed_plan(run):
     assert run(*ROWS)[0] == ["10deg", "20deg", "30deg", "40deg"]
     assert run(*ROWS)[0] == []
     ran, table = run(ROWS[3], {"motion": "twist 50deg"}, ROWS[0], ROWS[0])
@@ -48,7 +48,7 @@ def test_a_changed_plan_computes_only_what_is_new(run):
     assert run(*ROWS)[0] == []
 
 
-def test_what_is_lost_or_damaged_is_computed_again(run, bar):
+def test_study_computes_what_is_lost_or_damaged_again(run, bar):
     _, table = run(*ROWS)
     keys = [row.key for row in table.rows]
     case_path(bar / "out", keys[1]).unlink()
@@ -57,7 +57,7 @@ def test_what_is_lost_or_damaged_is_computed_again(run, bar):
     assert run(*ROWS)[0] == ["20deg", "30deg"]
 
 
-def test_files_that_the_database_does_not_know_count(run, bar):
+def test_study_counts_files_that_the_database_does_not_know(run, bar):
     """So it is where the program was killed before it wrote the database."""
     _, table = run(*ROWS)
     for wreck in (None, b"", b"this is no database" * 100):
@@ -71,7 +71,7 @@ def test_files_that_the_database_does_not_know_count(run, bar):
     assert (bar / "out" / "study.sqlite.damaged").exists()
 
 
-def test_failed_cases_are_kept_or_tried_again(run, written, bar):
+def test_study_keeps_failed_cases_or_tries_them_again(run, written, bar):
     def fails(task):
         return CaseAnswer(packed(failed(task.case, "No.")))
 
@@ -85,7 +85,7 @@ def test_failed_cases_are_kept_or_tried_again(run, written, bar):
     assert [row.status for row in table.rows] == ["done"] * 2
 
 
-def test_a_database_in_use_is_not_taken_for_a_damaged_one(run, written, bar, monkeypatch):
+def test_study_does_not_take_a_database_in_use_for_a_damaged_one(run, written, bar, monkeypatch):
     _, table = run(*ROWS[:2])
     connect = sqlite3.connect
     monkeypatch.setattr(sqlite3, "connect", lambda *how, **more: connect(*how, **{**more, "timeout": 0.1}))
@@ -97,7 +97,7 @@ def test_a_database_in_use_is_not_taken_for_a_damaged_one(run, written, bar, mon
     assert run(*ROWS[:2]) == ([], table)
 
 
-def test_a_stray_file_among_the_cases_is_passed_over(run, bar):
+def test_study_passes_over_a_stray_file_among_the_cases(run, bar):
     run(*ROWS[:1])
     (bar / "out" / "cases" / ".DS_Store").write_bytes(b"")
     assert run(*ROWS[:1])[0] == []
@@ -113,7 +113,7 @@ def done_one(study):
     study.run(Once(), told=lambda _: study.stop())
 
 
-def test_one_program_writes_and_others_read(written, bar):
+def test_study_is_written_by_one_program_and_read_by_others(written, bar):
     study = Study(written(*ROWS), bar / "out")
     with pytest.raises(InputError, match="Another program"):
         Study(written(*ROWS), bar / "out")
@@ -131,7 +131,7 @@ def test_one_program_writes_and_others_read(written, bar):
 PROMISED = [{"motion": "twist 10deg", "volume": "90", "# who": "me, myself"}, {"motion": "none"}]
 
 
-def test_the_table_has_what_it_promises(run, bar, monkeypatch):
+def test_write_results_gives_the_table_what_it_promises(run, bar, monkeypatch):
     lack(monkeypatch, "pyarrow")
     run(*PROMISED)
     with (bar / "out" / "results.csv").open(encoding="utf-8") as stream:
@@ -154,7 +154,7 @@ def test_the_table_has_what_it_promises(run, bar, monkeypatch):
 
 
 @pytest.mark.extra
-def test_the_table_as_parquet_has_what_it_promises(run, bar):
+def test_write_results_gives_the_table_as_parquet_what_it_promises(run, bar):
     from pyarrow import parquet
 
     run(*PROMISED)
@@ -164,7 +164,7 @@ def test_the_table_as_parquet_has_what_it_promises(run, bar):
     assert set(READINGS) <= set(found[0])
 
 
-def test_notes_of_a_plan_stay_text(run, planned, bar):
+def test_write_results_lets_notes_of_a_plan_stay_text(run, planned, bar):
     """Whoever opens the table in a spreadsheet must not run what a stranger wrote."""
     notes = ["=1+1", "@SUM(A1)", "+2+3", "-1.5", "see above"]
     _, table = run(*({"motion": f"twist {k + 1}deg", "# who": note} for k, note in enumerate(notes)))
@@ -176,7 +176,7 @@ def test_notes_of_a_plan_stay_text(run, planned, bar):
     assert [row.cells[-1] for row in again.rows] == notes
 
 
-def test_the_rest_is_forecast_by_what_was_measured(written, planned, bar):
+def test_work_left_forecasts_the_rest_by_what_was_measured(written, planned, bar):
     study = Study(written(*ROWS), bar / "out")
     assert work_left(study.plan, bar / "out").seconds is None
     done_one(study)
@@ -188,7 +188,7 @@ def test_the_rest_is_forecast_by_what_was_measured(written, planned, bar):
     assert left.seconds == pytest.approx(3 * 0.5 + 0.5 / 3 * 6)
 
 
-def test_a_forecast_knows_which_files_it_can_rely_on(run, planned, bar):
+def test_work_left_knows_which_files_it_can_rely_on(run, planned, bar):
     run(*ROWS[:3])
     plan = planned(*ROWS)
     whole, damaged, lost = (case_path(bar / "out", key) for key in list(plan.cases)[:3])
@@ -202,7 +202,7 @@ def test_a_forecast_knows_which_files_it_can_rely_on(run, planned, bar):
     assert whole.exists()
 
 
-def test_keys_do_not_depend_on_the_place(written, bar, tmp_path_factory):
+def test_study_has_keys_that_do_not_depend_on_the_place(written, bar, tmp_path_factory):
     study = Study(written(*ROWS), bar / "out")
     other = tmp_path_factory.mktemp("elsewhere")
     moved = Study(written(*ROWS), other)
@@ -214,7 +214,7 @@ def test_keys_do_not_depend_on_the_place(written, bar, tmp_path_factory):
     moved.close()
 
 
-def test_a_folder_that_cannot_be_written_is_said(bar, planned):
+def test_study_store_says_that_a_folder_cannot_be_written(bar, planned):
     (bar / "file").write_text("")
     with pytest.raises(InputError, match="cannot be written"):
         StudyStore(bar / "file")

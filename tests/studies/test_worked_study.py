@@ -31,7 +31,7 @@ def left(row):
     return 100.0 * float(row["volume"]) / float(row["volume_rest"])
 
 
-def test_the_script_makes_the_plan_again(tmp_path):
+def test_worked_study_has_a_script_that_makes_its_plan_again(tmp_path):
     script = runpy.run_path(str(STUDY / "make.py"))["plan"]
     script.__globals__["HERE"] = tmp_path
     for name in ("bottle.obj", "bottle.sel"):
@@ -40,14 +40,14 @@ def test_the_script_makes_the_plan_again(tmp_path):
     assert rows_of(tmp_path / "plan.csv") == rows_of(STUDY / "plan.csv")
 
 
-def test_the_table_is_that_of_the_plan(results):
+def test_worked_study_has_the_table_of_its_plan(results):
     plan = rows_of(STUDY / "plan.csv")
     assert [{name: row[name] for name in plan[0]} for row in results] == plan
     assert {(row["status"], row["crossings"]) for row in results} == {("done", "0")}
     assert max(abs(float(row["area_error"])) for row in results) <= 1e-10
 
 
-def test_the_page_says_what_the_table_holds(results):
+def test_worked_study_says_on_its_page_what_its_table_holds(results):
     said = " ".join(
         (DOCS / "howto" / "studies.md").read_text(encoding="utf-8").partition("## A worked")[2].split()
     )
@@ -61,7 +61,7 @@ def test_the_page_says_what_the_table_holds(results):
     assert f"In {sum(row['unsettled_steps'] != '0' for row in results)}, of the thinnest" in said
 
 
-def test_a_case_is_computed_as_in_the_table(results, tmp_path):
+def test_run_case_computes_a_case_as_in_the_table(results, tmp_path):
     (row,) = (row for row in results if row["motion"].startswith("twist 43.2612deg"))
     columns = list(rows_of(STUDY / "plan.csv")[0])
     cells = [str(STUDY / row[name]) if name in ("mesh", "selection") else row[name] for name in columns]

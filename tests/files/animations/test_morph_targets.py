@@ -56,13 +56,13 @@ def chunks(path):
 
 
 @pytest.mark.parametrize(("unit", "metres"), [("", 1.0), ("m", 1.0), ("in", 0.0254), ("mm", 1e-3)])
-def test_a_known_unit_becomes_metres(unit, metres, tmp_path):
+def test_write_morph_targets_makes_metres_of_a_known_unit(unit, metres, tmp_path):
     animation, shapes = animated(Mesh(V, F, unit=unit), tmp_path / "shapes")
     write_animation(animation, tmp_path / "a.glb")
     np.testing.assert_allclose(open_mesh(tmp_path / "a.glb").V, metres * shapes[0], atol=1e-6 * metres)
 
 
-def test_each_shape_is_the_first_and_its_target(written):
+def test_write_morph_targets_writes_each_shape_as_the_first_and_its_target(written):
     path, shapes = written
     document, arrays = chunks(path)
     (surface,) = document["meshes"][0]["primitives"]
@@ -76,7 +76,7 @@ def test_each_shape_is_the_first_and_its_target(written):
         np.testing.assert_allclose(N, vertex_normals(U, F), atol=1e-6)
 
 
-def test_weights_lead_straight_from_shape_to_shape(written):
+def test_write_morph_targets_has_weights_lead_straight_from_shape_to_shape(written):
     path, shapes = written
     document, arrays = chunks(path)
     (sampler,) = document["animations"][0]["samplers"]
@@ -87,7 +87,7 @@ def test_weights_lead_straight_from_shape_to_shape(written):
     assert sampler["interpolation"] == "LINEAR"
 
 
-def test_many_shapes_are_played_no_faster_than_24_a_second(tmp_path):
+def test_write_morph_targets_plays_many_shapes_no_faster_than_24_a_second(tmp_path):
     animation, _ = animated(Mesh(V, F), tmp_path / "shapes", count=121)
     write_animation(animation, tmp_path / "a.glb")
     document, arrays = chunks(tmp_path / "a.glb")
@@ -95,7 +95,7 @@ def test_many_shapes_are_played_no_faster_than_24_a_second(tmp_path):
     assert times[-1] == pytest.approx(5.0)
 
 
-def test_trimesh_and_the_program_itself_read_the_first_shape(written):
+def test_write_morph_targets_lets_trimesh_and_the_program_itself_read_the_first_shape(written):
     path, shapes = written
     for mesh in (trimesh.load(path, process=False, force="mesh"), open_mesh(path)):
         X, T = (mesh.vertices, mesh.faces) if isinstance(mesh, trimesh.Trimesh) else (mesh.V, mesh.F)
@@ -103,7 +103,7 @@ def test_trimesh_and_the_program_itself_read_the_first_shape(written):
         assert np.array_equal(T, F)
 
 
-def test_vtk_plays_all_shapes(written):
+def test_write_morph_targets_lets_vtk_play_all_shapes(written):
     path, shapes = written
     reader = vtkGLTFReader()
     reader.SetFileName(str(path))
@@ -121,7 +121,7 @@ def test_vtk_plays_all_shapes(written):
         assert np.array_equal(corners, F)
 
 
-def test_a_surface_is_smooth_across_a_seam(tmp_path):
+def test_shading_normals_are_smooth_across_a_seam(tmp_path):
     """Vertices at one place have one normal, where the file has none."""
     X, T = soup(V, F)
     mesh = Mesh(X, T)
@@ -130,7 +130,7 @@ def test_a_surface_is_smooth_across_a_seam(tmp_path):
     np.testing.assert_allclose(N, vertex_normals(V * [1.0, 2.0, 0.5], F)[F.ravel()], atol=1e-12)
 
 
-def test_creases_of_a_file_turn_along(tmp_path):
+def test_shading_normals_turn_the_creases_of_a_file_along(tmp_path):
     """A box with a normal for each face keeps them, and turned by a quarter they turn too."""
     X, T = soup(*box(1, 1, 1))
     flat = trimesh.Trimesh(
@@ -146,13 +146,13 @@ def test_creases_of_a_file_turn_along(tmp_path):
     np.testing.assert_allclose(shading_normals(mesh, mesh.V @ R.T)[mesh.F.ravel()], faces @ R.T, atol=1e-6)
 
 
-def test_normals_have_a_direction_where_there_is_no_area(tmp_path):
+def test_shading_normals_have_a_direction_where_there_is_no_area(tmp_path):
     mesh = Mesh(np.vstack([V, [[5.0, 0.0, 0.0]]]), F)
     N = shading_normals(mesh, mesh.V)
     np.testing.assert_allclose(np.linalg.norm(N, axis=1), 1.0)
 
 
-def test_what_is_too_long_for_the_format_is_refused(tmp_path, monkeypatch):
+def test_write_morph_targets_refuses_what_is_too_long_for_the_format(tmp_path, monkeypatch):
     animation, _ = animated(Mesh(V, F), tmp_path / "shapes")
     monkeypatch.setattr(morph_targets, "LONGEST", 5_000)
     with pytest.raises(InputError, match=r"a\.glb would be longer than 4 GiB; use fewer steps"):
@@ -160,7 +160,7 @@ def test_what_is_too_long_for_the_format_is_refused(tmp_path, monkeypatch):
     assert not (tmp_path / "a.glb").exists()
 
 
-def test_an_animation_can_be_deformed_again(written, tmp_path):
+def test_save_mesh_lets_an_animation_be_deformed_again(written, tmp_path):
     """Its mesh comes back as the same file: with its targets, which the promise of the format wants."""
     path, _ = written
     mesh = open_mesh(path)

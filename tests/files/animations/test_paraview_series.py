@@ -28,7 +28,7 @@ def written(tmp_path):
     return tmp_path / "a & b.pvd", animation, shapes
 
 
-def test_vtk_reads_every_shape_with_all_its_arrays(written):
+def test_write_series_lets_vtk_read_every_shape_with_all_its_arrays(written):
     path, animation, shapes = written
     reader = pv.get_reader(path)
     assert reader.time_values == pytest.approx(animation.times, abs=0)
@@ -47,7 +47,7 @@ def test_vtk_reads_every_shape_with_all_its_arrays(written):
             np.testing.assert_array_equal(grid.cell_data[name], values)
 
 
-def test_area_change_and_strain_are_those_of_a_stretch(tmp_path):
+def test_write_series_writes_the_area_change_and_strain_of_a_stretch(tmp_path):
     """Stretched to twice its height and half its width, a plane keeps its area."""
     flat = Mesh(V * [1.0, 1.0, 0.0], F[[0]])
     animation, _ = animated(flat, tmp_path / "shapes", 2)
@@ -61,20 +61,20 @@ def test_area_change_and_strain_are_those_of_a_stretch(tmp_path):
     assert cells["smallest_stretch"] == pytest.approx([0.5])
 
 
-def test_names_sort_in_the_order_of_time(written):
+def test_write_series_gives_names_that_sort_in_the_order_of_time(written):
     path, _, shapes = written
     names = sorted(each.name for each in path.with_suffix("").iterdir())
     assert names == [f"a & b-{k:02d}.vtu" for k in range(len(shapes))]
 
 
-def test_a_file_in_place_of_the_folder_is_refused(tmp_path):
+def test_check_animation_refuses_a_file_in_place_of_the_folder(tmp_path):
     (tmp_path / "a").write_text("mine")
     with pytest.raises(InputError, match=r"a\.pvd needs a folder a beside it, which is a file"):
         check_animation(tmp_path / "a.pvd")
     check_animation(tmp_path / "b.pvd")
 
 
-def test_what_cannot_be_written_leaves_nothing(tmp_path):
+def test_write_series_leaves_nothing_of_what_cannot_be_written(tmp_path):
     animation, _ = animated(MESH, tmp_path / "shapes")
     animation.files[2].unlink()
     before = sorted(tmp_path.iterdir())
@@ -83,7 +83,7 @@ def test_what_cannot_be_written_leaves_nothing(tmp_path):
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_what_the_disk_refuses_is_said_in_a_sentence(tmp_path, capfd):
+def test_write_series_says_in_a_sentence_what_the_disk_refuses(tmp_path, capfd):
     """Here a name: VTK would print a page, and say that the reason is success."""
     animation, _ = animated(MESH, tmp_path / "shapes")
     with pytest.raises(InputError, match=r"cannot be written \((?!Success)"):
@@ -91,7 +91,7 @@ def test_what_the_disk_refuses_is_said_in_a_sentence(tmp_path, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-def test_what_a_series_lists_elsewhere_is_not_deleted(written):
+def test_replacing_series_does_not_delete_what_a_series_lists_elsewhere(written):
     """As one of another program may: in other folders, of other kinds, or nothing that can be read."""
     path, _, _ = written
     for file in ("../b.vtu", "c.vtu", "a & b/d.csv"):
@@ -106,7 +106,7 @@ def test_what_a_series_lists_elsewhere_is_not_deleted(written):
         pass
 
 
-def test_what_fails_deletes_nothing(written):
+def test_replacing_series_deletes_nothing_when_it_fails(written):
     path, _, shapes = written
 
     def interrupted():

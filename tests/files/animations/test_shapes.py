@@ -13,7 +13,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 
 
 @pytest.mark.parametrize("ending", ANIMATED)
-def test_shapes_are_in_memory_one_or_two_at_a_time(ending, tmp_path, monkeypatch):
+def test_write_animation_has_one_or_two_shapes_in_memory_at_a_time(ending, tmp_path, monkeypatch):
     animation, _ = animated(Mesh(*sphere(1)), tmp_path / "shapes", 12)
     alive, most, load = weakref.WeakSet(), [], np.load
 
@@ -36,7 +36,7 @@ def test_shapes_are_in_memory_one_or_two_at_a_time(ending, tmp_path, monkeypatch
 
 
 @pytest.mark.parametrize("count", range(1, 60))
-def test_shapes_are_even_bounded_and_end_with_the_latest(count, tmp_path):
+def test_shape_recorder_keeps_shapes_even_and_bounded_that_end_with_the_latest(count, tmp_path):
     recorder = ShapeRecorder(tmp_path, 8)
     for k in range(count):
         recorder.add(np.full((2, 3), float(k)))

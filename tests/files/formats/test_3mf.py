@@ -37,7 +37,7 @@ def archive(model):
     return content.getvalue()
 
 
-def test_what_is_built_twice_is_there_twice(tmp_path):
+def test_read_3mf_has_twice_what_is_built_twice(tmp_path):
     path = tmp_path / "two.3mf"
     path.write_bytes(archive(MODEL))
     mesh = open_mesh(path)
@@ -55,14 +55,14 @@ def test_what_is_built_twice_is_there_twice(tmp_path):
 
 
 @pytest.mark.parametrize("content", [b"PK\3\4 and no more", b"no archive", archive("<model"), archive("")])
-def test_what_is_damaged_is_refused(content, tmp_path):
+def test_read_3mf_refuses_what_is_damaged(content, tmp_path):
     path = tmp_path / "bad.3mf"
     path.write_bytes(content)
     with pytest.raises(InputError, match=r"bad.3mf is not a valid 3MF file \(.*\); export it again\."):
         open_mesh(path)
 
 
-def test_a_bomb_is_not_unfolded(tmp_path, monkeypatch):
+def test_read_3mf_does_not_unfold_a_bomb(tmp_path, monkeypatch):
     monkeypatch.setattr("apd_viewer.files.formats.package_3mf.MOST", 1000)
     path = tmp_path / "bomb.3mf"
     path.write_bytes(archive(MODEL))
@@ -70,7 +70,7 @@ def test_a_bomb_is_not_unfolded(tmp_path, monkeypatch):
         open_mesh(path)
 
 
-def test_an_archive_that_bursts_is_not_unpacked(tmp_path):
+def test_read_3mf_does_not_unpack_an_archive_that_bursts(tmp_path):
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("3D/3dmodel.model", bytes(1 << 27))
@@ -82,7 +82,7 @@ def test_an_archive_that_bursts_is_not_unpacked(tmp_path):
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no named pipes in folders")
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 @pytest.mark.parametrize("entity", ['SYSTEM "{secret}"', 'SYSTEM "file://{secret}"', '"1"'])
-def test_entities_of_a_part_are_refused(tmp_path, encoding, entity):
+def test_read_3mf_refuses_entities_of_a_part(tmp_path, encoding, entity):
     secret = tmp_path / "secret"
     os.mkfifo(secret)  # whoever opens it waits for ever
     model = f'<?xml version="1.0" encoding="{encoding}"?><!DOCTYPE model [<!ENTITY a {entity}>]>'
@@ -102,7 +102,7 @@ cut = st.tuples(
 
 @settings(max_examples=60)
 @given(cuts=st.lists(cut, min_size=1, max_size=3), outside=st.booleans())
-def test_whatever_stands_in_it_it_opens_or_is_refused(cuts, outside, tmp_path_factory):
+def test_read_3mf_opens_or_refuses_whatever_stands_in_it(cuts, outside, tmp_path_factory):
     content = archive(MODEL) if outside else MODEL.encode()
     for where, length, instead in cuts:
         begin = int(where * len(content))

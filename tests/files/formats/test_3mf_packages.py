@@ -92,7 +92,7 @@ PLACED = {
 
 
 @pytest.mark.parametrize("name", PLACED)
-def test_a_mirrored_object_faces_outwards(name, opened, tmp_path):
+def test_read_3mf_lets_a_mirrored_object_face_outwards(name, opened, tmp_path):
     objects, build, boxes = PLACED[name]
     mesh = opened(model(objects, build))
     assert volume(mesh.V, mesh.F) == pytest.approx(boxes * VOLUME)
@@ -102,7 +102,7 @@ def test_a_mirrored_object_faces_outwards(name, opened, tmp_path):
     assert volume(again.V, again.F) == pytest.approx(boxes * VOLUME)
 
 
-def test_a_transform_multiplies_rows_from_the_right(opened):
+def test_read_3mf_multiplies_rows_by_a_transform_from_the_right(opened):
     mesh = opened(model([ONE], ['objectid="1" transform="0 1 0 -1 0 0 0 0 1 5 6 7"']))
     np.testing.assert_array_equal(mesh.V, np.column_stack([5 - V[:, 1], 6 + V[:, 0], 7 + V[:, 2]]))
 
@@ -132,7 +132,7 @@ IN_PARTS = {
 
 
 @pytest.mark.parametrize("name", IN_PARTS)
-def test_numbers_hold_within_their_part(name, opened):
+def test_read_3mf_lets_numbers_hold_within_their_part(name, opened):
     objects, build, boxes = IN_PARTS[name]
     mesh = opened(model(objects, build, 'unit="millimeter" requiredextensions="p"'), parts=PARTS)
     assert volume(mesh.V, mesh.F) == pytest.approx(boxes * VOLUME)
@@ -140,7 +140,7 @@ def test_numbers_hold_within_their_part(name, opened):
 
 @pytest.mark.parametrize("target", ["/3D/part-7.model", "3D/part-7.model", "/3d/Part%2D7.model"])
 @pytest.mark.parametrize("decoy", [False, True])
-def test_the_main_part_is_the_one_that_the_package_names(target, decoy, opened):
+def test_read_3mf_takes_the_main_part_that_the_package_names(target, decoy, opened):
     parts = {"_rels/.rels": relations(("http://example.com/thumbnail", "/Metadata/a.png"), (START, target))}
     if decoy:
         parts["3D/3dmodel.model"] = PART
@@ -150,7 +150,7 @@ def test_the_main_part_is_the_one_that_the_package_names(target, decoy, opened):
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 @pytest.mark.parametrize("prefix", ["", "core:"])
-def test_prefixes_and_encodings_do_not_matter(encoding, prefix, opened):
+def test_read_3mf_reads_any_prefix_and_encoding(encoding, prefix, opened):
     said = model([ONE], ['objectid="1"'], spaces=SPACES).replace(
         'version="1.0"', f'version="1.0" encoding="{encoding}"'
     )
@@ -177,19 +177,19 @@ SLICES = '<s:slice ztop="1"><s:vertices><s:vertex x="0" y="0"/></s:vertices></s:
 SLICES = f'<s:slicestack id="9">{SLICES}</s:slicestack>'
 
 
-def test_beams_beside_triangles_are_said(opened):
+def test_read_3mf_says_beams_beside_triangles(opened):
     mesh = opened(model([("1", shape(V, more=BEAMS))], ['objectid="1"'], 'requiredextensions="b"'))
     assert volume(mesh.V, mesh.F) == pytest.approx(VOLUME)
     assert "beam lattices" in mesh.remarks[0]
 
 
-def test_an_object_of_beams_leaves_no_loose_vertices(opened):
+def test_read_3mf_leaves_no_loose_vertices_of_an_object_of_beams(opened):
     mesh = opened(model([ONE, ("2", shape(V + 9, [], BEAMS))], ['objectid="1"', 'objectid="2"']))
     assert len(mesh.V) == len(V)
     assert "beam lattices" in mesh.remarks[0]
 
 
-def test_slices_beside_triangles_are_said(opened):
+def test_read_3mf_says_slices_beside_triangles(opened):
     said = model([ONE], ['objectid="1"']).replace("<resources>", f"<resources>{SLICES}")
     mesh = opened(said.replace('id="1"', 'id="1" s:slicestackid="9"', 1))
     assert len(mesh.V) == len(V)
@@ -204,7 +204,7 @@ def test_slices_beside_triangles_are_said(opened):
         (("1", ""), "slices and no triangles"),
     ],
 )
-def test_what_has_no_triangles_is_said_for_what_it_is(told, words, opened):
+def test_read_3mf_says_of_what_has_no_triangles_what_it_is(told, words, opened):
     said = model([told], ['objectid="1"']).replace("<resources>", f"<resources>{SLICES}")
     with pytest.raises(InputError, match=words):
         opened(said.replace('id="1"', 'id="1" s:slicestackid="9"', 1) if not told[1] else said)
@@ -241,14 +241,14 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_what_is_wrong_is_said(name, opened, monkeypatch):
+def test_read_3mf_says_what_is_wrong(name, opened, monkeypatch):
     monkeypatch.setattr("apd_viewer.files.formats.package_3mf.MOST_USES", 1000)
     said, words = WRONG[name]
     with pytest.raises(InputError, match=words):
         opened(said)
 
 
-def test_parts_in_different_units_are_refused(opened):
+def test_read_3mf_refuses_parts_in_different_units(opened):
     parts = {"3D/Objects/one.model": PART.replace("millimeter", "inch")}
     with pytest.raises(InputError, match="its parts have different units"):
         opened(model([ONE], ['objectid="1" p:path="/3D/Objects/one.model"']), parts=parts)
@@ -266,7 +266,7 @@ def test_parts_in_different_units_are_refused(opened):
         ('unit="meter"', "m", 1.0),
     ],
 )
-def test_the_unit_is_the_stated_one(told, unit, factor, opened):
+def test_read_3mf_takes_the_stated_unit(told, unit, factor, opened):
     mesh = opened(model([ONE], ['objectid="1"'], told))
     assert mesh.unit == unit
     np.testing.assert_allclose(mesh.V, factor * V)

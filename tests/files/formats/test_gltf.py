@@ -64,7 +64,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_what_is_wrong_is_said(name, document, opened):
+def test_read_gltf_says_what_is_wrong(name, document, opened):
     value, *place, words = WRONG[name]
     changed(document, value, *place)
     with pytest.raises(InputError, match=words):
@@ -80,12 +80,12 @@ def test_what_is_wrong_is_said(name, document, opened):
         ("[]", "not a glTF document"),
     ],
 )
-def test_what_is_no_document(text, words, opened):
+def test_read_gltf_refuses_what_is_no_document(text, words, opened):
     with pytest.raises(InputError, match=words):
         opened(text)
 
 
-def test_a_triangle_cannot_reach_into_the_next_part(document, opened):
+def test_read_gltf_lets_no_triangle_reach_into_the_next_part(document, opened):
     document["meshes"] += [json.loads(json.dumps(document["meshes"][0]))]
     document["nodes"] += [{"mesh": 1}]
     document["scenes"][0]["nodes"] += [2]
@@ -95,7 +95,7 @@ def test_a_triangle_cannot_reach_into_the_next_part(document, opened):
         opened(document)
 
 
-def test_positions_that_were_rounded_are_fractions_of_the_largest_number(document, opened):
+def test_read_gltf_takes_positions_that_were_rounded_for_fractions_of_the_largest_number(document, opened):
     V = np.array([[0, 0, 0], [32767, 0, 0], [0, -32768, 0]], dtype="<i2")
     blob = np.pad(V, ((0, 0), (0, 1))).tobytes()
     document["buffers"] = [
@@ -109,14 +109,14 @@ def test_positions_that_were_rounded_are_fractions_of_the_largest_number(documen
     np.testing.assert_array_equal(opened(document).V, [[0, 0, 0], [1, 0, 0], [0, -1, 0]])
 
 
-def test_a_name_with_a_space_is_written_with_a_sign_for_it(document, opened, tmp_path):
+def test_read_gltf_finds_a_name_with_a_space_that_is_written_with_a_sign_for_it(document, opened, tmp_path):
     uri = document["buffers"][0]["uri"]
     (tmp_path / "a mesh.bin").write_bytes(base64.b64decode(uri.partition(",")[2]))
     document["buffers"][0]["uri"] = "a%20mesh.bin"
     assert len(opened(document).V) == len(BOX[0])
 
 
-def test_a_glb_may_have_its_coordinates_within_its_json(document, tmp_path):
+def test_read_gltf_takes_a_glb_with_its_coordinates_within_its_json(document, tmp_path):
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", 4, b"BIN\0") + b"\1\2\3\4"
@@ -128,7 +128,7 @@ def test_a_glb_may_have_its_coordinates_within_its_json(document, tmp_path):
     assert (tmp_path / "b.glb").read_bytes().endswith(b"\1\2\3\4")
 
 
-def test_what_a_node_flattens_cannot_be_written(document, opened, tmp_path):
+def test_gltf_file_cannot_write_what_a_node_flattens(document, opened, tmp_path):
     document["nodes"][0]["scale"] = [1, 0, 1]
     mesh = opened(document)
     save_mesh(mesh, mesh.V, tmp_path / "same.gltf")
@@ -137,7 +137,7 @@ def test_what_a_node_flattens_cannot_be_written(document, opened, tmp_path):
         save_mesh(mesh, U, tmp_path / "b.gltf")
 
 
-def test_what_a_node_makes_tiny_cannot_be_written(document, opened, tmp_path):
+def test_gltf_file_cannot_write_what_a_node_makes_tiny(document, opened, tmp_path):
     document["nodes"][0]["scale"] = [1e-50] * 3
     mesh = opened(document)
     with pytest.raises(InputError, match=r"b\.gltf: A node of the file scales a mesh to zero"):
@@ -145,7 +145,7 @@ def test_what_a_node_makes_tiny_cannot_be_written(document, opened, tmp_path):
 
 
 @pytest.mark.parametrize(("accessor", "words"), [(7, "missing from its accessors"), (2, "wrong type")])
-def test_normals_that_are_not_understood_are_noticed_when_they_have_to_turn(
+def test_gltf_file_notices_normals_that_are_not_understood_when_they_have_to_turn(
     accessor, words, document, opened, tmp_path
 ):
     document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = accessor

@@ -35,7 +35,7 @@ HEADERS = {
 
 @pytest.mark.parametrize(("header", "body"), HEADERS.values(), ids=HEADERS)
 @pytest.mark.parametrize("line_end", ["\n", "\r\n", "\r"])
-def test_headers_and_rows_have_many_spellings(header, body, line_end, tmp_path):
+def test_read_off_knows_many_spellings_of_headers_and_rows(header, body, line_end, tmp_path):
     mesh = opened(tmp_path / "a.off", (header + body).replace("\n", line_end))
     np.testing.assert_array_equal(mesh.V, V)
     assert inspect(mesh).volume == pytest.approx(1.0)
@@ -54,13 +54,13 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("content", "words"), REFUSED.values(), ids=REFUSED)
-def test_other_kinds_are_refused_in_words(content, words, tmp_path):
+def test_read_off_refuses_other_kinds_in_words(content, words, tmp_path):
     (tmp_path / "a.off").write_text(content)
     with pytest.raises(InputError, match=words):
         open_mesh(tmp_path / "a.off")
 
 
-def test_faces_beyond_their_number_are_said(tmp_path):
+def test_read_off_says_faces_beyond_their_number(tmp_path):
     mesh = opened(tmp_path / "a.off", "OFF8 5 0\n" + BODY)
     assert len(mesh.F) == 10
     (said,) = said_of(mesh)

@@ -43,7 +43,7 @@ def restarted(strips):
 
 @pytest.mark.parametrize("kind", ["ascii", "binary_little_endian", "binary_big_endian"])
 @pytest.mark.parametrize("rows", [restarted, list, lambda strips: [[-1, *restarted(strips)[0], -1, -1]]])
-def test_strips_become_triangles_that_all_look_outwards(kind, rows, tmp_path):
+def test_read_ply_makes_triangles_of_strips_that_all_look_outwards(kind, rows, tmp_path):
     X, strips = strips_of_a_tube()
     mesh = opened(tmp_path / "a.ply", strips_ply(X, rows(strips), kind))
     found = inspect(mesh)
@@ -57,7 +57,7 @@ def test_strips_become_triangles_that_all_look_outwards(kind, rows, tmp_path):
     assert set(mesh.F[1]) == set(first[1:4])
 
 
-def test_each_strip_begins_with_a_triangle_as_it_stands(tmp_path):
+def test_read_ply_begins_each_strip_with_a_triangle_as_it_stands(tmp_path):
     """Also after a strip with an odd number of triangles."""
     square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
     mesh = opened(tmp_path / "a.ply", strips_ply(square, [[0, 1, 2, -1, 2, 1, 3, -1, 0, 1, 2, 3]]))
@@ -65,7 +65,7 @@ def test_each_strip_begins_with_a_triangle_as_it_stands(tmp_path):
     assert inspect(mesh).findings[0].kind == "doubled faces"
 
 
-def test_strips_are_joined_by_triangles_without_area_and_these_are_left_out(tmp_path):
+def test_read_ply_leaves_out_triangles_without_area_that_join_strips(tmp_path):
     X, strips = strips_of_a_tube(6, 2)
     first, second = strips
     joined = [*first, first[-1], second[0], *second]  # an even number in between keeps the sides
@@ -74,14 +74,14 @@ def test_strips_are_joined_by_triangles_without_area_and_these_are_left_out(tmp_
     assert [finding.kind for finding in inspect(mesh).findings] == ["open borders"]
 
 
-def test_a_strip_is_as_long_as_a_scan_has_it(tmp_path):
+def test_read_ply_takes_a_strip_as_long_as_a_scan_has_it(tmp_path):
     X, F_tube = tube(12, 2)
     strip = [k for f in F_tube for k in (*f, -1)] * 400
     assert len(strip) > 1 << 16
     assert len(opened(tmp_path / "a.ply", strips_ply(X, [strip])).F) == 400 * len(F_tube)
 
 
-def test_strips_and_faces_of_a_file_are_both_read(tmp_path):
+def test_read_ply_reads_both_strips_and_faces_of_a_file(tmp_path):
     X, strips = strips_of_a_tube(6, 1)
     below, above = list(range(5, -1, -1)), list(range(6, 12))
     content = strips_ply(X, strips, "ascii", more="element face 2\nproperty list uchar int vertex_index\n")
@@ -101,12 +101,12 @@ def words_a_line(count):
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 7, 10, 10_000])
 @pytest.mark.parametrize("line_end", ["\n", "\r\n"])
-def test_a_text_is_a_stream_of_words_however_it_is_wrapped(count, line_end, tmp_path):
+def test_read_ply_takes_a_text_for_a_stream_of_words_however_it_is_wrapped(count, line_end, tmp_path):
     content = (HEAD + words_a_line(count)).replace("\n", line_end)
     assert_is_the_box(opened(tmp_path / "a.ply", content))
 
 
-def test_wrapped_rows_of_other_elements_are_passed_over(tmp_path):
+def test_read_ply_passes_over_wrapped_rows_of_other_elements(tmp_path):
     head = HEAD.replace("element vertex", "element camera 1\nproperty list uchar float row\nelement vertex")
     head = head.replace("property double x", "property uchar red\nproperty double x")
     rows = "".join(f"200\n{row}\n" for row in BODY.splitlines()[: len(V)])
@@ -116,14 +116,14 @@ def test_wrapped_rows_of_other_elements_are_passed_over(tmp_path):
     assert "colours" in mesh.origin.extras
 
 
-def test_words_beyond_what_a_line_should_have_do_not_shift_the_rest(tmp_path):
+def test_read_ply_shifts_nothing_by_words_beyond_what_a_line_should_have(tmp_path):
     rows = [f"{row} 255 0" for row in BODY.splitlines()[: len(V)]]
     content = HEAD + "\n".join([*rows, *BODY.splitlines()[len(V) :], ""])
     assert_is_the_box(opened(tmp_path / "a.ply", content))
 
 
 @pytest.mark.parametrize("lost", [1, 2, 3, 4, 30])
-def test_a_wrapped_text_that_ends_too_early_is_refused(lost, tmp_path):
+def test_read_ply_refuses_a_wrapped_text_that_ends_too_early(lost, tmp_path):
     (tmp_path / "a.ply").write_text(HEAD + "\n".join(BODY.split()[:-lost]))
     with pytest.raises(InputError, match="ends before the last of its"):
         open_mesh(tmp_path / "a.ply")
@@ -135,14 +135,14 @@ def test_a_wrapped_text_that_ends_too_early_is_refused(lost, tmp_path):
 @pytest.mark.parametrize("kind", ["ascii", "binary_little_endian", "binary_big_endian"])
 @pytest.mark.parametrize("line_end", [b"\n", b"\r\n", b"\r"])
 @pytest.mark.parametrize("name", ["vertex_indices", "vertex_index"])
-def test_headers_may_have_any_line_ends_and_remarks(kind, line_end, name, tmp_path):
+def test_read_ply_takes_headers_with_any_line_ends_and_remarks(kind, line_end, name, tmp_path):
     head, body = ply(V, F, kind, name=name).split(b"end_header\n")
     head = head.replace(b"comment made in a test", b"comment\ncomment a word\nobj_info num_cols 512")
     content = (head + b"end_header\n").replace(b"\n", line_end) + body
     assert_is_the_box(opened(tmp_path / "a.ply", content))
 
 
-def test_a_row_may_begin_with_the_byte_of_a_line_end(tmp_path):
+def test_read_ply_lets_a_row_begin_with_the_byte_of_a_line_end(tmp_path):
     """A line feed after a header whose lines end in carriage returns is no part of the header."""
     X = np.array([[np.frombuffer(b"\n\0\0\0\0\0\xf0?")[0], 0, 0], [1, 0, 0], [0, 1, 0]])
     head, body = ply(X, [[0, 1, 2]], "binary_little_endian").split(b"end_header\n")
@@ -152,7 +152,7 @@ def test_a_row_may_begin_with_the_byte_of_a_line_end(tmp_path):
 
 
 @pytest.mark.parametrize(("tail", "kind"), [(b"tail", "ascii"), (b"\0tail\1", "binary_big_endian")])
-def test_what_stands_behind_the_last_row_is_said_and_kept(tail, kind, tmp_path):
+def test_read_ply_says_and_keeps_what_stands_behind_the_last_row(tail, kind, tmp_path):
     mesh = opened(tmp_path / "a.ply", ply(3 * CUBE, QUADS, kind) + tail)
     assert inspect(mesh).volume == pytest.approx(1.0)
     (said,) = said_of(mesh)

@@ -27,7 +27,7 @@ def triangle_areas(V, F):
 @pytest.mark.parametrize("shape", [ARROW, STAR, COMB], ids=["arrow", "star", "comb"])
 @pytest.mark.parametrize("first", range(4))
 @pytest.mark.parametrize("turned", [np.eye(3), rotation([1, 2, 3], 1.0)])
-def test_a_face_that_is_not_convex_is_covered_once(shape, first, turned):
+def test_polygons_cover_a_face_that_is_not_convex_once(shape, first, turned):
     V = np.roll(shape, first, axis=0) @ turned.T
     F = Polygons.of([list(range(len(V)))]).triangles(V)
     assert len(F) == len(V) - 2
@@ -35,7 +35,7 @@ def test_a_face_that_is_not_convex_is_covered_once(shape, first, turned):
 
 
 @given(st.lists(st.lists(st.integers(0, 19), min_size=0, max_size=9), max_size=12), st.integers(0, 9))
-def test_every_face_has_its_triangles_in_its_place(faces, seed):
+def test_polygons_have_the_triangles_of_every_face_in_its_place(faces, seed):
     V = np.random.default_rng(seed).normal(size=(20, 3))
     F = Polygons.of(faces).triangles(V)
     sizes = [max(len(face) - 2, 0) for face in faces]
@@ -47,7 +47,7 @@ def test_every_face_has_its_triangles_in_its_place(faces, seed):
             assert np.abs(both - area_vector(V[face])).max() < 1e-12, "what folds back takes away"
 
 
-def test_convex_faces_are_fans_around_their_first_corner():
+def test_polygons_make_fans_of_convex_faces_around_their_first_corner():
     angle = np.arange(6) * np.pi / 3
     V = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
     assert Polygons.of([[1, 2, 3, 4, 5, 0]]).triangles(V).tolist() == [
@@ -58,11 +58,11 @@ def test_convex_faces_are_fans_around_their_first_corner():
     ]
 
 
-def test_faces_of_missing_vertices_are_left_to_be_refused():
+def test_polygons_leave_faces_of_missing_vertices_to_be_refused():
     assert Polygons.of([[0, 1, 2, 9]]).triangles(np.zeros((3, 3))).tolist() == [[0, 1, 2], [0, 2, 9]]
 
 
-def test_a_face_of_thousands_of_corners_takes_no_time():
+def test_polygons_take_no_time_for_a_face_of_thousands_of_corners():
     rng = np.random.default_rng(0)
     V = rng.normal(size=(20_000, 3))
     assert len(Polygons.of([list(range(20_000))]).triangles(V)) == 19_998

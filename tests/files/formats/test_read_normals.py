@@ -20,7 +20,7 @@ def drawn_at_rest(mesh):
 
 
 @pytest.mark.parametrize("corner", ["{v}//{n}", "{v}/{v}/{n}", "-{back}//{n}"])
-def test_an_obj_file_has_them_by_corner(tmp_path, corner):
+def test_obj_file_has_normals_by_corner(tmp_path, corner):
     N = np.random.default_rng(0).standard_normal((len(F), 3))
     rows = [f"v {x} {y} {z}" for x, y, z in V] + [f"vt {x} {y}" for x, y, _ in V]
     rows += [f"vn {x} {y} {z}" for x, y, z in N]
@@ -33,7 +33,7 @@ def test_an_obj_file_has_them_by_corner(tmp_path, corner):
 
 
 @pytest.mark.parametrize("suffix", ["ply", "glb"])
-def test_ply_and_gltf_files_have_them_by_vertex(tmp_path, suffix):
+def test_open_mesh_reads_normals_by_vertex_from_ply_and_gltf_files(tmp_path, suffix):
     N = np.random.default_rng(1).standard_normal(V.shape)
     N /= np.linalg.norm(N, axis=1, keepdims=True)
     path = tmp_path / f"box.{suffix}"
@@ -46,7 +46,7 @@ def test_ply_and_gltf_files_have_them_by_vertex(tmp_path, suffix):
 
 
 @pytest.mark.parametrize("words", ["", "vn 0 0 0\n", "vn nan 0 1\n", "vn 0 0 x\n"])
-def test_unusable_ones_are_none(tmp_path, words):
+def test_corner_normals_that_are_unusable_are_none(tmp_path, words):
     path = tmp_path / "one.obj"
     corner = "{0}//1" if words else "{0}"
     face = " ".join(corner.format(k) for k in (1, 2, 3))

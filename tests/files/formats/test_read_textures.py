@@ -26,7 +26,7 @@ def expected(points):
 
 
 @pytest.mark.parametrize("kind", FILES)
-def test_each_corner_has_its_colour(tmp_path, kind):
+def test_texture_gives_each_corner_its_color(tmp_path, kind):
     mesh = open_mesh(FILES[kind](tmp_path))
     assert mesh.texture[1] is None
     points = np.empty((*mesh.F.shape, 3))
@@ -34,7 +34,7 @@ def test_each_corner_has_its_colour(tmp_path, kind):
     assert mesh.baked(mesh.V * 2.0).texture is mesh.texture
 
 
-def test_a_missing_image_is_said_and_the_mesh_opens(tmp_path):
+def test_texture_says_that_an_image_is_missing_and_the_mesh_opens(tmp_path):
     mesh = open_mesh(obj(tmp_path, with_image=False))
     texture, said = mesh.texture
     assert texture is None
@@ -43,13 +43,13 @@ def test_a_missing_image_is_said_and_the_mesh_opens(tmp_path):
     assert open_mesh(tmp_path / "square.obj").texture[1] == said
 
 
-def test_a_mesh_without_textures_has_none(tmp_path):
+def test_texture_of_a_mesh_without_any_is_none(tmp_path):
     path = obj(tmp_path)
     (tmp_path / "square.mtl").unlink()
     assert open_mesh(path).texture == (None, None)
 
 
-def test_several_images_become_one(tmp_path):
+def test_texture_makes_one_image_of_several(tmp_path):
     obj(tmp_path)
     Image.new("RGB", (8, 4), (1, 2, 3)).save(tmp_path / "plain.png")
     (tmp_path / "square.mtl").write_text(
@@ -66,7 +66,7 @@ def test_several_images_become_one(tmp_path):
     assert (found[4] == 255).all()
 
 
-def test_large_images_are_scaled_down(tmp_path):
+def test_texture_scales_large_images_down(tmp_path):
     path = obj(tmp_path)
     Image.new("RGB", (16_384, 8)).save(tmp_path / "four.png")
     assert open_mesh(path).texture[0].image.shape == (4, 8192, 3)

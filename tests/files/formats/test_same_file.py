@@ -22,13 +22,13 @@ def file(request, tmp_path):
     return path
 
 
-def test_written_as_it_is_it_is_the_same_file(file, tmp_path):
+def test_save_mesh_without_a_change_writes_the_same_file(file, tmp_path):
     mesh = open_mesh(file)
     save_mesh(mesh, mesh.V, tmp_path / f"out{file.suffix}")
     assert (tmp_path / f"out{file.suffix}").read_bytes() == file.read_bytes()
 
 
-def test_what_is_written_is_what_was_asked_in_the_same_order(file, tmp_path):
+def test_save_mesh_writes_what_was_asked_in_the_same_order(file, tmp_path):
     mesh = open_mesh(file)
     U = bent(mesh.V)
     out = tmp_path / f"out{file.suffix}"
@@ -42,7 +42,7 @@ def test_what_is_written_is_what_was_asked_in_the_same_order(file, tmp_path):
     assert np.abs(open_mesh(out).V - mesh.V).max() <= (0.0 if exact else 2e-6)
 
 
-def test_what_did_not_move_stands_as_it_stood(file, tmp_path):
+def test_save_mesh_leaves_what_did_not_move_as_it_stood(file, tmp_path):
     """The lines or bytes of one vertex, and of what hangs on it, differ; nothing else."""
     mesh = open_mesh(file)
     out = tmp_path / f"out{file.suffix}"
@@ -67,7 +67,7 @@ def test_what_did_not_move_stands_as_it_stood(file, tmp_path):
         assert start <= where.min() <= where.max() < start + size
 
 
-def test_the_numbers_that_are_not_coordinates(tmp_path):
+def test_save_mesh_leaves_the_numbers_that_are_not_coordinates(tmp_path):
     def written(name, U_of=bent):
         (tmp_path / name).write_bytes(FILES[name])
         mesh = open_mesh(tmp_path / name)
@@ -97,7 +97,7 @@ def test_the_numbers_that_are_not_coordinates(tmp_path):
     assert after[:84] == FILES["binary.stl"][:84]
 
 
-def test_normals_turn_with_the_surface(tmp_path):
+def test_save_mesh_turns_normals_with_the_surface(tmp_path):
     R = rotation((1, 2, 3), 0.8)
     for name in (
         "two materials.obj",
@@ -153,7 +153,7 @@ def normals(content, name):
     return local @ world.T
 
 
-def test_the_bounds_of_a_glb_are_those_of_its_positions(tmp_path):
+def test_save_mesh_gives_a_glb_the_bounds_of_its_positions(tmp_path):
     (tmp_path / "a.glb").write_bytes(FILES["textured.glb"])
     mesh = open_mesh(tmp_path / "a.glb")
     save_mesh(mesh, bent(mesh.V), tmp_path / "b.glb")
@@ -173,7 +173,7 @@ def test_the_bounds_of_a_glb_are_those_of_its_positions(tmp_path):
     assert content.endswith(b"MORE" + b"abcd")
 
 
-def test_one_mesh_in_two_places_can_only_move_alike(tmp_path):
+def test_save_mesh_lets_one_mesh_in_two_places_only_move_alike(tmp_path):
     document = json.loads(gltf_of(FILES["textured.glb"]))
     document["nodes"] += [{"mesh": 0, "translation": [0, 9, 0]}]
     document["scenes"][0]["nodes"].append(2)
@@ -191,7 +191,7 @@ def test_one_mesh_in_two_places_can_only_move_alike(tmp_path):
     save_mesh(mesh, U, tmp_path / "other.glb")
 
 
-def test_whole_numbers_cannot_become_others(tmp_path):
+def test_save_mesh_cannot_make_others_of_whole_numbers(tmp_path):
     V = np.array([[0, 0, 0], [3, 0, 0], [0, 4, 0], [0, 0, 5]])
     F = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
     path = tmp_path / "whole.ply"
@@ -201,7 +201,7 @@ def test_whole_numbers_cannot_become_others(tmp_path):
         save_mesh(mesh, mesh.V * 1.01, tmp_path / "out.ply")
 
 
-def test_another_format_is_written_anew(tmp_path):
+def test_save_mesh_writes_another_format_anew(tmp_path):
     (tmp_path / "a.obj").write_bytes(TWO_MATERIALS)
     mesh = open_mesh(tmp_path / "a.obj")
     assert set(mesh.origin.extras) == {

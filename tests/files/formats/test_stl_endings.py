@@ -29,7 +29,7 @@ def assert_is_the_box(mesh):
     [b"\0", bytes(92), bytes(100), b"\r\n", b"made by a program", b"\1" * 84 + bytes(50), BINARY],
     ids=["a zero", "zeros", "zeros like facets", "a line end", "words", "data", "another file"],
 )
-def test_bytes_after_the_last_facet_are_said_and_kept(tail, tmp_path):
+def test_read_stl_says_and_keeps_bytes_after_the_last_facet(tail, tmp_path):
     mesh = opened(tmp_path / "a.stl", BINARY + tail)
     assert_is_the_box(mesh)
     (said,) = said_of(mesh)
@@ -50,7 +50,7 @@ COUNTS = {
 
 @pytest.mark.parametrize(("declared", "there", "tail"), COUNTS.values(), ids=COUNTS)
 @pytest.mark.parametrize("head", [b"\0", b"solid of a program"])
-def test_a_wrong_number_of_facets_is_refused_with_both_numbers(declared, there, tail, head, tmp_path):
+def test_read_stl_refuses_a_wrong_number_of_facets_with_both_numbers(declared, there, tail, head, tmp_path):
     content = binary_stl(V, F, head)
     path = tmp_path / "a.stl"
     path.write_bytes(content[:80] + struct.pack("<I", declared) + content[84:] + tail)
@@ -59,7 +59,7 @@ def test_a_wrong_number_of_facets_is_refused_with_both_numbers(declared, there, 
 
 
 @pytest.mark.parametrize("missing", [1, 2, 25, 49])
-def test_a_file_cut_in_its_last_facet_is_refused(missing, tmp_path):
+def test_read_stl_refuses_a_file_cut_in_its_last_facet(missing, tmp_path):
     path = tmp_path / "a.stl"
     path.write_bytes(BINARY[:-missing])
     with pytest.raises(InputError, match=f"it declares {len(F)} facets and has {len(F) - 1}\\)"):
@@ -79,7 +79,7 @@ ENDS = {
 
 
 @pytest.mark.parametrize("end", ENDS.values(), ids=ENDS)
-def test_the_end_of_a_text_has_many_spellings(end, tmp_path):
+def test_read_stl_knows_many_spellings_of_the_end_of_a_text(end, tmp_path):
     mesh = opened(tmp_path / "a.stl", BODY + end)
     assert_is_the_box(mesh)
     assert said_of(mesh) == []
@@ -94,7 +94,7 @@ ENDLESS = {
 
 
 @pytest.mark.parametrize("content", ENDLESS.values(), ids=ENDLESS)
-def test_a_text_without_its_end_opens_and_says_so(content, tmp_path):
+def test_read_stl_opens_a_text_without_its_end_and_says_so(content, tmp_path):
     mesh = opened(tmp_path / "a.stl", content)
     assert_is_the_box(mesh)
     (said,) = said_of(mesh)
@@ -102,7 +102,7 @@ def test_a_text_without_its_end_opens_and_says_so(content, tmp_path):
 
 
 @pytest.mark.parametrize("kept", [1, 2, 3])
-def test_a_text_cut_in_its_last_facet_is_refused(kept, tmp_path):
+def test_read_stl_refuses_a_text_cut_in_its_last_facet(kept, tmp_path):
     """Even behind the last corner: the number there may have been longer."""
     pieces = TEXT.split("vertex")
     path = tmp_path / "a.stl"
@@ -116,7 +116,7 @@ NAMES = ["", "of facet normal and vertex", "vertex 1 2 3", "Ätzteil, 3 mm", "so
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("line_end", ["\n", "\r\n", "\r"])
-def test_a_solid_may_have_any_name(name, line_end, tmp_path):
+def test_read_stl_takes_any_name_of_a_solid(name, line_end, tmp_path):
     content = stl(V, F, name).replace("\n", line_end)
     mesh = opened(tmp_path / "a.stl", content)
     assert_is_the_box(mesh)
@@ -135,11 +135,11 @@ WRITTEN = {
 
 
 @pytest.mark.parametrize("content", WRITTEN.values(), ids=WRITTEN)
-def test_a_text_is_read_however_it_is_laid_out(content, tmp_path):
+def test_read_stl_reads_a_text_however_it_is_laid_out(content, tmp_path):
     assert_is_the_box(opened(tmp_path / "a.stl", content))
 
 
-def test_all_solids_of_a_text_are_read(tmp_path):
+def test_read_stl_reads_all_solids_of_a_text(tmp_path):
     halves = stl(V, F[: len(F) // 2], "left") + "\n" + stl(V, F[len(F) // 2 :], "right facet")
     mesh = opened(tmp_path / "a.stl", halves)
     assert_is_the_box(mesh)
@@ -147,13 +147,13 @@ def test_all_solids_of_a_text_are_read(tmp_path):
 
 
 @pytest.mark.parametrize("header", [b"solid part", b"solid\nfacet normal 0 0 1\nvertex 1 2 3", b"\xff\xfe"])
-def test_a_binary_file_may_begin_as_others_do(header, tmp_path):
+def test_read_stl_takes_a_binary_file_that_begins_as_others_do(header, tmp_path):
     mesh = opened(tmp_path / "a.stl", binary_stl(V, F, header))
     assert_is_the_box(mesh)
     assert said_of(mesh) == []
 
 
-def test_colours_of_facets_are_kept_before_bytes_of_no_facet(tmp_path):
+def test_read_stl_keeps_colors_of_facets_before_bytes_of_no_facet(tmp_path):
     content = bytearray(BINARY)
     content[84 + 48 : 84 + 50] = b"\x1f\x80"
     mesh = opened(tmp_path / "a.stl", bytes(content) + b"tail")

@@ -91,7 +91,7 @@ FILES = {
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_colours_are_read_from_every_format(tmp_path, name):
+def test_read_mesh_reads_colors_from_every_format(tmp_path, name):
     mesh = read_mesh(tmp_path / name, FILES[name])
     np.testing.assert_array_equal(mesh.colors, COLORS)
     assert mesh.colors.dtype == np.uint8
@@ -109,7 +109,7 @@ def test_colours_are_read_from_every_format(tmp_path, name):
         ("short.off", b"COFF\n3 1 0\n0 0 0 255 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
     ],
 )
-def test_a_mesh_opens_without_usable_colours(tmp_path, name, content):
+def test_read_mesh_opens_a_mesh_without_usable_colors(tmp_path, name, content):
     mesh = read_mesh(tmp_path / name, content)
     assert len(mesh.V) == 3
     assert mesh.colors is None

@@ -201,7 +201,7 @@ def scene_of(request):
     return request.param, build
 
 
-def test_volumes_are_those_of_the_scene(scene_of, suffix, tmp_path):
+def test_read_gltf_encloses_the_volume_of_the_scene(scene_of, suffix, tmp_path):
     name, build = scene_of
     mesh = open_mesh(build(V).write(tmp_path / f"a{suffix}"))
     assert volume(mesh.V, mesh.F) == pytest.approx(
@@ -209,14 +209,14 @@ def test_volumes_are_those_of_the_scene(scene_of, suffix, tmp_path):
     )
 
 
-def test_what_is_not_moved_stands_as_it_stood(scene_of, suffix, tmp_path):
+def test_gltf_file_leaves_what_is_not_moved_as_it_stood(scene_of, suffix, tmp_path):
     path = scene_of[1](V).write(tmp_path / f"a{suffix}")
     mesh = open_mesh(path)
     save_mesh(mesh, mesh.V, tmp_path / f"b{suffix}")
     assert (tmp_path / f"b{suffix}").read_bytes() == path.read_bytes()
 
 
-def test_another_shape_of_the_scene_is_written_into_it(scene_of, suffix, tmp_path):
+def test_gltf_file_writes_another_shape_of_the_scene_into_it(scene_of, suffix, tmp_path):
     """The shape is that of the same scene with a bent box: so all its places agree."""
     name, build = scene_of
     bent = V @ rotation((1, 2, 3), 0.2).T * [1.1, 0.9, 1.2] + [0.1, 0.2, 0.3]
@@ -235,7 +235,7 @@ def test_another_shape_of_the_scene_is_written_into_it(scene_of, suffix, tmp_pat
     assert np.abs(open_mesh(tmp_path / "b.obj").V - U).max() < 1e-9
 
 
-def test_the_places_of_one_mesh_are_said_and_cannot_differ(scene_of, suffix, tmp_path):
+def test_gltf_file_says_the_places_of_one_mesh_which_cannot_differ(scene_of, suffix, tmp_path):
     name, build = scene_of
     places = SCENES[name][2]
     mesh = open_mesh(build(V).write(tmp_path / f"a{suffix}"))
@@ -251,20 +251,20 @@ def test_the_places_of_one_mesh_are_said_and_cannot_differ(scene_of, suffix, tmp
     assert np.abs(open_mesh(tmp_path / "b.ply").V - U).max() < 1e-5
 
 
-def test_the_skin_places_its_mesh_and_not_the_node(suffix, tmp_path):
+def test_read_gltf_places_a_mesh_by_its_skin_and_not_by_the_node(suffix, tmp_path):
     scene = GltfScene()
     skinned_at_rest(scene, V)
     np.testing.assert_array_equal(open_mesh(scene.write(tmp_path / f"a{suffix}")).V, V)
 
 
-def test_weights_of_a_node_go_before_those_of_its_mesh(suffix, tmp_path):
+def test_read_gltf_takes_weights_of_a_node_before_those_of_its_mesh(suffix, tmp_path):
     scene = GltfScene()
     morphed_by_its_node(scene, V)
     mesh = open_mesh(scene.write(tmp_path / f"a{suffix}"))
     np.testing.assert_allclose(mesh.V, (V * [2, 1.5, 1] + [1, 0, 0]) * [-1, 1, 1])
 
 
-def test_normals_face_outwards_in_a_mirror_and_turn_with_morph_targets(suffix, tmp_path):
+def test_gltf_file_normals_face_outwards_in_a_mirror_and_turn_with_morph_targets(suffix, tmp_path):
     scene = GltfScene()
     N = V - V.mean(axis=0)
     normals = {"NORMAL": scene.accessor(N)}
@@ -284,7 +284,7 @@ def test_normals_face_outwards_in_a_mirror_and_turn_with_morph_targets(suffix, t
 
 
 @pytest.mark.parametrize("told", [{"scene": 1}, {"scene": 0}])
-def test_the_scene_that_the_file_opens_with_is_read_and_others_are_said(told, suffix, tmp_path):
+def test_read_gltf_reads_the_scene_that_the_file_opens_with_and_says_others(told, suffix, tmp_path):
     scene = GltfScene()
     scene.node(mesh=scene.mesh(V, F))
     scene.node(root=False, mesh=scene.mesh(2 * V, F))
@@ -310,14 +310,14 @@ REFUSED = [
 
 
 @pytest.mark.parametrize("name", MAY_PASS)
-def test_an_extension_that_changes_no_geometry_may_be_required(name, suffix, tmp_path):
+def test_check_supported_lets_an_extension_that_changes_no_geometry_be_required(name, suffix, tmp_path):
     scene = GltfScene(extensionsUsed=[name], extensionsRequired=[name])
     scene.node(mesh=scene.mesh(V, F))
     assert len(open_mesh(scene.write(tmp_path / f"a{suffix}")).F) == len(F)
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_any_other_extension_that_is_required_is_refused_by_its_name(name, suffix, tmp_path):
+def test_check_supported_refuses_any_other_required_extension_by_its_name(name, suffix, tmp_path):
     scene = GltfScene(extensionsUsed=[name], extensionsRequired=["KHR_materials_unlit", name])
     scene.node(mesh=scene.mesh(V, F))
     with pytest.raises(InputError, match=name):
@@ -326,7 +326,7 @@ def test_any_other_extension_that_is_required_is_refused_by_its_name(name, suffi
     assert len(open_mesh(scene.write(tmp_path / f"b{suffix}")).F) == len(F)
 
 
-def test_compressed_positions_are_not_zeros(suffix, tmp_path):
+def test_read_gltf_does_not_take_compressed_positions_for_zeros(suffix, tmp_path):
     scene = GltfScene(extensionsUsed=["KHR_draco_mesh_compression"])
     extensions = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}}
     scene.node(mesh=scene.mesh(scene.told(len(V), 3), F, extensions=extensions))
@@ -337,20 +337,20 @@ def test_compressed_positions_are_not_zeros(suffix, tmp_path):
 @pytest.mark.parametrize(
     "asset", [{"version": "1.0"}, {"version": "3.0"}, {"version": "2.1", "minVersion": "2.1"}]
 )
-def test_other_versions_are_named(asset, suffix, tmp_path):
+def test_check_supported_names_other_versions(asset, suffix, tmp_path):
     scene = GltfScene(asset=asset, buffers={}, nodes={})
     scene.document["nodes"] = []
     with pytest.raises(InputError, match=f"it is version {asset['version']}"):
         open_mesh(scene.write(tmp_path / f"a{suffix}"))
 
 
-def test_a_later_version_that_asks_for_no_more_is_read(suffix, tmp_path):
+def test_check_supported_lets_a_later_version_that_asks_for_no_more_be_read(suffix, tmp_path):
     scene = GltfScene(asset={"version": "2.1", "minVersion": "2.0"})
     scene.node(mesh=scene.mesh(V, F))
     assert len(open_mesh(scene.write(tmp_path / f"a{suffix}")).F) == len(F)
 
 
-def test_glb_of_version_1_is_named(tmp_path):
+def test_read_gltf_names_version_1_of_a_glb(tmp_path):
     (tmp_path / "a.glb").write_bytes(b"glTF" + bytes([1, 0, 0, 0]) + bytes(12) + b"{}")
     with pytest.raises(InputError, match="it is version 1"):
         open_mesh(tmp_path / "a.glb")
@@ -408,7 +408,7 @@ DAMAGED = {
 
 
 @pytest.mark.parametrize("damage", DAMAGED, ids=lambda damage: damage.__name__)
-def test_what_is_damaged_is_said(damage, suffix, tmp_path):
+def test_read_gltf_says_what_is_damaged(damage, suffix, tmp_path):
     build, words = DAMAGED[damage]
     scene = GltfScene()
     build(scene, V)
@@ -417,7 +417,7 @@ def test_what_is_damaged_is_said(damage, suffix, tmp_path):
         open_mesh(scene.write(tmp_path / f"a{suffix}"))
 
 
-def test_instances_without_end_are_refused(tmp_path, monkeypatch):
+def test_read_gltf_refuses_instances_without_end(tmp_path, monkeypatch):
     monkeypatch.setattr("apd_viewer.files.gltf.gltf_reader.MOST", 2 * len(V))
     scene = GltfScene()
     three_instances(scene, V)
@@ -425,7 +425,7 @@ def test_instances_without_end_are_refused(tmp_path, monkeypatch):
         open_mesh(scene.write(tmp_path / "a.glb"))
 
 
-def test_rows_that_are_not_stored_cannot_be_moved(suffix, tmp_path):
+def test_gltf_file_cannot_move_rows_that_are_not_stored(suffix, tmp_path):
     flat = V * [1, 1, 0] + [0, 0, 1]
     rows = np.flatnonzero(np.abs(flat).sum(axis=1) > 1.0)  # not the corner at zero
     scene = GltfScene()
@@ -438,14 +438,14 @@ def test_rows_that_are_not_stored_cannot_be_moved(suffix, tmp_path):
         save_mesh(mesh, U + 0.1, tmp_path / f"b{suffix}")
 
 
-def test_lengths_are_metres(suffix, tmp_path):
+def test_read_gltf_takes_lengths_for_metres(suffix, tmp_path):
     scene = GltfScene()
     scene.node(mesh=scene.mesh(V, F))
     mesh = open_mesh(scene.write(tmp_path / f"a{suffix}"))
     assert (mesh.unit, mesh.baked(2 * mesh.V).unit) == ("m", "m")
 
 
-def test_files_for_shapes_have_another_format_where_they_do_not_fit(scene_of, tmp_path):
+def test_suffix_for_names_another_format_where_shapes_do_not_fit(scene_of, tmp_path):
     name, build = scene_of
     mesh = open_mesh(build(V).write(tmp_path / "a.glb"))
     assert suffix_for(mesh) == (".obj" if SCENES[name][2] > 1 else ".glb")

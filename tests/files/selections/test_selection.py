@@ -29,12 +29,12 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE
         ({"areas": (True, None)}, "not a percentage"),
     ],
 )
-def test_what_is_no_selection(change, words):
+def test_selection_refuses_what_is_no_selection(change, words):
     with pytest.raises(InputError, match=words):
         replace(painted(), **change)
 
 
-def test_a_selection_cannot_change():
+def test_selection_cannot_change():
     labels = np.full(N, FREE, dtype=np.uint8)
     selection = Selection.of(labels)
     labels[:] = BASE

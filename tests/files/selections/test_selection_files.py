@@ -52,7 +52,7 @@ def selections(draw):
 
 @pytest.mark.parametrize("suffix", WHOLE)
 @given(selection=selections())
-def test_everything_comes_back(suffix, selection, tmp_path_factory):
+def test_read_selection_file_brings_everything_back(suffix, selection, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / f"any{suffix}"
     assert write_selection(path, MESH, selection) == ()
     there = read_selection_file(path, MESH)
@@ -64,7 +64,7 @@ def test_everything_comes_back(suffix, selection, tmp_path_factory):
 
 
 @given(selection=selections())
-def test_a_ply_keeps_the_paint(selection, tmp_path_factory):
+def test_write_selection_keeps_the_paint_in_a_ply(selection, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / "any.ply"
     dropped = write_selection(path, MESH, selection)
     there = read_selection_file(path, MESH)
@@ -78,7 +78,7 @@ def test_a_ply_keeps_the_paint(selection, tmp_path_factory):
 
 
 @given(selection=selections())
-def test_a_sel_keeps_the_labels(selection, tmp_path_factory):
+def test_write_selection_keeps_the_labels_in_a_sel(selection, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / "any.sel"
     dropped = write_selection(path, MESH, selection)
     np.testing.assert_array_equal(read_selection_file(path, MESH).labels, selection.labels)
@@ -87,7 +87,7 @@ def test_a_sel_keeps_the_labels(selection, tmp_path_factory):
 
 
 @given(labels=arrays(np.uint8, N, elements=st.integers(0, 4)))
-def test_a_dmat_keeps_the_labels_or_refuses(labels, tmp_path_factory):
+def test_write_selection_keeps_the_labels_in_a_dmat_or_refuses(labels, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / "any.dmat"
     held = set(labels[labels != FREE].tolist())
     if held <= {BASE, 2, 3, 4} and sorted(held) == [BASE, 2, 3, 4][: len(held)]:
@@ -108,7 +108,7 @@ def test_a_dmat_keeps_the_labels_or_refuses(labels, tmp_path_factory):
         (".dmat", ("handle names", "regions")),
     ],
 )
-def test_what_is_left_out_is_said(suffix, dropped, tmp_path):
+def test_write_selection_says_what_is_left_out(suffix, dropped, tmp_path):
     assert write_selection(tmp_path / f"a{suffix}", MESH, painted()) == dropped
     plain = Selection.of(painted().labels)
     assert write_selection(tmp_path / f"a{suffix}", MESH, plain) == ()
@@ -118,14 +118,14 @@ def test_what_is_left_out_is_said(suffix, dropped, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", SELECTION_FORMATS)
-def test_nothing_is_painted(suffix, tmp_path):
+def test_read_selection_file_brings_back_a_selection_in_which_nothing_is_painted(suffix, tmp_path):
     nothing = Selection.of(np.full(N, FREE, dtype=np.uint8))
     assert write_selection(tmp_path / f"a{suffix}", MESH, nothing) == ()
     assert same(read_selection_file(tmp_path / f"a{suffix}", MESH), nothing)
     assert nothing.handles == ("Handle 1",)
 
 
-def test_a_json_is_short_and_says_what_it_is(tmp_path):
+def test_json_of_is_short_and_says_what_it_is(tmp_path):
     write_selection(tmp_path / "a.json", MESH, painted())
     said = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert said == {
@@ -145,14 +145,14 @@ def test_a_json_is_short_and_says_what_it_is(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", WHOLE)
-def test_a_deformed_copy_takes_the_selection_and_it_is_known(suffix, tmp_path):
+def test_read_selection_file_gives_a_deformed_copy_the_selection_and_knows_that_it_is_one(suffix, tmp_path):
     write_selection(tmp_path / f"a{suffix}", MESH, painted())
     there = read_selection_file(tmp_path / f"a{suffix}", Mesh(2.0 * MESH.V, MESH.F))
     assert same(there, painted())
     assert not there.same_mesh
 
 
-def test_libigl_reads_and_writes_the_same_dmat(tmp_path):
+def test_selection_dmat_is_what_libigl_reads_and_writes(tmp_path):
     path, groups = tmp_path / "a.dmat", painted().labels.astype(int) - 1
     groups[painted().labels == BASE], groups[painted().labels == FREE] = 0, -1
     write_selection(path, MESH, painted())
@@ -162,7 +162,7 @@ def test_libigl_reads_and_writes_the_same_dmat(tmp_path):
         np.testing.assert_array_equal(read_selection_file(path, MESH).labels, painted().labels)
 
 
-def test_groups_of_others_are_base_and_handles_in_order(tmp_path):
+def test_read_dmat_takes_groups_of_others_for_base_and_handles_in_order(tmp_path):
     groups = np.full(N, -1)
     groups[3], groups[4], groups[9] = 2, 7, 5
     (tmp_path / "a.dmat").write_text(f"1 {N}\n" + "\n".join(map(str, groups)))
@@ -176,7 +176,7 @@ PLY += "property float z\nproperty short apd_region\nend_header\n"
 
 
 @pytest.mark.parametrize("order", ["", "<", ">"])
-def test_a_ply_of_others_may_be_points(order, tmp_path):
+def test_read_selection_ply_takes_points_of_others(order, tmp_path):
     rows = [(0, 0, 0, 0, 1), (1, 1, 0, 0, 0), (1, 0, 1, 0, 2), (4, 0, 0, 1, 2)]
     kind = {"": "ascii", "<": "binary_little_endian", ">": "binary_big_endian"}[order]
     body = "\n".join(" ".join(map(str, row)) for row in rows).encode()
@@ -195,7 +195,7 @@ def test_a_ply_of_others_may_be_points(order, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", SELECTION_FORMATS)
-def test_the_command_line_takes_it(suffix, tmp_path, capsys):
+def test_deform_takes_a_selection_of_every_format(suffix, tmp_path, capsys):
     save_mesh(MESH, MESH.V, tmp_path / "mesh.off")
     mesh = open_mesh(tmp_path / "mesh.off")
     labels = np.where(mesh.V[:, 2] < -0.8, BASE, np.where(mesh.V[:, 2] > 0.8, HANDLE, FREE)).astype(np.uint8)
@@ -209,6 +209,6 @@ def test_the_command_line_takes_it(suffix, tmp_path, capsys):
     np.testing.assert_allclose(moved[labels == BASE], 0.0, atol=1e-12)
 
 
-def test_any_other_name_is_the_survey_s(tmp_path):
+def test_read_selection_file_takes_any_other_name_for_one_of_the_survey(tmp_path):
     (tmp_path / "labels.txt").write_text("\n".join(map(str, painted().labels)))
     np.testing.assert_array_equal(read_selection_file(tmp_path / "labels.txt", MESH).labels, painted().labels)

@@ -67,7 +67,7 @@ def check(path):
 
 
 @pytest.mark.parametrize("suffix", [*SELECTION_FORMATS, "binary.dmat"])
-def test_damaged_files(suffix, tmp_path):
+def test_read_selection_file_reads_damaged_files_or_refuses_them_in_one_sentence(suffix, tmp_path):
     path, chance, read = tmp_path / f"a{suffix}", random.Random(0), 0
     write_selection(path, MESH, painted())
     content = path.read_bytes()
@@ -80,7 +80,7 @@ def test_damaged_files(suffix, tmp_path):
     assert read < CASES
 
 
-def test_damaged_arrays_in_a_whole_archive(tmp_path):
+def test_read_npz_reads_damaged_arrays_in_a_whole_archive_or_refuses_them_in_one_sentence(tmp_path):
     """A checksum keeps most damage from what reads the arrays; here it is right."""
     path, chance, read = tmp_path / "a.npz", random.Random(0), 0
     write_selection(path, MESH, painted())

@@ -36,7 +36,7 @@ def refused(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", SELECTION_FORMATS)
-def test_files_that_cannot_be_read_at_all(suffix, tmp_path, refused):
+def test_read_selection_file_refuses_files_that_cannot_be_read_at_all(suffix, tmp_path, refused):
     with pytest.raises(InputError, match=r"There is no file .*gone"):
         read_selection_file(tmp_path / f"gone{suffix}", MESH)
     (tmp_path / f"folder{suffix}").mkdir()
@@ -58,7 +58,7 @@ def test_files_that_cannot_be_read_at_all(suffix, tmp_path, refused):
 
 
 @pytest.mark.parametrize("suffix", SELECTION_FORMATS)
-def test_another_mesh_is_refused(suffix, tmp_path):
+def test_read_selection_file_refuses_another_mesh(suffix, tmp_path):
     write_selection(tmp_path / f"a{suffix}", MESH, painted())
     other = Mesh(*box())
     with pytest.raises(InputError, match=rf"a mesh of {N} vertices, but this mesh has {len(other.V)}"):
@@ -66,7 +66,7 @@ def test_another_mesh_is_refused(suffix, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", SELECTION_FORMATS)
-def test_a_file_that_ends_early_is_refused_wherever_that_is(suffix, tmp_path, refused):
+def test_read_selection_file_refuses_a_file_that_ends_early_wherever_that_is(suffix, tmp_path, refused):
     write_selection(tmp_path / f"whole{suffix}", MESH, painted())
     content = (tmp_path / f"whole{suffix}").read_bytes().rstrip()
     # Of a text in one column the last number may be cut into another one.
@@ -74,7 +74,7 @@ def test_a_file_that_ends_early_is_refused_wherever_that_is(suffix, tmp_path, re
         refused(suffix, content[:end], ".")
 
 
-def test_a_json_for_other_triangles_is_refused(tmp_path):
+def test_read_json_refuses_a_file_for_other_triangles(tmp_path):
     write_selection(tmp_path / "a.json", MESH, painted())
     with pytest.raises(
         InputError, match=r"a\.json: It is for a mesh of 80 triangles, but this mesh has 79; choose"
@@ -129,7 +129,7 @@ PART = {"name": "A", "area": None, "vertices": [1]}
         ({"regions": [PART | {"area": 10**400}]}, "not a percentage"),
     ],
 )
-def test_a_wrong_json(change, words, refused):
+def test_read_json_refuses_a_wrong_json(change, words, refused):
     good = {"format": "apd-selection", "version": 1, "mesh": {"vertices": N, "faces": len(MESH.F)}}
     refused(".json", json.dumps(good | change), words)
 
@@ -144,11 +144,11 @@ def test_a_wrong_json(change, words, refused):
         (b'{"format": "\xff"}', "not text in UTF-8"),
     ],
 )
-def test_what_is_no_json(content, words, refused):
+def test_read_json_refuses_what_is_no_json(content, words, refused):
     refused(".json", content, words)
 
 
-def test_a_json_written_by_hand_needs_no_more_than_the_mesh(tmp_path):
+def test_read_json_needs_no_more_than_the_mesh_of_a_file_written_by_hand(tmp_path):
     said = {"format": "apd-selection", "version": 1, "mesh": {"vertices": N, "faces": len(MESH.F)}}
     (tmp_path / "a.json").write_text("\ufeff" + json.dumps(said), encoding="utf-8")
     there = read_selection_file(tmp_path / "a.json", MESH)
@@ -191,13 +191,13 @@ FREE_ALL = np.full(N, FREE)
         ({"labels": np.zeros(1 << 24)}, "would unpack to 134,217,8"),
     ],
 )
-def test_wrong_arrays(arrays, words, refused):
+def test_read_npz_refuses_wrong_arrays(arrays, words, refused):
     stream = io.BytesIO()
     np.savez_compressed(stream, **arrays)
     refused(".npz", stream.getvalue(), words)
 
 
-def test_an_array_that_claims_to_be_enormous(refused):
+def test_read_npz_refuses_an_array_that_claims_to_be_enormous(refused):
     head = io.BytesIO()
     np.lib.format.write_array_header_1_0(head, {"descr": "<i8", "fortran_order": False, "shape": (1 << 50,)})
     stream = io.BytesIO()
@@ -232,7 +232,7 @@ ONES = "\n".join(["1"] * N)
         (f"1 {N}\n" + "\n".join(map(str, range(N))), "42 groups, but the limit is a base and 8 handles"),
     ],
 )
-def test_a_wrong_dmat(content, words, refused):
+def test_read_dmat_refuses_a_wrong_dmat(content, words, refused):
     refused(".dmat", content, words)
 
 
@@ -261,5 +261,5 @@ def ply(properties="property int apd_label\n", rows="0 0 0 1\n" * N, n=N, axes="
         ("ply\nformat ascii 1.0\nelement vert\x1b[31m\nend_header\n", "an invalid line"),
     ],
 )
-def test_a_wrong_ply(content, words, refused):
+def test_read_selection_ply_refuses_a_wrong_ply(content, words, refused):
     refused(".ply", content, words)

@@ -16,7 +16,7 @@ from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 
 
 @pytest.mark.parametrize("suffix", SELECTION_FORMATS)
-def test_what_cannot_be_written_leaves_all_as_it_was(suffix, tmp_path, monkeypatch):
+def test_write_selection_leaves_all_as_it_was_when_it_cannot_write(suffix, tmp_path, monkeypatch):
     path = tmp_path / f"a{suffix}"
     path.write_text("old")
 
@@ -40,7 +40,7 @@ def test_what_cannot_be_written_leaves_all_as_it_was(suffix, tmp_path, monkeypat
     assert len(list(tmp_path.iterdir())) == 2
 
 
-def test_a_name_must_name_a_format_and_not_the_mesh(tmp_path):
+def test_write_selection_needs_a_name_that_names_a_format_and_not_the_mesh(tmp_path):
     with pytest.raises(InputError, match=r"use \.json, \.npz, \.ply, \.sel, \.dmat"):
         write_selection(tmp_path / "a.txt", MESH, painted())
     mesh = Mesh(MESH.V, MESH.F, tmp_path / "a.ply")
@@ -49,7 +49,7 @@ def test_a_name_must_name_a_format_and_not_the_mesh(tmp_path):
         write_selection(mesh.path, mesh, painted())
 
 
-def test_a_handle_without_a_base_is_no_dmat_and_leaves_nothing(tmp_path):
+def test_write_selection_refuses_a_handle_without_a_base_in_a_dmat_and_leaves_nothing(tmp_path):
     labels = np.full(N, FREE, dtype=np.uint8)
     labels[0] = HANDLE
     with pytest.raises(InputError, match=r"a\.dmat cannot store an empty base or handle"):

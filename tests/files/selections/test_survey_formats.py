@@ -31,7 +31,7 @@ def file(tmp_path):
         "#\n0\n#0\n1\n1\n2\n# größe\n",
     ],
 )
-def test_labels_come_in_the_order_of_the_file(content, file):
+def test_read_selection_reads_labels_in_the_order_of_the_file(content, file):
     labels = read_selection(file(content), 4)
     assert labels.tolist() == [0, 1, 1, 2]
     assert labels.dtype == np.uint8
@@ -39,7 +39,7 @@ def test_labels_come_in_the_order_of_the_file(content, file):
 
 
 @given(labels=st.lists(st.integers(0, 9), max_size=40))
-def test_any_labels(labels, tmp_path_factory):
+def test_read_selection_reads_any_labels(labels, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / "any.sel"
     path.write_text("# made in a test\n" + "\n".join(map(str, labels)))
     assert read_selection(path, len(labels)).tolist() == labels
@@ -64,7 +64,7 @@ def test_any_labels(labels, tmp_path_factory):
         (bytes(range(256)), "is not a selection"),
     ],
 )
-def test_what_is_no_selection_is_refused(content, words, file):
+def test_read_selection_refuses_what_is_no_selection(content, words, file):
     with pytest.raises(InputError, match=words) as caught:
         read_selection(file(content), 4)
     assert "a.txt" in str(caught.value)
@@ -86,12 +86,12 @@ def text(M):
         text(MATRIX).replace("\n", " ").replace(" ", "\t"),
     ],
 )
-def test_a_transform_is_read_row_by_row(content, file):
+def test_read_transform_reads_row_by_row(content, file):
     np.testing.assert_array_equal(read_transform(file(content)), MATRIX)
 
 
 @given(top=arrays(float, (3, 4), elements=st.floats(allow_nan=False, allow_infinity=False)))
-def test_any_affine_transform(top, tmp_path_factory):
+def test_read_transform_reads_any_affine_transform(top, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / "any.def"
     M = np.vstack([top, [0, 0, 0, 1]])
     path.write_text(text(M))
@@ -113,14 +113,14 @@ def test_any_affine_transform(top, tmp_path_factory):
         (bytes(range(128, 200)), "is not a transform"),
     ],
 )
-def test_what_is_no_transform_is_refused(content, words, file):
+def test_read_transform_refuses_what_is_no_transform(content, words, file):
     with pytest.raises(InputError, match=words) as caught:
         read_transform(file(content))
     assert "a.txt" in str(caught.value)
 
 
 @pytest.mark.parametrize("read", [lambda path: read_selection(path, 4), read_transform])
-def test_files_that_cannot_be_read_at_all(read, tmp_path):
+def test_survey_formats_refuse_files_that_cannot_be_read_at_all(read, tmp_path):
     with pytest.raises(InputError, match=r"There is no file .*gone\.txt"):
         read(tmp_path / "gone.txt")
     with pytest.raises(InputError, match="is a folder, a pipe or a device; name a file instead"):
@@ -129,7 +129,7 @@ def test_files_that_cannot_be_read_at_all(read, tmp_path):
         read(tmp_path / ("x" * 300))
 
 
-def test_a_region_is_what_is_not_zero(file):
+def test_read_region_takes_what_is_not_zero(file):
     assert read_region(file("# neck\n0 1 0 2.5\n-1"), 5).tolist() == [1, 3, 4]
     with pytest.raises(InputError, match="for a mesh of 2 vertices, but this mesh has 5"):
         read_region(file("0 1"), 5)

@@ -16,7 +16,7 @@ def path(tmp_path):
     return tmp_path / "a file.txt"
 
 
-def test_the_new_file_takes_the_place_only_at_the_end(path):
+def test_replacing_puts_the_new_file_in_its_place_only_at_the_end(path):
     path.write_text("old")
     with replacing(path) as scratch:
         scratch.write_text("new")
@@ -25,14 +25,14 @@ def test_the_new_file_takes_the_place_only_at_the_end(path):
     assert list(path.parent.iterdir()) == [path]
 
 
-def test_a_file_that_was_not_there(path):
+def test_replacing_makes_a_file_that_was_not_there(path):
     with replacing(path) as scratch:
         scratch.write_text("new")
         assert not path.exists()
     assert path.read_text() == "new"
 
 
-def test_what_a_killed_writer_left_long_ago_is_cleared_away(path):
+def test_replacing_clears_away_what_a_killed_writer_left_long_ago(path):
     def left(name, age):
         scratch = path.with_name(name)
         scratch.write_text("half")
@@ -48,7 +48,7 @@ def test_what_a_killed_writer_left_long_ago_is_cleared_away(path):
 
 
 @pytest.mark.parametrize("name", ["ü" * 120 + ".txt", "[a]*?.txt", "-.txt"])
-def test_names_that_need_care(tmp_path, name):
+def test_replacing_works_with_names_that_need_care(tmp_path, name):
     for said in ("old", "new"):
         with replacing(tmp_path / name) as scratch:
             scratch.write_text(said)
@@ -56,7 +56,7 @@ def test_names_that_need_care(tmp_path, name):
     assert len(list(tmp_path.iterdir())) == 1
 
 
-def test_the_scratch_file_is_beside_it_and_of_its_kind(path):
+def test_replacing_has_its_scratch_file_beside_the_file_and_of_its_kind(path):
     with replacing(path) as scratch:
         # Another folder could be another disk, from which nothing can be renamed.
         assert scratch.parent == path.parent
@@ -67,7 +67,7 @@ def test_the_scratch_file_is_beside_it_and_of_its_kind(path):
 
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, InputError])
 @pytest.mark.parametrize("old", ["old", None])
-def test_an_error_on_the_way_changes_nothing_and_is_passed_on(error, old, path):
+def test_replacing_changes_nothing_on_an_error_on_the_way_and_passes_it_on(error, old, path):
     if old:
         path.write_text(old)
     with pytest.raises(error, match="broken off"), replacing(path) as scratch:  # noqa: PT012
@@ -77,7 +77,7 @@ def test_an_error_on_the_way_changes_nothing_and_is_passed_on(error, old, path):
 
 
 @pytest.mark.parametrize("code", [errno.ENOSPC, errno.EACCES, errno.EROFS, errno.EDQUOT, errno.EIO])
-def test_what_the_system_refuses_becomes_a_sentence(code, path):
+def test_replacing_says_in_a_sentence_what_the_system_refuses(code, path):
     path.write_text("old")
     with pytest.raises(InputError) as caught, replacing(path) as scratch:  # noqa: PT012
         scratch.write_text("half")
@@ -90,7 +90,7 @@ def test_what_the_system_refuses_becomes_a_sentence(code, path):
 
 
 @pytest.mark.parametrize("step", ["fsync", "chmod", "replace"])
-def test_a_refusal_at_any_later_step_changes_nothing_either(step, path, monkeypatch):
+def test_replacing_changes_nothing_on_a_refusal_at_any_later_step_either(step, path, monkeypatch):
     def refuse(*args, **kwargs):
         raise OSError(errno.EIO, "Input/output error")
 
@@ -102,7 +102,7 @@ def test_a_refusal_at_any_later_step_changes_nothing_either(step, path, monkeypa
     assert [p.read_text() for p in path.parent.iterdir()] == ["old"]
 
 
-def test_it_is_on_the_disk_before_it_takes_the_place(path, monkeypatch):
+def test_replacing_has_the_file_on_the_disk_before_it_takes_the_place(path, monkeypatch):
     """Or a power cut between the two leaves an empty file under the name."""
     order = []
     fsync, replace = os.fsync, Path.replace
@@ -123,20 +123,20 @@ def test_it_is_on_the_disk_before_it_takes_the_place(path, monkeypatch):
     assert order == [("flushed", inode, 5), ("took the place", inode)]
 
 
-def test_a_missing_folder_is_a_sentence(tmp_path):
+def test_replacing_says_in_a_sentence_that_a_folder_is_missing(tmp_path):
     with pytest.raises(InputError, match="cannot be written"), replacing(tmp_path / "gone" / "a.txt"):
         pytest.fail("there is nothing to write to")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_name_that_is_longer_than_names_can_be(tmp_path):
+def test_replacing_refuses_a_name_that_is_longer_than_names_can_be(tmp_path):
     path = tmp_path / ("x" * 300 + ".txt")
     with pytest.raises(InputError, match="cannot be written"), replacing(path) as scratch:
         scratch.write_text("new")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_two_writers_at_once_do_not_mix(path):
+def test_replacing_does_not_mix_two_writers_at_once(path):
     with replacing(path) as first:
         first.write_text("first")
         with replacing(path) as second:
@@ -148,7 +148,7 @@ def test_two_writers_at_once_do_not_mix(path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="Windows lets only administrators make symbolic links")
-def test_a_link_stays_a_link_and_its_file_is_replaced(tmp_path):
+def test_replacing_lets_a_link_stay_a_link_and_replaces_its_file(tmp_path):
     (tmp_path / "folder").mkdir()
     real, link = tmp_path / "folder" / "real.txt", tmp_path / "link.txt"
     real.write_text("old")

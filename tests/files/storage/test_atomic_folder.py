@@ -12,7 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_folder import filling
 
 
-def test_the_files_are_there_at_the_end_and_not_before(tmp_path):
+def test_filling_has_the_files_there_at_the_end_and_not_before(tmp_path):
     folder = tmp_path / "a" / "b"
     with filling(folder) as scratch:
         (scratch / "deep").mkdir()
@@ -24,7 +24,7 @@ def test_the_files_are_there_at_the_end_and_not_before(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
 
 
-def test_what_goes_wrong_leaves_all_as_it_was(tmp_path):
+def test_filling_leaves_all_as_it_was_when_something_goes_wrong(tmp_path):
     (tmp_path / "two.txt").write_text("old")
 
     def fill():
@@ -38,7 +38,7 @@ def test_what_goes_wrong_leaves_all_as_it_was(tmp_path):
     assert (tmp_path / "two.txt").read_text() == "old"
 
 
-def test_a_file_in_the_way_is_said_before_any_work(tmp_path):
+def test_filling_says_before_any_work_that_a_file_is_in_the_way(tmp_path):
     (tmp_path / "taken").write_text("")
     for folder in (tmp_path / "taken", tmp_path / "taken" / "below"):
         with pytest.raises(InputError, match=r"cannot be written .+choose another location"):
@@ -58,7 +58,7 @@ with filling(Path(sys.argv[1])) as scratch:
 
 
 @pytest.mark.parametrize("age", [-1e8, 0.0, 1e8], ids=["of the future", "of now", "of 3 years ago"])
-def test_only_the_scratch_of_the_dead_is_cleared_away_whatever_its_age(tmp_path, age):
+def test_filling_clears_away_only_the_scratch_of_the_dead_whatever_its_age(tmp_path, age):
     command = [sys.executable, "-c", KILLED, str(tmp_path / "out")]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
         theirs = Path(other.stdout.readline().strip())
@@ -74,7 +74,7 @@ def test_only_the_scratch_of_the_dead_is_cleared_away_whatever_its_age(tmp_path,
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_disk_without_locks_is_written_to(tmp_path, monkeypatch):
+def test_filling_writes_to_a_disk_without_locks(tmp_path, monkeypatch):
     def refused(*_):
         raise OSError(95, "Operation not supported")
 

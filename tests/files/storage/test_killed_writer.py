@@ -86,7 +86,7 @@ def _wait_for_scratch_file(folder: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="forks with threads running, safe on Linux alone")
-def test_a_killed_writer_leaves_the_old_file_or_the_new_one(tmp_path):
+def test_save_mesh_leaves_the_old_file_or_the_new_one_when_the_writer_is_killed(tmp_path):
     found = killed_writers(KILLS, tmp_path, "a mesh.ply")
     # Otherwise nothing was being written when it was killed.
     assert min(found["old"], found["new"], found["scratch files left behind"]) > 0, found

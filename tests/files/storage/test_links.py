@@ -22,7 +22,7 @@ def circle(tmp_path, monkeypatch):
     assert second.is_symlink()
 
 
-def test_other_links_are_followed(tmp_path):
+def test_followed_goes_along_links_that_lead_in_no_circle(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "to")
     assert followed(tmp_path / "link" / "x") == (tmp_path / "to" / "x").resolve()
     assert not leads_in_a_circle(tmp_path / "link")
@@ -31,7 +31,7 @@ def test_other_links_are_followed(tmp_path):
     assert (tmp_path / "to").read_text() == "text"
 
 
-def test_no_file_replaces_a_circle(circle):
+def test_replacing_replaces_no_circle_by_a_file(circle):
     assert leads_in_a_circle(circle)
     with (
         pytest.raises(InputError, match=r"cannot be written \(Too many levels of symbolic links\)"),
@@ -41,7 +41,7 @@ def test_no_file_replaces_a_circle(circle):
 
 
 @pytest.mark.parametrize("below", ["", "folder", "folder/below"])
-def test_no_folder_replaces_a_circle(circle, below):
+def test_filling_replaces_no_circle_by_a_folder(circle, below):
     with pytest.raises(InputError, match="Too many levels of symbolic links"), filling(circle / below):
         pytest.fail("what takes long comes after the check")
 
@@ -66,7 +66,7 @@ def test_no_folder_replaces_a_circle(circle, below):
         "first.obj",
     ],
 )
-def test_commands_say_a_sentence(circle, words, capsys):
+def test_main_says_in_a_sentence_that_links_lead_in_a_circle(circle, words, capsys):
     assert main(words.split()) == 2
     said = capsys.readouterr()
     assert said.out == ""

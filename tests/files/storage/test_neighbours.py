@@ -146,7 +146,7 @@ def opened_in_a_child(good, asked, control):
     return json.loads(done.stdout)
 
 
-def test_nothing_outside_is_opened(folder):
+def test_content_beside_opens_nothing_outside(folder):
     good = folder.parent / "good"
     good.mkdir()
     asked, control = outsiders(folder), with_buffer(folder.parent / "outside", "four.bin")[0]
@@ -164,7 +164,7 @@ def test_nothing_outside_is_opened(folder):
     assert found[str(control)] == [None, [str(control), str(control.with_name("four.bin"))]]
 
 
-def test_what_is_no_file_is_missing_at_once(folder):
+def test_content_beside_misses_what_is_no_file_at_once(folder):
     os.mkfifo(folder / "pipe")
     good = gltf(folder.parent)
     paths = [
@@ -183,7 +183,7 @@ def test_what_is_no_file_is_missing_at_once(folder):
 
 
 @pytest.mark.parametrize("uri", ["sub/four.bin", "./sub/four.bin", "s%75b/four.bin", "sub/../sub/four.bin"])
-def test_what_lies_below_opens_and_comes_back_byte_for_byte(folder, uri):
+def test_content_beside_opens_what_lies_below_and_that_comes_back_byte_for_byte(folder, uri):
     path, content = with_buffer(folder, uri)
     (folder / "sub" / "four.bin").write_bytes(content)
     mesh = open_mesh(path)
@@ -194,7 +194,7 @@ def test_what_lies_below_opens_and_comes_back_byte_for_byte(folder, uri):
 
 
 @pytest.mark.parametrize("name", ["../four.png", "..\\four.png", "./four.png"])
-def test_an_image_is_named_from_the_folder_of_its_materials(folder, name):
+def test_images_of_names_an_image_from_the_folder_of_its_materials(folder, name):
     path = replaced(obj(folder), "mesh.obj", "square.mtl", "sub\\square.mtl")
     text = (folder / "square.mtl").read_text(encoding="utf-8").replace("four.png", name)
     (folder / "sub" / "square.mtl").write_text(text, encoding="utf-8")
@@ -206,7 +206,7 @@ def test_an_image_is_named_from_the_folder_of_its_materials(folder, name):
     assert (folder / "again.obj").read_bytes() == path.read_bytes()
 
 
-def test_a_link_within_the_folder_and_a_folder_that_is_one_are_followed(folder):
+def test_content_beside_follows_a_link_within_the_folder_and_a_folder_that_is_one(folder):
     path, content = with_buffer(folder, "here.bin")
     (folder / "sub" / "four.bin").write_bytes(content)
     (folder / "here.bin").symlink_to("sub/four.bin")
@@ -214,7 +214,7 @@ def test_a_link_within_the_folder_and_a_folder_that_is_one_are_followed(folder):
     assert len(open_mesh(path).V) == len(open_mesh(folder.parent / "way" / path.name).V) == 6
 
 
-def test_a_copy_is_not_written_where_its_buffer_would_be_outside(folder):
+def test_save_mesh_writes_no_copy_where_its_buffer_would_be_outside(folder):
     path, content = with_buffer(folder, "four.bin")
     (folder / "four.bin").write_bytes(content)
     mesh, target = open_mesh(path), folder / "sub" / "copy.gltf"
@@ -224,7 +224,7 @@ def test_a_copy_is_not_written_where_its_buffer_would_be_outside(folder):
     assert not target.exists()
 
 
-def test_a_mesh_without_a_file_has_no_neighbours(folder, monkeypatch):
+def test_homeless_leaves_a_mesh_without_a_file_and_so_without_neighbours(folder, monkeypatch):
     (folder / "four.png").write_bytes(image())
     mesh = open_mesh(with_image(folder, "four.png", "image.gltf"))
     monkeypatch.chdir(folder)
@@ -232,7 +232,7 @@ def test_a_mesh_without_a_file_has_no_neighbours(folder, monkeypatch):
     assert mesh.homeless().texture[1].startswith("The texture four.png is missing")
 
 
-def test_a_buffer_that_is_shorter_than_it_says_is_refused(folder):
+def test_buffers_of_refuses_a_buffer_that_is_shorter_than_it_says(folder):
     path, content = with_buffer(folder, "four.bin")
     (folder / "four.bin").write_bytes(content[:-1])
     with pytest.raises(
@@ -241,7 +241,7 @@ def test_a_buffer_that_is_shorter_than_it_says_is_refused(folder):
         open_mesh(path)
 
 
-def test_no_more_of_a_buffer_is_read_than_it_says(folder):
+def test_buffers_of_reads_no_more_of_a_buffer_than_it_says(folder):
     path, content = with_buffer(folder, "four.bin")
     (folder / "four.bin").write_bytes(content)
     os.truncate(folder / "four.bin", 4 * neighbours.LARGEST)  # sparse: on the disk it takes no place
@@ -249,7 +249,7 @@ def test_no_more_of_a_buffer_is_read_than_it_says(folder):
 
 
 @pytest.mark.parametrize("kind", ["buffer", "buffers", "image", "library"])
-def test_files_without_end_are_not_read(folder, kind, monkeypatch):
+def test_content_beside_does_not_read_files_without_end(folder, kind, monkeypatch):
     with (folder / "huge").open("wb") as stream:
         stream.truncate(neighbours.LARGEST + 1)
     if kind == "library":
@@ -280,5 +280,5 @@ def test_embedded_content_is_bounded(tmp_path, monkeypatch):
         open_mesh(path)
 
 
-def test_the_good_square_is_what_the_others_were_made_from(tmp_path):
+def test_open_mesh_opens_the_good_square_that_the_others_were_made_from(tmp_path):
     assert [len(np.unique(open_mesh(make(tmp_path)).F)) for make in (obj, ply, gltf, glb)] == [6] * 4

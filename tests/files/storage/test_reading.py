@@ -30,12 +30,12 @@ def others(pipe, tmp_path):
     return [pipe.path, tmp_path / "link", tmp_path / "zero", "/dev/zero", "/dev/null", tmp_path]
 
 
-def test_the_pipe_sees_a_reader(pipe):
+def test_reading_of_a_pipe_is_seen_by_the_pipe(pipe):
     assert pipe.path.read_bytes() == b""
     assert pipe.opened
 
 
-def test_what_is_no_regular_file_is_not_opened(pipe, others):
+def test_reading_does_not_open_what_is_no_regular_file(pipe, others):
     for path in others:
         for read in (opened, bytes_of):
             with pytest.raises(NotRegularError, match="no regular file"):
@@ -48,7 +48,7 @@ def test_what_is_no_regular_file_is_not_opened(pipe, others):
     assert not pipe.opened
 
 
-def test_a_pipe_that_takes_the_place_of_a_file_is_not_waited_for(tmp_path, monkeypatch):
+def test_opened_does_not_wait_for_a_pipe_that_takes_the_place_of_a_file(tmp_path, monkeypatch):
     path = tmp_path / "file"
     path.write_bytes(b"1")
     real = os.open
@@ -67,7 +67,7 @@ def test_a_pipe_that_takes_the_place_of_a_file_is_not_waited_for(tmp_path, monke
     guard.cancel()
 
 
-def test_a_file_is_read_whole_also_through_a_link_and_by_a_descriptor(tmp_path):
+def test_bytes_of_reads_a_file_whole_also_through_a_link_and_by_a_descriptor(tmp_path):
     content = os.urandom(3_000_000)
     (tmp_path / "file").write_bytes(content)
     (tmp_path / "link").symlink_to("file")
@@ -76,7 +76,7 @@ def test_a_file_is_read_whole_also_through_a_link_and_by_a_descriptor(tmp_path):
         assert bytes_of(f"/proc/self/fd/{stream.fileno()}") == content
 
 
-def test_names_of_no_file_are_said(tmp_path):
+def test_content_of_says_names_of_no_file(tmp_path):
     for name in ("gone", "a\0b"):
         with pytest.raises(InputError, match=r"^There is no file .*; check the name\.$"):
             content_of(tmp_path / name)
@@ -85,7 +85,7 @@ def test_names_of_no_file_are_said(tmp_path):
         content_of(tmp_path / "loop")
 
 
-def test_files_of_the_kernel_that_wait_or_never_end_are_as_long_as_they_say():
+def test_bytes_of_takes_files_of_the_kernel_that_wait_or_never_end_to_be_as_long_as_they_say():
     assert bytes_of("/proc/self/mem") == b""
 
 
@@ -105,7 +105,7 @@ OF_THEIR_OWN = {
 READS = re.compile(r"""\.read_(bytes|text)\(|\bopen\((["']r|\))|\bQ(Pixmap|Image|File)\(str\(""")
 
 
-def test_nothing_else_opens_what_is_named():
+def test_reading_alone_opens_what_is_named():
     package = Path(apd_viewer.__file__).parent
     found = {
         path.relative_to(package).as_posix()

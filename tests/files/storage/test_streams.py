@@ -64,7 +64,7 @@ def pipe(tmp_path):
     return path
 
 
-def test_a_pipe_that_is_read_gets_all(pipe, tmp_path):
+def test_replacing_gives_all_to_a_pipe_that_is_read(pipe, tmp_path):
     link = tmp_path / "link.obj"
     link.symlink_to(pipe)
     for path in (pipe, link):
@@ -77,20 +77,20 @@ def test_a_pipe_that_is_read_gets_all(pipe, tmp_path):
     assert sorted(tmp_path.iterdir()) == [link, pipe]
 
 
-def test_a_reader_that_has_seen_enough_is_no_error(pipe):
+def test_replacing_takes_a_reader_that_has_seen_enough_for_no_error(pipe):
     with read(pipe, most=10) as found:
         write(pipe, "x" * 2_000_000)
     assert found == [b"x" * 10]
 
 
-def test_a_pipe_that_nobody_reads_is_refused_without_waiting(pipe):
+def test_replacing_refuses_a_pipe_that_nobody_reads_without_waiting(pipe):
     with pytest.raises(InputError, match="no program reads from it"):
         write(pipe)
     assert kind(pipe) == stat.S_IFIFO
 
 
 @pytest.mark.parametrize(("device", "refused"), [("/dev/null", ""), ("/dev/full", "No space left on device")])
-def test_devices_and_links_to_them_stay(device, refused, tmp_path):
+def test_replacing_lets_devices_and_links_to_them_stay(device, refused, tmp_path):
     link = tmp_path / "link.obj"
     link.symlink_to(device)
     for path in (Path(device), link):
@@ -101,7 +101,7 @@ def test_devices_and_links_to_them_stay(device, refused, tmp_path):
     assert list(tmp_path.iterdir()) == [link]
 
 
-def test_what_takes_no_content_is_refused_before_any_work(tmp_path, monkeypatch):
+def test_replacing_refuses_what_takes_no_content_before_any_work(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # names of sockets are short
     with socket.socket(socket.AF_UNIX) as own:
         own.bind("a.obj")
@@ -115,14 +115,14 @@ def test_what_takes_no_content_is_refused_before_any_work(tmp_path, monkeypatch)
     assert sorted(each.name for each in tmp_path.iterdir()) == ["a.obj", "loop.obj"]
 
 
-def test_a_folder_is_filled_around_a_pipe_never_over_it(tmp_path):
+def test_filling_fills_a_folder_around_a_pipe_never_over_it(tmp_path):
     os.mkfifo(tmp_path / "b.txt")
     with pytest.raises(InputError, match="no regular file"), filling(tmp_path) as scratch:
         (scratch / "b.txt").write_text("new")
     assert kind(tmp_path / "b.txt") == stat.S_IFIFO
 
 
-def test_a_mesh_goes_through_a_link_to_nowhere(bar, tmp_path):
+def test_save_mesh_writes_a_mesh_through_a_link_to_nowhere(bar, tmp_path):
     path = tmp_path / "nowhere.obj"
     path.symlink_to("/dev/null")
     save_mesh(bar, bar.V, path)
@@ -139,7 +139,7 @@ def output_of(words, **streams):
 
 
 @pytest.mark.parametrize("to_file", [False, True])
-def test_a_report_on_the_standard_output_comes_with_what_else_is_printed(bar, tmp_path, to_file):
+def test_volumes_writes_a_report_on_the_standard_output_with_what_else_is_printed(bar, tmp_path, to_file):
     mesh, kept = tmp_path / "bar.obj", tmp_path / "kept.txt"
     save_mesh(bar, bar.V, mesh)
     words = "volumes", mesh, "--json", "/dev/stdout"
@@ -154,7 +154,7 @@ def test_a_report_on_the_standard_output_comes_with_what_else_is_printed(bar, tm
     assert "bar" in said.decode()[end:]
 
 
-def test_the_command_line_says_it_in_a_sentence(bar, tmp_path, capsys):
+def test_volumes_says_in_a_sentence_that_no_space_is_left(bar, tmp_path, capsys):
     mesh, full = tmp_path / "bar.obj", tmp_path / "full.json"
     save_mesh(bar, bar.V, mesh)
     full.symlink_to("/dev/full")

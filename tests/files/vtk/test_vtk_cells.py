@@ -23,7 +23,7 @@ def opened(path, content):
     return open_mesh(path)
 
 
-def test_strips_turn_as_those_of_vtk(tmp_path):
+def test_read_vtp_and_read_vtk_turn_strips_as_vtk_does(tmp_path):
     ball = pyvista.PolyData.from_regular_faces(*tube(8, 5))
     stripped = ball.strip()
     assert stripped.n_strips > 1
@@ -36,7 +36,7 @@ def test_strips_turn_as_those_of_vtk(tmp_path):
         np.testing.assert_allclose(own, expected, atol=1e-6)
 
 
-def test_pixels_strips_and_lines_of_a_grid(tmp_path):
+def test_read_vtu_and_read_vtk_take_pixels_strips_and_lines_of_a_grid(tmp_path):
     points = np.array([[x, y, 0.0] for y in (0, 1) for x in (0, 1, 2, 3)])
     # A line, a pixel, a strip of three triangles, a vertex.
     cells = [2, 0, 1, 4, 0, 1, 4, 5, 5, 1, 5, 2, 6, 3, 1, 7]
@@ -51,7 +51,7 @@ def test_pixels_strips_and_lines_of_a_grid(tmp_path):
         assert (area[2:] < 0).all() or (area[2:] > 0).all()
 
 
-def test_several_pieces_are_one_mesh(tmp_path):
+def test_read_vtp_makes_one_mesh_of_several_pieces(tmp_path):
     one = vtp(CUBE, QUADS).decode()
     start, end = one.index("<Piece"), one.index("</PolyData>")
     both = one[:end] + one[start:end].replace("0.3333333333333333", "0.5") + one[end:]
@@ -75,7 +75,7 @@ def test_several_pieces_are_one_mesh(tmp_path):
     "inside", ["<InformationKey name='a'/>", "<InformationKey name='a' ></InformationKey >"]
 )
 @pytest.mark.parametrize("behind", [False, True])
-def test_values_stand_before_or_behind_what_is_said_of_them(form, inside, behind, tmp_path):
+def test_text_span_finds_values_before_or_behind_what_is_said_of_them(form, inside, behind, tmp_path):
     content = vtp(CUBE, QUADS, form)
     array = content.index(b'Name="Points"')
     place = content.index(b"</", array) if behind else content.index(b">", array) + 1
@@ -86,7 +86,7 @@ def test_values_stand_before_or_behind_what_is_said_of_them(form, inside, behind
     assert inside in (tmp_path / "out.vtp").read_text()
 
 
-def test_a_place_of_data_that_is_none_is_named_where_it_matters(tmp_path):
+def test_vtk_xml_file_names_a_place_of_data_that_is_none_where_it_matters(tmp_path):
     content = vtp(*BOX, "appended", compressed=True)
     layer = content.index(b'Name="layer"')
     place = content.index(b'offset="', layer) + len(b'offset="')
@@ -97,7 +97,7 @@ def test_a_place_of_data_that_is_none_is_named_where_it_matters(tmp_path):
     save_mesh(mesh, mesh.V + np.pi, tmp_path / "out.obj")
 
 
-def test_what_another_format_loses_is_named(tmp_path, capsys):
+def test_dropped_names_what_another_format_loses(tmp_path, capsys):
     mesh = opened(tmp_path / "in.vtp", vtp(CUBE, QUADS))
     assert dropped(mesh, "out.obj") == ("point data (heat)", "cell data (layer)")
     assert dropped(mesh, "out.vtp") == ()
@@ -149,7 +149,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_is_no_surface_is_refused_in_a_sentence(name, tmp_path):
+def test_open_mesh_refuses_vtk_files_of_no_surface_in_a_sentence(name, tmp_path):
     content, words = REFUSED[name]
     with pytest.raises(InputError, match=words) as refused:
         opened(tmp_path / name, content)
@@ -164,7 +164,7 @@ def huge(content, sizes):
 
 
 @pytest.mark.parametrize("size", [2**31, 2**32 - 1])
-def test_absurd_sizes_of_appended_arrays_are_refused(size, tmp_path):
+def test_xml_arrays_refuse_absurd_sizes_of_appended_arrays(size, tmp_path):
     word = np.uint32(size).tobytes()
     with pytest.raises(InputError, match="ends early"):
         opened(tmp_path / "a.vtp", huge(vtp(CUBE, QUADS, "appended"), word))
@@ -178,7 +178,7 @@ def test_absurd_sizes_of_appended_arrays_are_refused(size, tmp_path):
             opened(tmp_path / "b.vtp", huge(packed, sizes))
 
 
-def test_one_array_named_a_thousand_times_is_refused(tmp_path):
+def test_xml_arrays_refuse_one_array_that_is_named_a_thousand_times(tmp_path):
     for compressed, words in ((False, "at one place"), (True, "at one place|and more")):
         V = np.zeros((20_000, 3))
         V[:3] = np.eye(3)
@@ -188,7 +188,7 @@ def test_one_array_named_a_thousand_times_is_refused(tmp_path):
             opened(tmp_path / "many.vtp", text[:end] + 1000 * text[start:end] + text[end:])
 
 
-def test_long_files_of_nothing_are_refused_in_no_time(tmp_path):
+def test_open_mesh_refuses_long_vtk_files_of_nothing_in_no_time(tmp_path):
     """Patterns that look on to the end of the file from every place in it would take minutes."""
     legacy = legacy_vtk(CUBE, QUADS)
     head = legacy.split(b"FIELD")[0]
@@ -205,7 +205,7 @@ def test_long_files_of_nothing_are_refused_in_no_time(tmp_path):
         assert time.process_time() - began < 10.0
 
 
-def test_volume_and_curved_cells_say_what_to_do_first(tmp_path):
+def test_check_types_says_of_volume_and_curved_cells_what_to_do_first(tmp_path):
     solid = pyvista.ImageData(dimensions=(3, 3, 3)).cast_to_unstructured_grid()
     curved = pyvista.UnstructuredGrid(np.array([6, 0, 1, 2, 3, 4, 5]), np.array([22]), np.eye(6, 3))
     for grid, words in ((solid, "extract its surface first"), (curved, "make triangles first")):
@@ -216,7 +216,7 @@ def test_volume_and_curved_cells_say_what_to_do_first(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".pvd", ".pvtu", ".pvtp", ".vtm", ".VTM"])
-def test_files_that_refer_to_others_are_not_followed(suffix, tmp_path):
+def test_open_mesh_does_not_follow_files_that_refer_to_others(suffix, tmp_path):
     path = tmp_path / f"set{suffix}"
     inside = '<Collection><DataSet file="/etc/passwd"/></Collection>'
     path.write_text(f'<VTKFile type="Collection">{inside}</VTKFile>')

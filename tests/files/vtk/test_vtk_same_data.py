@@ -85,14 +85,18 @@ def check(path):
 
 
 @pytest.mark.parametrize(("kind", "mode", "compression", "header", "order"), XML)
-def test_xml(kind, mode, compression, header, order, tmp_path):
+def test_vtk_xml_file_is_read_as_vtk_reads_it_and_written_back_with_all_else_as_it_was(
+    kind, mode, compression, header, order, tmp_path
+):
     path = tmp_path / f"in.{kind}"
     written(path, kind, mode, compression, header, order)
     check(path)
 
 
 @pytest.mark.parametrize(("kind", "binary", "version"), LEGACY)
-def test_legacy(kind, binary, version, tmp_path):
+def test_vtk_legacy_file_is_read_as_vtk_reads_it_and_written_back_with_all_else_as_it_was(
+    kind, binary, version, tmp_path
+):
     path = tmp_path / "in.vtk"
     writer = vtk.vtkPolyDataWriter() if kind == "vtp" else vtk.vtkUnstructuredGridWriter()
     writer.SetFileName(str(path))
@@ -106,7 +110,7 @@ def test_legacy(kind, binary, version, tmp_path):
     check(path)
 
 
-def test_the_range_that_a_file_declares_is_that_of_its_points(tmp_path):
+def test_vtk_xml_file_declares_the_range_of_its_points(tmp_path):
     path, out = tmp_path / "in.vtp", tmp_path / "out.vtp"
     written(path, "vtp", "ascii", "plain", "UInt32", "Little")
     mesh = open_mesh(path)
@@ -121,7 +125,7 @@ def test_the_range_that_a_file_declares_is_that_of_its_points(tmp_path):
 
 
 @pytest.mark.parametrize("period", [1, 10_000])
-def test_lz4_blocks_of_what_repeats_are_unpacked_in_the_room_that_it_takes(period):
+def test_lz4_block_of_what_repeats_is_unpacked_in_the_room_that_it_takes(period):
     data = np.random.default_rng(0).bytes(period) * (300_000 // period)
     block = vtk.vtkLZ4DataCompressor().Compress(data, len(data))
     assert block.GetNumberOfValues() < 0.1 * len(data)

@@ -27,7 +27,7 @@ def sorted_changes(U, F=F, rest=REST):
 
 
 @pytest.mark.parametrize("strength", [1e-6, 1e-3, 0.1, 2.0])
-def test_mean_percentile_and_largest_are_those_of_the_sorted_triangles(strength):
+def test_local_change_has_mean_percentile_and_largest_of_the_sorted_triangles(strength):
     U = stretched(strength)
     found, (change, share) = local_change(U, F, REST), sorted_changes(U)
     assert found.mean == pytest.approx((change * np.diff(share, prepend=0.0)).sum(), rel=1e-9, abs=1e-16)
@@ -38,7 +38,7 @@ def test_mean_percentile_and_largest_are_those_of_the_sorted_triangles(strength)
 
 
 @pytest.mark.parametrize("strength", [1e-3, 0.1, 2.0])
-def test_the_shares_are_those_of_a_histogram_weighted_by_the_area_at_rest(strength):
+def test_local_change_shares_are_those_of_a_histogram_weighted_by_the_area_at_rest(strength):
     U = stretched(strength)
     ratio = np.log2(face_areas(U, F) / REST)
     reach = 1.1 * np.abs(ratio).max()
@@ -49,7 +49,7 @@ def test_the_shares_are_those_of_a_histogram_weighted_by_the_area_at_rest(streng
     assert shares.sum() == pytest.approx(1.0, abs=1e-12)
 
 
-def test_what_is_only_turned_has_not_changed_but_for_rounding():
+def test_local_change_of_what_is_only_turned_is_none_but_for_rounding():
     found = local_change(V @ rotation([1, 2, 3], 0.7).T + [5.0, 0.0, 1.0], F, REST)
     assert found.largest < 1e-12
     assert found.shares(np.array([-1e-9, 1e-9]))[0] == pytest.approx(1.0, abs=1e-12)
@@ -58,7 +58,7 @@ def test_what_is_only_turned_has_not_changed_but_for_rounding():
     assert still.shares(np.array([-1e-9, 1e-9]))[0] == pytest.approx(1.0, abs=1e-12)
 
 
-def test_halved_and_doubled_lie_equally_far_from_unchanged():
+def test_local_change_puts_halved_and_doubled_equally_far_from_unchanged():
     edges = np.linspace(-2.55, 2.55, 52)  # none of them at one
     doubled = local_change(np.sqrt(2.0) * V, F, REST).shares(edges)
     halved = local_change(np.sqrt(0.5) * V, F, REST).shares(edges)
@@ -66,7 +66,7 @@ def test_halved_and_doubled_lie_equally_far_from_unchanged():
     assert doubled[np.searchsorted(edges, 1.0) - 1] == pytest.approx(1.0)
 
 
-def test_a_share_is_of_the_area_at_rest_and_of_nothing_else():
+def test_local_change_shares_are_of_the_area_at_rest_and_of_nothing_else():
     """A third of a plane, of few large triangles, doubled, the rest, of many small ones, as it was."""
     X = np.array(
         [[0, 0, 0], [1, 0, 0], [0, 2, 0], [1, 2, 0]] + [[k, y, 5] for k in range(5) for y in (0, 1.0)]
@@ -84,7 +84,7 @@ def test_a_share_is_of_the_area_at_rest_and_of_nothing_else():
     assert found.p99 == pytest.approx(1.0, rel=1 / 64)
 
 
-def test_collapsed_and_huge_triangles_are_counted_and_slivers_are_not():
+def test_local_change_counts_collapsed_and_huge_triangles_and_no_slivers():
     V, F = box(1, 1, 1)
     flat = local_change(V * [0.0, 1.0, 1.0], F, face_areas(V, F))
     assert flat.largest == 1.0

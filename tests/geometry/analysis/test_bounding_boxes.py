@@ -17,7 +17,7 @@ KNOWN |= {"tetrahedron": (TETRAHEDRON, 8.0), "plate": (meshes.box(1, 20, 20)[0],
 
 @pytest.mark.parametrize("turn", range(3))
 @pytest.mark.parametrize("name", KNOWN)
-def test_the_smallest_box_is_found_however_the_shape_lies(name, turn):
+def test_hull_readings_find_the_smallest_box_however_the_shape_lies(name, turn):
     points, smallest = KNOWN[name]
     rng = np.random.default_rng(turn)
     R = meshes.rotation(rng.normal(size=3), rng.uniform(0, np.pi))
@@ -27,7 +27,7 @@ def test_the_smallest_box_is_found_however_the_shape_lies(name, turn):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_no_box_of_many_orientations_is_smaller(seed):
+def test_hull_readings_have_no_larger_box_than_any_of_many_orientations(seed):
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(60, 3)) * [4, 2, 1]
     packed = hull_readings(points).box
@@ -37,7 +37,7 @@ def test_no_box_of_many_orientations_is_smaller(seed):
     assert packed > 0.8 * tried
 
 
-def test_what_is_flat_takes_no_room():
+def test_hull_readings_and_check_shape_give_what_is_flat_no_room():
     V, F = meshes.grid(4, 3)
     assert hull_readings(V @ meshes.rotation([1, 2, 3], 0.8).T).box == 0.0
     found = check_shape(V, F)
@@ -45,12 +45,12 @@ def test_what_is_flat_takes_no_room():
     assert len(found.crossing) == 0
 
 
-def test_a_vertex_without_a_face_takes_no_room():
+def test_check_shape_gives_a_vertex_without_a_face_no_room():
     V, F = meshes.box(1, 2, 3)
     assert check_shape(np.vstack([V, [[90, 90, 90]]]), F).packed == pytest.approx(6.0, rel=1e-9)
 
 
-def test_a_ball_is_the_most_compact():
+def test_compactness_is_greatest_of_a_ball():
     assert compactness(1.0, 6.0) == pytest.approx(np.pi / 6)
     V, F = meshes.sphere(4)
     assert 0.99 < compactness(volume(V, F), area(V, F)) < 1.0

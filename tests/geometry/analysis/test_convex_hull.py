@@ -39,7 +39,7 @@ def tried(points):
 
 @pytest.mark.parametrize("turn", range(3))
 @pytest.mark.parametrize("name", KNOWN)
-def test_closed_forms_however_the_shape_lies(name, turn):
+def test_convex_hull_and_minimum_width_have_closed_forms_however_the_shape_lies(name, turn):
     points, width, volume = KNOWN[name]
     rng = np.random.default_rng(turn)
     placed = 1e-3 * points @ meshes.rotation(rng.normal(size=3), rng.uniform(0, np.pi)).T + [50, 0, -7]
@@ -48,7 +48,7 @@ def test_closed_forms_however_the_shape_lies(name, turn):
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_no_pair_of_edges_is_nearer(seed):
+def test_minimum_width_is_no_more_than_between_any_pair_of_edges(seed):
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(rng.integers(4, 40), 3)) * rng.uniform(0.2, 3.0, size=3)
     if seed % 2:  # every point is a corner
@@ -56,7 +56,7 @@ def test_no_pair_of_edges_is_nearer(seed):
     assert width_of(points) == pytest.approx(tried(points), rel=1e-12)
 
 
-def test_of_very_many_corners_a_part_is_enough():
+def test_minimum_width_needs_only_a_part_of_very_many_corners():
     V, _ = meshes.sphere(5)
     assert len(convex_hull(V).corners) == len(V) > 4000
     assert 2 * (1 - 1e-3) < width_of(V) <= 2.0
@@ -64,7 +64,7 @@ def test_of_very_many_corners_a_part_is_enough():
     assert width_of(stretched) == pytest.approx(2.0, rel=1e-3)
 
 
-def test_a_side_of_the_smallest_box_can_be_no_shorter():
+def test_hull_readings_have_no_side_of_the_smallest_box_below_the_width():
     rng = np.random.default_rng(3)
     for _ in range(4):
         found = hull_readings(rng.normal(size=(30, 3)) * [1, 2, 5])
@@ -73,7 +73,7 @@ def test_a_side_of_the_smallest_box_can_be_no_shorter():
         assert found.volume <= found.box
 
 
-def test_what_is_flat_has_sides_and_nothing_else():
+def test_hull_readings_of_what_is_flat_have_sides_and_nothing_else():
     V, _ = meshes.grid(4, 3)
     found = hull_readings(V @ meshes.rotation([1, 2, 3], 0.8).T)
     assert (found.volume, found.width, found.box, found.bulk()) == (0.0, 0.0, 0.0, 0.0)

@@ -29,7 +29,7 @@ triangle = st.lists(st.integers(0, 7), min_size=3, max_size=3, unique=True)
 
 
 @given(st.lists(triangle, min_size=1, max_size=14))
-def test_edges_and_vertices_of_any_triangles(faces):
+def test_defects_find_edges_and_vertices_of_any_triangles(faces):
     F = np.array(faces)
     found, edges = defects(F, 8), edges_of(F)
     assert {tuple(sorted(e)) for e in found.border.tolist()} == {e for e, k in edges.items() if k == 1}
@@ -41,7 +41,7 @@ def test_edges_and_vertices_of_any_triangles(faces):
 
 @pytest.mark.parametrize("mesh", [box(3, 2, 4), sphere(2), tube(12, 5), grid(4, 3)])
 @pytest.mark.parametrize("share", [0.0, 0.15, 0.45])
-def test_the_fewer_are_flipped(mesh, share):
+def test_defects_take_the_fewer_for_flipped(mesh, share):
     F = mesh[1].copy()
     which = np.sort(np.random.default_rng(1).permutation(len(F))[: int(share * len(F))])
     F[which] = F[which][:, ::-1]
@@ -50,13 +50,13 @@ def test_the_fewer_are_flipped(mesh, share):
     assert not found.one_sided
 
 
-def test_pieces_are_judged_by_themselves():
+def test_defects_judge_pieces_by_themselves():
     F, n = sphere(1)[1], len(sphere(1)[0])
     both = np.vstack([F, F[:, ::-1] + n])
     assert len(defects(both, 2 * n).flipped) == 0, "inside out is no contradiction"
 
 
-def test_a_moebius_strip_has_one_side():
+def test_defects_find_that_a_moebius_strip_has_one_side():
     k, n = np.arange(12), 24
     a, b = 2 * k, 2 * k + 1
     c, d = np.where(k == 11, 1, 2 * k + 2), np.where(k == 11, 0, 2 * k + 3)

@@ -47,20 +47,20 @@ MEASURES = ["area", "strain", "displacement", "bending", "distance"]
 
 
 @pytest.mark.parametrize("measure", MEASURES)
-def test_at_rest_nothing_has_changed(shape, measure):
+def test_deviation_is_none_at_rest(shape, measure):
     V, F = shape
     np.testing.assert_array_equal(getattr(change(V, F), measure)(V), 0.0)
 
 
 @pytest.mark.parametrize("measure", ["area", "strain", "bending"])
-def test_a_motion_changes_neither_areas_nor_lengths_nor_bends(shape, measure):
+def test_deviation_of_areas_lengths_and_bends_is_none_by_a_motion(shape, measure):
     V, F = shape
     U = V @ rotation([1, 2, 3], 1.1).T + [5.0, -2.0, 1.0]
     np.testing.assert_allclose(getattr(change(V, F), measure)(U), 0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize("s", [0.5, 0.9, 1.0, 2.0])
-def test_a_scaled_sphere_has_closed_forms(s):
+def test_deviation_of_a_scaled_sphere_has_closed_forms(s):
     V, F = sphere(4)
     found = change(V, F)
     np.testing.assert_allclose(found.area(s * V), 2 * np.log(s), atol=1e-12)
@@ -70,14 +70,14 @@ def test_a_scaled_sphere_has_closed_forms(s):
     np.testing.assert_allclose(found.bending(s * V), 1 / s - 1, rtol=1e-3, atol=1e-12)
 
 
-def test_larger_and_smaller_are_equally_far_from_nothing():
+def test_deviation_of_larger_and_smaller_is_equally_far_from_nothing():
     V, F = sphere(2)
     found = change(V, F)
     for measure in (found.area, found.strain):
         np.testing.assert_allclose(measure(1.25 * V), -measure(V / 1.25), atol=1e-12)
 
 
-def test_a_stretched_sheet_has_closed_forms():
+def test_deviation_of_a_stretched_sheet_has_closed_forms():
     V, F = sheet()
     U = V * [1.5, 1.0, 1.0]
     found = change(V, F)
@@ -91,7 +91,7 @@ def test_a_stretched_sheet_has_closed_forms():
     np.testing.assert_allclose(shrunk, -np.log(2.0), atol=1e-12)
 
 
-def test_shear_moves_edges_and_keeps_areas():
+def test_deviation_by_shear_moves_edges_and_keeps_areas():
     V, F = sheet()
     U = V.copy()
     U[:, 0] += 0.7 * V[:, 1]
@@ -102,7 +102,7 @@ def test_shear_moves_edges_and_keeps_areas():
 
 @pytest.mark.parametrize("radius", [1.0, 2.5])
 @pytest.mark.parametrize("side", [1, -1])
-def test_a_rolled_sheet_has_half_the_curvature_of_its_radius(radius, side):
+def test_deviation_bending_of_a_rolled_sheet_is_half_the_curvature_of_its_radius(radius, side):
     V, F = sheet(48)
     U = rolled(V, radius) * [1.0, 1.0, side]  # in the mirror its front is inside
     found = change(V, F)
@@ -112,7 +112,7 @@ def test_a_rolled_sheet_has_half_the_curvature_of_its_radius(radius, side):
     np.testing.assert_allclose(found.area(U), 0.0, atol=1e-3)
 
 
-def test_the_curvature_is_that_of_libigl():
+def test_deviation_bending_has_the_curvature_of_libigl():
     V, F = sphere(3)
     U = V * [1.0, 1.4, 0.8] + 0.02 * np.random.default_rng(5).standard_normal(V.shape)
 
@@ -124,7 +124,7 @@ def test_the_curvature_is_that_of_libigl():
     np.testing.assert_allclose(change(V, F).bending(U), curvature(U) - curvature(V), atol=1e-9)
 
 
-def test_edges_and_areas_are_those_of_a_loop_over_all():
+def test_deviation_strain_and_area_are_those_of_a_loop_over_all():
     V, F = box(3)
     U = V + 0.1 * np.random.default_rng(2).standard_normal(V.shape)
     mesh, rest = (trimesh.Trimesh(X, F, process=False) for X in (U, V))
@@ -139,19 +139,19 @@ def test_edges_and_areas_are_those_of_a_loop_over_all():
     np.testing.assert_allclose(change(V, F).area(U), areas, atol=1e-12)
 
 
-def test_the_distance_is_that_of_libigl():
+def test_deviation_distance_is_that_of_libigl():
     for V, F in (sphere(3), box(4), sheet()):
         U = V @ rotation([1, 1, 0], 0.8).T + 0.3 * np.random.default_rng(1).standard_normal(V.shape)
         expected = np.sqrt(igl.point_mesh_squared_distance(U, V, F)[0])
         np.testing.assert_allclose(change(V, F).distance(U), expected, atol=1e-12)
 
 
-def test_a_distance_that_nobody_wants_any_more_is_given_up():
+def test_deviation_distance_that_nobody_wants_any_more_is_given_up():
     V, F = sphere(2)
     assert change(V, F).distance(V, lambda: True) is None
 
 
-def test_a_seam_is_no_border():
+def test_deviation_takes_a_seam_for_no_border():
     """Vertices that are there twice have the values of the place, as if they were there once."""
     V, F = sphere(3)
     soup = np.arange(3 * len(F)).reshape(-1, 3)
@@ -165,7 +165,7 @@ def test_a_seam_is_no_border():
         np.testing.assert_allclose(cut, whole[F.ravel()], atol=1e-12)
 
 
-def test_where_there_is_nothing_to_compare_there_is_no_value():
+def test_deviation_has_no_value_where_there_is_nothing_to_compare():
     V, F = sphere(2)
     V, F = np.vstack([V, [[3, 0, 0], [4, 0, 0]]]), np.vstack([F, [[0, 0, len(V) + 1]]])
     U = 1.2 * V
@@ -179,7 +179,7 @@ def test_where_there_is_nothing_to_compare_there_is_no_value():
     assert (found.area(flat)[:-2] == -np.inf).all(), "shrunk to nothing is less than all"
 
 
-def test_shades_have_their_zero_in_the_middle_and_are_symmetric():
+def test_write_shades_puts_the_zero_in_the_middle_and_is_symmetric():
     shades = np.zeros((7, 4), dtype=np.uint8)[:, 3]
     values = np.array([-np.inf, -0.2, -0.101, 0.0, 0.101, np.inf, np.nan])
     write_shades(values, True, 0.2, shades)
@@ -192,7 +192,7 @@ def test_shades_have_their_zero_in_the_middle_and_are_symmetric():
     assert (both.astype(int) - 128 == -(both[::-1].astype(int) - 128)).all()
 
 
-def test_the_worst_places_are_apart_and_in_order():
+def test_worst_places_are_apart_and_in_order():
     x = np.linspace(0, 10, 1001)
     U = np.column_stack([x, 0 * x, 0 * x])
     values = np.exp(-((x - 2) ** 2)) - 1.5 * np.exp(-((x - 7) ** 2))

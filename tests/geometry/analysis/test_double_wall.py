@@ -53,7 +53,7 @@ def wall_of(mesh):
 
 @pytest.mark.parametrize("steps", [3, 40])
 @pytest.mark.parametrize("scale", [1.0, 1e-3, 25.4])
-def test_a_cup_with_a_wall_holds_what_is_inside_it(scale, steps):
+def test_double_wall_of_a_cup_holds_what_is_inside_it(scale, steps):
     mesh = cup(30.0, 80.0, 1.0, steps=steps)
     found = wall_of(Mesh(scale * mesh.V, mesh.F))
     content = PRISM * 29.0**2 * 79.0
@@ -64,14 +64,14 @@ def test_a_cup_with_a_wall_holds_what_is_inside_it(scale, steps):
 
 
 @pytest.mark.parametrize("rim", [2, 4, 9])
-def test_a_rounded_rim_is_no_third_side(rim):
+def test_double_wall_takes_a_rounded_rim_for_no_third_side(rim):
     found = wall_of(cup(30.0, 80.0, 1.5, rim))
     assert found.capacity == pytest.approx(PRISM * 28.5**2 * 78.5, rel=0.03)
     assert found.openings == 1
 
 
 @pytest.mark.parametrize(("outer", "inner"), [(1, -1), (1, 1), (-1, 1), (-1, -1)])
-def test_a_ball_in_a_ball_is_one_whichever_way_they_face(outer, inner):
+def test_double_wall_is_a_ball_in_a_ball_whichever_way_they_face(outer, inner):
     V, F = meshes.sphere(3)
     both = np.vstack([F[:, ::outer], F[:, ::inner] + len(V)])
     found = wall_of(Mesh(np.vstack([V, 0.95 * V]), both))
@@ -81,7 +81,7 @@ def test_a_ball_in_a_ball_is_one_whichever_way_they_face(outer, inner):
     assert found.openings == 0
 
 
-def test_a_box_with_a_wall_and_a_pipe():
+def test_double_wall_of_a_box_and_of_a_pipe_holds_what_is_inside_it():
     V, F = meshes.box(8, 6, 5)
     inner = 0.1 + V * [7.8 / 8, 5.8 / 6, 4.8 / 5]
     found = wall_of(Mesh(np.vstack([V, inner]), np.vstack([F, F[:, ::-1] + len(V)])))
@@ -130,16 +130,16 @@ def rod():
     ],
     ids=["plate", "sheet", "half pipe", "rod", "ball", "bar", "tube", "rabbit", "body", "bottle"],
 )
-def test_what_is_no_vessel_is_not_called_one(mesh):
+def test_double_wall_is_not_found_in_what_is_no_vessel(mesh):
     assert wall_of(mesh) is None
 
 
-def test_two_parts_beside_each_other_are_no_vessel():
+def test_double_wall_is_not_found_in_two_parts_beside_each_other():
     V, F = meshes.sphere(3)
     assert wall_of(Mesh(np.vstack([V, V + [2.1, 0, 0]]), np.vstack([F, F + len(V)]))) is None
 
 
-def test_it_is_said_and_no_thickness_counts_twice():
+def test_double_wall_is_said_and_no_thickness_counts_twice():
     mesh = cup(30.0, 80.0, 1.0)
     wall = wall_of(mesh)
     said = [each.sentence for each in inspect(mesh).findings if each.kind == "double wall"]

@@ -8,7 +8,7 @@ from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 
-def test_of_a_clean_mesh_there_is_nothing_to_say():
+def test_inspect_has_nothing_to_say_of_a_clean_mesh():
     found = inspect(Mesh(*box(2, 1, 3)))
     assert (found.vertices, found.faces, found.pieces) == (24, 44, 1)
     assert found.area == pytest.approx(22)
@@ -18,13 +18,13 @@ def test_of_a_clean_mesh_there_is_nothing_to_say():
     assert found.findings == ()
 
 
-def test_a_mesh_without_any_extent_is_inspected_all_the_same():
+def test_inspect_takes_a_mesh_without_any_extent_all_the_same():
     found = inspect(Mesh(np.ones((3, 3)), np.array([[0, 1, 2]])))
     assert found.area == 0.0
     assert "faces without area" in [finding.kind for finding in found.findings]
 
 
-def test_a_soup_is_one_closed_piece_of_repeated_vertices():
+def test_inspect_takes_a_soup_for_one_closed_piece_of_repeated_vertices():
     found = inspect(Mesh(*soup(*box(1, 1, 1))))
     assert (found.vertices, found.pieces) == (36, 1)
     assert found.volume == pytest.approx(1)
@@ -33,7 +33,7 @@ def test_a_soup_is_one_closed_piece_of_repeated_vertices():
     assert len(finding.vertices) == 36
 
 
-def test_what_is_unusual_is_counted():
+def test_inspect_counts_what_is_unusual():
     (V, F), n = grid(2, 2), 9
     V = np.vstack([V, V + [0.0, 0.0, 5.0], [[9.0, 9.0, 9.0]]])
     found = inspect(Mesh(V, np.vstack([F, F + n, [[0, 0, 1]]])))
@@ -51,14 +51,14 @@ def test_what_is_unusual_is_counted():
 
 
 @pytest.mark.parametrize("openings", [0, 1])
-def test_a_surface_inside_out_is_said_to_be(openings):
+def test_inspect_says_that_a_surface_is_inside_out(openings):
     V, F = tube(12, 16) if openings else box(2, 1, 3)
     kinds = [finding.kind for finding in inspect(Mesh(V, F[:, ::-1])).findings]
     assert "inside out" in kinds
     assert "inside out" not in [finding.kind for finding in inspect(Mesh(V, F)).findings]
 
 
-def test_what_the_file_is_remarked_for_is_said_first_and_stays_with_the_mesh():
+def test_inspect_says_first_what_the_file_is_remarked_for_and_it_stays_with_the_mesh():
     V, F = box(1, 1, 1)
     mesh = Mesh(V, F[:-1], remarks=("Beams were not read.",))
     for same in (mesh, mesh.baked(2 * mesh.V), mesh.homeless()):

@@ -19,7 +19,7 @@ def scalars(U, mesh=MESH):
     return scalars_of(mesh, U, LABELS, MEMBER)
 
 
-def test_a_rigid_motion_changes_nothing_but_places():
+def test_scalars_of_a_rigid_motion_change_nothing_but_places():
     U = V @ rotation([1.0, 2.0, 3.0], 1.0).T + [1.0, 0.0, 0.0]
     vertices, triangles = scalars(U)
     for name in ("area_change", "edge_strain", "bending"):
@@ -30,7 +30,7 @@ def test_a_rigid_motion_changes_nothing_but_places():
         np.testing.assert_allclose(triangles[name], 1.0, rtol=1e-12)
 
 
-def test_a_scale_is_read_as_it_is():
+def test_scalars_of_a_scale_read_it_as_it_is():
     vertices, triangles = scalars(1.5 * V)
     np.testing.assert_allclose(vertices["area_change"], 1.25, rtol=1e-12)
     np.testing.assert_allclose(vertices["edge_strain"], 0.5, rtol=1e-12)
@@ -39,7 +39,7 @@ def test_a_scale_is_read_as_it_is():
     np.testing.assert_allclose(vertices["distance_to_rest"], 0.5, atol=0.02)
 
 
-def test_a_target_shape_is_compared_with():
+def test_scalars_of_compares_with_a_target_shape():
     none = np.zeros(len(V), dtype=np.uint8)
     same = scalars_of(MESH, 1.5 * V, none, none, TargetShape(Mesh(2.0 * V, F))).vertices
     np.testing.assert_allclose(same["target_displacement"], 0.5, rtol=1e-12)
@@ -49,7 +49,7 @@ def test_a_target_shape_is_compared_with():
     assert "target_displacement" not in other, "there are no corresponding vertices"
 
 
-def test_stretches_are_the_singular_values_of_the_deformation_gradient():
+def test_scalars_have_stretches_that_are_singular_values_of_the_deformation_gradient():
     rng = np.random.default_rng(1)
     U = V + 0.05 * rng.normal(size=V.shape)
     _, triangles = scalars(U)
@@ -63,7 +63,7 @@ def test_stretches_are_the_singular_values_of_the_deformation_gradient():
     np.testing.assert_allclose(product - 1.0, triangles["area_change"], atol=1e-12)
 
 
-def test_labels_of_triangles_are_those_of_all_their_corners():
+def test_scalars_label_triangles_as_all_their_corners():
     vertices, triangles = scalars(V)
     assert vertices["apd_label"] is LABELS
     for label in (BASE, HANDLE):
@@ -72,7 +72,7 @@ def test_labels_of_triangles_are_those_of_all_their_corners():
     assert np.array_equal(triangles["apd_region"] == 1, (MEMBER[F] == 1).all(axis=1))
 
 
-def test_a_triangle_without_area_has_no_change():
+def test_scalars_have_no_change_of_a_triangle_without_area():
     W = np.vstack([V, [[3.0, 0.0, 0.0]] * 3])
     mesh = Mesh(W, np.vstack([F, [len(V), len(V) + 1, len(V) + 2]]))
     none = np.zeros(len(W), dtype=np.uint8)
@@ -83,7 +83,7 @@ def test_a_triangle_without_area_has_no_change():
     assert np.isnan(vertices["area_change"][-3:]).all()
 
 
-def test_repeated_vertices_have_the_same_scalars():
+def test_scalars_of_repeated_vertices_are_the_same():
     W, G = soup(*box(1, 1, 2))
     mesh, none = Mesh(W, G), np.zeros(len(W), dtype=np.uint8)
     U = W * [1.0, 1.0, 1.3] + 0.1 * W[:, [1, 2, 0]]

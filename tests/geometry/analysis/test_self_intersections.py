@@ -84,7 +84,7 @@ def by_all_pairs(U, F):
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(4, 12), st.integers(2, 16), st.integers(-6, 6))
-def test_a_heap_of_triangles(seed, n, m, power):
+def test_crossings_of_a_heap_of_triangles_are_those_of_exact_arithmetic(seed, n, m, power):
     """Any triangles among a few vertices, with one or two in common or none, of any size."""
     rng = np.random.default_rng(seed)
     U = (rng.normal(size=(n, 3)) + rng.normal(size=3)) * 10.0**power
@@ -93,7 +93,7 @@ def test_a_heap_of_triangles(seed, n, m, power):
 
 
 @pytest.mark.parametrize("name", CLEAN)
-def test_nothing_crosses_in_a_surface_that_does_not(name):
+def test_crossings_are_none_in_a_surface_that_does_not_cross(name):
     """Not at seams either, nor far away from the origin, however large it is."""
     V, F = CLEAN[name]
     mesh = Mesh(*meshes.soup(V, F))
@@ -102,7 +102,7 @@ def test_nothing_crosses_in_a_surface_that_does_not(name):
     assert len(crossings(turned, F)) == 0
 
 
-def test_two_spheres_that_pass_through_each_other_do_so_in_a_ring():
+def test_crossings_of_two_spheres_that_pass_through_each_other_are_in_a_ring():
     V, F = meshes.sphere(2)
     U = np.vstack([V, V @ meshes.rotation([3, 1, 2], 0.7).T + [1.1, 0.2, 0.1]])
     both = np.vstack([F, F + len(V)])
@@ -152,12 +152,12 @@ IN_A_PLANE = {
 
 
 @pytest.mark.parametrize("case", IN_A_PLANE)
-def test_two_triangles(case):
+def test_crossings_of_two_triangles_are_those_known_by_hand(case):
     other, meet = IN_A_PLANE[case]
     assert crossings(*placed(LOW, other)).tolist() == ([0, 1] if meet else [])
 
 
-def test_boxes_that_stand_on_each_other_overlap_where_they_do():
+def test_crossings_of_boxes_that_stand_on_each_other_are_where_they_overlap():
     V, F = meshes.box(2, 2, 2)
     U, both = np.vstack([V, V + [0.5, 0.5, 2.0]]), np.vstack([F, F + len(V)])
     U = U @ meshes.rotation([1, 2, 3], 0.8).T
@@ -171,7 +171,7 @@ def test_boxes_that_stand_on_each_other_overlap_where_they_do():
     assert len(crossings(np.vstack([V, V + [0.5, 0.5, 2.001]]), both)) == 0
 
 
-def test_a_bottle_whose_neck_is_pushed_through_its_belly():
+def test_crossings_are_found_in_a_bottle_whose_neck_is_pushed_through_its_belly():
     V, F, _ = meshes.sample_bottle(2.0)
     U = V.copy()
     high = V[:, 1] > 14
@@ -182,7 +182,7 @@ def test_a_bottle_whose_neck_is_pushed_through_its_belly():
     assert len(crossings(V * [1.0, 0.5, 1.0], F)) == 0
 
 
-def test_faces_without_area_and_vertices_without_a_face_are_no_crossings():
+def test_crossings_leave_out_faces_without_area_and_vertices_without_a_face():
     V, F = meshes.sphere(1)
     V = np.vstack([V, [[1e9, 0, 0]]])
     F = np.vstack([F, [[0, 0, 1], [2, 2, 2]], F[:1]])
@@ -190,6 +190,6 @@ def test_faces_without_area_and_vertices_without_a_face_are_no_crossings():
     assert crossings(V, F[-3:-1]).tolist() == []
 
 
-def test_without_the_library_nobody_knows(monkeypatch):
+def test_crossings_are_not_known_without_the_library(monkeypatch):
     monkeypatch.setitem(sys.modules, "ipctk", None)
     assert crossings(*meshes.sphere(0)) is None

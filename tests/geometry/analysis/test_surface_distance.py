@@ -8,7 +8,7 @@ from meshes import box, sphere
 from apd_viewer.geometry.analysis.surface_distance import nearest, surface_distance
 
 
-def test_the_nearest_triangles_are_those_of_libigl():
+def test_nearest_triangles_are_those_of_libigl():
     V, F = box(2, 3, 4)
     points = np.random.default_rng(0).uniform(-2.0, 6.0, (500, 3))
     away, corners = nearest(points, V, F)
@@ -19,25 +19,25 @@ def test_the_nearest_triangles_are_those_of_libigl():
         assert np.sqrt(np.ravel(alone)[0]) == pytest.approx(distance, abs=1e-12)
 
 
-def test_a_surface_is_not_away_from_itself():
+def test_surface_distance_of_a_surface_from_itself_is_none():
     V, F = sphere(2)
     assert max(surface_distance(V, F, V, F)) < 1e-12
 
 
-def test_spheres_in_spheres_are_the_difference_of_their_radii_apart():
+def test_surface_distance_of_spheres_in_spheres_is_the_difference_of_their_radii():
     V, F = sphere(4)
     there, back = surface_distance(1.2 * V, F, V, F), surface_distance(V, F, 1.2 * V, F)
     for found in (*there, *back):
         assert found == pytest.approx(0.2, abs=0.005)
 
 
-def test_a_shifted_box_is_as_far_away_as_it_was_shifted():
+def test_surface_distance_of_a_shifted_box_is_as_far_as_it_was_shifted():
     V, F = box(2, 2, 2)
     found = surface_distance(V + [0.0, 0.0, 0.5], F, V, F)
     assert found.largest == pytest.approx(0.5, abs=1e-12)
     assert 0.0 < found.rms < 0.5
 
 
-def test_a_loose_vertex_does_not_count():
+def test_surface_distance_does_not_count_a_loose_vertex():
     V, F = sphere(2)
     assert surface_distance(np.vstack([V, [[9.0, 9.0, 9.0]]]), F, V, F).largest < 1e-12

@@ -19,7 +19,7 @@ def shape(mesh):
     return TargetShape(mesh)
 
 
-def test_a_shifted_sphere_is_away_by_the_shift_at_each_vertex_and_by_less_from_the_surface():
+def test_target_shape_of_a_sphere_is_the_shift_away_at_each_vertex_and_less_by_surface():
     U = frozen(BALL.V + SHIFT)
     found = shape(BALL).compared(BALL, U)
     assert found.vertex == pytest.approx((0.3, 0.3, 0.3), abs=1e-12)
@@ -29,18 +29,18 @@ def test_a_shifted_sphere_is_away_by_the_shift_at_each_vertex_and_by_less_from_t
     assert found.closest.mean < found.closest.rms < found.closest.largest
 
 
-def test_a_scaled_sphere_is_away_by_the_difference_of_the_radii():
+def test_target_shape_of_a_scaled_sphere_is_the_difference_of_the_radii_away():
     found = shape(BALL).compared(BALL, frozen(1.2 * BALL.V))
     for summary in found:
         assert summary == pytest.approx((0.2, 0.2, 0.2), abs=0.006)
     assert shape(BALL).back(BALL, 1.2 * BALL.V) == pytest.approx((0.2, 0.2, 0.2), abs=0.006)
 
 
-def test_the_same_shape_is_not_away_at_all():
+def test_target_shape_is_not_away_at_all_from_the_same_shape():
     assert np.max(shape(BALL).compared(BALL, BALL.V)) < 1e-12
 
 
-def test_the_closest_points_are_those_of_brute_force():
+def test_target_shape_has_the_closest_points_of_brute_force():
     other = Mesh(*box(2, 3, 4))
     away = shape(other).distances(BALL.V)
     squared = igl.point_mesh_squared_distance(BALL.V, other.V, other.F)[0]
@@ -56,7 +56,7 @@ def test_the_closest_points_are_those_of_brute_force():
         assert sampled - 0.03 <= away[vertex] <= sampled + 1e-12
 
 
-def test_only_the_same_triangles_in_the_same_order_have_corresponding_vertices():
+def test_target_shape_corresponds_only_by_the_same_triangles_in_the_same_order():
     turned = Mesh(BALL.V, np.roll(BALL.F, 1, axis=0))
     more = Mesh(np.vstack([BALL.V, [[0.0, 0.0, 0.0]]]), BALL.F)
     assert shape(Mesh(2.0 * BALL.V, BALL.F)).corresponds(BALL)
@@ -65,7 +65,7 @@ def test_only_the_same_triangles_in_the_same_order_have_corresponding_vertices()
         assert shape(other).compared(BALL, BALL.V).vertex is None
 
 
-def test_a_vertex_in_no_triangle_has_no_value_and_does_not_count():
+def test_target_shape_has_no_value_for_a_vertex_in_no_triangle_and_does_not_count_it():
     loose = Mesh(np.vstack([BALL.V, [[9.0, 9.0, 9.0]]]), BALL.F)
     target = shape(Mesh(loose.V.copy(), BALL.F))
     deviation = Deviation(loose.V, loose.joined_F, np.empty(0, dtype=int), target)
@@ -77,18 +77,18 @@ def test_a_vertex_in_no_triangle_has_no_value_and_does_not_count():
     assert shape(loose).distances(frozen(np.vstack([BALL.V, [[9.0, 9.0, 9.1]]])))[-1] > 10.0
 
 
-def test_one_measure_for_the_window_and_the_command_line():
+def test_target_shape_has_one_measure_for_the_window_and_the_command_line():
     other = Mesh(*box(2, 2, 2))
     found = shape(other).compared(BALL, BALL.V).closest
     assert found == pytest.approx(surface_distance(BALL.V, BALL.F, other.V, other.F), abs=1e-12)
 
 
-def test_measuring_ends_when_nobody_wants_it_any_more():
+def test_target_shape_ends_measuring_when_nobody_wants_it_any_more():
     assert shape(BALL).distances(BALL.V, lambda: True) is None
     assert shape(BALL).compared(BALL, BALL.V, lambda: True) is None
 
 
 @pytest.mark.parametrize(("factor", "suspect"), [(1.0, False), (5.0, False), (25.4, True), (1e-3, True)])
-def test_another_unit_is_suspected_by_the_size(factor, suspect):
+def test_target_shape_misfit_suspects_another_unit_by_the_size(factor, suspect):
     misfit = shape(Mesh(factor * BALL.V, BALL.F)).misfit(BALL)
     assert misfit == (pytest.approx(factor) if suspect else None)

@@ -28,25 +28,25 @@ def cone():
 
 
 @pytest.mark.parametrize("convex", [sphere(2), sphere(3), box(3, 4, 5)])
-def test_convex_surfaces_have_that_of_a_sphere(convex):
+def test_total_curvature_of_convex_surfaces_is_that_of_a_sphere(convex):
     assert total_curvature(*convex) == pytest.approx(4.0 * np.pi, rel=1e-9)
 
 
-def test_half_a_sphere_has_half():
+def test_total_curvature_of_half_a_sphere_is_half():
     V, F = sphere(4)
     assert total_curvature(V, F[(V[F, 2] > -1e-9).all(axis=1)]) == pytest.approx(2.0 * np.pi, rel=0.06)
 
 
 @pytest.mark.parametrize("unrolls", [grid(), tube(), tube(30, 9, shear=0.4), cone()])
-def test_what_can_be_unrolled_has_none(unrolls):
+def test_total_curvature_of_what_can_be_unrolled_is_none(unrolls):
     assert total_curvature(*unrolls) < 1e-9
 
 
 @pytest.mark.parametrize("off", [0.0, 0.001, 0.003])
-def test_noise_of_both_signs_is_none(off):
+def test_total_curvature_of_noise_of_both_signs_is_none(off):
     assert total_curvature(*irregular_half_tube(off)) < 0.5
 
 
-def test_hollows_do_not_take_away_what_bulges_have():
+def test_total_curvature_of_bulges_is_not_taken_away_by_hollows():
     V, F = cup()
     assert total_curvature(V, F) >= 4.0 * np.pi - 1e-9

@@ -18,7 +18,7 @@ def open_box():
 
 
 @pytest.mark.parametrize(("sides", "area"), [((1, 1, 1), 6.0), ((2, 3, 5), 62.0)])
-def test_of_a_box_all_but_material_and_bulk_are_the_same(sides, area):
+def test_volume_readings_of_a_box_are_all_the_same_but_material_and_bulk(sides, area):
     found = readings(*meshes.box(*sides), thickness=0.01)
     volume = float(np.prod(sides))
     assert found.enclosed == pytest.approx(volume)
@@ -31,7 +31,7 @@ def test_of_a_box_all_but_material_and_bulk_are_the_same(sides, area):
     assert found.material == pytest.approx(0.01 * area)
 
 
-def test_an_open_box_encloses_what_its_cap_closes():
+def test_volume_readings_of_an_open_box_enclose_what_its_cap_closes():
     found = readings(*open_box())
     assert (found.enclosed, found.openings) == (pytest.approx(20.0), 1)
     assert found.hull.volume == pytest.approx(20.0)
@@ -39,14 +39,14 @@ def test_an_open_box_encloses_what_its_cap_closes():
     assert readings(*meshes.grid(3, 3)).enclosed is None
 
 
-def test_the_hull_of_a_ball_is_the_ball():
+def test_volume_readings_of_a_ball_have_the_ball_as_its_hull():
     found = readings(*meshes.sphere(3))
     assert found.hull.volume == pytest.approx(found.enclosed, rel=1e-12)
     assert found.enclosed == pytest.approx(4 / 3 * np.pi, rel=0.02)
     assert found.hull.box == pytest.approx(8.0, rel=0.02)
 
 
-def test_of_a_dented_shape_the_enclosed_volume_alone_is_less():
+def test_volume_readings_of_a_dented_shape_have_less_enclosed_volume_alone():
     V, F = meshes.sphere(3)
     dented = V.copy()
     near = dented[:, 2] > 0.6
@@ -60,7 +60,7 @@ def test_of_a_dented_shape_the_enclosed_volume_alone_is_less():
 
 
 @pytest.mark.parametrize("scale", [1e-3, 7.0])
-def test_lengths_scale_and_volumes_with_their_cube(scale):
+def test_volume_readings_scale_as_lengths_and_volumes_as_their_cube(scale):
     V, F = open_box()
     found, scaled = readings(V, F, 0.1), readings(scale * V, F, scale * 0.1)
     assert scaled.enclosed == pytest.approx(scale**3 * found.enclosed)
@@ -71,7 +71,7 @@ def test_lengths_scale_and_volumes_with_their_cube(scale):
     assert scaled.hull.sides == pytest.approx(scale * np.array(found.hull.sides))
 
 
-def test_a_rigid_motion_changes_nothing():
+def test_volume_readings_are_unchanged_by_a_rigid_motion():
     V, F, _ = meshes.sample_bottle(3.0)
     found = readings(V, F)
     moved = readings(V @ meshes.rotation([1, 2, 3], 0.7).T + [9, -4, 70], F)
@@ -81,7 +81,7 @@ def test_a_rigid_motion_changes_nothing():
     assert moved.hull.box == pytest.approx(found.hull.box, rel=1e-4)
 
 
-def test_denser_packing_takes_less_room_and_a_bag_holds_what_fits():
+def test_hull_readings_take_less_room_by_denser_packing_and_a_bag_holds_what_fits():
     hull = readings(*meshes.box(1, 1, 1)).hull
     assert hull.bulk(DENSEST) < hull.bulk() < hull.bulk(LOOSEST)
     assert hull.count_in(100.0) == 64
@@ -90,12 +90,12 @@ def test_denser_packing_takes_less_room_and_a_bag_holds_what_fits():
 
 
 @pytest.mark.parametrize("thickness", [0.0, -1.0, np.nan, np.inf])
-def test_a_wall_needs_a_thickness(thickness):
+def test_volume_readings_need_a_thickness_of_a_wall(thickness):
     with pytest.raises(apd_viewer.InputError, match="greater than 0"):
         readings(*meshes.box(1, 1, 1), thickness=thickness)
 
 
-def test_what_is_no_mesh_is_refused_in_a_sentence():
+def test_volume_readings_refuse_what_is_no_mesh_in_a_sentence():
     with pytest.raises(apd_viewer.InputError, match="No faces"):
         readings(np.zeros((3, 3)), np.zeros((0, 3), dtype=int))
     with pytest.raises(apd_viewer.InputError, match="real numbers"):

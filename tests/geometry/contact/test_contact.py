@@ -14,7 +14,7 @@ def apart(height):
     return np.vstack([CORNERS, CORNERS[::-1] * [0.9, 0.8, 1.0] + [0.05, 0.1, height]])
 
 
-def test_where_it_stands_is_not_where_it_has_looked():
+def test_contact_stands_where_it_is_and_not_where_it_has_looked():
     """A free way that is not gone, then one that is refused: energy and forces are those of the start."""
     contact, U = Contact(apart(2.0), TWO, np.zeros(6, np.int64), 1.0, 0.2), apart(0.1)
     contact.enter(U)

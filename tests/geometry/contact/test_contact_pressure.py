@@ -25,7 +25,7 @@ def plates():
     return Mesh(V, F), labels, sheet
 
 
-def test_pressure_is_where_plates_are_near_and_grows_as_they_near(plates):
+def test_contact_pressure_is_where_plates_are_near_and_grows_as_they_near(plates):
     mesh, labels, sheet = plates
     pressure = ContactPressure(mesh, labels, NEAR)
     assert not pressure.at(mesh.V)[sheet < 2].any()
@@ -46,7 +46,7 @@ def test_pressure_is_where_plates_are_near_and_grows_as_they_near(plates):
     assert (np.diff(means) < 0.0).all()
 
 
-def test_nothing_is_pressed_where_all_stand_free_of_each_other(plates):
+def test_contact_pressure_is_none_where_all_stand_free_of_each_other(plates):
     mesh, labels, sheet = plates
     U = mesh.V + (sheet == 1)[:, None] * np.array([0.0, 0.0, 3.0])
     found = ContactPressure(mesh, labels, None).at(U)

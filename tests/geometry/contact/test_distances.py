@@ -117,7 +117,7 @@ KINDS = (spread, needle, sliver, nearly_parallel, parallel, coincident, without_
 
 @pytest.mark.parametrize("edges", [False, True], ids=["vertex-triangle", "edge-edge"])
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
-def test_distances_are_those_of_exact_arithmetic(kind, edges):
+def test_gap_is_the_distance_of_exact_arithmetic(kind, edges):
     rng = np.random.default_rng(7)
     for _ in range(100):
         X = kind(rng)
@@ -127,7 +127,7 @@ def test_distances_are_those_of_exact_arithmetic(kind, edges):
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
 @pytest.mark.parametrize("edges", [False, True])
-def test_distances_grow_with_the_mesh(edges, scale):
+def test_gap_grows_with_the_mesh(edges, scale):
     rng = np.random.default_rng(8)
     for kind in KINDS:
         X = kind(rng)
@@ -136,7 +136,7 @@ def test_distances_grow_with_the_mesh(edges, scale):
 
 
 @pytest.mark.parametrize("edges", [False, True])
-def test_far_from_the_origin_only_the_rounding_of_the_coordinates_counts(edges):
+def test_gap_far_from_the_origin_misses_by_no_more_than_the_rounding_of_the_coordinates(edges):
     rng = np.random.default_rng(9)
     for _ in range(100):
         X = spread(rng) + np.array([1e5, -3e5, 2e5])
@@ -144,7 +144,7 @@ def test_far_from_the_origin_only_the_rounding_of_the_coordinates_counts(edges):
 
 
 @pytest.mark.parametrize("edges", [False, True])
-def test_the_weights_say_where_the_parts_are_nearest(edges):
+def test_gap_weights_say_where_the_parts_are_nearest(edges):
     rng = np.random.default_rng(10)
     for kind in KINDS:
         for _ in range(100):
@@ -160,7 +160,7 @@ def test_the_weights_say_where_the_parts_are_nearest(edges):
             assert np.linalg.norm(w @ X) == pytest.approx(d, rel=1e-9, abs=1e-14 * size)
 
 
-def test_distances_are_those_of_another_library():
+def test_vertex_triangle_and_edge_edge_agree_with_another_library():
     rng = np.random.default_rng(11)
     for _ in range(100):
         X = rng.normal(size=(4, 3))
@@ -168,7 +168,7 @@ def test_distances_are_those_of_another_library():
         assert edge_edge(X, *PAIR)[0] == pytest.approx(ipctk.edge_edge_distance(*X), rel=1e-9)
 
 
-def test_a_rigid_motion_and_the_order_of_the_parts_change_no_distance():
+def test_gaps_are_unchanged_by_a_rigid_motion_and_the_order_of_the_parts():
     rng = np.random.default_rng(12)
     X, R = rng.normal(size=(40, 3)), rotation([1.0, 2.0, -1.0], 1.1)
     pairs = np.array([rng.permutation(40)[:4] for _ in range(200)])

@@ -23,7 +23,7 @@ def two_crosses():
     return np.concatenate([V, W]), np.concatenate([F, F + len(V)])
 
 
-def test_each_place_has_a_zone_and_what_crosses_shares_one():
+def test_exempt_zones_are_one_for_each_place_and_what_crosses_shares_one():
     V, F = two_crosses()
     pairs = crossing_pairs(V, F)
     assert np.array_equal(np.unique(pairs), crossings(V, F))
@@ -37,13 +37,13 @@ def test_each_place_has_a_zone_and_what_crosses_shares_one():
     assert np.array_equal(zone > 0, near_crossing(F, np.unique(pairs), len(V)))
 
 
-def test_nothing_that_crosses_has_no_zone():
+def test_exempt_zones_are_none_where_nothing_crosses():
     V, F = grid(4, 4)
     assert not exempt_zones(F, crossing_pairs(V, F), len(V)).any()
     assert not exempt_zones(F, None, len(V)).any()
 
 
-def test_places_that_cross_at_rest_are_kept_apart_from_each_other():
+def test_contact_keeps_places_that_cross_at_rest_apart_from_each_other():
     V, F = two_crosses()
     second = np.arange(len(V)) >= len(V) // 2
     contact = Contact(V, F, np.zeros(len(V), np.int64), 1.0, 0.02)
@@ -56,7 +56,7 @@ def test_places_that_cross_at_rest_are_kept_apart_from_each_other():
     assert contact.leads_to(beside)
 
 
-def test_what_crosses_at_rest_may_go_on_crossing():
+def test_contact_lets_what_crosses_at_rest_go_on_crossing():
     V, F = cross(0.0)
     upright = np.arange(len(V)) >= len(V) // 2
     contact = Contact(V, F, np.zeros(len(V), np.int64), 1.0, 0.02)

@@ -30,7 +30,7 @@ def energy(U, pairs, edges, reach):
 
 
 @pytest.mark.parametrize("s", [1e-6, 1e-3, 0.1, 0.5, 0.9, 0.999])
-def test_slope_and_curvature_are_those_of_differences(s):
+def test_gap_slope_and_curvature_are_those_of_differences(s):
     d, step = s * RANGE, 1e-6 * s * RANGE
     slope = (gap_energy(d + step, RANGE) - gap_energy(d - step, RANGE)) / (2 * step)
     curvature = (gap_slope(d + step, RANGE) - gap_slope(d - step, RANGE)) / (2 * step)
@@ -38,7 +38,7 @@ def test_slope_and_curvature_are_those_of_differences(s):
     assert gap_curvature(d, RANGE) == pytest.approx(curvature, rel=1e-5, abs=1e-7)
 
 
-def test_energy_is_positive_falls_and_ends_twice_continuous_at_its_range():
+def test_gap_energy_is_positive_falls_and_ends_twice_continuous_at_its_range():
     d = np.linspace(1e-9, 1.0, 500) * RANGE
     found = np.array([gap_energy(x, RANGE) for x in d])
     assert (np.diff(found) < 0).all()
@@ -48,20 +48,20 @@ def test_energy_is_positive_falls_and_ends_twice_continuous_at_its_range():
         assert abs(derivative(RANGE * (1 - 1e-7), RANGE)) < 1e-5 * unit
 
 
-def test_energy_grows_without_bound_where_a_gap_closes():
+def test_gap_energy_grows_without_bound_where_a_gap_closes():
     assert gap_slope(1e-9 * RANGE, RANGE) < -1e8 * RANGE
     for derivative in (gap_energy, gap_slope, gap_curvature):
         assert np.isfinite(derivative(0.0, RANGE))
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
-def test_energy_is_that_of_a_spring_per_unit_of_length(scale):
+def test_gap_energy_is_that_of_a_spring_per_unit_of_length(scale):
     assert gap_energy(0.3 * scale * RANGE, scale * RANGE) == pytest.approx(
         scale**2 * gap_energy(0.3 * RANGE, RANGE), rel=1e-12
     )
 
 
-def test_gradient_is_that_of_differences():
+def test_gap_gradient_is_that_of_differences():
     U, pairs, edges, reach = some_pairs()
     g, touching, least = gap_gradient(U, pairs, edges, np.zeros(len(pairs)), reach, 0.0)
     found = gaps(U, pairs, edges)
@@ -75,7 +75,7 @@ def test_gradient_is_that_of_differences():
         assert (g * way).sum() == pytest.approx((there - back) / (2 * step), rel=1e-5)
 
 
-def test_forces_within_a_surface_sum_to_none_and_turn_nothing():
+def test_gap_gradient_has_forces_within_a_surface_sum_to_none_and_turn_nothing():
     U, pairs, edges, reach = some_pairs()
     g, *_ = gap_gradient(U, pairs, edges, np.zeros(len(pairs)), reach, 0.0)
     size = np.abs(g).sum()
@@ -83,7 +83,7 @@ def test_forces_within_a_surface_sum_to_none_and_turn_nothing():
     assert np.abs(np.cross(U, g).sum(axis=0)).max() <= 1e-12 * size
 
 
-def test_a_bound_above_the_range_is_taken_at_its_word():
+def test_gap_gradient_takes_a_bound_above_the_range_at_its_word():
     U, pairs, edges, reach = some_pairs()
     low = np.where(np.arange(len(pairs)) % 2 == 0, reach, 0.0)
     some = low < reach
@@ -93,7 +93,7 @@ def test_a_bound_above_the_range_is_taken_at_its_word():
     assert touching == few > 0
 
 
-def test_springs_have_the_curvature_along_the_gap():
+def test_gap_springs_have_the_curvature_along_the_gap():
     U, pairs, edges, reach = some_pairs()
     k, w = gap_springs(U, pairs, edges, reach, np.inf, 0.0)
     found = gaps(U, pairs, edges)

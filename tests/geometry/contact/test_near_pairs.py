@@ -70,7 +70,7 @@ def walk(V, F, reach, seed, steps, size):
 
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize(("reach", "size"), [(0.05, 0.05), (0.2, 0.02), (0.02, 0.2)])
-def test_the_list_is_complete_along_a_crumpling_way(seed, reach, size):
+def test_near_pairs_are_complete_along_a_crumpling_way(seed, reach, size):
     V, F = grid(7, 7)
     touched, refused, _ = walk(V, F, reach, seed, 60, size)
     if size >= 0.05:
@@ -79,13 +79,13 @@ def test_the_list_is_complete_along_a_crumpling_way(seed, reach, size):
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e5])
-def test_the_list_is_complete_whatever_the_unit(scale):
+def test_near_pairs_are_complete_whatever_the_unit(scale):
     V, F = tube(8, 6)
     touched, _, _ = walk(scale * V, F, scale * 0.05, 3, 40, scale * 0.05)
     assert touched
 
 
-def test_a_shape_is_entered_as_if_it_had_been_walked_to():
+def test_near_pairs_enter_a_shape_as_if_it_had_been_walked_to():
     V, F = grid(7, 7)
     _, _, U = walk(V, F, 0.05, 1, 40, 0.05)
     near = NearPairs(V, F, np.zeros((1, len(V)), np.int64), 0.05)
@@ -95,7 +95,7 @@ def test_a_shape_is_entered_as_if_it_had_been_walked_to():
     assert near.energy_ahead == pytest.approx(energy, rel=1e-12)
 
 
-def test_pairs_of_one_group_are_left_out():
+def test_near_pairs_leave_out_pairs_of_one_group():
     V, F = grid(7, 7)
     _, _, U = walk(V, F, 0.05, 1, 40, 0.05)
     near = NearPairs(V, F, np.ones((1, len(V)), np.int64), 0.05)
@@ -111,7 +111,7 @@ def test_pairs_of_one_group_are_left_out():
     assert near.energy_ahead > 0.0
 
 
-def test_a_way_that_is_too_long_at_once_is_shortened_for_all():
+def test_near_pairs_shorten_a_way_for_all_that_is_too_long_at_once():
     V, F = grid(7, 7)
     near = NearPairs(V, F, np.zeros((1, len(V)), np.int64), 0.05)
     shares = near.examine(V, V + np.random.default_rng(0).normal(size=V.shape) * 50.0)

@@ -39,7 +39,7 @@ def nearest(obstacle, shift, V, F):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_distances_are_those_of_samples_of_the_surface(kind):
+def test_obstacle_distances_are_those_of_samples_of_the_surface(kind):
     """Of a fine sampling of all triangles none is nearer than the nearest pair."""
     V, F = sphere(3)
     obstacle = KINDS[kind]
@@ -54,7 +54,7 @@ def test_distances_are_those_of_samples_of_the_surface(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_directions_are_the_slopes_of_distances(kind):
+def test_outwards_directions_are_the_slopes_of_distances(kind):
     obstacle, X = KINDS[kind], np.random.default_rng(0).normal(size=(20, 3))
     d, outwards = obstacle.outwards(obstacle.points, X)
     h = 1e-6
@@ -65,7 +65,7 @@ def test_directions_are_the_slopes_of_distances(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_forces_are_those_of_differences(kind):
+def test_contact_forces_of_obstacles_are_those_of_differences(kind):
     """On the surface and on the obstacle, which carries what the surface does."""
     V, _, contact = touching(kind)
     contact.enter(V)
@@ -84,7 +84,7 @@ def test_forces_are_those_of_differences(kind):
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.night) for k in range(1, 5))])
-def test_no_way_leads_into_an_obstacle(seed):
+def test_contact_lets_no_way_lead_into_an_obstacle(seed):
     """Random steps of surface and obstacles: what is said to be free is free, and all in touch is listed."""
     rng = np.random.default_rng(seed)
     V, F, contact = touching(None)
@@ -115,7 +115,7 @@ def test_no_way_leads_into_an_obstacle(seed):
     assert refused > 5
 
 
-def test_what_is_pushed_goes_along():
+def test_carried_along_takes_what_is_pushed_along():
     """Vertices next to a plate keep their distance from it, far ones stay."""
     V, _, contact = touching("plate")
     contact.enter(V)
@@ -131,7 +131,7 @@ def test_what_is_pushed_goes_along():
     assert contact.shares(W) is None
 
 
-def test_what_one_plate_pushes_another_does_not_push_back():
+def test_carried_along_lets_no_plate_push_back_what_another_pushes():
     V, F = sphere(3)
     plates = [plate([0, 0, s * (1.0 + 0.5 * REACH)], [0, 0, -s], 2.0) for s in (-1.0, 1.0)]
     contact = Contact(V, F, np.zeros(len(V), np.int64), 1.0, REACH, obstacles=plates)
@@ -152,6 +152,6 @@ def test_what_one_plate_pushes_another_does_not_push_back():
         (lambda: capsule([0, 0, 0], [1, 0, 0], -1.0), "radius"),
     ],
 )
-def test_an_impossible_obstacle_is_refused(make, words):
+def test_obstacles_refuse_an_impossible_obstacle(make, words):
     with pytest.raises(InputError, match=words):
         make()

@@ -27,7 +27,7 @@ def surface(request):
     return V, F, Patches(V, F, edges_of(F))
 
 
-def test_every_vertex_edge_and_triangle_is_in_one_patch(surface):
+def test_patches_have_every_vertex_edge_and_triangle_in_one(surface):
     V, F, patches = surface
     E, count = edges_of(F), len(patches.vertices.start) - 1
     for rows, n in ((patches.vertices, len(V)), (patches.edges, len(E)), (patches.faces, len(F))):
@@ -39,7 +39,7 @@ def test_every_vertex_edge_and_triangle_is_in_one_patch(surface):
 
 
 @pytest.mark.parametrize("size", [1e-3, 0.1, 1.0])
-def test_no_two_points_of_patches_come_nearer_than_is_said(surface, size):
+def test_patches_let_no_two_points_come_nearer_than_is_said(surface, size):
     V, _, patches = surface
     rng = np.random.default_rng(1)
     count = len(patches.vertices.start) - 1
@@ -61,7 +61,7 @@ def test_no_two_points_of_patches_come_nearer_than_is_said(surface, size):
                 assert nearer.max() <= share * bound + 1e-12
 
 
-def test_common_rigid_motion_brings_nothing_nearer(surface):
+def test_patches_come_no_nearer_by_a_common_rigid_motion(surface):
     V, _, patches = surface
     count = len(patches.vertices.start) - 1
     spin = np.array([0.3, -1.0, 0.7])
@@ -72,7 +72,7 @@ def test_common_rigid_motion_brings_nothing_nearer(surface):
     assert patches.approaches(V, turned, all_pairs(count)).max() <= 1e-5
 
 
-def test_each_of_two_that_meet_is_told_by_how_much():
+def test_patches_tell_each_of_two_that_meet_by_how_much():
     V, F = grid(4, 4)
     both = np.vstack([V, V + [0.0, 0.0, 30.0]])
     G = np.vstack([F, F + len(V)])
@@ -90,7 +90,7 @@ def test_each_of_two_that_meet_is_told_by_how_much():
 
 @pytest.mark.parametrize("gap", [0.0, 0.3, 2.0, 10.0])
 @pytest.mark.parametrize("large", [False, True], ids=["alike", "a few large ones"])
-def test_near_patches_are_those_of_brute_force(surface, gap, large):
+def test_patches_near_are_those_of_brute_force(surface, gap, large):
     V, _, patches = surface
     U = V + 0.1 * np.random.default_rng(2).normal(size=V.shape)
     if large:

@@ -38,7 +38,7 @@ OBTUSE = tube(10, 12, height=4.0, shear=0.8)
 
 
 @pytest.mark.parametrize("move", MOVES)
-def test_ten_iterations_equal_the_naive_oracle(move):
+def test_deform_by_arap_equals_the_naive_oracle_after_ten_iterations(move):
     V, F = OBTUSE
     fixed, _, targets = held_ends(V, move)
     expected = oracle.arap(V, F, fixed, targets, 10)
@@ -47,7 +47,7 @@ def test_ten_iterations_equal_the_naive_oracle(move):
     assert result.energy == pytest.approx(oracle.energy(V, expected, oracle.edges_of(V, F)), rel=1e-9)
 
 
-def test_the_oracles_mesh_has_obtuse_triangles():
+def test_arap_oracle_has_a_mesh_of_obtuse_triangles():
     V, F = OBTUSE
     corner = V[F[:, [1, 2, 0]]] - V[F], V[F[:, [2, 0, 1]]] - V[F]
     assert ((corner[0] * corner[1]).sum(axis=2) < 0).any(axis=1).mean() > 0.5
@@ -64,7 +64,7 @@ GENTLE = {
 @pytest.mark.parametrize("iterations", [1, 5, 40])
 @pytest.mark.parametrize("move", GENTLE)
 @pytest.mark.parametrize("mesh", [tube(16, 20), sphere(2)], ids=["tube", "sphere"])
-def test_iterations_equal_libigls(mesh, move, iterations):
+def test_deformation_by_arap_equals_the_iterations_of_libigl(mesh, move, iterations):
     """Where no cotangent is negative, clamping changes nothing and libigl minimises the same energy.
 
     libigl does the local step first, from the shape it is given: here that after our first
@@ -91,13 +91,13 @@ def test_iterations_equal_libigls(mesh, move, iterations):
     assert rest.energy(U) == pytest.approx(rest.energy(expected), rel=1e-6)
 
 
-def test_energy_is_that_of_the_formula():
+def test_solve_mesh_energy_is_that_of_the_formula():
     V, F = OBTUSE
     U = V + 0.3 * np.random.default_rng(0).normal(size=V.shape)
     assert SolveMesh(V, F).energy(U) == pytest.approx(oracle.energy(V, U, oracle.edges_of(V, F)), rel=1e-12)
 
 
-def test_energy_of_a_stretched_triangle():
+def test_solve_mesh_energy_of_a_stretched_triangle_is_that_by_hand():
     """Equilateral, side 1, weights cot(60 deg) / 2; 1.5 times as large, every edge misses by 1/2, twice."""
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, 3**0.5 / 2, 0]])
     assert SolveMesh(V, np.array([[0, 1, 2]])).energy(1.5 * V) == pytest.approx(6 * (3**-0.5 / 2) / 4)
@@ -105,7 +105,7 @@ def test_energy_of_a_stretched_triangle():
 
 @pytest.mark.parametrize("mesh", [OBTUSE, box(2, 2, 5)], ids=["tube", "box"])
 @pytest.mark.parametrize("move", MOVES)
-def test_energy_never_rises_and_rotations_stay_rotations(mesh, move):
+def test_elastic_never_raises_the_energy_and_its_rotations_stay_rotations(mesh, move):
     V, F = mesh
     fixed, _, targets = held_ends(V, move)
     rest = SolveMesh(V, F)
@@ -119,7 +119,7 @@ def test_energy_never_rises_and_rotations_stay_rotations(mesh, move):
     assert (np.diff(energies) <= 1e-12 * energies[0]).all()
 
 
-def test_energy_at_the_end_is_a_minimum_in_every_direction():
+def test_elastic_ends_at_a_minimum_of_the_energy_in_every_direction():
     V, F = OBTUSE
     fixed, _, targets = held_ends(V, "bend")
     rest = SolveMesh(V, F)
@@ -146,7 +146,7 @@ RIGID = {
 
 @pytest.mark.parametrize("method", ["arap", "paper"])
 @pytest.mark.parametrize("motion", RIGID)
-def test_a_rigid_motion_is_a_fixed_point_of_energy_zero(method, motion):
+def test_deformation_takes_a_rigid_motion_for_a_fixed_point_of_energy_zero(method, motion):
     V, F = OBTUSE
     base, handle = ends(V)
     fixed = np.concatenate([base, handle])
@@ -163,7 +163,7 @@ def test_a_rigid_motion_is_a_fixed_point_of_energy_zero(method, motion):
 
 
 @pytest.mark.parametrize("motion", ["shift", "a sixth", "a full turn"])
-def test_a_rigid_motion_of_what_is_held_moves_everything_rigidly(motion):
+def test_deform_by_arap_moves_everything_rigidly_with_a_rigid_motion_of_what_is_held(motion):
     V, F = OBTUSE
     base, handle = ends(V)
     fixed = np.concatenate([base, handle])
@@ -173,7 +173,7 @@ def test_a_rigid_motion_of_what_is_held_moves_everything_rigidly(motion):
     assert result.energy <= 1e-10 * diagonal(V) ** 2
 
 
-def test_held_vertices_are_exactly_where_they_were_asked_for():
+def test_deform_by_arap_puts_held_vertices_exactly_where_they_were_asked_for():
     V, F = OBTUSE
     for move in MOVES:
         fixed, _, targets = held_ends(V, move)
@@ -181,7 +181,7 @@ def test_held_vertices_are_exactly_where_they_were_asked_for():
             assert np.array_equal(deform(V, F, fixed, targets, "arap", iterations=n).U[fixed], targets)
 
 
-def test_rest_is_a_fixed_point():
+def test_deform_by_arap_has_rest_as_a_fixed_point():
     V, F = OBTUSE
     fixed = np.concatenate(ends(V))
     result = deform(V, F, fixed, V[fixed], "arap")
@@ -190,7 +190,7 @@ def test_rest_is_a_fixed_point():
     assert np.abs(result.U - V).max() <= 1e-13 * diagonal(V)
 
 
-def test_one_free_vertex_between_its_neighbours():
+def test_deform_by_arap_moves_one_free_vertex_along_with_its_neighbors():
     V, F = grid(2, 2)
     fixed = np.delete(np.arange(9), 4)
     targets = V[fixed] + [0.0, 0.0, 1.0]
@@ -198,7 +198,7 @@ def test_one_free_vertex_between_its_neighbours():
     assert np.abs(result.U - V - [0.0, 0.0, 1.0]).max() <= 1e-14
 
 
-def test_one_triangle_swings_about_its_held_edge():
+def test_deform_by_arap_swings_one_triangle_about_its_held_edge():
     V, F = np.array([[0.0, 0, 0], [1, 0, 0], [0.3, 1, 0]]), np.array([[0, 1, 2]])
     result = deform(V, F, [0, 1], [[0.0, 0, 0], [0, 1, 0]], "arap", iterations=300)
     assert result.U[2] == pytest.approx([-1, 0.3, 0], abs=1e-6)
@@ -206,7 +206,7 @@ def test_one_triangle_swings_about_its_held_edge():
     assert np.abs(follows - (V + np.array([0.7, 1, 3]))).max() <= 1e-14
 
 
-def test_a_handle_in_several_places():
+def test_deform_by_arap_equals_the_oracle_with_a_handle_in_several_places():
     V, F = sphere(2)
     base = np.flatnonzero(V[:, 2] < -0.8)
     left, right = np.flatnonzero(V[:, 0] < -0.9), np.flatnonzero(V[:, 0] > 0.9)
@@ -243,7 +243,7 @@ def with_a_needle(eps):
 @pytest.mark.parametrize("eps", [0.0, 1e-300, 1e-20, 1e-17, 1e-15, 1e-13, 1e-10])
 @pytest.mark.parametrize("method", ["arap", "paper"])
 @pytest.mark.parametrize("sliver", [with_a_cap, with_a_needle])
-def test_slivers_do_no_harm(sliver, method, eps):
+def test_deform_takes_no_harm_from_slivers(sliver, method, eps):
     V, F = sliver(eps)
     fixed, handle, targets = held_ends(V, "twist")
     result = deform(V, F, fixed, targets, method, 30, handle=handle)
@@ -255,7 +255,7 @@ def test_slivers_do_no_harm(sliver, method, eps):
         assert np.abs(result.U - seen.U).max() <= 1e-5 * diagonal(V)
 
 
-def test_faces_with_a_repeated_corner_change_nothing():
+def test_deform_by_arap_is_unchanged_by_faces_with_a_repeated_corner():
     V, F = OBTUSE
     fixed, _, targets = held_ends(V, "twist")
     a, b = F[100, :2]
@@ -273,7 +273,7 @@ def stitched():
     return np.vstack([V, W]), np.vstack([F, G + len(V), seam]), len(V)
 
 
-def test_a_part_that_only_flat_triangles_join_is_carried_along():
+def test_deform_by_arap_carries_a_part_along_that_only_flat_triangles_join():
     V, F, _ = stitched()
     fixed = np.flatnonzero(V[:, 1] == 0)
     result = deform(V, F, fixed, V[fixed] + [1.0, 2.0, 3.0], "arap", iterations=3)
@@ -282,7 +282,7 @@ def test_a_part_that_only_flat_triangles_join_is_carried_along():
 
 
 @pytest.mark.parametrize("needle", [False, True], ids=["", "with a needle elsewhere"])
-def test_the_floor_under_the_weights_cannot_be_seen(needle):
+def test_deform_by_arap_does_not_show_the_floor_under_the_weights(needle):
     V, F, n = stitched()
     if needle:
         V = np.vstack([V, V[0] + [0.0, 0.0, 1e-12]])

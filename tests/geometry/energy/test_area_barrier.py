@@ -19,7 +19,7 @@ def crumpled(amount):
     return V + amount * np.random.default_rng(0).normal(size=V.shape)
 
 
-def test_it_is_the_sum_over_the_triangles_below_three_tenths_of_their_area():
+def test_area_barrier_energy_is_the_sum_over_triangles_below_three_tenths_of_their_area():
     U, before = crumpled(0.1), oracle.areas(V, F)
     share = oracle.areas(U, F) / before
     assert (share < 0.3).sum() > 10
@@ -27,7 +27,7 @@ def test_it_is_the_sum_over_the_triangles_below_three_tenths_of_their_area():
     assert AreaBarrier(V, F).energy(U) == pytest.approx(expected, rel=1e-12)
 
 
-def test_its_gradient_is_that_of_finite_differences():
+def test_area_barrier_gradient_is_that_of_finite_differences():
     barrier, U, h = AreaBarrier(V, F), crumpled(0.1), 1e-7
     share = oracle.areas(U, F) / oracle.areas(V, F)
     assert share.min() > 1e-3  # below, a normal is rounding
@@ -40,7 +40,7 @@ def test_its_gradient_is_that_of_finite_differences():
     assert np.abs(gradient.sum(axis=0)).max() <= 1e-9
 
 
-def test_the_gradient_begins_without_a_jump():
+def test_area_barrier_gradient_begins_without_a_jump():
     """At three tenths of the area, from either side."""
     barrier, scale = AreaBarrier(V, F), np.sqrt(0.3)
     assert np.abs(barrier.gradient(scale * (1 + 1e-9) * V)).max() == 0.0
@@ -48,7 +48,7 @@ def test_the_gradient_begins_without_a_jump():
     assert 0.0 < np.abs(barrier.gradient(scale * (1 - 1e-9) * V)).max() <= 1e-5
 
 
-def test_slivers_and_flat_triangles_leave_it_finite():
+def test_area_barrier_stays_finite_with_slivers_and_flat_triangles():
     X = np.vstack([V, V[0] + 1e-12])
     barrier = AreaBarrier(X, np.vstack([F, [0, 1, len(V)]]))
     for U in (X, 0.0 * X, np.outer(X[:, 0], [1.0, 0, 0])):
@@ -58,7 +58,7 @@ def test_slivers_and_flat_triangles_leave_it_finite():
 
 
 @pytest.mark.parametrize("bending", [1e-3, 1e-2])
-def test_plain_iterations_reduce_the_rest_of_the_energy(bending):
+def test_elastic_iterate_reduces_the_energy_without_the_area_barrier(bending):
     """Half of a crumpled sphere is held: on the way back nothing sends the other half to and fro."""
     rng = np.random.default_rng(0)
     held, U = np.flatnonzero(rng.random(len(V)) < 0.5), crumpled(0.25)
@@ -72,7 +72,7 @@ def test_plain_iterations_reduce_the_rest_of_the_energy(bending):
     assert (np.diff(energies) <= 1e-12 * energies[0]).all()
 
 
-def test_where_sharp_folds_meet_no_triangle_collapses():
+def test_deform_lets_no_triangle_collapse_where_sharp_folds_meet():
     """Without the penalty 30 triangles fell below a fifth of their area."""
     V, F = tube(48, 100, height=10.0)
     base, handle = np.flatnonzero(V[:, 2] < 0.8), np.flatnonzero(V[:, 2] > 9.2)

@@ -34,7 +34,7 @@ def rolled(V, direction, radius):
 
 
 @pytest.mark.parametrize("direction", [0.0, 0.7, 1.5, 2.6])
-def test_a_sheet_rolled_to_a_cylinder_costs_the_square_of_its_curvature(direction):
+def test_bending_energy_of_a_sheet_rolled_to_a_cylinder_is_the_square_of_its_curvature(direction):
     """The integral of the squared curvature, times the area; the border of the sheet counts too."""
     V, F = equilateral(40)
     area = 40 * 40 * 0.75**0.5
@@ -44,7 +44,7 @@ def test_a_sheet_rolled_to_a_cylinder_costs_the_square_of_its_curvature(directio
 
 
 @pytest.mark.parametrize("angle", [0.5, 2.0, 3.1])
-def test_a_strip_bent_by_an_angle_costs_its_square_over_the_length_of_the_bend(angle):
+def test_bending_energy_of_a_strip_is_the_square_of_its_angle_over_the_length_of_the_bend(angle):
     """A bend between two flat halves; the area times the integral of the squared curvature."""
     V, F = equilateral(40)
     length = 16.0
@@ -60,7 +60,7 @@ def test_a_strip_bent_by_an_angle_costs_its_square_over_the_length_of_the_bend(a
     assert cost == pytest.approx(area * width * angle**2 / length, rel=0.06)
 
 
-def test_a_crease_costs_as_much_as_its_inversion_and_more_the_sharper_it_is():
+def test_bending_energy_of_a_crease_is_that_of_its_inversion_and_rises_with_sharpness():
     """Of a sheet folded along a row of edges, up to half a turn."""
     V, F = equilateral(20)
     at, costs = V[:, 1] - V[F].mean(axis=(0, 1))[1], []
@@ -73,7 +73,7 @@ def test_a_crease_costs_as_much_as_its_inversion_and_more_the_sharper_it_is():
     assert (np.diff(costs[3:]) > 0.1 * costs[4]).all()
 
 
-def test_in_the_mean_of_all_quadratic_functions_the_weights_give_the_integral():
+def test_bending_weights_give_the_integral_in_the_mean_of_all_quadratic_functions():
     """Naively, at each vertex of a rough sheet: three functions that are orthonormal in their Hessian."""
     V, F = grid(6, 5)
     V = V + np.random.default_rng(3).uniform(-0.3, 0.3, V.shape) * [1, 1, 0]
@@ -92,7 +92,7 @@ def test_in_the_mean_of_all_quadratic_functions_the_weights_give_the_integral():
 
 
 @pytest.mark.parametrize("stiffness", [pytest.param(1e-3, marks=pytest.mark.night), 1e-2])
-def test_a_stiff_tube_that_is_pushed_does_not_collapse(stiffness):
+def test_deform_lets_a_stiff_tube_that_is_pushed_not_collapse(stiffness):
     """By 30 % of its length: no triangle loses half of its area."""
     V, F = tube(60, 50, height=12.0, shear=-0.5)
     base, handle = np.flatnonzero(V[:, 2] < 0.9), np.flatnonzero(V[:, 2] > 11.1)
@@ -101,14 +101,14 @@ def test_a_stiff_tube_that_is_pushed_does_not_collapse(stiffness):
     assert (oracle.areas(U, F) > 0.5 * oracle.areas(V, F)).all()
 
 
-def test_a_flat_sheet_stretched_in_its_plane_is_not_bent():
+def test_bending_energy_of_a_flat_sheet_stretched_in_its_plane_is_zero():
     V, F = grid(9, 7)
     V = V + np.random.default_rng(0).uniform(-0.3, 0.3, V.shape) * [1, 1, 0]
     assert bent(SolveMesh(V, F), V @ np.diag([1.7, 0.6, 1.0])) <= 1e-20
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_it_costs_nothing_to_turn_and_grows_with_the_square_of_the_unit(mesh):
+def test_bending_energy_is_zero_for_a_turn_and_grows_with_the_square_of_the_unit(mesh):
     V, F = MESHES[mesh]
     rest = SolveMesh(V, F)
     U = V + 0.1 * np.random.default_rng(1).normal(size=V.shape)
@@ -117,7 +117,7 @@ def test_it_costs_nothing_to_turn_and_grows_with_the_square_of_the_unit(mesh):
 
 
 @pytest.mark.parametrize("method", ["exact", "local"])
-def test_the_same_stiffness_means_the_same_in_millimetres_and_in_metres(method):
+def test_deform_by_the_same_stiffness_is_the_same_in_millimeters_and_in_meters(method):
     V, F = MESHES["tube"]
     base, handle = ends(V)
     fixed = np.concatenate([base, handle])
@@ -127,7 +127,7 @@ def test_the_same_stiffness_means_the_same_in_millimetres_and_in_metres(method):
     assert np.abs(millimetres.U / 1e3 - metres.U).max() <= 1e-9
 
 
-def test_a_stiff_sheet_deforms_alike_however_finely_it_is_divided():
+def test_deform_shapes_a_stiff_sheet_alike_however_finely_it_is_divided():
     """A sheet that is bent over a free middle: without stiffness the two differ, as nothing bends them."""
 
     def profile(n, stiffness):
@@ -148,7 +148,7 @@ def test_a_stiff_sheet_deforms_alike_however_finely_it_is_divided():
 
 @pytest.mark.parametrize("stiffness", [1e-3, 0.1])
 @pytest.mark.parametrize("mesh", MESHES)
-def test_energy_never_rises_and_its_slope_is_the_force(mesh, stiffness):
+def test_elastic_with_bending_never_raises_the_energy_and_its_slope_is_the_force(mesh, stiffness):
     V, F = MESHES[mesh]
     base, handle = ends(V)
     targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 1.5), [0.3, 0, 0.2])])
@@ -170,7 +170,7 @@ def test_energy_never_rises_and_its_slope_is_the_force(mesh, stiffness):
     assert (values[0] - values[1]) / 2e-6 == pytest.approx(slope, rel=1e-5, abs=1e-6 * energies[-1])
 
 
-def test_more_stiffness_bends_less():
+def test_deform_by_more_stiffness_bends_less():
     V, F = tube(16, 20)
     base, handle = ends(V)
     fixed = np.concatenate([base, handle])
@@ -183,7 +183,7 @@ def test_more_stiffness_bends_less():
     assert bends == sorted(bends, reverse=True)
 
 
-def test_isolated_vertices_and_needles_leave_it_finite():
+def test_bending_stays_finite_with_isolated_vertices_and_needles():
     V, F = grid(4, 4)
     V = np.vstack([V, [[9.0, 9, 9]]])
     V[12] = V[7] + [1e-9, 1e-12, 0]
@@ -210,7 +210,7 @@ def naive_sr_arap(V, F, fixed, targets, alpha, iterations):
     return U
 
 
-def test_sr_arap_equals_the_naive_one():
+def test_deform_by_sr_arap_equals_the_naive_one():
     V, F = MESHES["tube"]
     base, handle = ends(V)
     fixed = np.concatenate([base, handle])

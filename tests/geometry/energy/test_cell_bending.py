@@ -67,27 +67,27 @@ def bending_stiffness(V, F, curvature=0.1):
 
 @pytest.mark.parametrize("sheet", SHEETS)
 @pytest.mark.parametrize("count", [12, 24])
-def test_it_is_what_the_cells_need_to_be_bent(sheet, count):
+def test_cell_stiffness_is_what_the_cells_need_to_be_bent(sheet, count):
     V, F = SHEETS[sheet](count)
     assert cell_stiffness(V, F) == pytest.approx(bending_stiffness(V, F), rel=2e-3)
 
 
 @pytest.mark.parametrize("sheet", SHEETS)
-def test_a_sheet_turned_in_space_and_scaled_has_the_same(sheet):
+def test_cell_stiffness_is_the_same_of_a_sheet_turned_in_space_and_scaled(sheet):
     V, F = SHEETS[sheet](12)
     Q = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
     assert cell_stiffness(30.0 * V @ Q.T + 5.0, F) == pytest.approx(cell_stiffness(V, F), rel=1e-9)
 
 
 @pytest.mark.parametrize("around", [40, 80])
-def test_of_equilateral_triangles_it_is_three_quarters_of_the_square_of_the_edge(around):
+def test_cell_stiffness_of_equilateral_triangles_is_by_three_quarters_of_the_squared_edge(around):
     """D = 2 stiffness area = 0.75 h^2 on a tube whose ends are a few rows of many."""
     V, F = tube(around, round(3.0 * around / (2.0 * np.pi) / 0.75**0.5), height=3.0)
     rigidity = 2.0 * cell_stiffness(V, F) * face_areas(V, F).sum()
     assert rigidity == pytest.approx(0.75 * (2.0 * np.pi / around) ** 2, rel=0.03)
 
 
-def test_an_excess_is_the_stiffness_of_the_cells_over_that_asked_for():
+def test_load_excess_is_the_stiffness_of_the_cells_over_that_asked_for():
     exact, local = (METHODS[name].material(0.002, 20.0, 0.1) for name in ("exact", "local"))
     assert load_excess(exact, 0.001) == pytest.approx(0.5)
     assert load_excess(local, 0.001) == pytest.approx(0.05), "its cells have a tenth of the weight"

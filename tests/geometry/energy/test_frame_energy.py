@@ -27,7 +27,7 @@ def targets(angle=0.8, shift=(0.5, 0.0, 0.7)):
 
 
 @pytest.mark.parametrize("method", ["exact", "arap", "paper"])
-def test_without_other_terms_it_is_equation_one_with_the_best_rotations(method):
+def test_frame_energy_is_equation_one_with_the_best_rotations_without_other_terms(method):
     solver, w = Deformation(V, F, FIXED, method=method, handle=HANDLE), oracle.edges_of(V, F)
     solver.aim(targets())
     for _ in range(15):
@@ -37,7 +37,7 @@ def test_without_other_terms_it_is_equation_one_with_the_best_rotations(method):
 
 
 @pytest.mark.parametrize("method", ["exact", "paper", "local"])
-def test_it_has_the_terms_of_the_material(method):
+def test_frame_energy_has_the_terms_of_the_material(method):
     solver = Deformation(V, F, FIXED, method=method, handle=HANDLE, stiffness=0.05)
     material = material_of(METHODS[method], 0.05, DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS)
     afresh = Elastic(RestMesh(V, F).shape, np.sort(FIXED), material)
@@ -49,7 +49,7 @@ def test_it_has_the_terms_of_the_material(method):
     assert frame.energy > 1.01 * material.rigidity * RestMesh(V, F).energy(frame.U)
 
 
-def test_it_is_of_the_shape_that_is_shown_while_a_coarse_one_leads_and_others_are_tried():
+def test_frame_energy_is_of_the_shape_shown_while_a_coarse_one_leads_and_others_are_tried():
     V, F = tube(48, 72, height=4.0)
     rest = RestMesh(V, F)
     fixed = np.flatnonzero((V[:, 2] < 0.4) | (V[:, 2] > 3.6))
@@ -68,7 +68,7 @@ def test_it_is_of_the_shape_that_is_shown_while_a_coarse_one_leads_and_others_ar
     assert hid, "no other shape was tried"
 
 
-def test_nobody_knows_it_of_a_preview():
+def test_frame_energy_of_a_preview_is_not_known():
     V, F = tube(48, 72, height=4.0)
     fixed = np.flatnonzero((V[:, 2] < 0.4) | (V[:, 2] > 3.6))
     solver = Deformation(V, F, fixed, factored=Elsewhere)
@@ -76,7 +76,7 @@ def test_nobody_knows_it_of_a_preview():
     assert solver.step().energy is None
 
 
-def test_a_frame_tells_all_iterations_since_the_solver_was_made():
+def test_frame_tells_all_iterations_since_the_solver_was_made():
     solver = Deformation(V, F, FIXED)
     for shift in (0.1, 0.2, 0.3):
         solver.aim(targets(0.0, (0.0, 0.0, shift)))

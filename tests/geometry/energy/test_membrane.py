@@ -57,7 +57,7 @@ def nearest_of_unit_area(s1, s2):
 @settings(max_examples=300, deadline=None)
 @given(arrays(np.float64, (3, 2), elements=entries))
 @example(np.array([[2.0, 0.0], [0.0, 2.0], [0.0, 0.0]]))  # where the nearest ceases to be the equal stretch
-def test_the_projections_are_the_nearest_of_all(D):
+def test_project_lanes_finds_the_nearest_of_all(D):
     left, s, right = np.linalg.svd(D, full_matrices=False)
     if s[1] < 1e-6 * s[0] or s[0] < 1e-3:
         return
@@ -71,7 +71,7 @@ def test_the_projections_are_the_nearest_of_all(D):
     assert area <= nearest_of_unit_area(*s) * (1 + 1e-6) + 1e-9
 
 
-def test_collapsed_triangles_pull_finitely():
+def test_project_lanes_pulls_finitely_at_collapsed_triangles():
     for D in (np.zeros((3, 2)), np.outer([1.0, 2, 3], [1.0, 0]), np.full((3, 2), 1e-200)):
         T, energy = projected(D, 0.1, 20.0)
         assert energy == 0.0
@@ -79,7 +79,7 @@ def test_collapsed_triangles_pull_finitely():
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_the_forces_are_the_slope_of_the_energy(mesh):
+def test_membrane_forces_are_the_slope_of_the_energy(mesh):
     V, F = MESHES[mesh]
     membrane = membrane_of(V, F, 0.3, 5.0)
     rng = np.random.default_rng(0)
@@ -92,7 +92,7 @@ def test_the_forces_are_the_slope_of_the_energy(mesh):
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_it_costs_nothing_to_turn_and_something_to_grow(mesh):
+def test_membrane_costs_nothing_to_turn_and_something_to_grow(mesh):
     V, F = MESHES[mesh]
     membrane = membrane_of(V, F, 0.1, 20.0)
     assert energy(membrane, V @ rotation([1, 2, 3], 2.0).T + 5.0) <= 1e-20 * len(F)
@@ -103,7 +103,7 @@ def test_it_costs_nothing_to_turn_and_something_to_grow(mesh):
     assert energy(membrane, 2 * V) == pytest.approx(expected, rel=1e-9)
 
 
-def test_the_area_term_lets_a_sheet_shear_freely():
+def test_membrane_area_term_lets_a_sheet_shear_freely():
     V, F = grid(5, 5)
     only_area = membrane_of(V, F, 0.0, 1.0)
     assert energy(only_area, V @ np.diag([2.0, 0.5, 1.0])) <= 1e-20
@@ -113,7 +113,7 @@ def test_the_area_term_lets_a_sheet_shear_freely():
 
 @pytest.mark.parametrize("material", [Material(0.1, 0.1, 20.0), Material(1.0, 2.0, 0.0), Material(0.5, 0, 3)])
 @pytest.mark.parametrize("mesh", MESHES)
-def test_energy_never_rises(mesh, material):
+def test_elastic_with_a_membrane_never_raises_the_energy(mesh, material):
     V, F = MESHES[mesh]
     base, handle = ends(V)
     targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 2.0), [0.3, 0, 0.2])])
@@ -126,7 +126,7 @@ def test_energy_never_rises(mesh, material):
     assert energies[-1] < energies[0]
 
 
-def test_the_stiffnesses_do_what_their_names_say():
+def test_deform_by_local_takes_stiffnesses_that_do_what_their_names_say():
     V, F = tube(16, 20)
     base, handle = ends(V)
     fixed = np.concatenate([base, handle])
@@ -145,14 +145,14 @@ def test_the_stiffnesses_do_what_their_names_say():
 
 @pytest.mark.parametrize("name", ["stiffness", "area_stiffness", "shear_stiffness"])
 @pytest.mark.parametrize("value", [-1.0, np.nan, np.inf, 1e308, "much"])
-def test_stiffnesses_that_are_none_are_refused(name, value):
+def test_deform_refuses_stiffnesses_that_are_none(name, value):
     V, F = tube(6, 5)
     fixed = np.concatenate(ends(V))
     with pytest.raises(InputError, match=f"^{name} must be a number from 0"):
         deform(V, F, fixed, V[fixed], "local", 1, **{name: value})
 
 
-def test_needles_leave_the_membrane_finite():
+def test_membrane_stays_finite_with_needles():
     V, F = grid(4, 4)
     V = V.copy()
     V[12] = V[7] + [1e-9, 1e-12, 0]

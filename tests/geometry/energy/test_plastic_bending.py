@@ -58,7 +58,7 @@ def angle_of(X, U, length=4.0):
     return np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b) / 0.6
 
 
-def test_below_the_yield_curvature_nothing_changes():
+def test_plastic_bending_changes_nothing_below_the_yield_curvature():
     """Energy and forces are those of walls that do not yield."""
     U, targets = shaken(0.02), V[HELD]
     plain, yielding = surface(), surface(1e6)
@@ -69,7 +69,7 @@ def test_below_the_yield_curvature_nothing_changes():
 
 
 @pytest.mark.parametrize("kept", [False, True])
-def test_forces_are_the_slope_of_the_energy(kept):
+def test_plastic_bending_forces_are_the_slope_of_the_energy(kept):
     """While it flows, with and without creases from before."""
     elastic = surface(0.5)
     if kept:
@@ -84,7 +84,7 @@ def test_forces_are_the_slope_of_the_energy(kept):
     assert (ends[1] - ends[0]) / (2 * h) == pytest.approx(slope, rel=1e-4)
 
 
-def test_keeping_creases_changes_no_energy_but_the_forces():
+def test_keep_creases_changes_no_energy_but_the_forces():
     """What flow has taken is counted, and a shape that yields is drawn back less."""
     elastic, U = surface(0.5), shaken(0.1)
     E = at_rest_with(elastic, U)
@@ -96,7 +96,7 @@ def test_keeping_creases_changes_no_energy_but_the_forces():
     assert np.linalg.norm(elastic.residual(U[HELD])) <= before
 
 
-def test_creases_know_no_place_and_no_turn():
+def test_keep_creases_knows_no_place_and_no_turn():
     """The energy is the same wherever the creased shape is, and however it is turned."""
     elastic, U = surface(0.5), shaken(0.1)
     at_rest_with(elastic, U)
@@ -108,7 +108,7 @@ def test_creases_know_no_place_and_no_turn():
 
 @pytest.mark.parametrize("count", [40, 80])
 @pytest.mark.parametrize(("angle", "yields"), [(90, 30), (150, 45)])
-def test_a_strip_that_was_bent_keeps_all_but_the_angle_of_yield(count, angle, yields):
+def test_plastic_bending_lets_a_bent_strip_keep_all_but_the_angle_of_yield(count, angle, yields):
     """Two resolutions; a strip that is bent less springs back to flat."""
     X, triangles = strip(count)
     radius = 4.0 / np.radians(yields)

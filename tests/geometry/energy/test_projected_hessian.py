@@ -32,7 +32,7 @@ def elastic_of(mesh, material=LOCAL, **options):
 @pytest.mark.parametrize("size", [0.7, 1.0, 1.3])
 @pytest.mark.parametrize(("shear", "area"), [(0.1, 20.0), (1.0, 0.0), (0.0, 3.0)])
 @pytest.mark.parametrize("mesh", MESHES)
-def test_unclamped_it_is_the_derivative_of_the_gradient(mesh, shear, area, size):
+def test_projected_hessian_unclamped_is_the_derivative_of_the_gradient(mesh, shear, area, size):
     elastic = elastic_of(mesh, Material(0.5, shear, area))
     V, free, membrane = elastic.rest.V, elastic.free, elastic.membrane
     U, h = crumpled(V, size), 1e-6
@@ -51,7 +51,7 @@ def test_unclamped_it_is_the_derivative_of_the_gradient(mesh, shear, area, size)
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_clamped_it_is_positive_definite_and_no_smaller(mesh):
+def test_projected_hessian_clamped_is_positive_definite_and_no_smaller(mesh):
     elastic = elastic_of(mesh)
     U = crumpled(elastic.rest.V, 0.9)
     exact, clamped = dense(elastic.hessian, U, -np.inf), dense(elastic.hessian, U)
@@ -62,7 +62,7 @@ def test_clamped_it_is_positive_definite_and_no_smaller(mesh):
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_at_rest_nothing_is_clamped_and_k_is_larger(mesh):
+def test_projected_hessian_at_rest_is_not_clamped_and_k_is_larger(mesh):
     elastic = elastic_of(mesh)
     V = elastic.rest.V
     hessian = dense(elastic.hessian, V)
@@ -70,7 +70,7 @@ def test_at_rest_nothing_is_clamped_and_k_is_larger(mesh):
     assert np.linalg.eigvalsh(np.kron(elastic.K_ff.toarray(), np.eye(3)) - hessian).min() >= -1e-9
 
 
-def test_it_turns_with_the_shape():
+def test_projected_hessian_turns_with_the_shape():
     elastic = elastic_of("box")
     U, R = crumpled(elastic.rest.V), rotation([1, 2, 3], 1.1)
     turns = np.kron(np.eye(len(elastic.free)), R)
@@ -78,7 +78,7 @@ def test_it_turns_with_the_shape():
     assert np.abs(dense(elastic.hessian, U @ R.T) - turned).max() <= 1e-10
 
 
-def test_bending_and_springs_give_their_constant_matrices():
+def test_projected_hessian_has_the_constant_matrices_of_bending_and_springs():
     soft = Soft(np.array([10, 11]), np.zeros(2, dtype=int), np.ones(2), np.array([3.0, 0.5]))
     plain, full = elastic_of("tube"), elastic_of("tube", Material(0.1, 0.1, 20.0, 0.01), soft=soft)
     U = crumpled(plain.rest.V)
@@ -87,7 +87,7 @@ def test_bending_and_springs_give_their_constant_matrices():
     assert np.abs(difference - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
-def test_collapsed_triangles_leave_it_positive_definite():
+def test_projected_hessian_stays_positive_definite_with_collapsed_triangles():
     elastic = elastic_of("sphere")
     V = elastic.rest.V
     for U in (np.zeros_like(V), V * [1.0, 1.0, 0.0], V * [1.0, 0.0, 0.0], 2.0 * V):
@@ -95,7 +95,7 @@ def test_collapsed_triangles_leave_it_positive_definite():
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_its_factor_solves(mesh):
+def test_projected_hessian_factored_at_a_shape_solves(mesh):
     elastic = elastic_of(mesh)
     U = crumpled(elastic.rest.V)
     b = np.random.default_rng(2).normal(size=(len(elastic.free), 3))

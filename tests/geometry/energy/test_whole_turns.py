@@ -10,7 +10,7 @@ X, MASSES = RNG.normal(size=(50, 3)) * [1.0, 2.0, 0.3], RNG.uniform(0.1, 2.0, si
 FIRST = X + 0.2 * RNG.normal(size=(50, 3))
 
 
-def test_a_turn_is_taken_out_and_a_shift_is_not():
+def test_whole_turns_take_out_a_turn_and_not_a_shift():
     turns = WholeTurns(X, MASSES, FIRST)
     h = 1e-7
     turn = (X @ rotation((1.0, 2.0, 3.0), h).T - X) / h
@@ -19,7 +19,7 @@ def test_a_turn_is_taken_out_and_a_shift_is_not():
     assert np.allclose(turns.without(shift), shift)
 
 
-def test_what_is_left_has_no_mean_turn_and_stays():
+def test_whole_turns_leave_what_has_no_mean_turn_and_stays():
     turns, step = WholeTurns(X, MASSES, FIRST), RNG.normal(size=(50, 3))
     left = turns.without(step)
     assert (
@@ -29,7 +29,7 @@ def test_what_is_left_has_no_mean_turn_and_stays():
     assert np.allclose(turns.without(left), left)
 
 
-def test_forces_are_balanced_by_the_transpose():
+def test_whole_turns_balance_forces_by_the_transpose():
     turns = WholeTurns(X, MASSES, FIRST)
     step, force = RNG.normal(size=(2, 50, 3))
     assert np.isclose((force * turns.without(step)).sum(), (turns.balanced(force) * step).sum())
@@ -37,7 +37,7 @@ def test_forces_are_balanced_by_the_transpose():
     assert np.abs(torque).max() < 1e-12
 
 
-def test_many_steps_do_not_add_up_to_a_turn():
+def test_whole_turns_let_many_steps_not_add_up_to_a_turn():
     """A shape that changes in a cycle; told against the shape of each step, it turns as a falling cat."""
     U, first = X, X - MASSES @ X / MASSES.sum()
     modes = RNG.normal(size=(2, 50, 3))
@@ -49,7 +49,7 @@ def test_many_steps_do_not_add_up_to_a_turn():
     assert np.abs(moment).max() < 1e-10
 
 
-def test_points_on_a_line_turn_about_what_they_can():
+def test_whole_turns_turn_points_on_a_line_about_what_they_can():
     line = np.outer(np.linspace(-1, 1, 20), [1.0, 0.0, 0.0])
     turns = WholeTurns(line, np.ones(20), line)
     assert np.abs(turns.without(np.cross([0.0, 1.0, 2.0], line))).max() < 1e-12

@@ -24,7 +24,7 @@ STRAIN = 1e-4
         ("local", 100.0, 10.0, None),
     ],
 )
-def test_a_sheet_resists_by_its_young_modulus(method, area, shear, known):
+def test_young_is_the_modulus_by_which_a_sheet_resists(method, area, shear, known):
     """Energy per area E t e^2 / 2, at the width that it takes by itself; one strain in all triangles."""
     V, F = grid(6, 6)
     material = METHODS[method].material(0.001, area, shear)

@@ -49,7 +49,7 @@ def change(U, part):
 
 
 @pytest.mark.parametrize("gesture", GESTURES)
-def test_limbs_keep_their_area_and_all_goals_hold_in_every_frame(gesture):
+def test_calm_parts_keep_the_area_of_limbs_and_all_goals_hold_in_every_frame(gesture):
     solver = solver_of()
     solver.aim(GESTURES[gesture])
     iterations = 0
@@ -65,7 +65,7 @@ def test_limbs_keep_their_area_and_all_goals_hold_in_every_frame(gesture):
         assert abs(change(frame.U, part)) <= 3e-3
 
 
-def test_without_it_the_limbs_shrink():
+def test_deformation_without_calm_parts_shrinks_the_limbs():
     solver = solver_of(calm=False)
     solver.aim(GESTURES["pulled"])
     while not solver.settled:
@@ -73,7 +73,7 @@ def test_without_it_the_limbs_shrink():
     assert change(solver.frame().U, LIMBS["legs"]) < -0.1
 
 
-def test_where_nothing_is_calm_nothing_changes():
+def test_calm_parts_change_nothing_where_nothing_is_calm():
     W, G = tube(24, 40)
     ends = np.flatnonzero((W[:, 2] == W[:, 2].min()) | (W[:, 2] == W[:, 2].max()))
     top = ends[W[ends, 2] > W[:, 2].mean()]
@@ -89,7 +89,7 @@ def test_where_nothing_is_calm_nothing_changes():
 
 
 @pytest.mark.parametrize("most", [14, pytest.param(42, marks=pytest.mark.night)])
-def test_steps_of_two_degrees_move_no_vertex_by_a_jump(most):
+def test_calm_parts_let_steps_of_two_degrees_move_no_vertex_by_a_jump(most):
     steps = {}
     for calm in (True, False):
         solver, shapes = solver_of(calm=calm), []
@@ -115,7 +115,7 @@ def test_steps_of_two_degrees_move_no_vertex_by_a_jump(most):
     ],
     ids=["area", "volume", "region", "all"],
 )
-def test_other_goals_hold_beside_them(asked):
+def test_calm_parts_let_other_goals_hold_beside_them(asked):
     solver = solver_of(**asked)
     solver.aim(GESTURES["nodding"])
     for _ in range(800):
@@ -128,7 +128,7 @@ def test_other_goals_hold_beside_them(asked):
     assert abs(legs - (asked.get("area", 100.0) / 100.0 - 1.0)) <= 5e-3
 
 
-def test_they_give_way_where_the_total_cannot_be_kept_with_them_and_come_back():
+def test_calm_parts_give_way_where_the_total_cannot_be_kept_with_them_and_come_back():
     solver = solver_of()
     solver.aim(turned([0, 1, 0], 0, (0.0, 6.0, 0.0)))
     while not solver.settled:
@@ -149,7 +149,7 @@ def held():
     return ids, np.isin(ids, REST.weld.inverse[HEAD]).astype(int)
 
 
-def test_levels_share_the_calm_vertices_among_them():
+def test_calm_levels_share_the_calm_vertices_among_them():
     ids, handle_of = held()
     x = flux(REST.shape, ids, handle_of, NO_SOFT)
     levels = calm_levels(REST.shape, ids, handle_of, NO_SOFT)
@@ -164,7 +164,7 @@ def test_levels_share_the_calm_vertices_among_them():
     assert share_calm(np.array([0.0, -0.5, -4.0, -9.0])) == pytest.approx([0.0, 0.0, 1.0, 1.0])
 
 
-def test_the_largest_part_of_a_level_keeps_its_area_apart_from_the_others():
+def test_calm_levels_keep_the_area_of_their_largest_part_apart_from_the_others():
     """The legs, which are connected below the base, and the arms."""
     levels = calm_levels(REST.shape, *held(), NO_SOFT)
     legs, arms = REST.shape.V[:, 1] < -0.8, np.abs(REST.shape.V[:, 0]) > 2.0
@@ -175,7 +175,7 @@ def test_the_largest_part_of_a_level_keeps_its_area_apart_from_the_others():
     assert not last[1][legs].any()
 
 
-def test_the_flux_of_a_bar_is_the_same_everywhere():
+def test_flux_of_a_bar_is_the_same_everywhere():
     W, G = tube(24, 40)
     z = W[:, 2]
     ids = np.flatnonzero((z == z.min()) | (z == z.max()))
@@ -183,7 +183,7 @@ def test_the_flux_of_a_bar_is_the_same_everywhere():
     np.testing.assert_allclose(x, 0.0, atol=1e-9)
 
 
-def test_each_handle_reaches_its_own_part():
+def test_flux_lets_each_handle_reach_its_own_part():
     """An arm that is a handle too is as little calm as the neck."""
     ids = np.unique(np.append(REST.weld.inverse[FIXED], np.flatnonzero(REST.shape.V[:, 0] > 2.5)))
     base = REST.weld.inverse[BASE]
@@ -194,7 +194,7 @@ def test_each_handle_reaches_its_own_part():
     assert flux(REST.shape, alone, handle_of, NO_SOFT)[arm].max() < -2.0
 
 
-def test_what_a_handle_draws_softly_is_not_calm():
+def test_flux_tells_that_what_a_handle_draws_softly_is_not_calm():
     ids, handle_of = held()
     x = REST.shape.V[:, 0]
     arm, before = np.flatnonzero((x > 1.5) & (x < 2.5)), np.flatnonzero((x > 1.2) & (x < 1.4))
@@ -203,7 +203,7 @@ def test_what_a_handle_draws_softly_is_not_calm():
     assert flux(REST.shape, ids, handle_of, soft)[before].min() > -0.5
 
 
-def test_a_thinned_mesh_tells_about_the_same(monkeypatch):
+def test_flux_of_a_thinned_mesh_tells_about_the_same(monkeypatch):
     ids, handle_of = held()
     fine = share_calm(flux(REST.shape, ids, handle_of, NO_SOFT))
     monkeypatch.setattr(calm_parts, "LARGE", 100)
@@ -213,7 +213,7 @@ def test_a_thinned_mesh_tells_about_the_same(monkeypatch):
 
 
 @pytest.mark.parametrize("missing", ["base", "handle"])
-def test_without_a_base_or_a_handle_there_is_no_gesture(missing):
+def test_calm_levels_find_no_gesture_without_a_base_or_a_handle(missing):
     ids, handle_of = held()
     number = np.zeros_like(handle_of) if missing == "handle" else np.ones_like(handle_of)
     assert len(calm_levels(REST.shape, ids, number, NO_SOFT)) == 0

@@ -21,7 +21,7 @@ def value(goal, U):
     return GoalMeasures((goal,)).values(U)[0]
 
 
-def test_percentages_become_areas_and_a_volume():
+def test_make_goals_turns_percentages_into_areas_and_a_volume():
     area, region, volume = make_goals(REST, 110, 50.0, [Region("lid", TOP, 90), Region("read only", TOP)])
     assert area.target == pytest.approx(1.1 * 52)
     assert value(area, 2 * V) == pytest.approx(4 * 52)
@@ -32,7 +32,7 @@ def test_percentages_become_areas_and_a_volume():
     assert make_goals(REST, None, None, []) == ()
 
 
-def test_values_and_gradients_belong_together():
+def test_goal_measures_have_values_and_gradients_that_belong_together():
     goals = make_goals(REST, 110, 50.0, [Region("lid", TOP, 90)], CALM)
     assert len(goals) == 5
     measures = GoalMeasures(goals)
@@ -49,7 +49,7 @@ def test_values_and_gradients_belong_together():
         assert goal.miss(goal.rest) == pytest.approx(1 - goal.target / goal.rest)
 
 
-def test_a_level_of_calmness_is_asked_for_what_the_area_is_but_not_in_a_region():
+def test_make_goals_asks_a_level_of_calmness_for_what_the_area_is_but_not_in_a_region():
     *_, calm = make_goals(REST, 110, None, [Region("lid", TOP, 90)], CALM[:1])
     weights = np.where(V[:, 2] == 4, 0.0, CALM[0])[F].mean(axis=1)
     assert calm.rest == pytest.approx(face_areas(V, F) @ weights, rel=1e-6)
@@ -57,14 +57,14 @@ def test_a_level_of_calmness_is_asked_for_what_the_area_is_but_not_in_a_region()
     assert make_goals(REST, None, None, [], CALM) == ()
 
 
-def test_a_region_is_the_triangles_with_all_corners_in_it():
+def test_patch_of_a_region_is_the_triangles_with_all_corners_in_it():
     patch = patch_of(REST, Region("lid", TOP))
     assert (V[patch.F][:, :, 2] == 4).all()
     assert len(patch.F) == 2 * 6
     assert len(patch_of(REST, Region("a point", TOP[:1])).F) == 0
 
 
-def test_a_region_goes_over_seams():
+def test_patch_of_a_region_goes_over_seams():
     """Only one of the copies at each place is named."""
     X, G = soup(V, F)
     rest = RestMesh(X, G)
@@ -72,20 +72,20 @@ def test_a_region_goes_over_seams():
     assert len(patch_of(rest, Region("lid", named)).F) == 2 * 6
 
 
-def test_words_for_what_is_not_reached():
+def test_goal_shortfall_has_words_for_what_is_not_reached():
     (area,) = make_goals(REST, 10, None, [])
     assert area.shortfall(52 * 0.31234) == "the area is at 31.23 % instead of 10 %"
     assert area.shortfall(52 * 0.1 * (1 + 2e-7)) == "the area is at 10.000002 % instead of 10 %"
 
 
 @pytest.mark.parametrize("percent", [0, -5, 1001, np.nan, np.inf, "all", True])
-def test_percentages_that_are_none_are_refused(percent):
+def test_make_goals_refuses_percentages_that_are_none(percent):
     for asked in ((percent, None, []), (None, percent, []), (None, None, [Region("lid", TOP, percent)])):
         with pytest.raises(InputError, match="must be a percentage from 1 to 1000"):
             make_goals(REST, *asked)
 
 
-def test_there_must_be_something_to_measure():
+def test_make_goals_needs_something_to_measure():
     open_mesh = RestMesh(*tube(8, 4))
     with pytest.raises(InputError, match="There is no volume to keep: the surface is open"):
         make_goals(open_mesh, None, 100, [])
@@ -98,6 +98,6 @@ def test_there_must_be_something_to_measure():
 
 
 @pytest.mark.parametrize("region", ["lid", ("lid", TOP), Region("", TOP), None])
-def test_what_is_no_region_is_refused(region):
+def test_patch_of_refuses_what_is_no_region(region):
     with pytest.raises(InputError, match="Regions must be a list of Region"):
         patch_of(REST, region)

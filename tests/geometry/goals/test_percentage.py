@@ -18,14 +18,14 @@ def deformed(**targets):
 
 
 @pytest.mark.parametrize("factor", [1.0, 1.1, 1.5, 2, 9.99])
-def test_a_number_that_could_be_a_factor_is_asked_about(factor):
+def test_percentage_asks_about_a_number_that_could_be_a_factor(factor):
     with pytest.raises(InputError, match=rf"write {100 * factor:g}% or {factor:g}%"):
         percentage(factor, "the area")
     assert percentage(f"{factor}%", "the area") == factor
     assert percentage(f" {100 * factor} % ", "the area") == pytest.approx(100 * factor)
 
 
-def test_every_target_of_the_api_asks():
+def test_deform_asks_about_every_target_that_could_be_a_factor():
     region = apd_viewer.Region("lid", np.arange(4), area=1.1)
     for asked in ({"area": 1.1}, {"volume": 1.1}, {"regions": [region]}):
         with pytest.raises(InputError, match=r"write 110% or 1\.1%"):
@@ -33,13 +33,13 @@ def test_every_target_of_the_api_asks():
     assert deformed(area="110%").area_target == pytest.approx(1.1 * deformed().area_rest)
 
 
-def test_what_is_written_is_read_again():
+def test_percentage_reads_again_what_said_with_sign_writes():
     for value in [*np.geomspace(LEAST, MOST, 50).tolist(), 5.0, 10.0]:
         assert percentage(said_with_sign(value), "the area") == value
     assert said_with_sign(None) is None
 
 
 @pytest.mark.parametrize("wrong", ["abc", "", "%", "0.5%", 0.5, 1001, "nan", "inf%", True, None])
-def test_what_is_no_target_is_refused(wrong):
+def test_percentage_refuses_what_is_no_target(wrong):
     with pytest.raises(InputError, match="must be a percentage from 1 to 1000"):
         percentage(wrong, "the area")

@@ -49,7 +49,7 @@ def random_blocks(start, column, rng):
 
 @pytest.mark.parametrize("mesh", MESHES)
 @pytest.mark.parametrize("apart", [False, True])
-def test_it_solves_what_scipy_does(mesh, apart):
+def test_block_factor_solves_what_scipy_does(mesh, apart):
     V, F = two_apart(*MESHES[mesh]) if apart else MESHES[mesh]
     start, column = graph(F, len(V))
     rng = np.random.default_rng(0)
@@ -62,7 +62,7 @@ def test_it_solves_what_scipy_does(mesh, apart):
         assert np.abs(x - expected).max() <= 1e-5 * np.abs(expected).max()
 
 
-def test_the_response_is_symmetric():
+def test_block_factor_has_a_symmetric_response():
     """Quasi-Newton steps need that of their metric, rounded as it is."""
     V, F = MESHES["tube"]
     start, column = graph(F, len(V))
@@ -74,7 +74,7 @@ def test_the_response_is_symmetric():
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_no_group_is_coupled_with_another_branch(mesh):
+def test_dissect_couples_no_group_with_another_branch(mesh):
     V, F = two_apart(*MESHES[mesh])
     start, column = graph(F, len(V))
     order, first, parent = dissect(V, start, column)
@@ -94,14 +94,14 @@ def test_no_group_is_coupled_with_another_branch(mesh):
     assert all(t in above[s] or s in above[t] for s, t in zip(group[rows], group[column], strict=True))
 
 
-def test_the_cuts_are_short():
+def test_block_pattern_has_cuts_that_are_short():
     """A sheet of n unknowns is known to take n log2 n blocks, times a constant of at most eight."""
     V, F = grid(40, 40)
     pattern = BlockPattern(V, *graph(F, len(V)))
     assert pattern.panel[-1] / 9 <= 8 * len(V) * np.log2(len(V))
 
 
-def test_positions_that_coincide_are_cut_all_the_same():
+def test_block_pattern_cuts_positions_that_coincide_all_the_same():
     V, F = MESHES["sphere"]
     start, column = graph(F, len(V))
     blocks, A = random_blocks(start, column, np.random.default_rng(2))
@@ -110,7 +110,7 @@ def test_positions_that_coincide_are_cut_all_the_same():
     assert np.abs(A @ x.ravel() - b.ravel()).max() <= 1e-4
 
 
-def test_it_takes_one_thread_of_blas_and_gives_the_others_back(monkeypatch):
+def test_block_factor_takes_one_thread_of_blas_and_gives_the_others_back(monkeypatch):
     """Threads of BLAS that wait for each other take thirty times as long on a busy machine."""
     seen, eliminate = [], multifrontal.eliminate
 

@@ -84,7 +84,7 @@ def flipped(content):
         yield bytes(changed)
 
 
-def test_a_kernel_is_compiled_once_and_the_log_says_so(modules, caplog):
+def test_kernel_cache_compiles_a_kernel_once_and_the_log_says_so(modules, caplog):
     assert modules.compiles()
     assert f"Compiled {modules.file('walk')}" in caplog.messages
     caplog.clear()
@@ -92,7 +92,7 @@ def test_a_kernel_is_compiled_once_and_the_log_says_so(modules, caplog):
     assert caplog.messages == []
 
 
-def test_damaged_files_are_noted_and_made_anew(modules, caplog):
+def test_kernel_cache_notes_damaged_files_and_makes_them_anew(modules, caplog):
     modules.compiles()
     modules.kernel("double")(START)
     file, other = modules.file("walk"), modules.file("double").read_bytes()
@@ -112,7 +112,7 @@ def test_damaged_files_are_noted_and_made_anew(modules, caplog):
     assert {path.suffix for path in modules.beside.iterdir()} == {".nbc"}, "nothing unfinished is left"
 
 
-def test_a_kernel_is_compiled_again_where_one_within_it_has_changed(modules, tmp_path, caplog):
+def test_kernel_cache_compiles_a_kernel_again_where_one_within_it_has_changed(modules, tmp_path, caplog):
     modules.compiles()
     shutil.copytree(modules.home, tmp_path / "moved")
     moved = Modules(tmp_path / "moved")
@@ -125,7 +125,7 @@ def test_a_kernel_is_compiled_again_where_one_within_it_has_changed(modules, tmp
     assert not changed.compiles(step=2)
 
 
-def test_sources_that_change_while_the_program_runs_keep_no_old_kernel(modules):
+def test_kernel_cache_keeps_no_old_kernel_of_sources_that_change_while_the_program_runs(modules):
     walk = modules.kernel("walk")
     modules.write(step=2)
     assert walk(START) == START + 10
@@ -133,7 +133,9 @@ def test_sources_that_change_while_the_program_runs_keep_no_old_kernel(modules):
     assert Modules(modules.home.parent / "next").compiles(step=2)
 
 
-def test_the_user_s_folder_is_used_where_none_can_be_written_beside_the_modules(modules, tmp_path, caplog):
+def test_kernel_cache_uses_the_user_s_folder_where_none_can_be_written_beside_the_modules(
+    modules, tmp_path, caplog
+):
     modules.beside.touch()  # no folder, which not even root can write into
     assert modules.compiles()
     assert [path.parts[-3] for path in tmp_path.glob("users/kernels/*/outer.walk-*.nbc")] == ["kernels"]
@@ -141,7 +143,7 @@ def test_the_user_s_folder_is_used_where_none_can_be_written_beside_the_modules(
     assert not modules.compiles()
 
 
-def test_without_any_folder_kernels_are_compiled_for_this_run(modules, tmp_path, caplog):
+def test_kernel_cache_without_any_folder_compiles_kernels_for_this_run(modules, tmp_path, caplog):
     modules.beside.touch()
     (tmp_path / "users").touch()
     assert modules.compiles()
@@ -150,7 +152,7 @@ def test_without_any_folder_kernels_are_compiled_for_this_run(modules, tmp_path,
     assert caplog.messages == [f"{said} at each start."], "once, and not for each kernel"
 
 
-def test_a_named_folder_is_the_only_one(modules, tmp_path, monkeypatch):
+def test_kernel_cache_takes_a_named_folder_as_the_only_one(modules, tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "named"))
     assert modules.compiles()
     assert list(tmp_path.glob("named/modules_*/outer.walk-*.nbc"))

@@ -82,7 +82,7 @@ SYSTEMS = {
 
 @pytest.mark.parametrize("name", SYSTEMS)
 @pytest.mark.parametrize("threads", [1, 2])
-def test_it_solves_what_scipy_does(name, threads):
+def test_linear_solver_solves_what_scipy_does(name, threads):
     A, V = SYSTEMS[name]()
     B = RNG.normal(size=(len(V), 3))
     expected = spsolve(A.tocsc(), B).reshape(B.shape)
@@ -105,7 +105,7 @@ def test_it_solves_what_scipy_does(name, threads):
 @pytest.mark.skipif(
     numba.config.NUMBA_NUM_THREADS < 2, reason="numba has one thread here, where two are compared"
 )
-def test_any_number_of_cores_gives_the_same_bits():
+def test_linear_solver_gives_the_same_bits_on_any_number_of_cores():
     V, F, _ = sample_bottle(2.0)
     A, V = pinned(V, F, 100)
     B = RNG.normal(size=(len(V), 3))
@@ -119,13 +119,13 @@ def test_any_number_of_cores_gives_the_same_bits():
 
 
 @pytest.mark.parametrize("sign", [-1.0, 0.0])
-def test_a_matrix_that_is_not_definite_is_refused(sign):
+def test_linear_solver_refuses_a_matrix_that_is_not_definite(sign):
     A, V = pinned(*sphere(2))
     with pytest.raises(ValueError, match="definite"):
         LinearSolver(sp.csr_array(A + (sign - 1.0) * sp.diags_array(A.diagonal())), V)
 
 
-def test_a_right_hand_side_is_left_as_it_is():
+def test_linear_solver_leaves_a_right_hand_side_as_it_is():
     A, V = pinned(*sphere(2))
     B = RNG.normal(size=(len(V), 3))
     before = B.copy()
@@ -145,28 +145,28 @@ class TestTheWayBack:
         B = RNG.normal(size=(A.shape[0], 3))
         assert np.abs(A @ solver.solve(B) - B).max() <= 1e-10 * np.abs(B).max()
 
-    def test_it_is_not_taken_without_need(self, system):
+    def test_linear_solver_does_not_take_cholmod_without_need(self, system):
         assert isinstance(LinearSolver(*system).factor, SupernodalFactor)
 
-    def test_without_positions(self, system):
+    def test_linear_solver_takes_cholmod_without_positions(self, system):
         self.check(LinearSolver(system[0]), system[0])
 
-    def test_for_small_systems(self, system, monkeypatch):
+    def test_linear_solver_takes_cholmod_for_small_systems(self, system, monkeypatch):
         monkeypatch.setattr(linear_solver, "LARGE", 10**6)
         self.check(LinearSolver(*system), system[0])
 
-    def test_where_the_factor_would_be_dense(self, system):
+    def test_linear_solver_takes_cholmod_where_the_factor_would_be_dense(self, system):
         A, V = system
         nowhere = np.zeros_like(V)
         assert Supernodes(nowhere, A.indptr, A.indices).fill == len(V) ** 2
         self.check(LinearSolver(A, nowhere), A)
 
-    def test_where_single_precision_is_not_enough(self, system, monkeypatch):
+    def test_linear_solver_takes_cholmod_where_single_precision_is_not_enough(self, system, monkeypatch):
         monkeypatch.setattr(linear_solver, "MOST_LOST", 1e-12)
         self.check(LinearSolver(*system), system[0])
 
     @pytest.mark.parametrize("fault", ["wrong", "raises"])
-    def test_where_the_self_check_fails(self, system, monkeypatch, caplog, fault):
+    def test_linear_solver_takes_cholmod_where_the_self_check_fails(self, system, monkeypatch, caplog, fault):
         def solve(self, B):
             if fault == "raises":
                 raise RuntimeError("unknown processor")

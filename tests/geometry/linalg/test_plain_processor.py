@@ -20,7 +20,7 @@ print(cpu_target.target_context.codegen().magic_tuple())
 
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="needs an x86-64 processor")
-def test_the_factor_needs_no_wide_vectors():
+def test_supernodal_factor_needs_no_wide_vectors():
     environment = {**os.environ, **PLAIN, "NUMBA_NUM_THREADS": "1"}
     run = subprocess.run(
         [sys.executable, "-c", CHECK],

@@ -138,7 +138,7 @@ FAMILIES = [
 
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.__name__)
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.night) for k in range(1, 7))])
-def test_the_largest_trace_is_reached_from_any_start(family, seed):
+def test_fit_lanes_reaches_the_largest_trace_from_any_start(family, seed):
     rng = np.random.default_rng([FAMILIES.index(family), seed])
     S = family(rng)
     best, best_R, gap = largest_trace(S)
@@ -155,7 +155,7 @@ def test_the_largest_trace_is_reached_from_any_start(family, seed):
         assert (np.abs(R - best_R).max(axis=(1, 2)) * gap).max() <= 1e-13
 
 
-def test_a_warm_start_does_not_change_the_answer():
+def test_fit_lanes_does_not_change_the_answer_by_a_warm_start():
     S = gaussian(np.random.default_rng(9))
     cold, warm = np.tile(EYE, (COUNT, 1)), np.tile(EYE, (COUNT, 1))
     R, again = np.empty((COUNT, 3, 3)), np.empty((COUNT, 3, 3))
@@ -166,7 +166,7 @@ def test_a_warm_start_does_not_change_the_answer():
     assert (np.abs(R - again).max(axis=(1, 2)) * gap).max() <= 1e-13
 
 
-def test_zero_keeps_the_rotation_it_starts_from():
+def test_fit_lanes_keeps_the_rotation_it_starts_from_where_all_is_zero():
     q = starts(np.random.default_rng(0), "random")[:100]
     R, before = np.empty((100, 3, 3)), q.copy()
     fit_rotations(np.zeros((100, 3, 3)), q, R)
@@ -175,21 +175,21 @@ def test_zero_keeps_the_rotation_it_starts_from():
 
 
 @pytest.mark.parametrize("scale", [1e-320, 1e-300, 1e300])
-def test_at_the_ends_of_the_number_range_it_is_still_a_rotation(scale):
+def test_fit_lanes_still_gives_a_rotation_at_the_ends_of_the_number_range(scale):
     S = scale * np.random.default_rng(1).uniform(-1, 1, (1000, 3, 3))
     q, R = np.tile(EYE, (1000, 1)), np.empty((1000, 3, 3))
     fit_rotations(S, q, R)
     assert np.abs(R.transpose(0, 2, 1) @ R - np.eye(3)).max() <= 1e-12
 
 
-def test_a_rotation_is_its_own_nearest_rotation():
+def test_fit_lanes_finds_a_rotation_to_be_its_own_nearest():
     expected = random_rotations(np.random.default_rng(2), 1000)
     q, R = np.tile(EYE, (1000, 1)), np.empty((1000, 3, 3))
     fit_rotations(expected.copy(), q, R)
     assert np.abs(R - expected).max() <= 1e-14
 
 
-def test_half_turns_are_found_from_the_identity():
+def test_fit_lanes_finds_half_turns_from_the_identity():
     """There the gradient vanishes at the start although the trace is at its minimum or a saddle."""
     S = np.array([np.diag([1.0, -1, -1]), np.diag([-1.0, 1, -1]), np.diag([-1.0, -1, 1])]) * [3.0, 2.0, 1.0]
     q, R = np.tile(EYE, (3, 1)), np.empty((3, 3, 3))

@@ -44,7 +44,7 @@ def violations(source):
     return found
 
 
-def test_every_parallel_kernel_obeys_the_rule():
+def test_parallel_is_the_rule_that_every_parallel_kernel_obeys():
     found = [
         f"{path.relative_to(PACKAGE).as_posix()}: line {line}"
         for path in sorted(PACKAGE.rglob("*.py"))
@@ -54,7 +54,7 @@ def test_every_parallel_kernel_obeys_the_rule():
     assert found == []
 
 
-def test_kernels_outside_the_rule_are_found():
+def test_parallel_rule_finds_kernels_outside_it():
     assert violations("@njit(parallel=True)\ndef f(x):\n    pass") == [1]
     assert violations("f = njit(cache=True, parallel=True)(g)") == [1]
     assert violations("@njit\ndef f(x):\n    for i in numba.prange(3):\n        pass") == [3]
@@ -93,7 +93,7 @@ def split_sums(source):
     return found
 
 
-def test_no_kernel_sums_by_the_number_of_threads():
+def test_parallel_kernels_never_sum_by_the_number_of_threads():
     found = [
         f"{path.relative_to(PACKAGE).as_posix()}: line {line}"
         for path in sorted(PACKAGE.rglob("*.py"))
@@ -103,7 +103,7 @@ def test_no_kernel_sums_by_the_number_of_threads():
     assert found == []
 
 
-def test_sums_split_by_the_number_of_threads_are_found():
+def test_parallel_rule_finds_sums_split_by_the_number_of_threads():
     kernel = "@parallel()\ndef f(x):\n    s = 0.0\n    for i in prange(3):\n        {}\n    return {}"
     assert split_sums(kernel.format("s += x[i]", "s")) == [5]
     assert split_sums(kernel.format("x[i] = 1.0", "x.sum()")) == [6]
@@ -145,19 +145,19 @@ def run(*words):
     )
 
 
-def test_a_kernel_called_from_many_threads_ends_no_process():
+def test_parallel_lets_a_kernel_called_from_many_threads_end_no_process():
     done = run()
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == "survived"
 
 
-def test_without_the_lock_the_same_kernel_would():
+def test_parallel_without_the_lock_would_let_the_same_kernel_end_the_process():
     done = run("bare")
     assert done.returncode != 0
     assert "concurrent" in done.stderr.lower(), done.stderr
 
 
-def test_a_kernel_waits_for_another_thread_that_has_the_cores():
+def test_cores_for_lets_a_kernel_wait_for_another_thread_that_has_the_cores():
     done, X = threading.Event(), np.zeros((10, 3))
     thread = threading.Thread(target=lambda: (largest_difference(X, X), done.set()))
     with cores_for(10):
@@ -168,7 +168,7 @@ def test_a_kernel_waits_for_another_thread_that_has_the_cores():
     thread.join()
 
 
-def test_the_number_of_cores_is_restored():
+def test_cores_for_restores_the_number_of_cores():
     before = numba.get_num_threads()
     with cores_for(10):
         assert numba.get_num_threads() == 1

@@ -20,7 +20,7 @@ def pairs(n: int, c: int) -> csr_array:
     return csr_array((np.ones(n * n), (np.arange(n * n), at)), shape=(n * n, c * c + 1))
 
 
-def test_a_few_steps_come_near_and_more_come_nearer():
+def test_two_grid_comes_near_in_a_few_steps_and_nearer_in_more():
     n = 24
     A, B = laplacian(n), np.random.default_rng(0).normal(size=(n * n, 2))
     exact = np.column_stack([spsolve(A.tocsc(), b) for b in B.T])

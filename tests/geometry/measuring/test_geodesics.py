@@ -34,7 +34,7 @@ def length(V, F, start, end):
     return path_length(geodesic_path(V, F, start, end))
 
 
-def test_on_a_plate_they_are_straight():
+def test_geodesic_path_is_straight_on_a_plate():
     V, F = grid(5, 4)
     a, b = SurfacePoint(0, MIDDLE), SurfacePoint(33, (0.2, 0.7, 0.1))
     ends = positions([a, b], V, F)
@@ -43,7 +43,7 @@ def test_on_a_plate_they_are_straight():
     assert path_length(path) == pytest.approx(np.linalg.norm(ends[1] - ends[0]), rel=1e-12)
 
 
-def test_great_circles_of_a_sphere():
+def test_geodesic_path_follows_great_circles_of_a_sphere():
     """The polyhedron inside a sphere is shorter by the square of its edges' length."""
     for subdivisions, share in ((3, 6e-3), (4, 1.5e-3), (5, 4e-4)):
         V, F = sphere(subdivisions)
@@ -52,7 +52,7 @@ def test_great_circles_of_a_sphere():
             assert (1 - share) * exact <= length(V, F, 0, b) <= exact
 
 
-def test_an_unrolled_cylinder():
+def test_geodesic_path_is_straight_on_an_unrolled_cylinder():
     n, rings, radius, height = 24, 9, 2.0, 5.0
     V, F = tube(n, rings, radius, height)
     strip = 2 * radius * np.sin(np.pi / n)
@@ -61,14 +61,14 @@ def test_an_unrolled_cylinder():
         assert length(V, F, 0, steps * (rings + 1) + up) == pytest.approx(expected, rel=1e-12)
 
 
-def test_around_the_corner_of_a_box():
+def test_geodesic_path_goes_around_the_corner_of_a_box():
     V, F = box(2, 2, 6)
     a, b = (int(np.argmin(np.linalg.norm(V - p, axis=1))) for p in ((1, 0, 3), (2, 1, 5)))
     assert length(V, F, a, b) == pytest.approx(np.hypot(2.0, 2.0), rel=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_as_exact_as_libigl(seed):
+def test_geodesic_path_is_as_exact_as_libigl(seed):
     V, F = bumpy(seed)
     none = np.empty(0, dtype=np.int64)
     for a, b in ((0, 224), (14, 210), (3, 221), (112, 40)):
@@ -76,7 +76,7 @@ def test_as_exact_as_libigl(seed):
         assert length(V, F, a, b) == pytest.approx(exact, rel=1e-9)
 
 
-def test_inner_points_against_a_mesh_that_has_them():
+def test_geodesic_path_between_inner_points_is_that_of_a_mesh_that_has_them():
     V, F = bumpy()
     a, b = SurfacePoint(20, (0.5, 0.3, 0.2)), SurfacePoint(300, (0.1, 0.1, 0.8))
     W = np.vstack([V, positions([a, b], V, F)])
@@ -89,7 +89,7 @@ def test_inner_points_against_a_mesh_that_has_them():
     assert length(V, F, a, b) == pytest.approx(exact, rel=1e-9)
 
 
-def test_rigid_motions_and_order_change_nothing():
+def test_geodesic_path_is_as_long_after_rigid_motions_and_in_either_order():
     V, F = bumpy(1)
     rotation = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
     a, b = SurfacePoint(20, (0.5, 0.3, 0.2)), SurfacePoint(301, MIDDLE)
@@ -99,7 +99,7 @@ def test_rigid_motions_and_order_change_nothing():
     assert length(V, F, b, a) == pytest.approx(there, rel=1e-9)
 
 
-def test_no_longer_than_any_way_along_edges_and_no_shorter_than_a_line():
+def test_geodesic_path_is_no_shorter_than_a_line():
     V, F = bumpy(2)
     rng = np.random.default_rng(5)
     for _ in range(8):
@@ -109,7 +109,7 @@ def test_no_longer_than_any_way_along_edges_and_no_shorter_than_a_line():
         assert length(V, F, a, b) >= np.linalg.norm(p - q) * (1 - 1e-12)
 
 
-def test_points_on_edges_and_in_one_triangle():
+def test_geodesic_path_joins_points_on_edges_and_in_one_triangle():
     V, F = grid(4, 4)
     on_edge = SurfacePoint(0, (0.5, 0.5, 0.0))
     far = SurfacePoint(30, (0.0, 0.5, 0.5))
@@ -119,7 +119,7 @@ def test_points_on_edges_and_in_one_triangle():
     assert length(V, F, 5, 5) == 0.0
 
 
-def test_flipped_faces_crowded_edges_and_bow_ties_do_not_hurt():
+def test_geodesic_path_is_not_hurt_by_flipped_faces_crowded_edges_and_bow_ties():
     V, F = grid(6, 6)
     F = F.copy()
     F[::3] = F[::3, ::-1]
@@ -134,7 +134,7 @@ def test_flipped_faces_crowded_edges_and_bow_ties_do_not_hurt():
         geodesic_path(corners, bow_tie, 0, 3)
 
 
-def test_separate_parts_are_a_sentence():
+def test_geodesic_path_refuses_separate_parts_in_a_sentence():
     V, F = grid(1, 1)
     two = np.vstack([V, V + [5.0, 0.0, 0.0]])
     with pytest.raises(InputError, match="separate parts"):

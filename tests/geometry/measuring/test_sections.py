@@ -19,7 +19,7 @@ def prism(n=40, radius=1.5, height=3.0):
     return V, np.vstack([sides, floor, roof])
 
 
-def test_of_a_box_in_any_direction():
+def test_plane_section_of_a_box_has_its_length_and_area_in_any_direction():
     V, F = box(2, 3, 4)
     for axis, (a, b) in enumerate(((3, 4), (2, 4), (2, 3))):
         normal = 5.0 * np.eye(3)[axis]
@@ -35,7 +35,7 @@ def test_of_a_box_in_any_direction():
     assert slanted.length == pytest.approx(2 * (3 + 2 * 2**0.5))
 
 
-def test_of_a_cylinder():
+def test_plane_section_of_a_cylinder_has_its_length_and_area():
     n, radius = 40, 1.5
     V, F = prism(n, radius)
     cut = plane_section(V, F, np.array([0.0, 0.0, 1.1]), np.array([0.0, 0.0, -1.0]))
@@ -44,7 +44,7 @@ def test_of_a_cylinder():
     assert (V[F[cut.faces], 2].max(axis=1) >= 1.1).all()
 
 
-def test_of_a_sphere():
+def test_plane_section_of_a_sphere_has_its_length_and_area():
     V, F = sphere(4)
     for height in (0.0, 0.3, 0.8):
         radius = (1 - height**2) ** 0.5
@@ -53,7 +53,7 @@ def test_of_a_sphere():
         assert cut.area == pytest.approx(np.pi * radius**2, rel=1e-2)
 
 
-def test_several_contours_and_a_cavity():
+def test_plane_section_counts_several_contours_and_leaves_out_a_cavity():
     V, F = box(1, 1, 1)
     W = np.vstack([V, V + [3.0, 0.0, 0.0], 4 * V + [10.0, -2.0, -2.0], V + [11.0, 0.0, 0.0]])
     G = np.vstack([F, F + 8, F + 16, F[:, ::-1] + 24])
@@ -62,7 +62,7 @@ def test_several_contours_and_a_cavity():
     assert cut.area == pytest.approx(1 + 1 + 16 - 1)
 
 
-def test_open_and_flipped_surfaces_have_a_length_only():
+def test_plane_section_of_open_and_flipped_surfaces_has_a_length_only():
     V, F = grid(4, 4)
     across = plane_section(V, F, np.array([1.3, 0.0, 0.0]), np.array([1.0, 0.0, 0.0]))
     assert (across.contours, across.length) == (1, pytest.approx(4.0))
@@ -78,12 +78,12 @@ def test_open_and_flipped_surfaces_have_a_length_only():
     assert np.isnan(cut.area)
 
 
-def test_beside_the_surface_there_is_nothing():
+def test_plane_section_beside_the_surface_is_nothing():
     cut = plane_section(*box(1, 1, 1), np.array([0.0, 0.0, 5.0]), np.array([0.0, 0.0, 1.0]))
     assert (cut.contours, cut.length, cut.area, len(cut.segments)) == (0, 0.0, 0.0, 0)
 
 
-def test_rigid_motions_change_nothing():
+def test_plane_section_does_not_change_by_rigid_motions():
     V, F = sphere(2)
     rotation = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
     point, normal, shift = np.array([0.1, 0.2, 0.3]), np.array([1.0, 2.0, -1.0]), np.array([5.0, -20.0, 3.0])

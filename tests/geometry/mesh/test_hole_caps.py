@@ -32,7 +32,7 @@ def sewn(V, F, caps):
     return other.volume, trimesh.Trimesh(other.vertices, fans, process=False).area
 
 
-def test_a_box_without_its_top_holds_what_the_box_does():
+def test_capped_volume_of_a_box_without_its_top_is_that_of_the_box():
     V, F = opened_box()
     caps = Caps.of(F, len(V))
     assert caps.count == 1
@@ -41,7 +41,7 @@ def test_a_box_without_its_top_holds_what_the_box_does():
     assert caps.area(V) == pytest.approx(4.0, rel=1e-14)
 
 
-def test_a_tube_is_a_prism_with_two_caps():
+def test_caps_turn_a_tube_into_a_prism_with_two_caps():
     V, F = tube(9, 7, height=3.0)
     caps, floor = Caps.of(F, len(V)), 9 / 2 * np.sin(2 * np.pi / 9)
     assert caps.count == 2
@@ -50,7 +50,7 @@ def test_a_tube_is_a_prism_with_two_caps():
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_wild_surface_has_the_volume_of_the_one_with_the_caps_sewn_in(seed):
+def test_capped_volume_of_a_wild_surface_is_that_of_the_one_with_the_caps_sewn_in(seed):
     """Two holes whose borders lie in no plane, anywhere in space."""
     V, F = rabbit()
     rng = np.random.default_rng(seed)
@@ -61,7 +61,7 @@ def test_a_wild_surface_has_the_volume_of_the_one_with_the_caps_sewn_in(seed):
     assert caps.area(U) <= sewn(U, F, caps)[1]
 
 
-def test_a_cap_that_is_no_convex_polygon_has_its_own_area():
+def test_caps_area_of_a_cap_that_is_no_convex_polygon_is_its_own():
     """The mouth is the letter L: the fan turns over, and its parts cancel out."""
     V, F = box(3, 3, 2)
     middle = V[F].mean(axis=1)
@@ -71,7 +71,7 @@ def test_a_cap_that_is_no_convex_polygon_has_its_own_area():
     assert capped_volume(caps, V, F[~mouth]) == pytest.approx(18.0, rel=1e-13)
 
 
-def test_nothing_is_capped_that_caps_would_not_close():
+def test_caps_cover_nothing_that_they_would_not_close():
     V, F = sphere(1)
     assert Caps.of(F, len(V)) is None, "it is closed"
     turned = F[1:].copy()
@@ -82,7 +82,7 @@ def test_nothing_is_capped_that_caps_would_not_close():
     assert capped_volume(Caps.of(F, len(V)), V @ rotation([1, 2, 3], 1.0).T + AWAY, F) is None, "a flat sheet"
 
 
-def test_the_inspection_says_what_is_capped_and_leaves_the_volume_alone():
+def test_inspect_says_what_is_capped_and_leaves_the_volume_alone():
     found = inspect(Mesh(*soup(*opened_box())))
     assert found.volume is None
     assert found.why_no_volume == "the surface is open (8 boundary edges)"
@@ -92,7 +92,7 @@ def test_the_inspection_says_what_is_capped_and_leaves_the_volume_alone():
     assert (closed.volume_capped, closed.openings) == (sheet.volume_capped, sheet.openings) == (None, 0)
 
 
-def test_every_frame_has_the_volume_with_the_mouth_capped():
+def test_deformation_frames_all_have_the_volume_with_the_mouth_capped():
     V, F = opened_box()
     V, F = soup(V, F)
     fixed = np.flatnonzero((V[:, 2] == 0) | (V[:, 2] >= 4))

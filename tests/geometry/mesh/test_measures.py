@@ -35,7 +35,7 @@ def difference(measure, U, F, direction, h):
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("mesh", MESHES)
-def test_the_area_gradient_is_the_difference_quotient(mesh, seed):
+def test_weighted_areas_gradient_is_the_difference_quotient(mesh, seed):
     V, F = MESHES[mesh]
     U, g = wild(V, seed), np.full(V.shape, np.nan)
     assert area_and_gradient(U, F, g) == pytest.approx(area(U, F), rel=1e-13)
@@ -45,7 +45,7 @@ def test_the_area_gradient_is_the_difference_quotient(mesh, seed):
     assert difference(area_and_gradient, U, F, direction, 1e-5) == pytest.approx(slope, rel=1e-6)
 
 
-def test_several_sums_are_those_of_each_alone():
+def test_weighted_areas_of_several_sums_are_those_of_each_alone():
     V, F = MESHES["tube"]
     U, weight = wild(V), np.random.default_rng(5).random((len(F), 3)).astype(np.float32)
     areas, g = WeightedAreas(Patch(F, len(U)), weight), np.empty((3, *V.shape))
@@ -60,7 +60,7 @@ def test_several_sums_are_those_of_each_alone():
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("mesh", CLOSED)
-def test_the_volume_gradient_is_the_difference_quotient(mesh, seed):
+def test_volume_and_gradient_agree_with_the_difference_quotient(mesh, seed):
     V, F = CLOSED[mesh]
     U, g = wild(V, seed), np.full(V.shape, np.nan)
     assert volume_and_gradient(U, F, g) == pytest.approx(volume(U, F), rel=1e-13)
@@ -70,7 +70,7 @@ def test_the_volume_gradient_is_the_difference_quotient(mesh, seed):
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_the_area_gradient_is_the_cotangent_laplacian_of_the_positions(mesh):
+def test_weighted_areas_gradient_is_the_cotangent_laplacian_of_the_positions(mesh):
     """[Pinkall & Polthier 1993]: another way to the same vectors."""
     V, F = MESHES[mesh]
     U, g = wild(V), np.empty(V.shape)
@@ -79,7 +79,7 @@ def test_the_area_gradient_is_the_cotangent_laplacian_of_the_positions(mesh):
 
 
 @pytest.mark.parametrize("mesh", CLOSED)
-def test_growing_by_a_scale(mesh):
+def test_measures_grow_by_a_scale_as_the_theorem_of_euler_says(mesh):
     """Euler's theorem: x . grad f is the degree of f times f."""
     V, F = CLOSED[mesh]
     U, g = wild(V), np.empty(V.shape)
@@ -90,7 +90,7 @@ def test_growing_by_a_scale(mesh):
 
 
 @pytest.mark.parametrize("measure", [area_and_gradient, volume_and_gradient])
-def test_shifts_and_rotations_change_nothing(measure):
+def test_measures_do_not_change_under_shifts_and_rotations(measure):
     V, F = CLOSED["sphere"]
     U, g, there = wild(V), np.empty(V.shape), np.empty(V.shape)
     value = measure(U, F, g)
@@ -101,7 +101,7 @@ def test_shifts_and_rotations_change_nothing(measure):
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_a_survey_reads_area_volume_and_the_largest_change(mesh):
+def test_area_volume_change_reads_area_volume_and_the_largest_change(mesh):
     V, F = MESHES[mesh]
     U, rest = wild(V), face_areas(V, F)
     change = np.abs(face_areas(U, F) / rest - 1)
@@ -115,7 +115,7 @@ def test_a_survey_reads_area_volume_and_the_largest_change(mesh):
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_a_patch_knows_the_corners_at_every_vertex(mesh):
+def test_patch_knows_the_corners_at_every_vertex(mesh):
     V, F = MESHES[mesh]
     patch = Patch(F[::2], len(V))
     owner = np.repeat(np.arange(len(V)), np.diff(patch.start))
@@ -123,7 +123,7 @@ def test_a_patch_knows_the_corners_at_every_vertex(mesh):
     assert np.array_equal(np.sort(patch.corner), np.arange(3 * len(F[::2])))
 
 
-def test_triangles_without_area_have_no_gradient():
+def test_weighted_areas_have_no_gradient_for_triangles_without_area():
     U = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]])
     g = np.empty(U.shape)
     assert area_and_gradient(U, np.array([[0, 1, 2], [1, 1, 2]]), g) == 0.0

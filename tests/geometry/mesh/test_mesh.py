@@ -38,19 +38,19 @@ def test_weld_maps_lead_back_and_keep_the_order_of_the_file(V):
     assert not weld.inverse.flags.writeable
 
 
-def test_a_nearly_equal_position_is_another_position():
+def test_weld_takes_a_nearly_equal_position_for_another():
     V = np.array([[1.0, 0, 0], [np.nextafter(1.0, 2), 0, 0]])
     assert len(Weld.of(V).first) == 2
 
 
-def test_welding_undoes_a_soup():
+def test_weld_undoes_a_soup():
     V, F = sphere(1)
     weld = Weld.of(soup(V, F)[0])
     assert len(weld.first) == len(V)
     assert np.array_equal(soup(V, F)[0][weld.first][weld.inverse], V[F].reshape(-1, 3))
 
 
-def test_welding_without_repeated_positions_is_the_identity():
+def test_weld_without_repeated_positions_is_the_identity():
     V, _ = box(2, 2, 2)
     weld = Weld.of(V)
     assert np.array_equal(weld.first, np.arange(len(V)))
@@ -71,7 +71,7 @@ def test_pieces_are_what_edges_join(F):
     assert np.array_equal(found[:, None] == found[None], expected[:, None] == expected[None])
 
 
-def test_a_mesh_keeps_the_order_and_cannot_be_written_to():
+def test_mesh_keeps_the_order_and_cannot_be_written_to():
     V, F = grid(2, 2)
     mesh = Mesh(V.astype(np.float32), F[::-1].astype(np.uint16))
     assert mesh.V.dtype == np.float64
@@ -83,7 +83,7 @@ def test_a_mesh_keeps_the_order_and_cannot_be_written_to():
             array[0] = 0
 
 
-def test_a_mesh_is_a_copy():
+def test_mesh_is_a_copy():
     V, F = grid(2, 2)
     mesh = Mesh(V, F)
     V += 1.0
@@ -92,7 +92,7 @@ def test_a_mesh_is_a_copy():
     assert mesh.F.min() == 0
 
 
-def test_a_mesh_is_named_after_its_file(tmp_path):
+def test_mesh_is_named_after_its_file(tmp_path):
     assert Mesh(*grid(1, 1)).name == "mesh"
     assert Mesh(*grid(1, 1), tmp_path / "bar.off").name == "bar.off"
 
@@ -129,14 +129,14 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("V", "F", "sentence"), REFUSED.values(), ids=REFUSED.keys())
-def test_what_is_not_a_mesh_is_refused(V, F, sentence):
+def test_check_mesh_refuses_what_is_not_a_mesh(V, F, sentence):
     with pytest.raises(InputError, match=sentence):
         check_mesh(V, F)
     with pytest.raises(InputError, match=sentence):
         Mesh(V, F)
 
 
-def test_the_last_vertex_exists():
+def test_check_mesh_knows_that_the_last_vertex_exists():
     check_mesh(V, np.array([[0, 1, len(V) - 1]]))
 
 
@@ -155,7 +155,7 @@ FOREIGN = {
 
 
 @pytest.mark.parametrize(("V", "F"), FOREIGN.values(), ids=FOREIGN.keys())
-def test_what_is_not_even_numbers_is_refused_in_one_sentence(V, F):
+def test_mesh_refuses_what_is_not_even_numbers_in_one_sentence(V, F):
     with pytest.raises(InputError):
         Mesh(V, F)
 
@@ -170,7 +170,7 @@ anything = st.one_of(
 
 
 @given(anything, anything)
-def test_a_mesh_is_made_or_refused_whatever_is_given(V, F):
+def test_mesh_is_made_or_refused_whatever_is_given(V, F):
     try:
         mesh = Mesh(V, F)
     except InputError:

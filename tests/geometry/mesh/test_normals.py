@@ -14,7 +14,7 @@ def test_vertex_normals_are_those_of_libigl_and_zero_without_area():
     assert np.array_equal(vertex_normals(V, F[:1])[-1], np.zeros(3))
 
 
-def test_without_triangles_there_are_no_normals():
+def test_vertex_normals_are_zero_without_triangles():
     """As around a handle of a single vertex, whose motion is previewed."""
     V, F = sphere(0)
     assert np.array_equal(vertex_normals(V, F[:0]), np.zeros_like(V))

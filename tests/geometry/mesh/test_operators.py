@@ -31,7 +31,7 @@ CUBE = box(1, 1, 1)
 ONE = np.array([[0, 1, 2]])
 
 
-def test_half_a_unit_square_has_area_one_half():
+def test_area_of_half_a_unit_square_is_one_half():
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     assert face_areas(V, ONE).tolist() == [0.5]
     assert area(V, ONE) == 0.5
@@ -70,7 +70,7 @@ def test_vertex_areas_share_out_the_area(mesh):
     assert shares[0] == pytest.approx(face_areas(V, F)[(F == 0).any(axis=1)].sum() / 3, rel=1e-13)
 
 
-def test_a_unit_cube_has_volume_one():
+def test_volume_of_a_unit_cube_is_one():
     assert volume(*CUBE) == pytest.approx(1.0, rel=1e-15)
 
 
@@ -102,18 +102,18 @@ def two_cubes():
 
 
 @pytest.mark.parametrize("mesh", [CUBE, sphere(1), two_cubes()])
-def test_closed_surfaces_have_a_volume(mesh):
+def test_why_no_volume_has_nothing_against_closed_surfaces(mesh):
     V, F = mesh
     assert why_no_volume(F, len(V)) is None
     assert why_no_volume(F[:, ::-1], len(V)) is None
 
 
-def test_a_face_without_extent_does_not_open_a_surface():
+def test_why_no_volume_takes_no_surface_for_open_because_of_a_face_without_extent():
     V, F = CUBE
     assert why_no_volume(np.vstack([F, [[0, 0, 1], [2, 2, 2]]]), len(V)) is None
 
 
-def test_an_open_surface_says_how_open_it_is():
+def test_why_no_volume_says_how_open_a_surface_is():
     V, F = CUBE
     assert why_no_volume(F[1:], len(V)) == "the surface is open (3 boundary edges)"
     V, F = tube(7, 3)
@@ -122,7 +122,7 @@ def test_an_open_surface_says_how_open_it_is():
     assert why_no_volume(F, len(V)) == "the surface is open (36 boundary edges)"
 
 
-def test_a_surface_with_three_faces_at_an_edge_is_not_manifold():
+def test_why_no_volume_says_that_a_surface_with_three_faces_at_an_edge_is_not_manifold():
     V, F = two_cubes()
     a, b = F[0, :2]
     glued = F.copy()
@@ -134,7 +134,7 @@ def test_a_surface_with_three_faces_at_an_edge_is_not_manifold():
     assert "not manifold (1 edge" in why_no_volume(glued[1:], len(V)), "a cap mends an opening, not this"
 
 
-def test_a_flipped_face_is_noticed():
+def test_why_no_volume_notices_a_flipped_face():
     V, F = CUBE
     F = F.copy()
     F[3] = F[3, ::-1]
@@ -170,12 +170,12 @@ def weights_by_hand(V, F):
 
 
 @every_mesh
-def test_weights_are_those_of_the_formula(mesh):
+def test_edge_weights_are_those_of_the_formula(mesh):
     V, F = mesh
     assert np.abs(edge_weights(V, F).toarray() - weights_by_hand(V, F)).max() <= 1e-13
 
 
-def test_each_cotangent_is_clamped_by_itself():
+def test_edge_weights_clamp_each_cotangent_by_itself():
     # Edge 0-1 sees an obtuse corner with cotangent -3/4 at vertex 2 and an acute one with 1 at vertex 3.
     V = np.array([[-2.0, 0, 0], [2, 0, 0], [0, 1, 0], [0, -2 * (1 + 2**0.5), 0]])
     F = np.array([[0, 1, 2], [1, 0, 3]])
@@ -186,7 +186,7 @@ def test_each_cotangent_is_clamped_by_itself():
 
 
 @pytest.mark.parametrize("name", ["sphere", "tube"])
-def test_where_all_angles_are_acute_the_laplacian_is_libigls(name):
+def test_laplacian_is_that_of_libigl_where_all_angles_are_acute(name):
     V, F = MESHES[name]
     assert np.abs((laplacian(edge_weights(V, F)) + igl.cotmatrix(V, F)).toarray()).max() <= 1e-12
 
@@ -213,14 +213,14 @@ def test_laplacian_is_symmetric_semi_definite_and_kills_constants(mesh):
     assert values[1] > 1e-9 * values[-1]
 
 
-def test_the_floor_under_the_weights_is_tiny_and_only_where_it_is_needed():
+def test_edge_weights_have_a_tiny_floor_and_only_where_it_is_needed():
     V, F = one_vertex_without_weight()
     W, without = edge_weights(V, F).toarray(), edge_weights(V[:-1], F[:-1]).toarray()
     assert np.abs(W[:-1, :-1] - without).max() <= 1e-13
     assert 0 < W[-1].max() <= 1e-5 * without.max()
 
 
-def test_weights_do_not_depend_on_size_or_place():
+def test_edge_weights_do_not_depend_on_size_or_place():
     V, F = MESHES["obtuse tube"]
     expected = edge_weights(V, F).toarray()
     for s in (1e-6, 1e6):
@@ -229,7 +229,7 @@ def test_weights_do_not_depend_on_size_or_place():
 
 
 @every_mesh
-def test_neighbours_are_the_other_ends_of_the_edges(mesh):
+def test_vertex_neighbours_are_the_other_ends_of_the_edges(mesh):
     V, F = mesh
     F = np.vstack([F, [[0, 0, 1], [2, 2, 2]]])
     expected = [set() for _ in V]

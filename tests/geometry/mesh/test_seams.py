@@ -32,7 +32,7 @@ def torn(V, F, U):
 
 
 @pytest.mark.parametrize("by", [1e-6, 1e-5, 0.9 * SEAM])
-def test_a_seam_whose_sides_nearly_meet_is_said_and_welded(by):
+def test_seams_whose_sides_nearly_meet_are_said_and_welded(by):
     V, F = halves(by)
     mesh = Mesh(V, F)
     assert SEAMS in kinds(mesh)
@@ -48,7 +48,7 @@ def test_a_seam_whose_sides_nearly_meet_is_said_and_welded(by):
 
 
 @pytest.mark.parametrize("method", ["exact", "local", "arap"])
-def test_a_welded_tube_is_twisted_as_a_whole_one(method):
+def test_deform_twists_a_welded_tube_as_a_whole_one(method):
     V, F = halves(1e-5)
     whole, _ = halves(0.0)
     fixed, handle, targets = twisted(V, 0.5 * np.pi)
@@ -64,19 +64,19 @@ def test_a_welded_tube_is_twisted_as_a_whole_one(method):
     assert np.abs(result.U - exact.U).max() < 1e-2
 
 
-def test_what_does_not_move_is_where_it_was_to_the_bit():
+def test_weld_spread_leaves_what_does_not_move_where_it_was_to_the_bit():
     V, F = halves(3.3e-5)
     weld = Mesh(V + [1e-4, 3e-5, 1e-3], F).welded().weld
     assert np.array_equal(weld.spread(weld.V[weld.first]), weld.V)
 
 
-def test_beyond_the_tolerance_nothing_is_said_or_welded():
+def test_seams_beyond_the_tolerance_are_neither_said_nor_welded():
     V, F = halves(1.5 * SEAM)
     assert SEAMS not in kinds(Mesh(V, F))
     assert len(Mesh(V, F).welded().weld.first) == len(V)
 
 
-def test_details_smaller_than_the_tolerance_are_left_alone():
+def test_mesh_welded_leaves_details_smaller_than_the_tolerance_alone():
     """An open speck, far smaller than the tolerance of the mesh that it belongs to."""
     V, F = halves(0.0)
     small, G = grid(5, 5)
@@ -87,7 +87,7 @@ def test_details_smaller_than_the_tolerance_are_left_alone():
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_no_edge_collapses_wherever_vertices_are_near(seed):
+def test_mesh_welded_collapses_no_edge_wherever_vertices_are_near(seed):
     """Chains a, b, c of near vertices: loose triangles of a fine grid, all within the tolerance."""
     rng = np.random.default_rng(seed)
     V, F = soup(*grid(6, 6, 2e-4, 2e-4))
@@ -101,7 +101,7 @@ def test_no_edge_collapses_wherever_vertices_are_near(seed):
     assert (joined != np.roll(joined, 1, axis=1)).all()
 
 
-def test_vertices_inside_other_boundary_edges_are_said():
+def test_seams_tell_of_vertices_inside_other_boundary_edges():
     V, F = halves(0.0, along=(12, 8))
     found = seams(V, F)
     # Of 11 and 7 heights within each seam, 3 are common.
@@ -110,7 +110,7 @@ def test_vertices_inside_other_boundary_edges_are_said():
     assert "T-joints" not in kinds(Mesh(*halves(0.0)))
 
 
-def test_a_seam_of_which_a_part_lies_on_another_is_welded_there():
+def test_seams_of_which_a_part_lies_on_another_are_found_there():
     V, F = half(0.0, 6, 12)
     W, G = half(np.pi, 6, 12)
     W[:, 2] += 2.0  # four rows higher
@@ -119,7 +119,7 @@ def test_a_seam_of_which_a_part_lies_on_another_is_welded_there():
 
 
 @pytest.mark.parametrize("corner", [0, 7])
-def test_a_surface_that_welding_closes_has_no_boundary_left(corner):
+def test_mesh_welded_has_no_boundary_left_on_a_surface_that_welding_closes(corner):
     """As an STL of which one corner of a triangle is rounded differently."""
     V, F = soup(*box(2, 1, 3))
     V = V.copy()
@@ -131,20 +131,20 @@ def test_a_surface_that_welding_closes_has_no_boundary_left(corner):
     assert SEAMS not in kinds(Mesh(V, F).welded())
 
 
-def test_closed_parts_that_touch_have_no_seam():
+def test_seams_are_not_found_where_closed_parts_touch():
     V, F = box(2, 2, 4)
     W = np.vstack([V, V + [2.0, 0.0, 1e-6]])
     assert not seams(W, np.vstack([F, F + len(V)])).sentences
 
 
-def test_a_flat_sliver_at_the_boundary_is_no_joint():
+def test_seams_take_a_flat_sliver_at_the_boundary_for_no_joint():
     V, F = grid(4, 4)
     middle = np.append(0.5 * (V[0] + V[1]), 0.0)[:3]
     G = np.vstack([F, [[1, 0, len(V)]]])
     assert not len(seams(np.vstack([V, middle]), G).joints)
 
 
-def test_a_press_welds_too():
+def test_press_welds_too():
     V, F = halves(1e-5)
     args = {"axis": (1, 0, 0), "to": 1.6, "steps": 1, "stiffness": 0.02, "iterations": 40}
     assert torn(V, F, apd_viewer.press(V, F, weld=True, **args).U).max() < 1.1e-5 * diagonal(V)

@@ -33,7 +33,7 @@ def settled(solver):
 
 
 @pytest.mark.parametrize("by", [0.0, 0.3 * TOLERANCE])
-def test_cracks_within_the_tolerance_are_closed(by):
+def test_weld_closes_cracks_within_the_tolerance(by):
     W, G = cracked(by)
     mesh = Mesh(W, G)
     assert len(mesh.weld.first) == len(V)
@@ -52,25 +52,25 @@ def test_cracks_within_the_tolerance_are_closed(by):
         assert np.abs(frame.U[first] - settled(whole).U).max() <= 1e-4 * LENGTH
 
 
-def test_cracks_beyond_the_tolerance_stay_open():
+def test_weld_leaves_cracks_beyond_the_tolerance_open():
     W, G = cracked(300.0 * TOLERANCE)
     assert len(Mesh(W, G).weld.first) == len(W)
 
 
-def test_a_closed_mesh_is_never_joined_by_tolerance():
+def test_weld_never_joins_a_closed_mesh_by_tolerance():
     tiny = V.copy()
     tiny[:, 0] *= 1e-9  # walls far nearer to each other than the tolerance
     assert len(Weld.of(tiny, F).first) == len(V)
 
 
-def test_the_two_ends_of_a_short_edge_stay_two():
+def test_weld_keeps_the_two_ends_of_a_short_edge_two():
     (P, T) = grid(2, 2)
     P = P.copy()
     P[1] = P[0] + [1e-9, 0.0, 0.0]
     assert len(Weld.of(P, T).first) == len(P)
 
 
-def test_a_vertex_of_no_face_follows_rigidly():
+def test_deformation_carries_a_vertex_of_no_face_rigidly():
     """It is fastened to the surface where that is nearest; what does not move leaves it where it is."""
     stray = np.array([[1.5, 1.5, 9.5], [1.5, 1.5, -0.5], [50.0, 0.0, -60.0]])
     W = np.vstack([V, stray])
@@ -84,7 +84,7 @@ def test_a_vertex_of_no_face_follows_rigidly():
     assert np.array_equal(U[len(V) + 1 :], stray[1:]), "below is held, and so are they"
 
 
-def test_a_vertex_of_no_face_that_is_held_is_where_it_is_held():
+def test_deformation_puts_a_vertex_of_no_face_that_is_held_where_it_is_held():
     W = np.vstack([V, [[1.5, 1.5, 9.5]]])
     fixed, targets = held(V)
     fixed, targets = np.append(fixed, len(V)), np.vstack([targets, [[7.0, 8.0, 9.0]]])
@@ -93,7 +93,7 @@ def test_a_vertex_of_no_face_that_is_held_is_where_it_is_held():
     assert np.array_equal(settled(solver).U[fixed], targets)
 
 
-def test_without_any_face_with_an_area_nearby_nothing_breaks():
+def test_deformation_breaks_nothing_without_any_face_with_an_area_nearby():
     W = np.vstack([V, V[:1] + 20.0, V[:1] + 20.0, V[:1] + 21.0])
     G = np.vstack([F, [[len(V), len(V) + 1, len(V)]]])
     fixed, targets = held(V)

@@ -25,7 +25,7 @@ def drawn(V, F, N, normal_of, U):
 
 
 @pytest.mark.parametrize("per_corner", [False, True])
-def test_at_rest_they_are_those_of_the_file_and_they_turn_rigidly(per_corner):
+def test_corner_normals_at_rest_are_those_of_the_file_and_they_turn_rigidly(per_corner):
     V, F = box()
     normal_of = np.arange(F.size).reshape(F.shape) if per_corner else F
     N = unit(RNG.standard_normal((normal_of.max() + 1, 3)))
@@ -36,7 +36,7 @@ def test_at_rest_they_are_those_of_the_file_and_they_turn_rigidly(per_corner):
         np.testing.assert_allclose(normals, (N @ turn.T)[normal_of], atol=1e-5)
 
 
-def test_a_deformed_shape_is_shaded_as_its_export_would_be():
+def test_corner_normals_shade_a_deformed_shape_as_its_export_would_be():
     V, F = box()
     N = unit(RNG.standard_normal((len(V), 3)))
     U = V + 0.1 * RNG.standard_normal(V.shape)
@@ -44,7 +44,7 @@ def test_a_deformed_shape_is_shaded_as_its_export_would_be():
     np.testing.assert_allclose(drawn(V, F, N, F, U)[1], expected, atol=1e-4)
 
 
-def test_missing_ones_are_those_of_the_triangles():
+def test_corner_normals_that_are_missing_are_those_of_the_triangles():
     V, F = grid(2, 2)
     N, normal_of = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [np.nan, 0.0, 1.0]]), np.full(F.shape, -1)
     normal_of[0], normal_of[1], normal_of[2] = 0, 1, 2

@@ -32,7 +32,7 @@ def nearest_by_linear_algebra(origin, direction, U, F):
     return np.where(met, t, np.inf).min()
 
 
-def test_ray_meets_what_linear_algebra_says_it_meets():
+def test_ray_hit_meets_what_linear_algebra_says_it_meets():
     mesh = trimesh.creation.torus(1.0, 0.4, major_sections=40, minor_sections=20)
     U, F = np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int32)
     met = 0
@@ -46,7 +46,7 @@ def test_ray_meets_what_linear_algebra_says_it_meets():
     assert 50 < met < 200
 
 
-def test_no_box_hides_what_one_look_at_all_triangles_finds():
+def test_boxes_hide_nothing_that_one_look_at_all_triangles_finds():
     """Flat triangles along the axes and rays along them, on their very edges, far from the origin or not."""
     rng = np.random.default_rng(7)
     U = rng.integers(0, 6, size=(900, 3)).astype(float)
@@ -65,7 +65,7 @@ def test_no_box_hides_what_one_look_at_all_triangles_finds():
     assert met > 100
 
 
-def test_ray_that_meets_nothing_says_so(slab):
+def test_ray_hit_says_so_when_it_meets_nothing(slab):
     F, U = slab
     assert ray_hit(np.array([0.0, 0.0, 5.0]), np.array([0.0, 0.0, 1.0]), U, F, boxes(U, F))[:2] == (
         -1,
@@ -73,14 +73,14 @@ def test_ray_that_meets_nothing_says_so(slab):
     )
 
 
-def test_ray_meets_a_face_from_behind():
+def test_ray_hit_meets_a_face_from_behind():
     U, F = np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)
     towards = np.ones(3) / np.sqrt(3)
     assert ray_hit(np.zeros(3), towards, U, F, boxes(U, F))[0] == 0
     assert ray_hit(2 * towards, -towards, U, F, boxes(U, F))[0] == 0
 
 
-def test_degenerate_triangles_are_never_met():
+def test_ray_hit_never_meets_degenerate_triangles():
     U, F = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]), np.array([[0, 1, 2], [1, 1, 1]], dtype=np.int32)
     assert ray_hit(np.array([0.5, 0.0, 1.0]), np.array([0.0, 0.0, -1.0]), U, F, boxes(U, F))[0] == -1
 
@@ -126,14 +126,14 @@ def test_brush_does_not_bleed_through_a_thin_wall(slab):
     np.testing.assert_array_equal(np.sort(covered), ball[U[ball, 2] > 0])
 
 
-def test_a_brush_finer_than_the_mesh_paints_the_nearest_corner(slab):
+def test_brush_finer_than_the_mesh_paints_the_nearest_corner(slab):
     F, U = slab
     graph = vertex_neighbours(F, len(U))
     hit = 0.6 * U[F[7, 1]] + 0.2 * U[F[7, 0]] + 0.2 * U[F[7, 2]]
     assert brush(*graph, U, F[7], hit, hit, 1e-6).tolist() == [F[7, 1]]
 
 
-def test_a_ray_to_a_vertex_hits_the_surface_there():
+def test_ray_hit_towards_a_vertex_meets_the_surface_there():
     """It meets only corners of triangles, where each one alone may round it away."""
     mesh = trimesh.creation.icosphere(subdivisions=3)
     U, F = np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int32)

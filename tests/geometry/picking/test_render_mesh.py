@@ -39,7 +39,7 @@ def folded(angle):
 
 
 @pytest.mark.parametrize("torn", [False, True])
-def test_a_box_has_the_normals_of_its_sides(torn):
+def test_render_mesh_of_a_box_has_the_normals_of_its_sides(torn):
     mesh, skin = skin_of(*(soup(*box()) if torn else box()))
     R = rotation((1.0, 2.0, 3.0), 0.8)
     for U in (mesh.V, mesh.V @ R.T):
@@ -50,7 +50,7 @@ def test_a_box_has_the_normals_of_its_sides(torn):
 
 
 @pytest.mark.parametrize("torn", [False, True])
-def test_without_sharp_edges_nothing_is_repeated(torn):
+def test_render_mesh_repeats_nothing_without_sharp_edges(torn):
     _, skin = skin_of(*(soup(*sphere(3)) if torn else sphere(3)))
     assert skin.sharp is skin.smooth
     assert skin.rendered(sharp=True) is skin.sharp
@@ -58,7 +58,7 @@ def test_without_sharp_edges_nothing_is_repeated(torn):
 
 @pytest.mark.parametrize("flip", [False, True])
 @pytest.mark.parametrize("degrees", [-29.0, 29.0, 31.0, -31.0, 170.0])
-def test_an_edge_is_sharp_above_thirty_degrees(degrees, flip):
+def test_render_mesh_takes_an_edge_for_sharp_above_thirty_degrees(degrees, flip):
     V, F = folded(np.deg2rad(degrees))
     if flip:  # one side is oriented against the other
         right = V[F].mean(axis=1)[:, 0] > np.median(V[:, 0])
@@ -68,14 +68,14 @@ def test_an_edge_is_sharp_above_thirty_degrees(degrees, flip):
     assert len(skin.sharp.copied) == (along if abs(np.deg2rad(degrees)) > SHARP else 0)
 
 
-def test_sharp_edges_are_those_of_the_rest_shape():
+def test_render_mesh_has_the_sharp_edges_of_the_rest_shape():
     mesh, skin = skin_of(*folded(0.0))
     U, _ = folded(1.0)
     smooth, sharp = corners(mesh, skin.smooth, U)[1], corners(mesh, skin.sharp, U)[1]
     np.testing.assert_array_equal(smooth, sharp)
 
 
-def test_a_vertex_of_two_fans_has_a_normal_for_each():
+def test_render_mesh_gives_a_vertex_of_two_fans_a_normal_for_each():
     V = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, 1, 1]], dtype=float)
     F = np.array([[0, 1, 2], [0, 3, 4], [0, 2, 4], [1, 5, 2]])  # the edge 0-2 and 1-2 fold
     mesh, skin = skin_of(V, F)

@@ -21,7 +21,7 @@ def draped(skin, U, origin=(0.0, 0.0, 0.0)):
     return points, normals, low, high
 
 
-def test_normals_of_a_ball_point_outwards_and_have_length_one():
+def test_skin_normals_of_a_ball_point_outwards_and_have_length_one():
     V, F = sphere(2)
     V = np.vstack([V, [[9.0, 9.0, 9.0]]])
     _, N, _, _ = draped(Skin.of(F, len(V)), V)
@@ -32,14 +32,14 @@ def test_normals_of_a_ball_point_outwards_and_have_length_one():
     assert np.abs(N + flipped).max() <= 1e-6
 
 
-def test_normals_are_weighted_by_area():
+def test_skin_normals_are_weighted_by_area():
     V = np.array([[0.0, 0, 0], [3, 0, 0], [0, 1, 0], [0, 0, 1]])
     N = draped(Skin.of(np.array([[0, 1, 2], [0, 2, 3]]), 4), V)[1]
     # 3/2 facing z and 1/2 facing x.
     assert pytest.approx([1 / 10**0.5, 0, 3 / 10**0.5], abs=1e-6) == N[0]
 
 
-def test_normals_are_alike_on_both_sides_of_a_seam():
+def test_skin_normals_are_alike_on_both_sides_of_a_seam():
     V, F = box(2, 2, 3)
     mesh = Mesh(*soup(V, F))
     whole = draped(Skin.of(F, len(V)), V)[1]
@@ -47,7 +47,7 @@ def test_normals_are_alike_on_both_sides_of_a_seam():
     np.testing.assert_array_equal(torn, whole[F.ravel()])
 
 
-def test_points_are_seen_from_the_origin_and_the_box_is_that_of_the_triangles():
+def test_drape_shows_points_from_the_origin_and_gives_the_box_of_the_triangles():
     """Far away single precision would be coarser than the mesh; a vertex without a face is not drawn."""
     V, F = grid(3, 3)
     V = np.vstack([V, [[-50.0, 70.0, 10.0]]]) + 1e8
@@ -56,7 +56,7 @@ def test_points_are_seen_from_the_origin_and_the_box_is_that_of_the_triangles():
     assert (low.tolist(), high.tolist()) == ([0.0, 0.0, 0.0], [3.0, 3.0, 0.0])
 
 
-def test_a_mesh_without_seams_is_kept_once():
+def test_skin_keeps_a_mesh_without_seams_once():
     V, F = box(1, 1, 2)
     mesh = Mesh(V, F)
     skin = Skin.of(F, len(V), mesh.joined_F)
@@ -68,7 +68,7 @@ def test_a_mesh_without_seams_is_kept_once():
     assert not any(each.flags.writeable for each in kept if isinstance(each, np.ndarray))
 
 
-def test_a_stroke_goes_on_across_a_seam_and_names_each_place_once():
+def test_under_brush_goes_on_across_a_seam_and_names_each_place_once():
     V, F = box(2, 2, 2)
     mesh = Mesh(*soup(V, F))
     skin = Skin.of(mesh.F, len(mesh.V), mesh.joined_F)
@@ -87,7 +87,7 @@ def test_warm_up_compiles_what_a_window_calls():
     assert len(drape.signatures) == compiled
 
 
-def test_a_sketch_looks_like_what_it_stands_in_for():
+def test_sketch_looks_like_what_it_stands_in_for():
     V, F = sphere(2)
     V = np.vstack([V + 100.0, [[-9.0, 9.0, 9.0]]])
     origin = np.full(3, 100.0)

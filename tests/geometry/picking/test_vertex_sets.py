@@ -88,7 +88,7 @@ def test_grown_and_shrunk_cross_seams():
 
 
 @pytest.mark.parametrize("turned", [False, True])
-def test_a_jagged_border_becomes_straight_and_a_straight_one_stays(turned):
+def test_smoothed_makes_a_jagged_border_straight_and_leaves_a_straight_one(turned):
     V, F = grid(20, 20)
     graph = vertex_neighbours(F, len(V))
     x, y = V[:, :2].T[:: -1 if turned else 1]
@@ -102,7 +102,7 @@ def test_a_jagged_border_becomes_straight_and_a_straight_one_stays(turned):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_half_plane_does_not_creep_however_often_it_is_smoothed(seed):
+def test_smoothed_lets_no_half_plane_creep_however_often_it_is_called(seed):
     rng = np.random.default_rng(seed)
     X = rng.uniform(size=(1500, 2)) * 20
     F, V = Delaunay(X).simplices, np.column_stack([X, np.zeros(1500)])
@@ -117,7 +117,7 @@ def test_a_half_plane_does_not_creep_however_often_it_is_smoothed(seed):
 
 
 @given(st.lists(st.booleans(), min_size=225, max_size=225))
-def test_smoothing_treats_both_sides_alike_and_stays_near_the_border(drawn):
+def test_smoothed_treats_both_sides_alike_and_stays_near_the_border(drawn):
     V, F = grid(14, 14)
     graph, member = vertex_neighbours(F, len(V)), np.array(drawn)
     smooth = smoothed(*graph, V, member)
@@ -128,7 +128,7 @@ def test_smoothing_treats_both_sides_alike_and_stays_near_the_border(drawn):
     assert max((away[v] for v in change.tolist()), default=0) < RINGS
 
 
-def test_vertices_at_almost_one_place_go_with_most_of_them():
+def test_smoothed_lets_vertices_at_almost_one_place_go_with_most_of_them():
     V, F = grid(8, 8)
     graph, column = vertex_neighbours(F, len(V)), V[:, 0].copy()
     V[:, 0] = np.where((column >= 3) & (column <= 5), 3 + 1e-6 * column, column)
@@ -136,7 +136,7 @@ def test_vertices_at_almost_one_place_go_with_most_of_them():
     np.testing.assert_array_equal(smoothed(*graph, V, column <= 4), column <= 5)
 
 
-def test_smoothing_bears_vertices_at_one_place_and_sets_without_a_border():
+def test_smoothed_bears_vertices_at_one_place_and_sets_without_a_border():
     V, F = grid(6, 6)
     V[V[:, 0] < 3] = 0.0
     graph = vertex_neighbours(F, len(V))
@@ -146,7 +146,7 @@ def test_smoothing_bears_vertices_at_one_place_and_sets_without_a_border():
 
 
 @pytest.mark.parametrize("axis", range(3))
-def test_the_mirror_image_of_a_set_on_a_symmetric_mesh(axis):
+def test_mirrored_is_the_mirror_image_of_a_set_on_a_symmetric_mesh(axis):
     V, F = box(4, 2, 6)
     graph, middle = vertex_neighbours(F, len(V)), np.array([2.0, 1.0, 3.0])
     rng = np.random.default_rng(axis)
@@ -158,7 +158,7 @@ def test_the_mirror_image_of_a_set_on_a_symmetric_mesh(axis):
     assert not mirrored(*graph, V, np.zeros(len(V), dtype=bool), MirrorPlane(axis, middle[axis])).any()
 
 
-def test_a_vertex_without_a_counterpart_has_no_mirror_image():
+def test_mirrored_has_no_image_of_a_vertex_without_a_counterpart():
     V, F = grid(4, 2)
     V, F = np.vstack([V, [[0.0, 0.0, 9.0], [4.0, 0.0, 9.0]]]), F.astype(np.int32)
     graph = vertex_neighbours(F, len(V))
@@ -174,7 +174,7 @@ def test_a_vertex_without_a_counterpart_has_no_mirror_image():
     np.testing.assert_array_equal(ends[:-2], V[:-2, 0] == 3.0)
 
 
-def test_mirror_images_at_seams_are_named():
+def test_mirrored_has_only_named_vertices_at_seams():
     V, F = box(2, 2, 2)
     U, skin, where = joined(V, F)
     image = mirrored(skin.start, skin.neighbour, U, U[:, 0] > 1.5, MirrorPlane(0, 1.0))
@@ -183,7 +183,7 @@ def test_mirror_images_at_seams_are_named():
 
 
 @given(triangles, st.integers(0, N - 1))
-def test_a_piece_is_what_can_be_reached(F, seed):
+def test_piece_of_a_vertex_is_what_can_be_reached(F, seed):
     assert set(np.flatnonzero(piece_of(*vertex_neighbours(F, N), seed))) == set(rings(F, [seed]))
 
 
@@ -199,7 +199,7 @@ def test_opposite_corners_are_those_of_the_same_edge(F):
 
 
 @given(triangles, st.lists(st.integers(0, N - 1), max_size=3))
-def test_the_nearest_loop_of_a_border(F, seeds):
+def test_border_loop_is_the_nearest_loop_of_a_border(F, seeds):
     edges = [tuple(edge) for edge, here in corners_of_edges(F).items() if len(here) == 1]
     loops = {v: {v} for edge in edges for v in edge}
     for v, w in edges:
@@ -213,7 +213,7 @@ def test_the_nearest_loop_of_a_border(F, seeds):
     assert found in ([loops[v] for v in loops if away.get(v) == nearest] if nearest is not None else [set()])
 
 
-def test_the_loops_of_a_tube_and_of_closed_surfaces():
+def test_border_loop_is_an_end_of_a_tube_and_nothing_on_closed_surfaces():
     V, F = tube(12, 9)
     graph, opposite = vertex_neighbours(F, len(V)), opposite_corners(F, len(V))
     for seed, z in ((24, V[:, 2].min()), (12 * 7, V[:, 2].max())):
@@ -224,7 +224,7 @@ def test_the_loops_of_a_tube_and_of_closed_surfaces():
     assert (loop.shape, loop.any()) == ((len(V),), False)
 
 
-def test_loops_that_touch_are_one():
+def test_border_loop_takes_loops_that_touch_for_one():
     V, F = grid(6, 6)
     middle = V[F].mean(axis=1)
     hole, corner = np.abs(middle[:, :2] - 2.5).max(axis=1) < 0.5, (middle[:, :2] < 2).all(axis=1)
@@ -236,7 +236,7 @@ def test_loops_that_touch_are_one():
 
 
 @given(triangles, st.floats(0.0, 3.2), st.integers(0, 99))
-def test_a_fill_reaches_what_a_plain_search_reaches(F, crease, seed):
+def test_filled_reaches_what_a_plain_search_reaches(F, crease, seed):
     U = np.random.default_rng(seed).normal(size=(N, 3))
     across = {h: here for here in corners_of_edges(F).values() if len(here) == 2 for h in here}
     normals = np.cross(U[F[:, 1]] - U[F[:, 0]], U[F[:, 2]] - U[F[:, 0]])
@@ -260,7 +260,7 @@ def test_a_fill_reaches_what_a_plain_search_reaches(F, crease, seed):
 
 
 @pytest.mark.parametrize("torn", [False, True])
-def test_a_fill_on_a_cube_is_a_side_or_everything(torn):
+def test_filled_on_a_cube_is_a_side_or_everything(torn):
     V, F = box(3, 3, 3)
     rng = np.random.default_rng(1)
     flipped = np.where((rng.random(len(F)) < 0.5)[:, None], F[:, ::-1], F)
@@ -281,7 +281,7 @@ def test_a_fill_on_a_cube_is_a_side_or_everything(torn):
             )
 
 
-def test_a_fill_goes_through_triangles_without_area_but_not_around_the_corner_by_them():
+def test_filled_goes_through_triangles_without_area_but_not_around_the_corner_by_them():
     # 4 lies on the edge from 0 to 1, and the triangle of these three closes the gap.
     V = np.array([[0.0, 0, 0], [2, 0, 0], [1, 2, 0], [1, -2, 0], [1, 0, 0]])
     F = np.array([[0, 4, 2], [4, 1, 2], [0, 1, 4], [1, 0, 3]], dtype=np.int32)
@@ -298,7 +298,7 @@ corners = st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6)), max_size=9)
 
 
 @given(corners)
-def test_a_point_is_inside_if_a_ray_crosses_the_outline_an_odd_number_of_times(corners):
+def test_inside_holds_points_from_which_a_ray_crosses_the_outline_an_odd_number_of_times(corners):
     x, y = np.meshgrid(np.arange(-1.0, 7.5, 0.5) + 0.21, np.arange(-1.0, 7.5, 0.5) + 0.17)
     points = np.column_stack([x.ravel(), y.ravel()])
     expected = np.zeros(len(points), dtype=bool)
@@ -311,7 +311,7 @@ def test_a_point_is_inside_if_a_ray_crosses_the_outline_an_odd_number_of_times(c
     np.testing.assert_array_equal(inside(points, polygon[::-1].copy()), expected)
 
 
-def test_the_middle_of_a_star_is_outside_and_so_is_what_is_no_number():
+def test_inside_leaves_out_the_middle_of_a_star_and_what_is_no_number():
     angle = np.arange(5) * 4 * np.pi / 5
     star = np.column_stack([np.sin(angle), np.cos(angle)])
     points = np.array([[0.0, 0.0], [0.0, 0.9], [0.0, 1.1], [np.nan, 0.0], [0.0, np.nan], [np.inf, 0.0]])
@@ -319,13 +319,13 @@ def test_the_middle_of_a_star_is_outside_and_so_is_what_is_no_number():
     assert inside(np.empty((0, 2)), star).shape == (0,)
 
 
-def test_tiles_that_share_their_sides_have_every_point_once():
+def test_inside_finds_every_point_once_in_tiles_that_share_their_sides():
     tiles = [np.array([[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1.0]]) for x in range(3) for y in range(3)]
     points = np.stack(np.meshgrid(np.arange(0, 3, 0.5), np.arange(0, 3, 0.5)), axis=-1).reshape(-1, 2)
     assert (sum(inside(points, tile).astype(int) for tile in tiles) == 1).all()
 
 
-def test_read_only_arrays_are_welcome():
+def test_vertex_sets_welcome_read_only_arrays():
     V, F = sphere(1)
     skin, U = Skin.of(F, len(V)), V.copy()
     U.setflags(write=False)

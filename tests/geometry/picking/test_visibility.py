@@ -53,7 +53,7 @@ def cup(around=24, wall=0.03):
     return V, np.vstack(F).astype(np.int32), within
 
 
-def test_from_above_the_inside_of_a_cup_is_seen_and_nothing_of_its_outside():
+def test_visible_from_above_is_the_inside_of_a_cup_and_nothing_of_its_outside():
     V, F, within = cup()
     for tilt in (0.0, 0.01):
         np.testing.assert_array_equal(seen([tilt, 0.0, 4.0], V, F), within)
@@ -66,7 +66,7 @@ def test_from_above_the_inside_of_a_cup_is_seen_and_nothing_of_its_outside():
 
 @pytest.mark.parametrize("way", [[0.3, 0.2, 0.9], [-1.0, 0.1, 0.2], [0.5, -2.0, -0.4]])
 @pytest.mark.parametrize("distance", [0.4, 1.7, 30.0])
-def test_it_is_what_linear_algebra_says_for_each_triangle(way, distance):
+def test_visible_is_what_linear_algebra_says_for_each_triangle(way, distance):
     eye = distance * np.array(way)
     for V, F in (cup()[:2], sphere(3), tube(20, 9, height=2.0)):
         ids = np.arange(0, len(V), 1 + len(V) // 90)
@@ -76,7 +76,7 @@ def test_it_is_what_linear_algebra_says_for_each_triangle(way, distance):
 
 
 @given(st.integers(0, 10**6), st.sampled_from([1, FAN - 1, FAN + 1, FAN**2, FAN**2 + 1, 600]))
-def test_no_box_hides_a_triangle(seed, count):
+def test_bounding_hierarchy_hides_no_triangle(seed, count):
     """Triangles of all sizes in no order."""
     rng = np.random.default_rng(seed)
     middle, size = rng.normal(size=(count, 1, 3)), rng.choice([0.02, 0.2, 1.0], size=(count, 1, 1))
@@ -87,7 +87,7 @@ def test_no_box_hides_a_triangle(seed, count):
 
 
 @pytest.mark.parametrize("shift", [0.0, 1e5])
-def test_no_ray_slips_through_between_two_triangles(shift):
+def test_visible_lets_no_ray_slip_through_between_two_triangles(shift):
     """Those to the far side pass exactly through vertices and edges of the near one."""
     V, F = box(4, 4, 4)
     for axis in range(3):
@@ -96,7 +96,7 @@ def test_no_ray_slips_through_between_two_triangles(shift):
             np.testing.assert_array_equal(seen(middle + shift, V + shift, F), V[:, axis] == end)
 
 
-def test_the_eye_in_a_ball_sees_all_and_outside_the_corners_of_what_faces_it():
+def test_visible_is_all_within_a_ball_and_outside_it_the_corners_of_what_faces_the_eye():
     V, F = sphere(3)
     assert seen([0.1, 0.2, 0.3], V, F).all()
     eye = np.array([0.2, 0.5, 2.0])
@@ -105,7 +105,7 @@ def test_the_eye_in_a_ball_sees_all_and_outside_the_corners_of_what_faces_it():
     assert set(np.flatnonzero(seen(eye, V, F))) == set(F[facing].ravel())
 
 
-def test_neither_the_order_of_triangles_nor_a_rigid_motion_matters():
+def test_visible_depends_neither_on_the_order_of_triangles_nor_on_a_rigid_motion():
     V, F, _ = cup()
     eye, rng = np.array([2.0, 1.1, 1.7]), np.random.default_rng(5)
     expected = seen(eye, V, F)
@@ -115,7 +115,7 @@ def test_neither_the_order_of_triangles_nor_a_rigid_motion_matters():
     np.testing.assert_array_equal(seen(carried[-1], carried[:-1], F), expected)
 
 
-def test_a_mesh_of_seams_is_seen_as_if_it_were_whole():
+def test_visible_sees_a_mesh_of_seams_as_if_it_were_whole():
     V, F = box(3, 3, 3)
     torn = Mesh(*soup(V, F))
     skin, eye = Skin.of(torn.F, len(torn.V), torn.joined_F), [5.0, 6.0, 8.0]
@@ -125,7 +125,7 @@ def test_a_mesh_of_seams_is_seen_as_if_it_were_whole():
     )
 
 
-def test_what_touches_a_vertex_does_not_hide_it():
+def test_visible_does_not_hide_a_vertex_behind_what_touches_it():
     """Two sheets of unjoined triangles at one place, and a third behind them by more than the tolerance."""
     V, F = grid(3, 3)
     sheets = np.vstack([V, V + [0, 0, 1e-8], V - [0, 0, 1e-3]])
@@ -135,7 +135,7 @@ def test_what_touches_a_vertex_does_not_hide_it():
     assert not found[2, inner].any()
 
 
-def test_triangles_without_area_or_seen_edge_on_hide_nothing():
+def test_visible_lets_triangles_without_area_or_seen_edge_on_hide_nothing():
     V = np.array([[0.0, 0, 0], [-1, 0, 1], [1, 0, 1], [0, 0, 1], [0, -1, 2], [0, 1, 2], [0, 0, 3]])
     F = np.array([[1, 2, 3], [2, 2, 2], [4, 5, 6]], dtype=np.int32)
     for angle in range(30):
@@ -143,14 +143,14 @@ def test_triangles_without_area_or_seen_edge_on_hide_nothing():
         assert seen(turned[-1], turned[:-1], F, np.array([0])).all()
 
 
-def test_nothing_is_asked_or_in_the_way():
+def test_visible_works_with_nothing_asked_or_in_the_way():
     V, F = sphere(1)
     assert seen([0.0, 0.0, 9.0], V, F, np.empty(0, dtype=np.int64)).shape == (0,)
     assert seen([0.0, 0.0, 9.0], V, np.empty((0, 3), dtype=np.int32)).all()
     assert seen(V[5], V, F, np.array([5])).all()
 
 
-def test_read_only_arrays_are_welcome():
+def test_visible_welcomes_read_only_arrays():
     V, F = sphere(1)
     skin, U = Skin.of(F, len(V)), V.copy()
     U.setflags(write=False)

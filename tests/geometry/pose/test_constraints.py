@@ -20,24 +20,24 @@ def pose(R=None, shift=(0.0, 0.0, 0.0)):
     return matrix
 
 
-def test_the_codes_are_those_of_the_survey():
+def test_constraints_have_the_codes_of_the_survey():
     assert (BASE, FREE, HANDLE) == (0, 1, 2)
 
 
-def test_a_quarter_turn_about_z_and_a_shift():
+def test_transform_makes_a_quarter_turn_about_z_and_a_shift():
     X = np.array([[1.0, 0, 0], [0, 0, 5]])
     moved = transform(pose(rotation([0, 0, 1], np.pi / 2), [10, 20, 30]), X)
     assert moved == pytest.approx(np.array([[10, 21, 30], [10.0, 20, 35]]))
 
 
-def test_poses_compose():
+def test_transform_composes_poses():
     X = np.random.default_rng(0).normal(size=(20, 3))
     a, b = pose(rotation([1, 2, 3], 0.7), [1, 0, 2]), pose(rotation([-1, 0, 1], 2.0), [0, 3, 0])
     assert np.abs(transform(a, transform(b, X)) - transform(a @ b, X)).max() <= 1e-14
 
 
 @given(labelled)
-def test_every_labelling_is_used_or_refused_with_the_right_sentence(labels):
+def test_constraints_use_every_labelling_or_refuse_it_with_the_right_sentence(labels):
     grip = np.arange(3.0 * len(labels)).reshape(-1, 3)
     has = {code: (labels == code).any() for code in (BASE, FREE, HANDLE)}
     if all(has.values()):
@@ -56,7 +56,7 @@ def test_every_labelling_is_used_or_refused_with_the_right_sentence(labels):
     assert str(refused.value) == sentence
 
 
-def test_base_stays_at_its_grip_bit_for_bit_and_nothing_given_is_written_to():
+def test_constraints_keep_the_base_at_its_grip_bit_for_bit_and_write_to_nothing_given():
     rng = np.random.default_rng(0)
     labels, grip = np.array([HANDLE, BASE, FREE, HANDLE, BASE]), rng.normal(size=(5, 3))
     given_labels, given_grip = labels.copy(), grip.copy()
@@ -67,6 +67,6 @@ def test_base_stays_at_its_grip_bit_for_bit_and_nothing_given_is_written_to():
     assert np.array_equal(grip, given_grip)
 
 
-def test_a_grip_of_integers_is_not_rounded():
+def test_constraints_do_not_round_a_grip_of_integers():
     held = constraints(np.array([BASE, FREE, HANDLE]), np.eye(3, dtype=int), [pose(shift=[0.5, 0, 0])])
     assert held.targets.tolist() == [[1.0, 0, 0], [0.5, 0, 1]]

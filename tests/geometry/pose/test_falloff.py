@@ -75,7 +75,7 @@ def test_distances_are_those_of_a_search_by_hand(seed, limit):
     np.testing.assert_allclose(distances(edge_graph(V, F), start, limit), brute_force(V, F, start, limit))
 
 
-def test_what_two_handles_draw_goes_to_the_stronger_and_only_what_is_free():
+def test_softened_gives_what_two_handles_draw_to_the_stronger_and_only_what_is_free():
     strength = np.array([[1.0, 0.5, 0.2, 0.0, 0.9], [0.3, 0.6, 0.0, 0.0, 0.1]])
     soft = softened(np.array([False, True, True, True, True]), strength, np.array([2.0, 4.0]))
     assert soft.ids.tolist() == [1, 2, 4]
@@ -84,7 +84,7 @@ def test_what_two_handles_draw_goes_to_the_stronger_and_only_what_is_free():
 
 
 @pytest.mark.parametrize("material", [Material(), Material(0.1, 2.0, 5.0), Material(bending=0.02)])
-def test_the_residual_is_a_quarter_of_the_gradient_of_the_energy(material):
+def test_elastic_residual_is_a_quarter_of_the_gradient_of_the_energy(material):
     rng = np.random.default_rng(1)
     V, F = box(2, 2, 4)
     fixed = np.flatnonzero(V[:, 2] == 0)
@@ -110,7 +110,7 @@ def test_the_residual_is_a_quarter_of_the_gradient_of_the_energy(material):
 
 
 @pytest.mark.parametrize("method", ["arap", "local"])
-def test_a_point_lifts_a_spike_and_a_soft_point_a_hill(method):
+def test_deformation_lifts_a_spike_by_a_point_and_a_hill_by_a_soft_point(method):
     spike, hill = poked(24, 0.0, method), poked(24, 0.25, method)
     ring = np.abs(np.linalg.norm(plate(24)[0][:, :2] - 0.5, axis=1) - 1 / 12) < 1e-9
     assert ring.sum() >= 4
@@ -119,21 +119,21 @@ def test_a_point_lifts_a_spike_and_a_soft_point_a_hill(method):
     assert hill[:, 2].max() < 0.101
 
 
-def test_springs_are_as_firm_on_a_finer_mesh():
+def test_falloff_springs_are_as_firm_on_a_finer_mesh():
     coarse, fine = poked(16, 0.25), poked(32, 0.25)
     V, W = plate(16)[0], plate(32)[0]
     same = [int(np.flatnonzero((v == W).all(axis=1))[0]) for v in V]
     assert np.abs(coarse[:, 2] - fine[same, 2]).max() < 0.1 * 0.05
 
 
-def test_a_guided_surface_comes_to_rest_where_a_plain_one_does():
+def test_deformation_of_a_guided_surface_comes_to_rest_where_that_of_a_plain_one_does():
     V, _ = plate(72)
     assert len(V) > 5000, "so large that a coarse one shows the way"
     guided, plain = poked(72, 0.3), poked(72, 0.3, plain=True)
     assert np.abs(guided - plain).max() < 1e-3
 
 
-def test_what_is_held_stays_where_it_is_put_and_the_area_is_kept():
+def test_deformation_with_falloff_keeps_the_area_and_what_is_held_where_it_is_put():
     V, F = box(4, 4, 12)
     base, handle = np.flatnonzero(V[:, 2] == 0), np.flatnonzero(V[:, 2] == 12)
     fixed = np.concatenate([base, handle])
@@ -161,7 +161,7 @@ def test_what_is_held_stays_where_it_is_put_and_the_area_is_kept():
     assert off(frame.U) < 0.7 * off(hard.frame().U)
 
 
-def test_the_papers_handle_takes_its_soft_vertices_along():
+def test_li_hui_handle_takes_its_soft_vertices_along():
     V, F = box(4, 4, 12)
     base, handle = np.flatnonzero(V[:, 2] == 0), np.flatnonzero(V[:, 2] == 12)
     fixed = np.concatenate([base, handle])

@@ -10,13 +10,13 @@ RNG = np.random.default_rng(5)
 MOTION = shifted([3, 1, -2]) @ turned_about([1, 0, 4], [1, -2, 2], 2.7) @ scaled_about([0, 1, 0], 1.7)
 
 
-def test_a_similarity_is_found_from_points_in_space_or_in_a_plane():
+def test_fitted_motion_finds_a_similarity_from_points_in_space_or_in_a_plane():
     X = RNG.normal(size=(12, 3))
     for points in (X, X * [1, 1, 0], X[:3]):
         np.testing.assert_allclose(fitted_motion(points, transform(MOTION, points)), MOTION, atol=1e-12)
 
 
-def test_nothing_fits_better():
+def test_fitted_motion_fits_no_worse_than_any_other():
     X, Y = RNG.normal(size=(2, 15, 3))
     fitted = fitted_motion(X, Y)
 
@@ -30,7 +30,7 @@ def test_nothing_fits_better():
         assert error(scaled_about(centre, 1.0 + 1e-3 * RNG.normal()) @ fitted) >= error(fitted)
 
 
-def test_few_points_are_moved_onto_their_targets():
+def test_fitted_motion_moves_few_points_onto_their_targets():
     for count in (1, 2):
         X = RNG.normal(size=(count, 3))
         fitted = fitted_motion(X, transform(MOTION, X))

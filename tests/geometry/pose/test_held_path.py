@@ -13,7 +13,7 @@ ONE = np.ones(12, int)
 
 @pytest.mark.parametrize("degrees", [30.0, 179.0, 180.0, -180.0, 200.0])
 @pytest.mark.parametrize("axis", [(0, 0, 1), (0, -1, 0), (1, -2, 3)])
-def test_a_rigid_motion_is_rigid_all_the_way(degrees, axis):
+def test_held_path_of_a_rigid_motion_is_rigid_all_the_way(degrees, axis):
     Y = moved(X, rotation(axis, np.radians(degrees)), (0.5, 0.0, 2.0))
     path = HeldPath(X, Y, ONE)
     assert np.array_equal(path.at(1.0), Y)
@@ -27,12 +27,12 @@ def test_a_rigid_motion_is_rigid_all_the_way(degrees, axis):
         last = now
 
 
-def test_half_a_turn_goes_the_same_way_round_whatever_rounding_says():
+def test_held_path_of_half_a_turn_goes_the_same_way_round_whatever_rounding_says():
     ways = [HeldPath(X, moved(X, rotation((0, 1, 0), angle)), ONE).at(0.5) for angle in (np.pi, -np.pi)]
     assert np.allclose(*ways, atol=1e-6)
 
 
-def test_each_handle_goes_its_own_way_and_the_rest_stays():
+def test_held_path_leads_each_handle_its_own_way_and_the_rest_stays():
     handle_of = np.repeat([0, 1, 2], [2, 4, 6])
     Y = X.copy()
     Y[2:6] = moved(X[2:6], rotation((0, 0, 1), 1.0))

@@ -14,7 +14,7 @@ POSE = shifted([0.3, -0.2, 0.9]) @ turned_about(X[0], [1, 2, -3], 1.9) @ scaled_
 
 
 @pytest.mark.parametrize("axis", range(3))
-def test_the_mirrored_motion_moves_mirror_images_to_mirror_images(axis):
+def test_mirror_plane_mirrors_a_motion_to_one_that_moves_mirror_images_to_mirror_images(axis):
     plane = MirrorPlane(axis, 0.7)
     there = transform(plane.mirrored(POSE), plane.image(X))
     np.testing.assert_allclose(there, plane.image(transform(POSE, X)), atol=1e-12)
@@ -23,7 +23,7 @@ def test_the_mirrored_motion_moves_mirror_images_to_mirror_images(axis):
 
 
 @pytest.mark.parametrize("axis", range(3))
-def test_a_mirrored_path_turns_as_far_the_other_way_round(axis):
+def test_mirror_plane_turns_a_mirrored_path_as_far_the_other_way_round(axis):
     plane, direction = MirrorPlane(axis, -2.0), np.array([2.0, 1.0, 2.0]) / 3.0
     way = [turned_about(X[2], direction, a) for a in (1.5, 3.0, 4.5)]
     vector = rotation_vector([plane.mirrored(each) for each in way[:-1]], plane.mirrored(way[-1]))
@@ -32,7 +32,7 @@ def test_a_mirrored_path_turns_as_far_the_other_way_round(axis):
 
 
 @pytest.mark.parametrize("axis", range(3))
-def test_a_motion_within_the_plane_is_its_own_mirror_image(axis):
+def test_mirror_plane_has_motions_within_it_that_are_their_own_mirror_images(axis):
     plane, normal = MirrorPlane(axis, 0.4), np.eye(3)[axis]
     within = plane.within(POSE, X[3])
     np.testing.assert_allclose(plane.mirrored(within), within, atol=1e-12)
@@ -42,7 +42,7 @@ def test_a_motion_within_the_plane_is_its_own_mirror_image(axis):
     np.testing.assert_allclose(plane.within(already, X[3]), already, atol=1e-12)
 
 
-def test_nothing_remains_of_a_motion_across_the_plane():
+def test_mirror_plane_leaves_nothing_of_a_motion_across_it():
     plane = MirrorPlane(0, 0.0)
     for angle in (0.3, 2.0, 3.1, -2.5):
         across = shifted([5.0, 0.0, 0.0]) @ turned_about(X[7], [0, 1, 2], angle)

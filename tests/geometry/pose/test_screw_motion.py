@@ -31,7 +31,7 @@ def close(actual, expected, atol=1e-9):
 
 
 @given(rigid, points, st.floats(0.2, 5))
-def test_it_begins_with_nothing_and_ends_with_the_motion(pose, pivot, factor):
+def test_path_of_a_motion_begins_with_nothing_and_ends_with_the_motion(pose, pivot, factor):
     for whole in (pose, pose @ scaled_about(pivot, factor), pose @ scaled_about(pivot, [factor, 1, 0.5])):
         path = path_of(whole, pivot)
         close(path.at(0.0), np.eye(4), 1e-7)
@@ -39,19 +39,19 @@ def test_it_begins_with_nothing_and_ends_with_the_motion(pose, pivot, factor):
 
 
 @given(rigid, points, parts, parts)
-def test_rigid_parts_that_follow_each_other_are_their_sum(pose, pivot, s, t):
+def test_path_of_a_rigid_motion_has_parts_that_follow_each_other_as_their_sum(pose, pivot, s, t):
     path = path_of(pose, pivot)
     close(path.at(s) @ path.at(t), path.at(s + t), 1e-6)
 
 
 @settings(max_examples=20)  # SciPy takes long
 @given(st.builds(composed, plain, plain.filter(np.any), st.floats(0.01, 3.0), plain), points, parts)
-def test_a_rigid_part_is_the_exponential_of_that_part_of_the_logarithm(pose, pivot, part):
+def test_path_of_a_rigid_motion_is_the_exponential_of_a_part_of_the_logarithm(pose, pivot, part):
     close(path_of(pose, pivot).at(part), expm(part * logm(pose)).real, 1e-5)
 
 
 @given(points, axes, angles.filter(lambda a: a > 1e-3), points, parts)
-def test_a_bend_goes_along_its_arc(point, axis, angle, pivot, part):
+def test_path_of_a_bend_goes_along_its_arc(point, axis, angle, pivot, part):
     """Not along the chord, which would come nearer to the line that is turned about."""
     close(
         path_of(turned_about(point, axis, angle), pivot).at(part),
@@ -61,17 +61,17 @@ def test_a_bend_goes_along_its_arc(point, axis, angle, pivot, part):
 
 
 @given(points, points, parts)
-def test_a_shift_goes_straight(way, pivot, part):
+def test_path_of_a_shift_goes_straight(way, pivot, part):
     close(path_of(shifted(way), pivot).at(part), shifted(part * way))
 
 
 @given(points, st.floats(0.1, 8), st.floats(0, 1.5))
-def test_a_stretch_grows_by_equal_factors_about_the_pivot(pivot, factor, part):
+def test_path_of_a_stretch_grows_by_equal_factors_about_the_pivot(pivot, factor, part):
     close(path_of(scaled_about(pivot, factor), pivot).at(part), scaled_about(pivot, factor**part), 1e-7)
 
 
 @given(points, axes, st.floats(-20, 20), parts)
-def test_a_turn_may_go_around_more_than_once(point, axis, angle, part):
+def test_turn_may_go_around_more_than_once(point, axis, angle, part):
     R = Rotation.from_rotvec(part * angle * axis / np.linalg.norm(axis)).as_matrix()
     close(Turn(point, axis, angle).at(part)[:3, :3], R)
     close((Turn(point, axis, angle).at(part) @ [*point, 1.0])[:3], point)
@@ -86,6 +86,6 @@ def test_a_turn_may_go_around_more_than_once(point, axis, angle, part):
         (np.diag([0.0, 0.0, 0.0, 1.0]), "mirrors or flattens"),
     ],
 )
-def test_what_has_no_one_way_is_refused(pose, words):
+def test_path_of_refuses_what_has_no_one_way(pose, words):
     with pytest.raises(InputError, match=words):
         path_of(pose, np.ones(3))

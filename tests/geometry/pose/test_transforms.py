@@ -65,7 +65,7 @@ def raised(call, *given):
 
 
 @given(points, units, lengths, angles)
-def test_a_rotation_is_what_scipy_says_and_leaves_its_axis(point, unit, length, angle):
+def test_turned_about_is_what_scipy_says_and_leaves_its_axis(point, unit, length, angle):
     pose = turned_about(point, unit * length, angle)
     close(pose[:3, :3], Rotation.from_rotvec(unit * angle).as_matrix())
     for t in (-3.0, 0.0, 2.0):
@@ -75,7 +75,7 @@ def test_a_rotation_is_what_scipy_says_and_leaves_its_axis(point, unit, length, 
 
 
 @given(points, axes, angles, angles)
-def test_rotations_about_one_line_add_up_and_are_undone(point, axis, a, b):
+def test_turned_about_one_line_adds_up_and_is_undone(point, axis, a, b):
     both = turned_about(point, axis, a) @ turned_about(point, axis, b)
     close(both, turned_about(point, axis, a + b), 1000)
     close(turned_about(point, -axis, a), turned_about(point, axis, -a), 1000)
@@ -83,45 +83,45 @@ def test_rotations_about_one_line_add_up_and_are_undone(point, axis, a, b):
 
 
 @given(points, axes)
-def test_no_angle_is_exactly_no_motion(point, axis):
+def test_turned_about_by_no_angle_is_exactly_no_motion(point, axis):
     assert np.array_equal(turned_about(point, axis, 0.0), np.eye(4))
 
 
-def test_a_quarter_turn_is_counter_clockwise_seen_from_the_tip():
+def test_turned_about_makes_a_quarter_turn_counter_clockwise_seen_from_the_tip():
     close(at(turned_about([1, 0, 0], Z, np.pi / 2), [2, 0, 5]), [1, 1, 5])
 
 
 @given(points, points)
-def test_translations_add_up(a, b):
+def test_shifted_adds_up_translations(a, b):
     assert np.array_equal(shifted(a) @ shifted(b), shifted(a + b))
     assert is_rigid(shifted(a))
 
 
 @given(points, points, st.tuples(*[st.sampled_from([-2.0, 0.5, 1.0, 3.0])] * 3))
-def test_a_scaling_leaves_its_point_and_multiplies_offsets(point, offset, factors):
+def test_scaled_about_leaves_its_point_and_multiplies_offsets(point, offset, factors):
     pose = scaled_about(point, factors)
     close(at(pose, point), point, 1000)
     close(at(pose, point + offset), point + offset * factors, 1000)
     assert np.linalg.det(pose[:3, :3]) == pytest.approx(np.prod(factors))
 
 
-def test_one_factor_is_three():
+def test_scaled_about_takes_one_factor_for_three():
     assert np.array_equal(scaled_about([1, 2, 3], 1.5), scaled_about([1, 2, 3], [1.5, 1.5, 1.5]))
 
 
 @pytest.mark.parametrize("factors", [0, -0.0, np.inf, np.nan, (1, 0, 2), (1, 2, -np.inf)])
-def test_a_scale_that_flattens_or_bursts_is_refused(factors):
+def test_scaled_about_refuses_a_scale_that_flattens_or_bursts(factors):
     assert "scale" in raised(scaled_about, ORIGIN, factors)
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 0), (np.nan, 0, 1), (np.inf, 0, 0)])
-def test_an_axis_without_a_direction_is_refused(axis):
+def test_turned_about_and_bend_refuse_an_axis_without_a_direction(axis):
     assert "axis" in raised(turned_about, ORIGIN, axis, 1.0)
     assert "axis" in raised(bend, ORIGIN, axis, 0.0)
 
 
 @given(points, axes, angles)
-def test_a_twist_leaves_the_line_between_the_centres(base, axis, angle):
+def test_twist_leaves_the_line_between_the_centres(base, axis, angle):
     handle = base + 10 * axis / np.abs(axis).max()
     pose = twist(base, handle, angle)
     close(at(pose, base), base, 100)
@@ -131,7 +131,7 @@ def test_a_twist_leaves_the_line_between_the_centres(base, axis, angle):
 
 
 @pytest.mark.parametrize("apart", [0.0, 1e-15])
-def test_centres_that_coincide_have_no_line_between_them(apart):
+def test_twist_refuses_centres_that_coincide_and_have_no_line_between_them(apart):
     base = np.array([1.0, 2.0, 3.0])
     assert "coincide" in raised(twist, base, base + apart, 1.0)
     assert "coincide" in raised(twist, ORIGIN, ORIGIN, 1.0)
@@ -139,7 +139,7 @@ def test_centres_that_coincide_have_no_line_between_them(apart):
 
 
 @given(points, units, readable, points)
-def test_what_a_readout_says_is_the_motion(displacement, axis, angle, centre):
+def test_decomposed_says_what_the_motion_is(displacement, axis, angle, centre):
     pose = composed(displacement, axis, angle, centre)
     close(at(pose, centre), centre + displacement, 1000)
     said = decomposed(pose, centre)
@@ -155,7 +155,7 @@ def test_what_a_readout_says_is_the_motion(displacement, axis, angle, centre):
 
 
 @given(points, st.integers(0, 2**32 - 1))
-def test_a_readout_is_what_scipy_says(centre, seed):
+def test_decomposed_says_what_scipy_says(centre, seed):
     R = Rotation.random(rng=np.random.default_rng(seed))
     pose = np.eye(4)
     pose[:3, :3] = R.as_matrix()
@@ -164,19 +164,19 @@ def test_a_readout_is_what_scipy_says(centre, seed):
     close(said.displacement, R.apply(centre) - centre, 100)
 
 
-def test_no_motion_reads_as_nothing():
+def test_decomposed_reads_no_motion_as_nothing():
     said = decomposed(np.eye(4), [5.0, 1e9, -3.0])
     assert (*said.displacement, *said.axis, said.angle) == (0, 0, 0, 0, 0, 1, 0)
 
 
 @pytest.mark.parametrize("i", range(3))
-def test_half_a_turn_about_an_axis_is_read(i):
+def test_decomposed_reads_half_a_turn_about_an_axis(i):
     said = decomposed(np.diag([*(2 * np.eye(3)[i] - 1), 1.0]), ORIGIN)
     assert said.angle == np.pi
     assert np.array_equal(np.abs(said.axis), np.eye(3)[i])
 
 
-def test_many_rotations_one_after_another_stay_rigid():
+def test_turned_about_stays_rigid_over_many_rotations_one_after_another():
     pose, rng = np.eye(4), np.random.default_rng(0)
     for _ in range(2000):
         pose = turned_about(rng.normal(size=3), rng.normal(size=3), rng.normal()) @ pose

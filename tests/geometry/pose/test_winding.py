@@ -37,14 +37,14 @@ def walked(point, axis, degrees, step=10.0, start=None):
 
 @settings(max_examples=20)
 @given(points, axes, angles, steps)
-def test_the_total_is_that_of_the_turn_however_it_was_made(point, axis, degrees, step):
+def test_rotation_vector_is_the_total_of_the_turn_however_it_was_made(point, axis, degrees, step):
     vector = rotation_vector(*walked(point, axis, degrees, step))
     np.testing.assert_allclose(vector, np.deg2rad(degrees) * axis, atol=1e-6)
 
 
 @settings(max_examples=20)
 @given(points, axes, angles, steps)
-def test_there_and_back_leaves_nothing(point, axis, degrees, step):
+def test_rotation_vector_of_there_and_back_is_nothing(point, axis, degrees, step):
     there = walked(point, axis, degrees, step)
     waypoints, pose = walked(point, axis, -degrees, step, there)
     assert not winds(waypoints, pose)
@@ -53,13 +53,13 @@ def test_there_and_back_leaves_nothing(point, axis, degrees, step):
 
 @settings(max_examples=20)
 @given(points, axes, st.floats(-179.9, 179.9), steps)
-def test_less_than_half_a_turn_is_told_by_the_pose(point, axis, degrees, step):
+def test_winds_says_no_to_less_than_half_a_turn_which_the_pose_tells(point, axis, degrees, step):
     assert not winds(*walked(point, axis, degrees, step))
 
 
 @settings(max_examples=20)
 @given(points, axes, st.floats(180, 900), steps, st.floats(0, 1.3))
-def test_a_turn_about_one_line_is_that_turn(point, axis, degrees, step, part):
+def test_way_of_a_turn_about_one_line_is_that_turn(point, axis, degrees, step, part):
     path = way_of(*walked(point, axis, degrees, step), point)
     assert isinstance(path, Turn)
     expected = turned_about(point, axis, part * np.deg2rad(degrees))
@@ -68,7 +68,7 @@ def test_a_turn_about_one_line_is_that_turn(point, axis, degrees, step, part):
 
 @settings(max_examples=8)
 @given(points, axes, axes, st.floats(200, 800), st.floats(20, 90), points)
-def test_a_path_goes_along_its_waypoints_without_a_jump(point, axis, other, degrees, tilt, shift):
+def test_way_of_waypoints_goes_along_them_without_a_jump(point, axis, other, degrees, tilt, shift):
     twisted = walked(point, axis, degrees)
     waypoints, pose = walked(point + 1.0, other, tilt, start=twisted)
     moved = shifted(shift) @ pose
@@ -82,7 +82,7 @@ def test_a_path_goes_along_its_waypoints_without_a_jump(point, axis, other, degr
         assert np.abs(two[:3, :3] - one[:3, :3]).max() < 0.2
 
 
-def test_a_twist_and_a_bend_keep_the_turns_of_the_twist():
+def test_rotation_vector_of_a_twist_and_a_bend_keeps_the_turns_of_the_twist():
     twisted = walked(np.zeros(3), np.array([0.0, 0.0, 1.0]), 380.0)
     waypoints, pose = walked(np.zeros(3), np.array([1.0, 0.0, 0.0]), 30.0, start=twisted)
     vector = rotation_vector(waypoints, pose)
@@ -90,7 +90,7 @@ def test_a_twist_and_a_bend_keep_the_turns_of_the_twist():
     assert isinstance(way_of(waypoints, pose, np.zeros(3)), WaypointPath)
 
 
-def test_a_stretched_handle_turns_by_the_same_total():
+def test_signed_angle_of_a_stretched_handle_is_the_same_total():
     waypoints, pose = walked(np.ones(3), np.array([0.0, 1.0, 0.0]), 300.0)
     stretched = pose @ scaled_about(np.ones(3), [1.0, 2.0, 0.5])
     waypoints = extended(waypoints, pose, stretched)
@@ -98,6 +98,6 @@ def test_a_stretched_handle_turns_by_the_same_total():
 
 
 @pytest.mark.parametrize(("axis", "sign"), [([0, 1, 0], 1), ([0, -1, 0], -1), ([0.1, -0.9, 0.3], -1)])
-def test_the_sign_is_that_about_the_positive_axis(axis, sign):
+def test_signed_angle_has_the_sign_about_the_positive_axis(axis, sign):
     vector = rotation_vector(*walked(np.zeros(3), np.array(axis) / np.linalg.norm(axis), 250.0))
     assert np.rad2deg(signed_angle(vector)) == pytest.approx(sign * 250.0)

@@ -30,7 +30,7 @@ def equilateral_tube(around):
     "stiffness",
     [pytest.param(0.0005, marks=pytest.mark.night), 0.001, pytest.param(0.002, marks=pytest.mark.night)],
 )
-def test_a_ring_between_plates(stiffness):
+def test_press_of_a_ring_between_plates_has_the_stiffness_of_the_closed_form(stiffness):
     """A thin ring that bends and stretches [Timoshenko, Strength of Materials, curved bars]."""
     across = np.array([1.0, 0.0, 0.0])
     coarse, fine = (load_per_deflection(*equilateral_tube(n), across, stiffness) for n in (36, 72))
@@ -41,7 +41,7 @@ def test_a_ring_between_plates(stiffness):
 
 
 @pytest.mark.night
-def test_a_sphere_between_plates():
+def test_press_of_a_sphere_between_plates_has_the_stiffness_of_the_closed_form():
     """Point loads at two poles [Reissner 1946, Stresses and small displacements of shallow shells]."""
     stiffness = 2e-4
     up = np.array([0.0, 0.0, 1.0])

@@ -16,7 +16,7 @@ MESHES = {"closed": sphere(2), "open": tube(16, 10), "inside out": (sphere(2)[0]
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_forces_are_the_slope_of_the_energy(mesh):
+def test_enclosed_gas_forces_are_the_slope_of_the_energy(mesh):
     V, F = MESHES[mesh]
     gas, rng = EnclosedGas(RestMesh(V, F), 0.7), np.random.default_rng(0)
     U, way = V + 0.05 * rng.normal(size=V.shape) + 10.0, rng.normal(size=V.shape)
@@ -26,7 +26,7 @@ def test_forces_are_the_slope_of_the_energy(mesh):
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_pressure_times_volume_is_constant(mesh):
+def test_enclosed_gas_keeps_pressure_times_volume_constant(mesh):
     """The work of a volume that shrinks, and no force at rest."""
     V, F = MESHES[mesh]
     rest = RestMesh(V, F)
@@ -42,7 +42,7 @@ def test_pressure_times_volume_is_constant(mesh):
         assert gas.energy(scale * V) == pytest.approx(known)
 
 
-def test_a_collapsed_surface_has_no_energy_that_could_be_taken():
+def test_enclosed_gas_of_a_collapsed_surface_has_no_energy_that_could_be_taken():
     V, F = sphere(2)
     gas = EnclosedGas(RestMesh(V, F), 1.0)
     assert gas.energy(V * [1.0, 1.0, -0.1]) == np.inf
@@ -55,7 +55,7 @@ def pressed(gas):
     return found.steps
 
 
-def test_much_gas_keeps_the_volume_and_little_lets_it_go():
+def test_press_with_much_gas_keeps_the_volume_and_with_little_lets_it_go():
     free, little, much = pressed(None), pressed(1e-4), pressed(20.0)
     lost = [1.0 - steps[-1].volume / steps[0].volume for steps in (free, little, much)]
     assert little[-1].load_low == pytest.approx(free[-1].load_low, rel=0.02)
@@ -64,7 +64,7 @@ def test_much_gas_keeps_the_volume_and_little_lets_it_go():
     assert much[-1].load_low > 1.2 * free[-1].load_low
 
 
-def test_the_load_is_the_slope_of_the_energy_with_that_of_the_gas():
+def test_pressing_has_the_load_as_the_slope_of_the_energy_with_that_of_the_gas():
     V, F = sphere(3)
     plates = PlatePress(
         RestMesh(V, F), Z, 1.5, 1, options=PressOptions(method="arap", stiffness=0.002, gas=0.5)
@@ -85,12 +85,12 @@ def test_the_load_is_the_slope_of_the_energy_with_that_of_the_gas():
 @pytest.mark.parametrize(
     ("gas", "words"), [(0.0, "greater than 0"), (-1.0, "greater"), (np.nan, "greater"), (np.inf, "greater")]
 )
-def test_a_pressure_that_cannot_be_is_refused(gas, words):
+def test_enclosed_gas_refuses_a_pressure_that_cannot_be(gas, words):
     with pytest.raises(InputError, match=words):
         EnclosedGas(RestMesh(*sphere(2)), gas)
 
 
-def test_what_encloses_nothing_holds_no_gas():
+def test_enclosed_gas_refuses_what_encloses_nothing():
     V, F = box(1, 1, 1)
     with pytest.raises(InputError, match="encloses no gas"):
         EnclosedGas(RestMesh(V, F[:2]), 1.0)

@@ -33,7 +33,7 @@ def excess(method, around, stiffness):
 
 
 @pytest.mark.parametrize(("method", "stiffness"), [("exact", 0.0003), ("arap", 0.0001), ("local", 0.0003)])
-def test_the_excess_follows_from_edges_rigidity_and_stiffness(method, stiffness):
+def test_load_excess_follows_from_edges_rigidity_and_stiffness(method, stiffness):
     V, F = tube(40, 15, height=2.0)
     found = press(V, F, ACROSS, 1.9, 1, method=method, stiffness=stiffness, iterations=1)
     assert found.load_excess == pytest.approx(excess(method, 40, stiffness), rel=0.1)
@@ -48,7 +48,7 @@ def test_the_excess_follows_from_edges_rigidity_and_stiffness(method, stiffness)
         pytest.param("local", 40, 0.0003, marks=pytest.mark.night),
     ],
 )
-def test_a_tube_carries_more_than_the_law_by_the_excess(method, around, stiffness):
+def test_load_excess_is_what_a_tube_carries_more_than_the_law(method, around, stiffness):
     """From 23 to 690 %; a wall of up to a seventh of the radius stretches, too."""
     found, ratio = pressed_tube(method, around, stiffness)
     assert all(step.settled for step in found.steps)
@@ -56,7 +56,7 @@ def test_a_tube_carries_more_than_the_law_by_the_excess(method, around, stiffnes
     assert ratio == pytest.approx(1.0 + found.load_excess, rel=0.08)
 
 
-def test_a_tube_hardly_stretches_and_a_sphere_by_half_of_its_energy():
+def test_press_hardly_stretches_a_tube_and_a_sphere_by_half_of_its_energy():
     """The load of a sphere is in proportion to the root of D E t, and so is its energy [Reissner 1946]."""
     found, _ = pressed_tube("arap", 40, 0.0003)
     assert found.steps[0].stretching == 0.0
@@ -65,5 +65,5 @@ def test_a_tube_hardly_stretches_and_a_sphere_by_half_of_its_energy():
     assert ball.stretching == pytest.approx(0.5, abs=0.03)
 
 
-def test_without_stiffness_no_excess_is_known():
+def test_load_excess_is_not_known_without_stiffness():
     assert press(*sphere(2), (0, 0, 1), 1.9, 1, method="arap").load_excess is None

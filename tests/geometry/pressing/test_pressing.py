@@ -32,7 +32,7 @@ def to_rest(pressing, share):
         assert pressing.iterations < 4000
 
 
-def test_nothing_crosses_on_the_way_and_the_area_stays():
+def test_pressing_crosses_nothing_on_the_way_and_keeps_the_area():
     """Every frame of a sphere pressed to a fifth of its height, free between the plates."""
     rest = ball()
     plates, crosses = PlatePress(rest, Z, 0.4, 4, options=STIFF), CrossingCheck(rest.V, rest.F)
@@ -54,7 +54,7 @@ def test_nothing_crosses_on_the_way_and_the_area_stays():
     assert pressing.share == 1.0
 
 
-def test_both_plates_carry_the_slope_of_the_energy():
+def test_pressing_loads_of_both_plates_are_the_slope_of_the_energy():
     """At rest, by differences of the energy of plates a little nearer and farther."""
     plates = PlatePress(ball(), Z, 1.5, 2, options=STIFF)
     pressing, way, h = plates.pressing, plates.way.first - 1.5, 2e-3
@@ -70,7 +70,7 @@ def test_both_plates_carry_the_slope_of_the_energy():
         assert 0.5 * (high - low) == pytest.approx(slope, rel=0.01)
 
 
-def test_the_direction_does_not_matter():
+def test_press_does_not_depend_on_the_direction():
     """A turned mesh pressed along the turned axis gives the same curve."""
     V, F = tube(24, 16)
     R = rotation((1.0, 2.0, -0.5), 0.7)
@@ -83,7 +83,7 @@ def test_the_direction_does_not_matter():
 
 
 @pytest.mark.night
-def test_a_tall_tube_yields_and_does_not_topple():
+def test_press_lets_a_tall_tube_yield_and_not_topple():
     """Without friction it would lie down between the plates and carry nothing."""
     V, F = tube(32, 20)
     axis = np.eye(3)[int(np.argmax(np.ptp(V, axis=0)))]
@@ -97,7 +97,7 @@ def test_a_tall_tube_yields_and_does_not_topple():
     assert all(step.settled and step.crossings == 0 for step in found.steps)
 
 
-def test_what_lies_askew_does_not_turn_however_it_is_pushed_along():
+def test_pressing_does_not_turn_what_lies_askew_however_it_is_pushed_along():
     """A tilted egg, whose plates turn it: otherwise loads would not be the slope of the energy."""
     V, F = sphere(2)
     V = V * (0.6, 0.6, 1.2) @ rotation(Y, np.radians(60.0)).T
@@ -113,7 +113,7 @@ def test_what_lies_askew_does_not_turn_however_it_is_pushed_along():
     assert np.abs(moments).max() <= 1e-9 * m.sum()
 
 
-def test_keeping_the_area_does_not_push_against_the_plates():
+def test_press_keeps_the_area_without_pushing_against_the_plates():
     """The way that the projection takes yields to the plates; else each step would be cut short."""
     V, F = tube(32, 20)
     axis = np.eye(3)[int(np.argmax(np.ptp(V, axis=0)))]
@@ -125,7 +125,7 @@ def test_keeping_the_area_does_not_push_against_the_plates():
 
 
 @pytest.mark.night
-def test_contact_stops_no_plates_that_have_room():
+def test_press_lets_contact_stop_no_plates_that_have_room():
     """A coarse ball: its corners are pushed by the plates one by one."""
     V, F = sphere(2)
     found = press(V, F, Z, 0.6, 6, stiffness=0.01)
@@ -134,7 +134,7 @@ def test_contact_stops_no_plates_that_have_room():
     assert all(step.settled for step in found.steps)
 
 
-def test_a_held_base_takes_what_the_plates_do_not_balance():
+def test_pressing_lets_a_held_base_take_what_the_plates_do_not_balance():
     V, F = sphere(3)
     base = np.flatnonzero(V[:, 2] < -0.8)
     rest = RestMesh(V, F)
@@ -146,7 +146,7 @@ def test_a_held_base_takes_what_the_plates_do_not_balance():
     assert pressing.U[:, 2].max() < 0.5 + 2e-3 * rest.diagonal
 
 
-def test_five_fingers_close_on_a_tube():
+def test_pressing_closes_five_fingers_on_a_tube():
     """A fist: four capsules and a thumb; no vertex inside of them, no wall through a wall, in any frame."""
     V, F = tube(32, 30)
     rest, r = RestMesh(V, F), 0.25
@@ -193,7 +193,7 @@ def test_five_fingers_close_on_a_tube():
         ({"stiffness": -1.0}, "stiffness"),
     ],
 )
-def test_bad_input_is_one_sentence(asked, words):
+def test_press_refuses_bad_input_in_one_sentence(asked, words):
     V, F = sphere(2)
     asked = {"axis": (1, 0, 0), "to": 1.0, **asked}
     with pytest.raises(InputError, match=words):

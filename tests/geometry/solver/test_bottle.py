@@ -41,7 +41,7 @@ DAILY = ("twist 120", "compress")
 @pytest.mark.parametrize(
     "move", [pytest.param(move, marks=() if move in DAILY else pytest.mark.night) for move in MOVES]
 )
-def test_exact_holds_the_area_and_the_handle_at_every_frame(move):
+def test_deformation_by_exact_holds_the_area_and_the_handle_at_every_frame(move):
     solver = Deformation(V, F, FIXED, handle=HANDLE_IDS)
     where = targets(move)
     solver.aim(where)
@@ -61,7 +61,7 @@ def local_change(U):
     return np.array([(change * rest).sum() / rest.sum(), change[order][np.searchsorted(share, 0.99)]])
 
 
-def test_local_keeps_every_triangles_area_on_a_twist_by_120_degrees():
+def test_deform_by_local_keeps_every_triangles_area_on_a_twist_by_120_degrees():
     held = constraints(LABELS, V, [read_transform(resource("bottle-twist-120.def"))])
     arap, local, both = (
         deform(V, F, held.fixed, held.targets, method, 120, handle=held.handles, area=percent)
@@ -74,7 +74,7 @@ def test_local_keeps_every_triangles_area_on_a_twist_by_120_degrees():
     assert abs(both.area_error) <= 1e-9 < abs(local.area_error)
 
 
-def test_two_regions_with_different_targets_and_the_volume_together():
+def test_deform_meets_two_regions_with_different_targets_and_the_volume_together():
     y = V[:, 1]
     regions = [
         Region("label", np.flatnonzero((y > 8.5) & (y < 12.0)), 100.0),
@@ -105,7 +105,7 @@ def farthest(A, B, faces):
         pytest.param((1.0, 0.36), (13_010, 100_000), 60, 0.01, marks=pytest.mark.night),
     ],
 )
-def test_a_stiff_bottle_deforms_alike_however_many_vertices_it_has(edges, counts, degrees, apart):
+def test_deform_shapes_a_stiff_bottle_alike_however_many_vertices_it_has(edges, counts, degrees, apart):
     shapes = []
     for edge in edges:
         X, G, labels = sample_bottle(edge)
@@ -118,7 +118,7 @@ def test_a_stiff_bottle_deforms_alike_however_many_vertices_it_has(edges, counts
 
 
 @pytest.mark.night
-def test_an_area_of_a_tenth_with_a_stretched_handle_is_out_of_reach():
+def test_deform_tells_that_an_area_of_a_tenth_with_a_stretched_handle_is_out_of_reach():
     result = deform(V, F, FIXED, targets("stretch"), handle=HANDLE_IDS, area=10.0, contact=False)
     assert not result.converged
     assert "Out of reach in this pose: the area is at" in result.warnings[-1]

@@ -46,7 +46,7 @@ ASKED = {
 
 
 @pytest.mark.parametrize("asked", ASKED)
-def test_what_is_asked_holds_in_every_preview(asked, factor):
+def test_preview_always_holds_what_is_asked(asked, factor):
     caps = {"area": (V, F), "volume": closed(), "all": closed()}[asked]
     solver = Deformation(*caps, FIXED, method="arap", factored=factor, **ASKED[asked])
     wished = ASKED[asked]
@@ -72,7 +72,7 @@ def closed():
     return V, np.vstack([F, low, top + low[:, ::-1]])
 
 
-def test_a_motion_of_the_whole_is_shown_as_it_is(factor):
+def test_preview_shows_a_motion_of_the_whole_as_it_is(factor):
     solver = Deformation(V, F, FIXED, factored=factor)
     R, shift = rotation([1, 2, 3], 1.1), [3.0, -1.0, 0.5]
     solver.aim(V[FIXED] @ R.T + shift)
@@ -80,7 +80,7 @@ def test_a_motion_of_the_whole_is_shown_as_it_is(factor):
     assert np.abs(solver.frame().U - (V @ R.T + shift)).max() <= 1e-4 * solver.rest.diagonal
 
 
-def test_it_begins_at_the_shape_that_was_there(factor):
+def test_preview_begins_at_the_shape_that_was_there(factor):
     """Details that only the fine surface knows are not lost by touching the handle."""
     bumpy = V + 0.002 * np.random.default_rng(0).normal(size=V.shape)
     solver = Deformation(bumpy, F, FIXED, factored=factor)
@@ -98,7 +98,7 @@ def test_it_begins_at_the_shape_that_was_there(factor):
     "method",
     [pytest.param("arap", marks=pytest.mark.night), "exact", pytest.param("local", marks=pytest.mark.night)],
 )
-def test_it_ends_where_it_would_without_and_nothing_jumps(method, factor):
+def test_preview_lets_the_deformation_end_where_it_would_without_and_nothing_jumps(method, factor):
     asked = targets(0.5)
     plain = Deformation(V, F, FIXED, method=method, stiffness=1e-3)
     solver = Deformation(V, F, FIXED, method=method, stiffness=1e-3, factored=factor)
@@ -124,7 +124,7 @@ def test_it_ends_where_it_would_without_and_nothing_jumps(method, factor):
     assert energies[0] == pytest.approx(energies[1], rel=1e-3)
 
 
-def test_a_hand_that_moves_on_is_followed_from_the_last_full_shape(factor):
+def test_preview_follows_a_hand_that_moves_on_from_the_last_full_shape(factor):
     factor.there = True
     solver = Deformation(V, F, FIXED, factored=factor)
     solver.aim(targets(0.3))
@@ -139,7 +139,7 @@ def test_a_hand_that_moves_on_is_followed_from_the_last_full_shape(factor):
     assert np.abs(frame.U - rest.U).max() <= 5e-3 * solver.rest.diagonal
 
 
-def test_other_goals_in_the_middle_of_a_preview(factor):
+def test_deformation_keep_meets_other_goals_in_the_middle_of_a_preview(factor):
     solver = Deformation(V, F, FIXED, factored=factor)
     solver.aim(targets(0.3))
     solver.iterate()
@@ -152,7 +152,7 @@ def test_other_goals_in_the_middle_of_a_preview(factor):
     assert frame.converged
 
 
-def test_another_start_in_the_middle_of_a_preview(factor):
+def test_deformation_aim_takes_another_start_in_the_middle_of_a_preview(factor):
     solver = Deformation(V, F, FIXED, factored=factor)
     solver.aim(targets(0.8))
     for _ in range(5):
@@ -162,7 +162,7 @@ def test_another_start_in_the_middle_of_a_preview(factor):
 
 
 @pytest.mark.parametrize("method", ["paper", "sr-arap"])
-def test_what_follows_no_coarse_surface_waits(method, factor):
+def test_deformation_waits_for_the_factor_where_it_follows_no_coarse_surface(method, factor):
     handle = FIXED[HANDLE]
     solver = Deformation(V, F, FIXED, method=method, handle=handle, factored=factor)
     solver.aim(targets(0.3))
@@ -172,7 +172,7 @@ def test_what_follows_no_coarse_surface_waits(method, factor):
     solver.step()
 
 
-def test_the_end_is_foretold_while_the_factor_is_missing(factor, monkeypatch):
+def test_expected_end_is_foretold_while_the_factor_is_missing(factor, monkeypatch):
     solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor)
     solver.aim(targets(0.3))
     until_the_coarse_one_is_done(solver)
@@ -184,7 +184,7 @@ def test_the_end_is_foretold_while_the_factor_is_missing(factor, monkeypatch):
     assert solver.frame().seconds_left == pytest.approx(half, abs=0.05)
 
 
-def test_the_descent_is_foretold_by_its_own_pace(factor, monkeypatch):
+def test_expected_end_foretells_the_descent_by_its_own_pace(factor, monkeypatch):
     solver, now = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor), 0.0
     monkeypatch.setattr(coarse_preview, "time", SimpleNamespace(monotonic=lambda: now))
     solver.aim(targets(0.3))
@@ -197,14 +197,16 @@ def test_the_descent_is_foretold_by_its_own_pace(factor, monkeypatch):
         now += 2.0
 
 
-def test_nothing_is_foretold_while_the_coarse_surface_converges(factor):
+def test_expected_end_is_not_foretold_while_the_coarse_surface_converges(factor):
     solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor)
     solver.aim(targets(2.5))
     assert solver.step().seconds_left is None
 
 
 @pytest.mark.parametrize(("angle", "is_foretold"), [(0.02, True), (0.3, False)])
-def test_with_contact_the_end_is_foretold_once_the_held_vertices_have_arrived(factor, angle, is_foretold):
+def test_expected_end_is_foretold_with_contact_once_the_held_vertices_have_arrived(
+    factor, angle, is_foretold
+):
     solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor, contact=True)
     solver.aim(targets(angle, (0, 0, 0)))
     until_the_coarse_one_is_done(solver)
@@ -212,7 +214,7 @@ def test_with_contact_the_end_is_foretold_once_the_held_vertices_have_arrived(fa
     assert (solver.frame().seconds_left is not None) == is_foretold
 
 
-def test_nothing_is_foretold_where_nothing_is_waited_for():
+def test_expected_end_is_not_foretold_where_nothing_is_waited_for():
     solver = Deformation(V, F, FIXED)
     solver.aim(targets(0.3))
     assert solver.step().seconds_left is None

@@ -37,7 +37,7 @@ def held(V, move):
 @pytest.mark.parametrize("percent", [100.0, 90.0, 130.0])
 @pytest.mark.parametrize("move", MOVES)
 @pytest.mark.parametrize("mesh", MESHES)
-def test_the_area_is_exact_and_the_handle_in_place_at_every_frame(mesh, move, percent, method):
+def test_deformation_has_the_exact_area_and_the_handle_in_place_at_every_frame(mesh, move, percent, method):
     V, F = MESHES[mesh]
     fixed, handle, targets = held(V, move)
     solver = Deformation(V, F, fixed, method=method, handle=handle, area=percent)
@@ -52,7 +52,7 @@ def test_the_area_is_exact_and_the_handle_in_place_at_every_frame(mesh, move, pe
 
 
 @pytest.mark.parametrize("move", MOVES)
-def test_without_goals_it_is_the_plain_iteration(move):
+def test_constrained_descent_without_goals_is_the_plain_iteration(move):
     V, F = MESHES["box"]
     fixed, _, targets = held(V, move)
     rest = RestMesh(V, F)
@@ -88,7 +88,9 @@ def kkt_residual(rest, method):
         pytest.param(box(14, 14, 42), 0.1, None, 90, marks=pytest.mark.night),
     ],
 )
-def test_at_the_end_the_conditions_of_karush_kuhn_and_tucker_hold(mesh, shift, area_percent, volume_percent):
+def test_constrained_descent_ends_where_the_conditions_of_karush_kuhn_and_tucker_hold(
+    mesh, shift, area_percent, volume_percent
+):
     V, F = mesh
     base, handle = ends(V)
     fixed = np.concatenate([base, handle])
@@ -119,7 +121,7 @@ def rest_scaled(rest, fixed, targets, iterations):
 
 
 @pytest.mark.parametrize("move", ["twist", "bend", "stretch", "shear"])
-def test_the_energy_is_not_above_that_of_rest_scaled_arap(move):
+def test_deform_by_exact_has_no_energy_above_that_of_rest_scaled_arap(move):
     V, F = MESHES["tube"]
     fixed, _, targets = held(V, move)
     rest = RestMesh(V, F)
@@ -131,7 +133,7 @@ def test_the_energy_is_not_above_that_of_rest_scaled_arap(move):
 
 
 @pytest.mark.parametrize("move", MOVES)
-def test_regions_and_a_volume_together(move):
+def test_deform_meets_regions_and_a_volume_together(move):
     V, F = box(3, 3, 9)
     fixed, handle, targets = held(V, move)
     low, high = np.flatnonzero(V[:, 2] <= 4), np.flatnonzero(V[:, 2] >= 5)
@@ -149,7 +151,7 @@ def test_regions_and_a_volume_together(move):
     assert np.array_equal(result.U[fixed], targets)
 
 
-def test_goals_change_without_factoring(monkeypatch):
+def test_deformation_keep_changes_goals_without_factoring(monkeypatch):
     V, F = MESHES["box"]
     fixed, handle, targets = held(V, "twist")
     solver = Deformation(V, F, fixed, handle=handle)
@@ -168,7 +170,7 @@ def test_goals_change_without_factoring(monkeypatch):
 
 @pytest.mark.parametrize("move", ["stretch", "shear", "twist further"])
 @pytest.mark.parametrize("mesh", ["tube", "box"])
-def test_what_is_out_of_reach_ends_in_a_sentence(mesh, move):
+def test_deform_tells_what_is_out_of_reach_in_a_sentence(mesh, move):
     V, F = MESHES[mesh]
     fixed, handle, targets = held(V, move)
     result = deform(V, F, fixed, targets, "exact", handle=handle, area=10.0, contact=False)
@@ -182,7 +184,7 @@ def test_what_is_out_of_reach_ends_in_a_sentence(mesh, move):
     assert np.abs(result.U).max() <= 2 * np.abs(targets).max() + 10
 
 
-def test_the_best_shape_is_kept_and_another_wish_is_tried_again():
+def test_deformation_keeps_the_best_shape_and_tries_another_wish_again():
     V, F = MESHES["box"]
     fixed, handle, targets = held(V, "stretch")
     solver = Deformation(V, F, fixed, handle=handle, area=10.0)
@@ -202,7 +204,7 @@ def test_the_best_shape_is_kept_and_another_wish_is_tried_again():
     assert abs(frame.area_error) <= 1e-9
 
 
-def test_goals_that_contradict_each_other_stay_finite():
+def test_deform_stays_finite_with_goals_that_contradict_each_other():
     """Nothing encloses more than a ball: a ball's area and volume cannot both stay when it is stretched."""
     V, F = sphere(3)
     base, handle = (np.flatnonzero(s * V[:, 2] > 0.8) for s in (-1, 1))
@@ -221,7 +223,7 @@ def test_goals_that_contradict_each_other_stay_finite():
     assert met.volume == pytest.approx(met.volume_rest, rel=1e-9)
 
 
-def test_a_region_that_is_wholly_held_cannot_be_changed_and_spoils_nothing():
+def test_deform_cannot_change_a_wholly_held_region_which_spoils_nothing():
     V, F = box(2, 2, 6)
     fixed, handle, targets = held(V, "twist")
     lid = Region("lid", handle, 120.0)
@@ -232,7 +234,7 @@ def test_a_region_that_is_wholly_held_cannot_be_changed_and_spoils_nothing():
     assert abs(result.area_error) <= 1e-9
 
 
-def test_a_drag_keeps_the_area_at_every_pose():
+def test_deformation_keeps_the_area_at_every_pose_of_a_drag():
     """Poses come one after another, a few iterations each, as while the hand moves."""
     V, F = MESHES["tube"]
     base, handle = ends(V)
@@ -247,7 +249,7 @@ def test_a_drag_keeps_the_area_at_every_pose():
             assert np.array_equal(frame.U[fixed], targets)
 
 
-def test_paper_takes_another_area_but_no_other_goal():
+def test_deform_by_paper_takes_another_area_but_no_other_goal():
     V, F = MESHES["box"]
     fixed, handle, targets = held(V, "twist")
     result = deform(V, F, fixed, targets, "paper", handle=handle, area=105.0)
@@ -265,7 +267,7 @@ def test_paper_takes_another_area_but_no_other_goal():
             )
 
 
-def test_what_a_given_number_of_iterations_has_not_met_is_said():
+def test_deform_says_what_a_given_number_of_iterations_has_not_met():
     V, F = MESHES["box"]
     fixed, handle, targets = held(V, "stretch")
     result = deform(V, F, fixed, targets, "exact", 3, handle=handle, area=10.0)
@@ -283,14 +285,14 @@ def test_what_a_given_number_of_iterations_has_not_met_is_said():
         ({"stiffness": True}, "stiffness must be a number"),
     ],
 )
-def test_wrong_arguments_are_refused_in_a_sentence(wrong, words):
+def test_deform_refuses_wrong_arguments_in_a_sentence(wrong, words):
     V, F = MESHES["box"]
     fixed, handle, targets = held(V, "twist")
     with pytest.raises(InputError, match=words):
         deform(V, F, fixed, targets, "exact", 1, **({"handle": handle} | wrong))
 
 
-def test_a_vertex_of_two_handles_and_targets_beyond_reason_are_refused():
+def test_deform_refuses_a_vertex_of_two_handles_and_targets_beyond_reason():
     V, F = MESHES["box"]
     fixed, handle, targets = held(V, "twist")
     with pytest.raises(InputError, match="A vertex belongs to two handles"):

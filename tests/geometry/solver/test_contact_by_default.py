@@ -25,7 +25,7 @@ def crosses(result):
 
 
 @pytest.mark.parametrize("name", METHODS)
-def test_methods_that_can_touch_do_up_to_a_number_of_vertices(name):
+def test_contact_by_default_is_on_for_methods_that_can_touch_up_to_a_number_of_vertices(name):
     touches = METHODS[name].may_touch
     assert touches == (name in ("exact", "local", "arap"))
     assert [contact_by_default(name, n) for n in (4, MOST_IN_CONTACT, MOST_IN_CONTACT + 1)] == [
@@ -35,7 +35,7 @@ def test_methods_that_can_touch_do_up_to_a_number_of_vertices(name):
     ]
 
 
-def test_walls_are_kept_apart_unless_it_is_said_otherwise():
+def test_deform_keeps_walls_apart_unless_it_is_said_otherwise():
     by_default, kept, passing = (twisted(**said) for said in ({}, {"contact": True}, {"contact": False}))
     np.testing.assert_array_equal(by_default.U, kept.U)
     assert not crosses(by_default)
@@ -43,7 +43,7 @@ def test_walls_are_kept_apart_unless_it_is_said_otherwise():
 
 
 @pytest.mark.parametrize("method", ["paper", "sr-arap"])
-def test_methods_without_contact_run_as_ever(method):
+def test_deform_by_methods_without_contact_runs_as_ever(method):
     targets = WAY[0]
     by_default, without = (
         apd_viewer.deform(V, F, FIXED, targets, method, handle=HANDLE, **said)
@@ -53,7 +53,7 @@ def test_methods_without_contact_run_as_ever(method):
     assert by_default.warnings == without.warnings
 
 
-def test_plain_iterations_stay_plain():
+def test_deform_lets_plain_iterations_stay_plain():
     plain, without = (
         apd_viewer.deform(V, F, FIXED, WAY[1], "arap", 20, handle=HANDLE, **said)
         for said in ({}, {"contact": False})
@@ -62,7 +62,7 @@ def test_plain_iterations_stay_plain():
     assert (plain.iterations, plain.least_gap, plain.warnings) == (20, None, without.warnings)
 
 
-def test_larger_meshes_say_that_walls_may_pass(monkeypatch):
+def test_deform_says_of_larger_meshes_that_walls_may_pass(monkeypatch):
     monkeypatch.setattr(methods, "MOST_IN_CONTACT", len(V) - 1)
     large, without = (twisted(**said) for said in ({}, {"contact": False}))
     np.testing.assert_array_equal(large.U, without.U)

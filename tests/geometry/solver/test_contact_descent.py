@@ -90,7 +90,7 @@ def settle(solver, targets, most=1500, area_too=True, **more):
     ],
     ids=lambda asked: " ".join(asked) or "exact",
 )
-def test_no_frame_of_a_twist_beyond_touching_crosses_itself(asked):
+def test_contact_descent_has_no_frame_of_a_twist_beyond_touching_cross_itself(asked):
     V, F, fixed, cap = bottle()
     solver = Deformation(V, F, fixed, handle=cap, contact=True, **asked)
     targets = bottle_at(TWIST)
@@ -102,7 +102,7 @@ def test_no_frame_of_a_twist_beyond_touching_crosses_itself(asked):
         assert volume(frame.U, F) == pytest.approx(0.8 * volume(V, F), rel=1e-8)
 
 
-def test_a_bottle_is_pushed_together_without_crossing():
+def test_contact_descent_pushes_a_bottle_together_without_crossing():
     V, F, fixed, cap = bottle()
     solver = Deformation(V, F, fixed, handle=cap, contact=True)
     checked, base = CrossingCheck(V, F), np.setdiff1d(fixed, cap)
@@ -116,7 +116,7 @@ def test_a_bottle_is_pushed_together_without_crossing():
     assert frame.contact.pairs > 0
 
 
-def test_where_nothing_touches_shapes_are_those_without_contact():
+def test_deform_with_contact_gives_the_shapes_without_it_where_nothing_touches():
     V, F, fixed, cap = bottle()
     targets = bottle_at(rotation(Y, np.radians(60.0)))
     without, with_contact = (
@@ -130,7 +130,7 @@ def test_where_nothing_touches_shapes_are_those_without_contact():
 
 
 @pytest.mark.parametrize("told", [True, False], ids=["handle", "no handle named"])
-def test_contact_stops_a_handle_says_so_and_lets_it_go_back(told):
+def test_contact_descent_stops_a_handle_says_so_and_lets_it_go_back(told):
     V, F, fixed, upper = hairpin()
     solver = Deformation(V, F, fixed, handle=upper if told else None, contact=True)
     solver.aim(closed_hairpin())
@@ -151,7 +151,7 @@ def test_contact_stops_a_handle_says_so_and_lets_it_go_back(told):
     assert np.abs(frame.U - V).max() <= 1e-3 * np.ptp(V, axis=0).max()
 
 
-def test_the_surface_follows_held_vertices_that_touch_it():
+def test_touching_surface_follows_held_vertices_that_touch_it():
     """Shifted all alike, they take it along: springs pull from what moves, not back to where it was."""
     V, _, fixed, cap = bottle()
     solver = Deformation(*bottle()[:2], fixed, handle=cap, contact=True)
@@ -166,7 +166,7 @@ def test_the_surface_follows_held_vertices_that_touch_it():
     assert np.allclose(there - surface.U[surface.free], shift, atol=1e-6)
 
 
-def test_the_energy_of_gaps_is_that_of_the_shape_even_after_a_refused_move():
+def test_contact_energy_at_is_that_of_the_shape_even_after_a_refused_move():
     """Steps descend in the energy of where they are, not of where they have been."""
     V, F, fixed, upper = hairpin()
     solver = Deformation(V, F, fixed, handle=upper, contact=True)
@@ -187,7 +187,7 @@ def test_the_energy_of_gaps_is_that_of_the_shape_even_after_a_refused_move():
     assert seen >= 5
 
 
-def test_what_is_refused_is_not_taken_for_the_end():
+def test_contact_descent_does_not_take_what_is_refused_for_the_end():
     """A shape that cannot be reached leaves the last one; the surface has not come to rest there."""
     V, F, fixed, cap = bottle()
     solver = Deformation(V, F, fixed, handle=cap, contact=True)
@@ -198,14 +198,14 @@ def test_what_is_refused_is_not_taken_for_the_end():
     assert frame.energy == pytest.approx(energy, rel=1e-3)
 
 
-def test_without_contact_the_same_twist_crosses_itself():
+def test_deform_without_contact_lets_the_same_twist_cross_itself():
     V, F, fixed, cap = bottle()
     result = deform(V, F, fixed, bottle_at(TWIST), handle=cap, contact=False)
     assert CrossingCheck(V, F).crosses(result.U)
 
 
 @pytest.mark.parametrize(("scale", "away"), [(1e-6, 0.0), (1e3, 1e6)])
-def test_the_shape_does_not_depend_on_the_unit_nor_on_the_origin(scale, away):
+def test_contact_descent_depends_neither_on_the_unit_nor_on_the_origin(scale, away):
     V, F, fixed, upper = hairpin()
     shapes = []
     for unit, shift in ((1.0, 0.0), (scale, away)):
@@ -226,7 +226,7 @@ def two_spheres(apart, level=3):
     return W, G, np.flatnonzero(low | high), np.flatnonzero(high)
 
 
-def test_what_crosses_at_rest_may_stay_and_nothing_else_crosses():
+def test_contact_descent_lets_what_crosses_at_rest_stay_and_nothing_else_cross():
     V, F, fixed, lid = two_spheres(1.7)
     rest = crossings(V, F)
     assert len(rest)
@@ -248,7 +248,7 @@ def test_what_crosses_at_rest_may_stay_and_nothing_else_crosses():
     assert np.abs(solver.step().U - frame.U).max() <= 0.1, "it may be entered again"
 
 
-def test_pieces_that_are_held_do_not_pass_through_each_other():
+def test_contact_descent_lets_no_held_pieces_pass_through_each_other():
     V, F, fixed, lid = two_spheres(2.3, 2)
     solver = Deformation(V, F, fixed, handle=lid, contact=True)
     U = V.copy()
@@ -266,7 +266,7 @@ def hairpin_with_ball(height):
     return np.vstack([V, 0.15 * ball + [0.2, 0.75, height]]), np.vstack([F, G + len(V)]), fixed, upper
 
 
-def test_a_loose_piece_far_away_goes_along():
+def test_contact_descent_takes_a_loose_piece_far_away_along():
     V, F, fixed, upper = hairpin_with_ball(3.0)
     solver = Deformation(V, F, fixed, handle=upper, contact=True)
     frame, _ = settle(solver, closed_hairpin())
@@ -287,7 +287,7 @@ def share_reached_alone():
 
 @pytest.mark.parametrize("loose", ["go", "stay"])
 @pytest.mark.parametrize("height", [-0.11, 0.11], ids=["on the lower arm", "below the upper one"])
-def test_a_loose_piece_is_in_the_way_and_does_not_pass_through_a_wall(height, loose):
+def test_contact_descent_stops_at_a_loose_piece_in_the_way_which_passes_through_no_wall(height, loose):
     V, F, fixed, upper = hairpin_with_ball(height)
     without = deform(V, F, fixed, closed_hairpin(), handle=upper, loose=loose, contact=False)
     assert CrossingCheck(V, F).crosses(without.U)
@@ -297,7 +297,7 @@ def test_a_loose_piece_is_in_the_way_and_does_not_pass_through_a_wall(height, lo
     assert "Contact stops the handle" in frame.unreached
 
 
-def test_other_loose_pieces_cannot_stay_where_no_free_way_may_lead():
+def test_loose_parts_choose_lets_no_other_pieces_stay_where_no_free_way_may_lead():
     V, F, fixed, upper = hairpin_with_ball(-0.11)
     solver = Deformation(V, F, fixed, handle=upper, contact=True, loose="go")
     solver.loose.choose("go")
@@ -305,7 +305,7 @@ def test_other_loose_pieces_cannot_stay_where_no_free_way_may_lead():
         solver.loose.choose("stay")
 
 
-def test_a_loose_piece_may_cross_the_wall_that_carries_it():
+def test_contact_descent_lets_a_loose_piece_cross_the_wall_that_carries_it():
     """A button that is sunk into a wall, or lies close on it, does not stop the wall from bending."""
     V, F, fixed, cap = bottle()
     ball, G = sphere(1)
@@ -323,7 +323,7 @@ def test_a_loose_piece_may_cross_the_wall_that_carries_it():
     assert sunk.frame().energy == pytest.approx(frame.energy, rel=1e-3)
 
 
-def test_a_path_of_targets_is_walked_and_its_share_is_of_the_whole():
+def test_deform_walks_a_path_of_targets_and_tells_the_share_of_the_whole():
     V, F, fixed, upper = hairpin()
     aside = V.copy()
     aside[upper] += 0.4 * Y
@@ -343,7 +343,7 @@ def test_a_path_of_targets_is_walked_and_its_share_is_of_the_whole():
     assert max(np.abs(U[fixed] - path[0]).max() < 1e-12 for U in seen), "the first point was reached"
 
 
-def test_a_turn_beyond_a_half_is_walked_by_its_way_points():
+def test_deform_walks_a_turn_beyond_a_half_by_its_way_points():
     V, F = tube(12, 24)
     low, high = ends(V)
     fixed, angles = np.concatenate([low, high]), np.radians([45, 90, 135, 180, 225])
@@ -357,7 +357,7 @@ def test_a_turn_beyond_a_half_is_walked_by_its_way_points():
 
 
 @pytest.mark.parametrize("thickness", [0.02, 0.1])
-def test_walls_in_contact_keep_about_the_thickness_apart(thickness):
+def test_contact_descent_keeps_walls_in_contact_about_the_thickness_apart(thickness):
     V, F, fixed, upper = hairpin()
     solver = Deformation(V, F, fixed, handle=upper, contact=True, thickness=thickness)
     frame, _ = settle(solver, closed_hairpin())
@@ -369,7 +369,7 @@ def test_walls_in_contact_keep_about_the_thickness_apart(thickness):
     assert least >= 0.005 * thickness
 
 
-def test_two_handles_arrive_each_by_its_own_path():
+def test_contact_descent_lets_two_handles_arrive_each_by_its_own_path():
     V, F = tube(16, 40)
     low, high = ends(V)
     middle = np.flatnonzero(np.abs(V[:, 2] - V[:, 2].mean()) < 0.2)
@@ -383,14 +383,14 @@ def test_two_handles_arrive_each_by_its_own_path():
 
 
 @pytest.mark.parametrize("thickness", [0.0, -1.0, float("nan"), float("inf"), "thin"])
-def test_a_thickness_must_be_a_length(thickness):
+def test_deformation_refuses_a_thickness_that_is_no_length(thickness):
     V, F = box()
     with pytest.raises(InputError, match="thickness"):
         Deformation(V, F, np.arange(4), contact=True, thickness=thickness)
 
 
 @pytest.mark.parametrize("method", ["paper", "sr-arap"])
-def test_methods_that_descend_in_no_energy_know_no_contact(method):
+def test_check_contact_refuses_methods_that_descend_in_no_energy(method):
     V, F = box()
     with pytest.raises(InputError, match="Contact needs"):
         Deformation(V, F, np.arange(4), handle=np.arange(2), method=method, contact=True)
@@ -398,7 +398,7 @@ def test_methods_that_descend_in_no_energy_know_no_contact(method):
         deform(V, F, np.arange(4), V[:4], iterations=3, contact=True)
 
 
-def test_vertices_that_hang_on_an_edge_at_rest_do_not_lock_the_surface():
+def test_contact_descent_is_not_locked_by_vertices_that_hang_on_an_edge_at_rest():
     """Two sheets side by side, one with twice as many vertices on the seam."""
     V, F = grid(4, 4)
     W, G = grid(8, 8, 0.5, 0.5)
@@ -417,7 +417,7 @@ def test_vertices_that_hang_on_an_edge_at_rest_do_not_lock_the_surface():
     assert np.abs(solver.step().U - frame.U).max() <= 0.1
 
 
-def test_the_share_is_that_of_the_whole_way_however_often_it_is_aimed_anew():
+def test_deformation_share_reached_is_of_the_whole_way_however_often_it_is_aimed_anew():
     V, F = tube(24, 24)
     low, high = ends(V)
     fixed = np.concatenate([low, high])
@@ -432,14 +432,14 @@ def test_the_share_is_that_of_the_whole_way_however_often_it_is_aimed_anew():
     assert solver.share_reached == pytest.approx(way.mean() / (0.2 * height), abs=1e-6)
 
 
-def test_walls_as_thick_as_the_mesh_are_refused():
+def test_deformation_refuses_walls_as_thick_as_the_mesh():
     V, F = tube(12, 8)
     with pytest.raises(InputError, match="at most"):
         Deformation(V, F, ends(V)[0], contact=True, thickness=float(np.ptp(V)))
 
 
 @pytest.mark.parametrize("percent", [20.0, 95.0])
-def test_an_area_out_of_reach_is_said_and_one_within_reach_is_met(percent):
+def test_contact_descent_says_an_area_out_of_reach_and_meets_one_within_reach(percent):
     V, F = box(2, 2, 6)
     base, end = ends(V)
     fixed = np.concatenate([base, end])

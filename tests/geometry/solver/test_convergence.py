@@ -28,7 +28,7 @@ def result(method="exact", **criteria):
         ("sr-arap", "step_tolerance", (1e-3, 1e-5, 1e-7)),
     ],
 )
-def test_a_stricter_tolerance_takes_longer_and_ends_nearer(method, name, tolerances):
+def test_convergence_by_a_stricter_tolerance_takes_longer_and_ends_nearer(method, name, tolerances):
     results = [result(method, **{name: tolerance}) for tolerance in tolerances]
     assert all(each.converged for each in results)
     counts = [each.iterations for each in results]
@@ -38,12 +38,12 @@ def test_a_stricter_tolerance_takes_longer_and_ends_nearer(method, name, toleran
     assert away == sorted(away, reverse=True)
 
 
-def test_the_other_tolerance_does_not_matter():
+def test_convergence_does_not_depend_on_the_other_tolerance():
     for method, name in (("exact", "step_tolerance"), ("paper", "energy_tolerance")):
         np.testing.assert_array_equal(result(method).U, result(method, **{name: 1e-2}).U)
 
 
-def test_the_iterations_end_with_a_sentence():
+def test_convergence_ends_the_iterations_with_a_sentence():
     found = result("paper", most_iterations=7, step_tolerance=1e-12)
     assert found.iterations == 7
     assert not found.converged
@@ -60,7 +60,7 @@ def settle(solver):
 
 
 @pytest.mark.parametrize("subdivisions", [2, 4])  # without and with coarse levels
-def test_a_settled_shape_goes_on_once_more_is_asked_for(subdivisions):
+def test_deformation_convergence_lets_a_settled_shape_go_on_once_more_is_asked_for(subdivisions):
     W, G = sphere(subdivisions)
     held = np.flatnonzero(np.abs(W[:, 2]) > 0.9)
     solver = Deformation(W, G, held, method="arap", convergence=Convergence(energy_tolerance=1e-2))
@@ -87,17 +87,17 @@ def test_a_settled_shape_goes_on_once_more_is_asked_for(subdivisions):
         ({"step_tolerance": "small"}, "tolerances of convergence"),
     ],
 )
-def test_criteria_that_cannot_be_used_are_refused(criteria, sentence):
+def test_check_convergence_refuses_criteria_that_cannot_be_used(criteria, sentence):
     with pytest.raises(InputError, match=sentence):
         result(**criteria)
 
 
-def test_steps_that_hardly_become_shorter_say_nothing_of_those_to_come():
+def test_step_gap_says_nothing_of_steps_to_come_where_they_hardly_become_shorter():
     assert step_gap([*[1.0] * MEMORY, 1.0 - 1e-16], 1e-5) is None
     assert step_gap([0.5**k for k in range(MEMORY + 1)], 1e-5) == pytest.approx(0.5**MEMORY / 1e-5)
 
 
-def test_what_stood_still_at_first_and_moves_now_has_not_ended():
+def test_step_lengths_do_not_end_where_what_stood_still_at_first_moves_now():
     """Found by chance in a session of many verbs."""
     lengths = StepLengths()
     for step in [0.0] + [1e-6] * MEMORY:

@@ -27,7 +27,7 @@ def run(V=V, F=F, fixed=FIXED, targets=TARGETS, method="paper", iterations=25, h
 
 
 @both
-def test_renumbering_vertices_and_faces_renumbers_the_result(method):
+def test_deform_renumbers_the_result_with_the_vertices_and_faces(method):
     rng = np.random.default_rng(0)
     order = rng.permutation(len(V))  # the vertex order[k] becomes k
     name = np.argsort(order)
@@ -49,7 +49,7 @@ def test_renumbering_vertices_and_faces_renumbers_the_result(method):
 
 @both
 @given(st.floats(-4, 4), st.floats(-10, 10))
-def test_moving_everything_rigidly_moves_the_result(method, angle, shift):
+def test_deform_moves_the_result_when_everything_is_moved_rigidly(method, angle, shift):
     R = rotation([1, -2, 3], angle)
     result = run(V @ R.T + shift, targets=TARGETS @ R.T + shift, method=method)
     assert np.abs(result.U - run(method=method).U @ R.T - shift).max() <= 1e-10 * DIAGONAL
@@ -57,7 +57,7 @@ def test_moving_everything_rigidly_moves_the_result(method, angle, shift):
 
 @both
 @pytest.mark.parametrize("s", [1e-30, 1e-6, 1e-3, 1e3, 1e6, 1e30])
-def test_the_unit_of_length_changes_nothing_but_the_unit(method, s):
+def test_deform_changes_nothing_but_the_unit_with_the_unit_of_length(method, s):
     result, expected = run(s * V, targets=s * TARGETS, method=method), run(method=method)
     assert np.abs(result.U / s - expected.U).max() <= 1e-11 * DIAGONAL
     assert result.area / s**2 == pytest.approx(expected.area, rel=1e-11)
@@ -69,27 +69,27 @@ def test_the_unit_of_length_changes_nothing_but_the_unit(method, s):
 
 @both
 @pytest.mark.parametrize("s", [1e-3, 1e3])
-def test_runs_until_convergence_take_as_long_in_every_unit(method, s):
+def test_deform_takes_as_long_until_convergence_in_every_unit(method, s):
     assert run(s * V, targets=s * TARGETS, method=method, iterations=None).iterations == (
         run(method=method, iterations=None).iterations
     )
 
 
 @both
-def test_far_from_the_origin_only_the_digits_of_the_positions_are_lost(method):
+def test_deform_far_from_the_origin_loses_only_the_digits_of_the_positions(method):
     result = run(V + 1e6, targets=TARGETS + 1e6, method=method)
     assert np.abs(result.U - 1e6 - run(method=method).U).max() <= 1e-8
 
 
 @both
-def test_the_mirror_image_has_the_mirrored_result(method):
+def test_deform_gives_the_mirror_image_the_mirrored_result(method):
     mirror = np.array([1.0, 1, -1])
     result = run(V * mirror, F[:, ::-1], targets=TARGETS * mirror, method=method)
     assert np.abs(result.U - run(method=method).U * mirror).max() <= 1e-10 * DIAGONAL
 
 
 @both
-def test_the_same_question_has_the_same_answer(method):
+def test_deform_gives_the_same_answer_to_the_same_question(method):
     assert np.array_equal(run(method=method).U, run(method=method).U)
 
 
@@ -126,13 +126,13 @@ LAYOUTS = {
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_every_layout_in_memory_means_the_same(layout):
+def test_deform_takes_every_layout_in_memory_for_the_same(layout):
     v, f, fixed, targets, handle = LAYOUTS[layout]()
     assert np.array_equal(run(v, f, fixed, targets, iterations=3, handle=handle).U, run(iterations=3).U)
 
 
 @both
-def test_what_is_given_is_not_written_to_and_the_result_cannot_be(method):
+def test_deformation_does_not_write_to_what_is_given_and_the_result_cannot_be_written_to(method):
     given_ = [x.copy() for x in GIVEN]
     solver = Deformation(given_[0], given_[1], given_[2], method=method, handle=given_[4])
     start = V + 0.01
@@ -154,7 +154,7 @@ def test_what_is_given_is_not_written_to_and_the_result_cannot_be(method):
 
 
 @both
-def test_so_many_iterations_are_so_many_steps(method):
+def test_deform_by_so_many_iterations_is_so_many_steps(method):
     solver = Deformation(V, F, FIXED, method=method, handle=HANDLE, plain=True)
     solver.aim(TARGETS)
     seen = []
@@ -171,7 +171,7 @@ def test_so_many_iterations_are_so_many_steps(method):
 
 
 @both
-def test_without_a_count_it_runs_until_converged(method):
+def test_deform_without_a_count_runs_until_converged(method):
     seen = []
     result = run(method=method, iterations=None, progress=seen.append)
     assert result.converged
@@ -183,14 +183,14 @@ def test_without_a_count_it_runs_until_converged(method):
 
 
 @both
-def test_a_solver_that_has_not_been_aimed_is_at_rest(method):
+def test_deformation_that_has_not_been_aimed_is_at_rest(method):
     frame = Deformation(V, F, FIXED, method=method, handle=HANDLE).step()
     assert np.abs(frame.U - V).max() <= 1e-13 * DIAGONAL
     assert frame.converged
 
 
 @both
-def test_aiming_again_continues_and_aiming_with_a_shape_starts_from_it(method):
+def test_deformation_aim_continues_when_repeated_and_starts_from_a_given_shape(method):
     def frames(solver, count):
         return [solver.step().U for _ in range(count)][-1]
 
@@ -223,7 +223,7 @@ def test_aiming_again_continues_and_aiming_with_a_shape_starts_from_it(method):
 
 
 @both
-def test_a_drag_there_and_back_returns_to_rest(method):
+def test_deformation_returns_to_rest_by_a_drag_there_and_back(method):
     solver = Deformation(V, F, FIXED, method=method, handle=HANDLE)
     for targets in (TARGETS, V[FIXED]):
         solver.aim(targets)
@@ -233,7 +233,7 @@ def test_a_drag_there_and_back_returns_to_rest(method):
     assert abs(frame.area_error) <= 1e-6
 
 
-def test_the_rest_mesh_can_be_shared():
+def test_deformation_can_share_the_rest_mesh():
     rest = RestMesh(V, F)
     solver = Deformation(V, F, FIXED, method="paper", handle=HANDLE, rest=rest)
     assert solver.rest is rest
@@ -243,7 +243,7 @@ def test_the_rest_mesh_can_be_shared():
     assert np.array_equal(frame.U, run().U)
 
 
-def test_readings_are_those_of_the_shape():
+def test_result_readings_are_those_of_the_shape():
     result = run()
     assert result.volume_rest == pytest.approx(2 * 2 * 5, rel=1e-13)
     assert result.area_rest == pytest.approx(2 * 4 + 4 * 10, rel=1e-13)
@@ -267,7 +267,7 @@ def as_soup(seed=None):
 
 
 @both
-def test_a_soup_deforms_exactly_like_the_surface_it_came_from(method):
+def test_deform_treats_a_soup_exactly_like_the_surface_it_came_from(method):
     W, G, original, copies = as_soup()
     fixed = np.concatenate([copies[v] for v in FIXED])
     targets = np.vstack([np.tile(t, (len(copies[v]), 1)) for v, t in zip(FIXED, TARGETS, strict=True)])
@@ -284,14 +284,14 @@ def test_a_soup_deforms_exactly_like_the_surface_it_came_from(method):
 
 @both
 @pytest.mark.parametrize("which", [0, -1])
-def test_holding_one_of_several_copies_holds_them_all(method, which):
+def test_deform_holds_all_of_several_copies_when_one_is_held(method, which):
     W, G, original, copies = as_soup()
     fixed, handle = np.array([copies[v][which] for v in FIXED]), [copies[v][which] for v in HANDLE]
     result = run(W, G, fixed, TARGETS, method, handle=handle)
     assert np.abs(result.U - run(method=method).U[original]).max() <= 1e-10 * DIAGONAL
 
 
-def test_it_does_not_matter_which_copy_the_handle_names():
+def test_deform_does_not_depend_on_which_copy_the_handle_names():
     W, G, original, copies = as_soup()
     fixed = np.concatenate([copies[v] for v in FIXED])
     targets = np.vstack([np.tile(t, (len(copies[v]), 1)) for v, t in zip(FIXED, TARGETS, strict=True)])
@@ -300,7 +300,7 @@ def test_it_does_not_matter_which_copy_the_handle_names():
 
 
 @both
-def test_a_vertex_of_no_face_goes_along(method):
+def test_deform_takes_a_vertex_of_no_face_along(method):
     W = np.vstack([V[:3], [[7.0, 8.0, 9.0]], V[3:], [[-0.1, 0.2, 0.3]]])
     name = np.r_[:3, 4 : len(V) + 1]
     result = run(W, name[F], name[FIXED], TARGETS, method, handle=name[HANDLE])
@@ -315,7 +315,7 @@ def test_a_vertex_of_no_face_goes_along(method):
 
 
 @both
-def test_a_stray_vertex_far_away_does_not_make_everything_else_look_settled(method):
+def test_deform_does_not_take_all_else_for_settled_because_of_a_stray_vertex_far_away(method):
     result = run(np.vstack([V, [[1e7, 0.0, 0.0]]]), method=method, iterations=None)
     expected = run(method=method, iterations=None)
     assert result.iterations == expected.iterations
@@ -323,7 +323,7 @@ def test_a_stray_vertex_far_away_does_not_make_everything_else_look_settled(meth
 
 
 @both
-def test_a_separate_piece_without_held_vertices_may_stay_and_is_mentioned(method):
+def test_deform_may_let_a_separate_piece_without_held_vertices_stay_and_mentions_it(method):
     S, G = sphere(1)
     W = np.vstack([V, S + 0.1, S + 7.3])
     n, k = len(V), len(S)
@@ -337,7 +337,7 @@ def test_a_separate_piece_without_held_vertices_may_stay_and_is_mentioned(method
         assert np.abs(result.U[:n] - run(method=method).U).max() <= 1e-10 * DIAGONAL
 
 
-def test_a_piece_may_be_held_by_one_vertex():
+def test_deform_may_hold_a_piece_by_one_vertex():
     S, G = sphere(1)
     W, n = np.vstack([V, S + 9.0]), len(V)
     fixed, targets = np.append(FIXED, n + 5), np.vstack([TARGETS, W[n + 5] + 1.0])
@@ -390,7 +390,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("changed", "sentence"), REFUSED.values(), ids=REFUSED.keys())
-def test_what_cannot_be_used_is_refused_with_a_sentence(changed, sentence):
+def test_deform_refuses_what_cannot_be_used_with_a_sentence(changed, sentence):
     with pytest.raises(InputError, match=sentence):
         run(**changed)
 
@@ -445,7 +445,7 @@ def stop_after_a_while(frame):
 
 
 @pytest.mark.parametrize("changed", AWKWARD.values(), ids=AWKWARD.keys())
-def test_whatever_is_wrong_is_an_input_error(changed):
+def test_deform_raises_an_input_error_whatever_is_wrong(changed):
     with pytest.raises(InputError) as refused:
         run(**changed, progress=stop_after_a_while)
     assert str(refused.value).endswith(".")
@@ -454,7 +454,7 @@ def test_whatever_is_wrong_is_an_input_error(changed):
 @pytest.mark.parametrize(
     "U", [V[:3], V[:, :2], V.ravel(), not_a_number(V), np.full_like(V, np.inf), [[0.0]], "there"]
 )
-def test_a_shape_to_start_from_must_be_one(U):
+def test_deformation_aim_refuses_to_start_from_what_is_no_shape(U):
     solver = Deformation(V, F, FIXED, method="arap")
     with pytest.raises(InputError):
         solver.aim(TARGETS, U=U)
@@ -462,7 +462,7 @@ def test_a_shape_to_start_from_must_be_one(U):
     assert np.abs(solver.step().U - V).max() <= 1e-13 * DIAGONAL
 
 
-def test_a_refused_aim_leaves_the_solver_as_it_was():
+def test_deformation_aim_leaves_the_solver_as_it_was_when_refused():
     solver = Deformation(V, F, FIXED, handle=HANDLE)
     solver.aim(TARGETS)
     solver.step()
@@ -471,7 +471,7 @@ def test_a_refused_aim_leaves_the_solver_as_it_was():
     assert solver.step().iteration == 2
 
 
-def test_a_tolerance_is_checked_whenever_it_is_set():
+def test_deformation_tolerance_is_checked_whenever_it_is_set():
     solver = Deformation(V, F, FIXED, handle=HANDLE)
     for tolerance in (0.0, -1.0, np.nan):
         with pytest.raises(InputError, match="tolerance must be a number from"):
@@ -479,7 +479,7 @@ def test_a_tolerance_is_checked_whenever_it_is_set():
 
 
 @both
-def test_a_vertex_that_is_named_twice_with_one_target_is_held_once(method):
+def test_deform_holds_a_vertex_once_that_is_named_twice_with_one_target(method):
     twice = np.r_[FIXED, FIXED[2:5]], np.vstack([TARGETS, TARGETS[2:5]])
     assert np.array_equal(run(fixed=twice[0], targets=twice[1], method=method).U, run(method=method).U)
 
@@ -493,7 +493,7 @@ ids = st.one_of(
 
 
 @given(ids, ids, st.sampled_from(["arap", "paper", "magic"]), st.integers(-1, 3) | st.floats())
-def test_ids_are_used_or_refused_whatever_they_are(fixed, handle, method, iterations):
+def test_deform_uses_or_refuses_ids_whatever_they_are(fixed, handle, method, iterations):
     W, G = grid(2, 2)
     try:
         targets = W[np.array(fixed, dtype=int)] + 0.25
@@ -515,7 +515,7 @@ def test_ids_are_used_or_refused_whatever_they_are(fixed, handle, method, iterat
 @both
 @pytest.mark.parametrize("turns", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("axis", [[0, 0, 1], [1, 0, 0]])
-def test_huge_rotations_of_the_handle(method, turns, axis):
+def test_deform_converges_with_huge_rotations_of_the_handle(method, turns, axis):
     targets = np.vstack([V[BASE], moved(V[HANDLE], rotation(axis, 2 * np.pi * turns))])
     result = run(targets=targets, method=method, iterations=None)
     assert result.converged
@@ -525,7 +525,7 @@ def test_huge_rotations_of_the_handle(method, turns, axis):
 
 
 @both
-def test_few_free_vertices_between_base_and_handle(method):
+def test_deform_converges_with_few_free_vertices_between_base_and_handle(method):
     W, G = tube(8, 2)
     base, handle = ends(W)
     targets = np.vstack([W[base], moved(W[handle], rotation([0, 0, 1], 0.3), [0, 0, 0.1])])
@@ -535,7 +535,7 @@ def test_few_free_vertices_between_base_and_handle(method):
 
 
 @both
-def test_one_free_vertex(method):
+def test_deform_converges_with_one_free_vertex(method):
     fixed = np.delete(np.arange(len(V)), 20)
     result = run(fixed=fixed, targets=V[fixed], method=method, handle=fixed[-5:], iterations=None)
     assert result.converged
@@ -543,7 +543,7 @@ def test_one_free_vertex(method):
 
 
 @both
-def test_one_triangle(method):
+def test_deform_converges_with_one_triangle(method):
     W, G = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]])
     result = run(W, G, [0, 1], [[0.0, 0, 0], [2, 0, 0]], method, None, [1])
     assert result.converged
@@ -554,7 +554,7 @@ def test_one_triangle(method):
 
 
 @both
-def test_the_handle_in_two_places(method):
+def test_deform_converges_with_the_handle_in_two_places(method):
     W, G = sphere(2)
     base = np.flatnonzero(W[:, 2] < -0.8)
     handle = np.flatnonzero(np.abs(W[:, 0]) > 0.85)

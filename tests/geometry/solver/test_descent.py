@@ -40,7 +40,7 @@ def some_goals(rest, kind):
 @pytest.mark.parametrize("kind", ["nothing", "area", "area, region"])
 @pytest.mark.parametrize("material", MATERIALS)
 @pytest.mark.parametrize("mesh", MESHES)
-def test_the_energy_falls_and_the_goals_stay_met(mesh, material, kind):
+def test_constrained_descent_lowers_the_energy_and_keeps_the_goals_met(mesh, material, kind):
     V, F = MESHES[mesh]
     rest, (fixed, targets) = RestMesh(V, F), twisted(V)
     order = np.argsort(fixed)
@@ -62,7 +62,7 @@ def test_the_energy_falls_and_the_goals_stay_met(mesh, material, kind):
 
 @pytest.mark.parametrize("method", ["arap", "exact", "local"])
 @pytest.mark.parametrize("mesh", MESHES)
-def test_it_ends_lower_than_plain_iterations_and_sooner(mesh, method):
+def test_deform_ends_lower_than_plain_iterations_and_sooner(mesh, method):
     V, F = MESHES[mesh]
     fixed, targets = twisted(V)
     fast = deform(V, F, fixed, targets, method)
@@ -78,7 +78,7 @@ def test_it_ends_lower_than_plain_iterations_and_sooner(mesh, method):
 
 
 @pytest.mark.parametrize("kind", ["nothing", "area", "area, region"])
-def test_it_ends_where_nothing_pulls_but_the_goals(kind):
+def test_constrained_descent_ends_where_nothing_pulls_but_the_goals(kind):
     V, F = MESHES["box"]
     rest, (fixed, targets) = RestMesh(V, F), twisted(V, 0.6)
     order = np.argsort(fixed)
@@ -105,7 +105,7 @@ def test_it_ends_where_nothing_pulls_but_the_goals(kind):
         assert abs(slope) <= 1e-6 * rest.energy(method.U)
 
 
-def test_the_unit_of_length_changes_nothing():
+def test_deform_does_not_depend_on_the_unit_of_length():
     V, F = MESHES["tube"]
     fixed, targets = twisted(V)
     small, large = (deform(s * V, F, fixed, s * targets) for s in (1.0, 1024.0))
@@ -114,7 +114,7 @@ def test_the_unit_of_length_changes_nothing():
 
 
 @pytest.mark.night
-def test_a_bottle_settles_lower_than_by_plain_iterations():
+def test_deform_settles_a_bottle_lower_than_by_plain_iterations():
     V, F, labels = sample_bottle(1.5)
     base, handle = np.flatnonzero(labels == 0), np.flatnonzero(labels == 2)
     centre = V[handle].mean(axis=0)
@@ -145,7 +145,7 @@ def remember(memory, step, change):
     memory.learn(change, np.zeros_like(change))
 
 
-def test_directions_are_those_of_the_matrix():
+def test_quasi_newton_memory_directions_are_those_of_the_matrix():
     rng = np.random.default_rng(3)
     n = 7
     root = rng.normal(size=(3 * n, 3 * n))
@@ -164,7 +164,7 @@ def test_directions_are_those_of_the_matrix():
         pairs.append((step.astype(float), change.astype(float)))
 
 
-def test_a_step_over_which_the_slope_fell_is_left_out():
+def test_quasi_newton_memory_leaves_out_a_step_over_which_the_slope_fell():
     memory = QuasiNewtonMemory(2, 3)
     remember(memory, np.ones((2, 3)), -np.ones((2, 3)))
     remember(memory, np.ones((2, 3)), np.zeros((2, 3)))

@@ -37,7 +37,7 @@ def both(G=F, **more):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_the_shape_is_shifted_and_all_else_the_same(method):
+def test_deform_far_from_the_origin_shifts_the_shape_and_keeps_all_else_the_same(method):
     near, far = both(method=method)
     assert near.iterations == far.iterations
     assert np.abs(far.U - FAR - near.U).max() <= LAST_BIT
@@ -51,7 +51,7 @@ def test_the_shape_is_shifted_and_all_else_the_same(method):
     [{"stiffness": 0.02}, {"contact": True}, {"method": "arap", "iterations": 15}, {"volume": 95.0}],
     ids=["stiff", "in contact", "plain", "volume"],
 )
-def test_so_it_is_with_bending_contact_and_targets(more):
+def test_deform_far_from_the_origin_is_the_same_with_bending_contact_and_targets(more):
     near, far = both(np.vstack([F, *_lids()]), **more)
     assert near.iterations == far.iterations
     assert np.abs(far.U - FAR - near.U).max() <= LAST_BIT
@@ -65,13 +65,13 @@ def _lids():
         yield np.column_stack([np.full(len(ring) - 2, ring[0]), ring[1:-1], ring[2:]])[:, ::sign]
 
 
-def test_what_rests_stays_to_the_bit():
+def test_deform_far_from_the_origin_lets_what_rests_stay_to_the_bit():
     U = apd_viewer.deform(V + FAR, F, FIXED, V[FIXED] + FAR, handle=HIGH, iterations=1).U
     assert np.abs(U - FAR - V).max() <= LAST_BIT
     assert np.array_equal(U[FIXED], V[FIXED] + FAR)
 
 
-def test_obstacles_push_the_same():
+def test_deformation_far_from_the_origin_is_pushed_the_same_by_obstacles():
     results = []
     for place in (0.0, FAR):
         ball = apd_viewer.sphere(np.array([3.0, 0.0, 2.0]) + place, 0.5)
@@ -87,7 +87,7 @@ def test_obstacles_push_the_same():
     assert np.abs(far.U - FAR - near.U).max() <= LAST_BIT
 
 
-def test_a_press_takes_the_same_load():
+def test_press_far_from_the_origin_takes_the_same_load():
     B, G = meshes.sphere(2)
     B = on_the_grid(B)
     args = {"axis": (0, 0, 1), "to": 1.7, "steps": 1, "stiffness": 0.01}
@@ -103,7 +103,7 @@ def test_a_press_takes_the_same_load():
 
 
 @pytest.mark.parametrize("make", [meshes.tube, meshes.cup, meshes.rabbit], ids=["tube", "cup", "rabbit"])
-def test_readings_and_checks_are_the_same(make):
+def test_inspect_and_check_shape_read_the_same_far_from_the_origin(make):
     W, G = make()
     W = on_the_grid(W)
     near, far = Mesh(W, G), Mesh(W + FAR, G)
@@ -117,7 +117,7 @@ def test_readings_and_checks_are_the_same(make):
     assert q.hull.sides == pytest.approx(p.hull.sides, rel=1e-12)
 
 
-def test_what_is_about_the_origin_is_left_as_it_is():
+def test_far_centre_leaves_what_is_about_the_origin_as_it_is():
     for X in (V, V + [2.0, -3.0, 1.0], 1e6 * V, 1e-9 * V):
         assert not far_centre(X).any()
         assert RestMesh(X, F).V is X
@@ -125,7 +125,7 @@ def test_what_is_about_the_origin_is_left_as_it_is():
 
 
 @pytest.mark.parametrize("place", [1e5, 1e6, 3.3e7, 1e12])
-def test_the_centre_rounds_at_most_the_last_bit(place):
+def test_far_centre_rounds_at_most_the_last_bit(place):
     X = V + place * np.array([1.0, -0.7, 0.013])
     centre = far_centre(X)
     assert np.abs(X - centre).max() < 9.0 * np.linalg.norm(np.ptp(X, axis=0))

@@ -33,7 +33,7 @@ def timer():
     signal.signal(signal.SIGALRM, before)
 
 
-def test_an_interruption_comes_between_two_iterations(timer):
+def test_deformation_iterate_is_interrupted_only_between_two_iterations(timer):
     rng, most = np.random.default_rng(1), 30
     expected, solver, interrupted = pressed(), pressed(), 0
     for _ in range(most):

@@ -36,7 +36,7 @@ def to_the_end(solver, targets, most=6000):
 
 
 @pytest.mark.parametrize("options", [{}, {"area": 100.0}], ids=["free", "area"])
-def test_it_ends_sooner_and_as_low(options, monkeypatch):
+def test_late_metric_ends_sooner_and_as_low(options, monkeypatch):
     """Where there is one minimum: turned farther, either may end in another fold."""
     energies, late = to_the_end(Deformation(V, F, FIXED, method="local", rest=REST, **options), turned(0.6))
     switch = int(np.argmax(late))
@@ -51,13 +51,13 @@ def test_it_ends_sooner_and_as_low(options, monkeypatch):
 
 
 @pytest.mark.parametrize(("method", "stiffness"), [("arap", 0.0), ("exact", 0.0), ("local", 1e-3)])
-def test_with_bending_or_without_a_membrane_the_metric_stays(method, stiffness):
+def test_late_metric_never_replaces_k_with_bending_or_without_a_membrane(method, stiffness):
     solver = Deformation(V, F, FIXED, method=method, stiffness=stiffness, rest=REST)
     _, late = to_the_end(solver, turned(0.6))
     assert not late.any()
 
 
-def test_a_new_aim_begins_with_k():
+def test_late_metric_begins_with_k_at_a_new_aim():
     solver = Deformation(V, F, FIXED, method="local", area=100.0, rest=REST)
     assert to_the_end(solver, turned(0.6))[1][-1]
     _, late = to_the_end(solver, turned(0.8))
@@ -65,7 +65,7 @@ def test_a_new_aim_begins_with_k():
     assert late[-1]
 
 
-def test_a_coarse_tolerance_ends_with_k():
+def test_late_metric_ends_with_k_at_a_coarse_tolerance():
     solver = Deformation(V, F, FIXED, method="local", rest=REST)
     solver.solver.stop_at(1e-4)
     assert not to_the_end(solver, turned(0.6))[1].any()

@@ -33,7 +33,7 @@ def ends_moved(V, R, shift):
 
 @pytest.mark.parametrize("iterations", [1, 4, 20, 45])
 @pytest.mark.parametrize("move", MOVES)
-def test_every_shape_is_what_the_paper_would_end_with(move, iterations):
+def test_li_hui_gives_every_shape_as_the_paper_would_end_with_it(move, iterations):
     V, F = tube(9, 8, height=3.0, shear=0.6)
     fixed, handle, targets = ends_moved(V, *MOVES[move])
     base = np.setdiff1d(fixed, handle)
@@ -46,7 +46,7 @@ def test_every_shape_is_what_the_paper_would_end_with(move, iterations):
 
 @pytest.mark.parametrize("move", MOVES)
 @pytest.mark.parametrize("mesh", [TUBE, box(2, 2, 6)], ids=["tube", "box"])
-def test_base_stays_and_the_handle_moves_as_one_by_the_drift(mesh, move):
+def test_li_hui_lets_the_base_stay_and_the_handle_move_as_one_by_the_drift(mesh, move):
     V, F = mesh
     fixed, handle, targets = ends_moved(V, *MOVES[move])
     base = np.setdiff1d(fixed, handle)
@@ -62,7 +62,7 @@ def test_base_stays_and_the_handle_moves_as_one_by_the_drift(mesh, move):
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
 @pytest.mark.parametrize("move", MOVES)
-def test_the_area_is_kept_to_the_tolerance_at_the_end(move, tolerance):
+def test_li_hui_keeps_the_area_to_the_tolerance_at_the_end(move, tolerance):
     V, F = TUBE
     fixed, handle, targets = ends_moved(V, *MOVES[move])
     result = deform(V, F, fixed, targets, "paper", tolerance=tolerance, handle=handle)
@@ -75,7 +75,7 @@ def test_the_area_is_kept_to_the_tolerance_at_the_end(move, tolerance):
 
 
 @pytest.mark.parametrize("move", MOVES)
-def test_the_area_is_kept_better_than_by_arap(move):
+def test_li_hui_keeps_the_area_better_than_arap(move):
     V, F = TUBE
     fixed, handle, targets = ends_moved(V, *MOVES[move])
     arap, paper = (Deformation(V, F, fixed, method=m, handle=handle) for m in ("arap", "paper"))
@@ -87,7 +87,7 @@ def test_the_area_is_kept_better_than_by_arap(move):
             assert abs(kept) < abs(loss)
 
 
-def test_a_rotation_hardly_moves_the_handle_but_a_stretch_does():
+def test_li_hui_hardly_moves_the_handle_by_a_rotation_but_does_by_a_stretch():
     """Eq. 8 takes a stretch of half the height back nearly whole; drifts as parts of the height."""
     V, F = TUBE
     height = np.ptp(V[:, 2])
@@ -99,14 +99,14 @@ def test_a_rotation_hardly_moves_the_handle_but_a_stretch_does():
     assert drift["stretch"] > 0.4
 
 
-def test_arap_has_no_drift():
+def test_deform_by_arap_has_no_drift():
     V, F = TUBE
     fixed, handle, targets = ends_moved(V, *MOVES["stretch"])
     assert deform(V, F, fixed, targets, "arap", 5, handle=handle).handle_drift == 0.0
     assert deform(V, F, fixed, targets, "arap", 5).handle_drift == 0.0
 
 
-def test_the_blend_changes_nothing_where_arap_has_settled_at_the_rest_area():
+def test_li_hui_changes_nothing_by_its_blend_where_arap_has_settled_at_the_rest_area():
     """With s = 1 the corrected positions are the shape itself, and it satisfies L u = b."""
     V, F = tube(9, 10)
     base, handle = ends(V)
@@ -133,7 +133,7 @@ def test_the_blend_changes_nothing_where_arap_has_settled_at_the_rest_area():
     assert np.abs(method.U - arap.U).max() <= 1e-9
 
 
-def test_a_wider_tolerance_needs_no_more_iterations():
+def test_li_hui_needs_no_more_iterations_for_a_wider_tolerance():
     V, F = TUBE
     fixed, handle, targets = ends_moved(V, *MOVES["stretch"])
     counts = [
@@ -143,7 +143,7 @@ def test_a_wider_tolerance_needs_no_more_iterations():
     assert counts == sorted(counts, reverse=True)
 
 
-def test_the_tolerance_can_be_changed_without_factoring_again():
+def test_deformation_tolerance_can_be_changed_without_factoring_again():
     V, F = TUBE
     fixed, handle, targets = ends_moved(V, *MOVES["stretch"])
     solver = Deformation(V, F, fixed, method="paper", handle=handle, tolerance=1e-1)
@@ -158,7 +158,7 @@ def test_the_tolerance_can_be_changed_without_factoring_again():
     assert np.array_equal(frames[-1].U, expected.U)
 
 
-def test_the_volume_falls_though_the_area_stays():
+def test_deform_lets_the_volume_fall_though_the_area_stays():
     V, F = box(2, 2, 6)
     fixed, handle, targets = ends_moved(V, *MOVES["twist"])
     result = deform(V, F, fixed, targets, handle=handle)
@@ -169,7 +169,7 @@ def test_the_volume_falls_though_the_area_stays():
 
 
 @pytest.mark.parametrize("collapsed", [0.0, 1e-200])
-def test_a_shape_without_any_area_is_answered_and_not_a_crash(collapsed):
+def test_deformation_answers_a_shape_without_any_area_and_does_not_crash(collapsed):
     V, F = np.eye(3), np.array([[0, 1, 2]])
     solver = Deformation(V, F, [0, 1], handle=[1])
     solver.aim(np.full((2, 3), collapsed))

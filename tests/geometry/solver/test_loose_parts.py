@@ -66,7 +66,7 @@ def bent():
     return run()
 
 
-def test_nails_keep_their_distance_from_the_skin_in_a_bend_of_sixty_degrees(bent):
+def test_loose_parts_keep_their_distance_from_the_skin_in_a_bend_of_sixty_degrees(bent):
     for part in NAILS:
         size = np.linalg.norm(np.ptp(V[part], axis=0))
         assert np.abs(bent.U[part] - V[part]).max() > 0.5 * size, "the bend reaches it"
@@ -75,7 +75,7 @@ def test_nails_keep_their_distance_from_the_skin_in_a_bend_of_sixty_degrees(bent
         assert after.min() == pytest.approx(before.min(), abs=0.01 * size)
 
 
-def test_parts_move_rigidly(bent):
+def test_loose_parts_move_rigidly(bent):
     for part in NAILS:
         np.testing.assert_allclose(pdist(bent.U[part]), pdist(V[part]), rtol=0, atol=1e-13)
         # Not turned inside out either.
@@ -83,7 +83,7 @@ def test_parts_move_rigidly(bent):
         assert volume(bent.U[part], faces) == pytest.approx(volume(V[part], faces), rel=1e-12)
 
 
-def test_the_area_is_exact_and_counts_the_parts(bent):
+def test_deform_keeps_the_exact_area_and_counts_the_loose_parts(bent):
     total = face_areas(V, F).sum()
     assert bent.area_rest == pytest.approx(total, rel=1e-14)
     assert face_areas(bent.U, F).sum() == pytest.approx(total, rel=1e-10)
@@ -91,13 +91,13 @@ def test_the_area_is_exact_and_counts_the_parts(bent):
     assert bent.volume == pytest.approx(volume(bent.U, F), rel=1e-9)
 
 
-def test_targets_count_the_parts_too():
+def test_deform_counts_the_loose_parts_in_targets_too():
     result = run(iterations=5, area=104.0, volume=98.0)
     assert face_areas(result.U, F).sum() == pytest.approx(1.04 * face_areas(V, F).sum(), rel=1e-9)
     assert volume(result.U, F) == pytest.approx(0.98 * volume(V, F), rel=1e-9)
 
 
-def test_held_vertices_are_exact_and_the_parts_are_said(bent):
+def test_deform_holds_vertices_exactly_and_says_the_loose_parts(bent):
     assert np.array_equal(bent.U[FIXED], TARGETS)
     assert bent.warnings == (
         "5 connected parts without base or handle; they go along with the nearest surface.",
@@ -105,7 +105,7 @@ def test_held_vertices_are_exact_and_the_parts_are_said(bent):
 
 
 @pytest.mark.parametrize(("held", "is_said"), [(slice(0, 10), True), (slice(None), False)])
-def test_a_part_with_a_handle_alone_moves_as_a_whole_and_is_said(held, is_said):
+def test_deform_moves_a_part_with_a_handle_alone_as_a_whole_and_says_so(held, is_said):
     own = np.arange(NAILS[0].start, NAILS[0].stop)[held]
     fixed, targets = np.append(FIXED, own), np.vstack([TARGETS, V[own] + [1.0, 0.0, 0.0]])
     result = deform(V, F, fixed, targets, "arap", 200, handle=[HANDLE, own])
@@ -114,27 +114,27 @@ def test_a_part_with_a_handle_alone_moves_as_a_whole_and_is_said(held, is_said):
     assert ("1 connected part with a handle but no base" in warning) is is_said
 
 
-def test_two_handles_on_a_part_without_base_are_not_said():
+def test_deform_does_not_say_two_handles_on_a_part_without_base():
     fixed = np.append(FIXED, [NAILS[0].start, NAILS[0].stop - 1])
     handles = [HANDLE, fixed[-2:-1], fixed[-1:]]
     (warning,) = deform(V, F, fixed, V[fixed], "arap", 1, handle=handles).warnings
     assert "no base" not in warning
 
 
-def test_the_body_does_not_feel_the_parts():
+def test_loose_parts_are_not_felt_by_the_body():
     alone = run("arap", V[BODY], BODY_F, 20)
     assert np.abs(run("arap", iterations=20).U[BODY] - alone.U).max() <= 1e-12
 
 
 @pytest.mark.parametrize("method", [name for name, method in METHODS.items() if not method.moves_handles])
-def test_moving_all_rigidly_moves_the_parts_so(method):
+def test_loose_parts_move_rigidly_when_all_is_moved_rigidly(method):
     W = V @ rotation([1.0, 2.0, -1.0], 2.5).T + [0.3, -4.0, 2.0]
     result = deform(V, F, FIXED, W[FIXED], method, 3, handle=HANDLE)
     # Beside a handle that moved rigidly, before anything has converged.
     np.testing.assert_allclose(result.U[NAILS[-1]], W[NAILS[-1]], rtol=0, atol=1e-11)
 
 
-def test_each_part_may_stay():
+def test_loose_parts_may_each_stay():
     result = run("arap", iterations=5, loose=[NAILS[1].start + 3, NAILS[4].stop - 1])
     stays = [bool(np.array_equal(result.U[part], V[part])) for part in NAILS]
     assert stays == [False, True, False, False, True]
@@ -143,24 +143,24 @@ def test_each_part_may_stay():
     assert warning.endswith("2 connected parts without base or handle; they stay where they are.")
 
 
-def test_all_may_stay():
+def test_loose_parts_may_all_stay():
     result = run("arap", iterations=5, loose="stay")
     assert np.array_equal(result.U[BODY.stop :], V[BODY.stop :])
 
 
-def test_beside_the_base_nothing_moves_a_bit():
+def test_loose_parts_beside_the_base_do_not_move_a_bit():
     W, G, (_, part) = assembled(finger(), nail(-0.95 * LONG, 1.0))
     result = run("arap", W, G, 3)
     assert np.array_equal(result.U[part], W[part])
 
 
 @pytest.mark.parametrize("loose", ["fly", [len(V)], [-1], [0.5]])
-def test_what_is_no_choice_is_refused(loose):
+def test_loose_parts_refuse_what_is_no_choice(loose):
     with pytest.raises(InputError):
         run("arap", iterations=1, loose=loose)
 
 
-def test_a_ball_that_touches_at_one_triangle_is_turned_with_it():
+def test_loose_parts_turn_with_the_one_triangle_that_they_touch():
     S, G = sphere(1)
     W, T, (_, ball) = assembled((V[BODY], BODY_F), (0.02 * S + [0.0, 1.03, 0.0], G))
     result = run("arap", W, T)
@@ -170,7 +170,7 @@ def test_a_ball_that_touches_at_one_triangle_is_turned_with_it():
     assert 5.0 < angle < 60.0, "between base and handle"
 
 
-def test_parts_of_a_mesh_with_repeated_vertices_go_along_alike():
+def test_loose_parts_of_a_mesh_with_repeated_vertices_go_along_alike():
     soup, corners = V[F.ravel()], np.arange(F.size).reshape(-1, 3)
     first = np.full(len(V), -1)
     first[F.ravel()[::-1]] = np.arange(F.size)[::-1]
@@ -188,7 +188,7 @@ def carried():
     return Deformation(V, F, FIXED, handle=HANDLE, loose=[NAILS[-1].start]).loose
 
 
-def test_a_part_is_grouped_with_the_skin_below_it_and_with_nothing_else(carried):
+def test_loose_parts_together_groups_a_part_with_the_skin_below_it_and_with_nothing_else(carried):
     (group,) = carried.together
     for part in NAILS[:-1]:
         (number,) = np.unique(group[part])
@@ -202,7 +202,7 @@ def test_a_part_is_grouped_with_the_skin_below_it_and_with_nothing_else(carried)
     assert not group[NAILS[-1]].any(), "what stays is carried by nothing"
 
 
-def test_forces_on_a_part_are_passed_on_whole(carried):
+def test_loose_parts_pass_on_the_whole_forces_on_a_part(carried):
     g = np.random.default_rng(0).normal(size=V.shape)
     before = g.copy()
     carried.pass_on(g)
@@ -211,7 +211,7 @@ def test_forces_on_a_part_are_passed_on_whole(carried):
     assert np.array_equal(g[BODY.stop :], before[BODY.stop :])
 
 
-def test_a_shift_of_the_skin_does_the_work_of_the_forces_on_a_part(carried):
+def test_loose_parts_let_a_shift_of_the_skin_do_the_work_of_the_forces_on_a_part(carried):
     """The slope along a shift of all: by the forces passed on, and by those on all vertices."""
     U, shift, g = run(loose="go").U, np.array([0.3, -0.2, 0.1]), np.zeros(V.shape)
     g[NAILS[0]] = np.random.default_rng(1).normal(size=V[NAILS[0]].shape)
@@ -222,7 +222,7 @@ def test_a_shift_of_the_skin_does_the_work_of_the_forces_on_a_part(carried):
     assert (g[BODY] @ shift).sum() == pytest.approx(expected, rel=1e-9)
 
 
-def test_the_skin_goes_no_farther_than_the_part_on_it(carried):
+def test_loose_parts_limit_the_skin_to_go_no_farther_than_the_part_on_it(carried):
     shares = np.ones(len(V))
     shares[NAILS[1].start] = 0.25
     carried.limit(shares)

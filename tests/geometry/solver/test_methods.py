@@ -16,7 +16,7 @@ NAMES = "|".join(map(re.escape, METHODS))
 COMPARES = re.compile(rf"(?:==|!=|\bin|\bis|\bcase) *\(?[\"'](?:{NAMES})[\"']")
 
 
-def test_no_other_module_compares_names_of_methods():
+def test_methods_is_the_only_module_that_compares_names_of_methods():
     assert COMPARES.search('if method == "paper":'), "the test is blind"
     found = [
         f"{path.relative_to(PACKAGE)}: {line.strip()}"
@@ -27,19 +27,19 @@ def test_no_other_module_compares_names_of_methods():
     assert found == []
 
 
-def test_every_method_can_be_offered_and_drawn():
+def test_methods_can_all_be_offered_and_drawn():
     assert set(COMPARED) <= set(METHODS)
     assert DEFAULT_METHOD in COMPARED
     assert set(METHOD_LOOKS) == set(METHODS)
 
 
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
-def test_traits_do_not_contradict_each_other(method):
+def test_method_traits_do_not_contradict_each_other(method):
     assert not (method.keeps_total_area and method.may_keep_total_area)
     assert method.keeps_total_area or not (method.keeps_only_total_area or method.has_tolerance)
 
 
 @pytest.mark.parametrize("name", ["", "Exact", None, ["exact"]])
-def test_an_unknown_method_is_refused(name):
+def test_check_method_refuses_an_unknown_method(name):
     with pytest.raises(InputError, match="Unknown method"):
         check_method(name, np.array([0, 1]))

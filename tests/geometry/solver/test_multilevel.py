@@ -39,7 +39,7 @@ def coarse_of(V, F, fixed):
 
 
 @pytest.mark.parametrize("mesh", [TUBE, sphere(5)], ids=["tube", "sphere"])
-def test_it_is_a_smaller_mesh_of_the_same_shape(mesh):
+def test_coarse_level_is_a_smaller_mesh_of_the_same_shape(mesh):
     V, F = mesh
     coarse = coarse_of(V, F, np.arange(5))
     assert 0.2 * len(V) < len(coarse.vertices) < 0.6 * len(V)
@@ -48,14 +48,14 @@ def test_it_is_a_smaller_mesh_of_the_same_shape(mesh):
     assert area_of(V[coarse.vertices], coarse.F) == pytest.approx(area_of(V, F), rel=0.02)
 
 
-def test_a_handle_of_one_vertex_is_heard_of():
+def test_coarse_level_hears_of_a_handle_of_one_vertex():
     V, F = TUBE
     for lonely in (4000, 4321, 5003):
         coarse = coarse_of(V, F, np.array([0, 1, 2, lonely]))
         assert lonely in coarse.vertices
 
 
-def test_every_vertex_turns_with_those_near_it_on_its_own_side():
+def test_thinning_lets_every_vertex_turn_with_those_near_it_on_its_own_side():
     """A cup of two walls, nearer to each other than the coarse vertices are."""
     V, F = TUBE
     n = len(V)
@@ -67,7 +67,7 @@ def test_every_vertex_turns_with_those_near_it_on_its_own_side():
     assert np.abs(thinning.weight.sum(axis=1) - 1.0).max() <= 1e-12
 
 
-def test_pieces_turn_by_themselves():
+def test_coarse_level_turns_pieces_by_themselves():
     V, F = TUBE
     n = len(V)
     both, faces = np.vstack([V, V + [2.01, 0, 0]]), np.vstack([F, F + n])
@@ -83,7 +83,7 @@ def test_pieces_turn_by_themselves():
     assert np.abs(np.abs(coarse.turns()[:, 0]) - 1.0).max() <= 1e-6, "what was handed over is not again"
 
 
-def test_goals_are_those_of_the_coarse_surface():
+def test_coarse_level_has_goals_of_the_coarse_surface():
     V, F = sphere(5)
     rest = RestMesh(V, F)
     upper = np.flatnonzero(V[:, 2] > 0)
@@ -102,7 +102,7 @@ def test_goals_are_those_of_the_coarse_surface():
             assert own[goal.name].target / own[goal.name].rest == pytest.approx(goal.target / goal.rest)
 
 
-def test_blending_and_differences_of_rotations():
+def test_blended_gives_back_what_is_alone_or_alike_and_difference_from_itself_is_none():
     rng = np.random.default_rng(0)
     q, p = (x / np.linalg.norm(x, axis=1, keepdims=True) for x in rng.normal(size=(2, 50, 4)))
     assert np.abs(difference(q, q) - [1, 0, 0, 0]).max() <= 1e-15
@@ -120,7 +120,7 @@ def test_blending_and_differences_of_rotations():
     "material",
     [Material(), pytest.param(Material(bending=1e-3), marks=pytest.mark.night), Material(0.1, 0.1, 20.0)],
 )
-def test_what_is_held_and_what_is_kept_holds_in_every_iteration(material):
+def test_multilevel_holds_what_is_held_and_what_is_kept_in_every_iteration(material):
     V, F = TUBE
     rest, (fixed, targets) = RestMesh(V, F), held(V)
     elastic = Elastic(rest.shape, fixed, material)
@@ -135,7 +135,7 @@ def test_what_is_held_and_what_is_kept_holds_in_every_iteration(material):
 
 
 @pytest.mark.parametrize("method", ["arap", "exact", "local"])
-def test_it_gets_lower_in_a_few_iterations_than_alone_in_many(method):
+def test_multilevel_gets_lower_in_a_few_iterations_than_the_fine_one_alone_in_many(method):
     V, F, labels = sample_bottle(1.3)
     fixed = np.flatnonzero(labels != 1)
     centre = V[labels == 2].mean(axis=0)
@@ -154,7 +154,7 @@ def test_it_gets_lower_in_a_few_iterations_than_alone_in_many(method):
 
 
 @pytest.mark.parametrize("stiffness", [pytest.param(0.0, marks=pytest.mark.night), 1e-3])
-def test_the_shape_comes_without_a_jump(stiffness):
+def test_multilevel_brings_the_shape_without_a_jump(stiffness):
     """Of a stiff tube the hand sees at once what will come; one that buckles does so before the eyes."""
     V, F = TUBE
     fixed, _ = ends_of(V)
@@ -171,7 +171,7 @@ def test_the_shape_comes_without_a_jump(stiffness):
         assert np.abs(first.U - shown.U).max() <= 3e-3 * solver.rest.diagonal
 
 
-def test_going_back_by_a_jump_takes_the_coarse_surface_along():
+def test_multilevel_takes_the_coarse_surface_along_in_going_back_by_a_jump():
     V, F = TUBE
     fixed, targets = held(V)
     solver = Deformation(V, F, fixed)
@@ -182,7 +182,7 @@ def test_going_back_by_a_jump_takes_the_coarse_surface_along():
     assert np.abs(solver.step().U - V).max() <= 1e-9 * solver.rest.diagonal
 
 
-def test_what_cannot_be_thinned_goes_alone():
+def test_deformation_has_no_coarse_level_for_what_cannot_be_thinned():
     V, F = soup(*sphere(4))
     rng = np.random.default_rng(0)
     V = V + 0.01 * rng.normal(size=(len(F), 1, 3)).repeat(3, axis=1).reshape(-1, 3)
@@ -193,7 +193,7 @@ def test_what_cannot_be_thinned_goes_alone():
     assert type(Deformation(V, F, nearly_all).solver) is ConstrainedDescent
 
 
-def test_triangles_that_nothing_joins_go_alone():
+def test_deformation_lets_triangles_that_nothing_joins_go_alone():
     V = np.random.default_rng(0).normal(size=(9000, 3))
     F = np.arange(9000).reshape(-1, 3)
     fixed = F[:, 0]
@@ -204,7 +204,7 @@ def test_triangles_that_nothing_joins_go_alone():
 
 
 @pytest.mark.parametrize("mesh", [TUBE, sphere(5)], ids=["tube", "sphere"])
-def test_what_is_made_ready_is_not_looked_for_again(mesh, monkeypatch):
+def test_make_ready_leaves_nothing_to_be_looked_for_again(mesh, monkeypatch):
     V, F = mesh
     rest = RestMesh(V, F)
     make_ready(rest)
@@ -213,7 +213,7 @@ def test_what_is_made_ready_is_not_looked_for_again(mesh, monkeypatch):
         assert isinstance(Deformation(V, F, ends_of(V)[0], method=method, rest=rest).solver, Restarts)
 
 
-def test_a_mesh_of_loose_triangles_is_followed_too():
+def test_multilevel_follows_a_mesh_of_loose_triangles_too():
     V, F = soup(*tube(60, 80))
     fixed = np.flatnonzero(np.abs(V[:, 2] - V[:, 2].mean()) > 0.4 * np.ptp(V[:, 2]))
     solver = Deformation(V, F, fixed)

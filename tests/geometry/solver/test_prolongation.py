@@ -35,14 +35,14 @@ def angles(U, F):
     return 2.0 * np.arcsin(np.linalg.norm(N[a] - N[b], axis=1) / 2.0)
 
 
-def test_rigid_motions_are_exact(prolongation, thinning):
+def test_prolongation_carries_rigid_motions_exactly(prolongation, thinning):
     R, shift, X = rotation([1, 2, 3], 0.8), np.array([0.3, -0.2, 1.0]), V[thinning.vertices]
     q = np.tile([np.cos(0.4), *np.sin(0.4) * np.array([1, 2, 3]) / np.sqrt(14)], (len(X), 1))
     U = prolongation.carried(V, X, q, X @ R.T + shift - X)
     assert np.abs(U - V @ R.T - shift).max() <= 1e-6
 
 
-def test_interpolation_and_gathering_are_transposed(prolongation, thinning):
+def test_prolongation_interpolates_and_gathers_by_transposed_weights(prolongation, thinning):
     rng, rows = np.random.default_rng(0), np.arange(0, len(V), 3)
     x, b = rng.normal(size=(len(thinning.vertices), 3)), rng.normal(size=(len(rows), 3))
     there = (prolongation.interpolated(x, rows) * b).sum()
@@ -51,7 +51,7 @@ def test_interpolation_and_gathering_are_transposed(prolongation, thinning):
     assert np.abs(ones - 1.0).max() <= 1e-6
 
 
-def test_previews_of_a_stiff_surface_have_no_dents(monkeypatch):
+def test_prolongation_gives_previews_of_a_stiff_surface_no_dents(monkeypatch):
     """Rotations blended from the four nearest coarse vertices made it 5 times as rough as at rest."""
     ball, faces = sphere(6)
     V = ball * [1.0, 1.0, 2.0]
@@ -71,7 +71,7 @@ def test_previews_of_a_stiff_surface_have_no_dents(monkeypatch):
 
 
 @pytest.mark.night
-def test_the_first_previews_of_a_stiff_surface_are_as_smooth_as_the_last(monkeypatch):
+def test_preview_of_a_stiff_surface_is_as_smooth_at_first_as_at_last(monkeypatch):
     """By the coarse surface: rotations of the level below left its angles with nearly twice the change."""
     ball, faces = sphere(6)
     V = ball * [1.0, 1.0, 2.0]
@@ -89,7 +89,7 @@ def test_the_first_previews_of_a_stiff_surface_are_as_smooth_as_the_last(monkeyp
 
 
 @pytest.mark.parametrize("motion", ["pulled", pytest.param("twisted", marks=pytest.mark.night)])
-def test_previews_have_no_crease_along_the_border_of_what_is_held(motion, monkeypatch):
+def test_prolongation_gives_previews_no_crease_along_the_border_of_what_is_held(motion, monkeypatch):
     """Four fine edges to a coarse one: it was 3.6 and 3.8 times as sharp as at rest."""
     monkeypatch.setattr(solve_mesh, "MOST", 2_560)
     monkeypatch.setattr(Elsewhere, "there", False)

@@ -58,7 +58,7 @@ def settle(solver, obstacles, most=2500):
 
 
 @pytest.mark.parametrize("kind", ["sphere", pytest.param("cylinder", marks=pytest.mark.night)])
-def test_handles_and_obstacles_move_together_and_nothing_is_entered(kind):
+def test_deformation_moves_handles_and_obstacles_together_and_enters_nothing(kind):
     V, F, fixed, high = held_tube()
     obstacles = [beside(kind)]
     solver = Deformation(V, F, fixed, handle=high, obstacles=obstacles, **STIFF)
@@ -79,7 +79,7 @@ def test_handles_and_obstacles_move_together_and_nothing_is_entered(kind):
 
 
 @pytest.mark.parametrize("kind", ["sphere", "cylinder"])
-def test_loads_are_the_slopes_of_the_energy(kind):
+def test_deformation_tells_loads_that_are_the_slopes_of_the_energy(kind):
     V, F, fixed, _ = held_tube()
     solver = Deformation(V, F, fixed, obstacles=[beside(kind)], **STIFF)
     found, h = [], 0.01
@@ -93,7 +93,7 @@ def test_loads_are_the_slopes_of_the_energy(kind):
     assert load == pytest.approx((after - before) / (2.0 * h), rel=0.01)
 
 
-def test_where_nothing_is_in_the_way_the_shape_is_that_without_obstacles():
+def test_deformation_has_the_shape_without_obstacles_where_none_is_in_the_way():
     V, F, fixed, high = held_tube()
     targets = V.copy()
     targets[high] += 0.3 * Y
@@ -107,7 +107,7 @@ def test_where_nothing_is_in_the_way_the_shape_is_that_without_obstacles():
     assert np.array_equal(shapes[1].shifts, [[0.5, 0.0, 0.0]])
 
 
-def test_two_plates_are_a_press():
+def test_deformation_between_two_plates_is_a_press():
     """With nothing held: the same loads, and no turn of the whole."""
     V, F = tube(16, 16)
     rest = RestMesh(V, F)
@@ -129,7 +129,7 @@ def test_two_plates_are_a_press():
 
 
 @pytest.mark.night
-def test_what_nothing_holds_slides_and_does_not_turn_as_a_whole():
+def test_deformation_of_what_nothing_holds_slides_and_does_not_turn_as_a_whole():
     """A sphere that pushes beside the centre would turn it."""
     V, F = tube(16, 16)
     height = np.ptp(V[:, 2])
@@ -143,7 +143,7 @@ def test_what_nothing_holds_slides_and_does_not_turn_as_a_whole():
     assert (frame.U - V).mean(axis=0)[0] < -0.3
 
 
-def test_an_obstacle_that_meets_what_is_held_is_stopped_and_says_so():
+def test_deformation_stops_an_obstacle_that_meets_what_is_held_and_says_so():
     V, F, _, _ = held_tube()
     obstacles = [beside("sphere")]
     held = np.flatnonzero(V[:, 0] > -0.9)
@@ -156,7 +156,7 @@ def test_an_obstacle_that_meets_what_is_held_is_stopped_and_says_so():
     assert not frame.converged
 
 
-def test_a_shape_is_gone_on_from_with_obstacles_where_they_were():
+def test_deformation_aim_goes_on_from_a_shape_with_obstacles_where_they_were():
     V, F, fixed, _ = held_tube()
     obstacles = [beside("sphere")]
     first = Deformation(V, F, fixed, obstacles=obstacles, **STIFF)
@@ -172,7 +172,7 @@ def test_a_shape_is_gone_on_from_with_obstacles_where_they_were():
     assert np.array_equal(settle(other, obstacles).shifts, [-0.9 * X])
 
 
-def test_a_shape_that_an_obstacle_intersects_is_not_begun_from():
+def test_deformation_does_not_begin_from_a_shape_that_an_obstacle_intersects():
     V, F, fixed, _ = held_tube()
     obstacles = [beside("sphere")]
     solver = Deformation(V, F, fixed, obstacles=obstacles, **STIFF)
@@ -184,7 +184,7 @@ def test_a_shape_that_an_obstacle_intersects_is_not_begun_from():
         solver.iterate()
 
 
-def test_other_obstacles_need_no_other_factor():
+def test_deformation_surround_needs_no_other_factor_for_other_obstacles():
     V, F, fixed, _ = held_tube()
     made = []
 
@@ -203,7 +203,7 @@ def test_other_obstacles_need_no_other_factor():
     assert frame.loads[0, 0] == pytest.approx(settle(fresh, [beside("cylinder")]).loads[0, 0], rel=0.01)
 
 
-def test_a_path_takes_obstacles_along_in_equal_parts():
+def test_deform_takes_obstacles_along_a_path_in_equal_parts():
     V, F, fixed, high = held_tube()
     aside = V.copy()
     aside[high] += 0.2 * Y
@@ -232,14 +232,14 @@ def test_a_path_takes_obstacles_along_in_equal_parts():
         ({"contact": True, "method": "paper", "obstacles": [sphere([9, 0, 0], 1.0)]}, "method"),
     ],
 )
-def test_what_cannot_be_is_refused(more, words):
+def test_deformation_refuses_obstacles_that_cannot_be(more, words):
     V, F = tube(8, 4)
     with pytest.raises(InputError, match=words):
         Deformation(V, F, [], **more)
 
 
 @pytest.mark.parametrize("shifts", [[[0, 0, 1], [0, 0, 1]], [[0, 0, np.nan]], [0, 0, 1]])
-def test_there_is_one_shift_for_each_obstacle(shifts):
+def test_deformation_aim_takes_only_one_shift_for_each_obstacle(shifts):
     V, F = tube(8, 4)
     solver = Deformation(V, F, [], contact=True, obstacles=[sphere([9, 0, 0], 1.0)])
     with pytest.raises(InputError, match="one for each obstacle"):

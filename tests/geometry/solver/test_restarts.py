@@ -44,7 +44,7 @@ def shown_while_it_tries(angle):
 
 
 @pytest.mark.parametrize("method", ["arap", "exact"])
-def test_a_try_is_shown_once_it_is_better_and_never_before(method):
+def test_restarts_show_a_try_once_it_is_better_and_never_before(method):
     solver = Deformation(V, F, FIXED, method=method, rest=REST)
     assert isinstance(solver.solver, Restarts)
     targets = turned(2.0)
@@ -69,7 +69,7 @@ def test_a_try_is_shown_once_it_is_better_and_never_before(method):
     assert not hidden[-1]
 
 
-def test_what_moves_on_ends_a_try():
+def test_restarts_end_a_try_when_the_hand_moves_on():
     solver, shown = shown_while_it_tries(1.0)
     assert solver.frame().U.tobytes() == shown.tobytes()
     solver.aim(turned(1.1))
@@ -79,7 +79,7 @@ def test_what_moves_on_ends_a_try():
     assert abs(frame.area_error) <= 1e-9
 
 
-def test_the_hand_moves_on_from_the_shape_that_is_shown():
+def test_restarts_let_the_hand_move_on_from_the_shape_that_is_shown():
     """Not from where the try has got to: the shape must not leap under the hand."""
     solver, shown = shown_while_it_tries(2.0)
     solver.aim(turned(2.0))

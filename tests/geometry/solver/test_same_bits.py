@@ -97,7 +97,7 @@ DAILY = ["goals", "contact"]  # nearly all kernels
     [DAILY, pytest.param([case for case in CASES if case not in DAILY], marks=pytest.mark.night)],
     ids=" ".join,
 )
-def test_shapes_and_readings_are_the_same_bits_on_any_number_of_threads(cases):
+def test_deformation_has_shapes_and_readings_of_the_same_bits_on_any_number_of_threads(cases):
     asked = [{"shape": "bottle", "steps": 5, **CASES[case]} for case in cases]
     done = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(STEPS), json.dumps(asked), *THREADS],

@@ -32,13 +32,13 @@ def in_contact():
     return deform(V, F, fixed, targets, handle=high, contact=True)
 
 
-def test_the_twist_crosses_without_contact():
+def test_deform_without_contact_lets_the_twist_cross():
     V, F, fixed, high, targets = twisted()
     assert CrossingCheck(V, F).crosses(deform(V, F, fixed, targets, handle=high, contact=False).U)
 
 
 @pytest.mark.parametrize("method", ["exact", "arap"])
-def test_the_energy_of_shape_and_gaps_never_rises_while_handles_rest(method):
+def test_touching_descent_never_raises_the_energy_of_shape_and_gaps_while_handles_rest(method):
     V, F, fixed, high, targets = twisted()
     solver = Deformation(V, F, fixed, method=method, handle=high, contact=True)
     solver.aim(targets)
@@ -58,7 +58,7 @@ def test_the_energy_of_shape_and_gaps_never_rises_while_handles_rest(method):
     assert tolerances == pytest.approx([tolerances[0]] * len(tolerances), rel=1e-6), "ten steps and no fewer"
 
 
-def test_vertices_drawn_softly_do_not_cross():
+def test_touching_descent_lets_no_vertices_drawn_softly_cross():
     V, F, fixed, high, targets = twisted()
     near = np.setdiff1d(np.flatnonzero(V[:, 2] > np.quantile(V[:, 2], 0.7)), fixed)
     soft = Soft(near, np.ones(len(near)), np.full(len(near), 10.0), np.zeros(len(near), np.int64))
@@ -72,7 +72,7 @@ def test_vertices_drawn_softly_do_not_cross():
     assert np.array_equal(frame.U[fixed], targets)
 
 
-def test_a_shape_in_contact_is_gone_on_from_without_crossing():
+def test_touching_descent_goes_on_from_a_shape_in_contact_without_crossing():
     """Another solver of the same rest shape takes over where one has ended."""
     V, F, fixed, high, targets = twisted()
     first = in_contact()
@@ -87,7 +87,7 @@ def test_a_shape_in_contact_is_gone_on_from_without_crossing():
 
 
 @pytest.mark.parametrize("unit", [1e-6, pytest.param(1e6, marks=pytest.mark.night)])
-def test_the_twist_is_the_same_in_another_unit(unit):
+def test_touching_descent_twists_the_same_in_another_unit(unit):
     V, F, fixed, high, targets = twisted()
     one, other = in_contact(), deform(unit * V, F, fixed, unit * targets, handle=high, contact=True)
     assert not CrossingCheck(V, F).crosses(other.U / unit)
@@ -96,7 +96,7 @@ def test_the_twist_is_the_same_in_another_unit(unit):
 
 
 @pytest.mark.parametrize("short", [pytest.param(1e-3, marks=pytest.mark.night), 1e-5])
-def test_needles_and_slivers_move_along_and_do_not_cross(short):
+def test_touching_descent_moves_needles_and_slivers_along_and_they_do_not_cross(short):
     """Edges that much shorter than their neighbours, and triangles nearly without area."""
     V, F, fixed, high, targets = twisted()
     rng, middle = np.random.default_rng(2), np.setdiff1d(np.arange(len(V)), fixed)
@@ -116,7 +116,7 @@ def test_needles_and_slivers_move_along_and_do_not_cross(short):
     assert frame.share_reached == 1.0
 
 
-def test_a_rest_shape_that_touches_itself_is_left_as_it_is_and_does_not_cross():
+def test_touching_descent_leaves_a_self_touching_rest_shape_as_it_is_without_crossing():
     """A shape that was pressed together becomes the rest shape: nothing pushes, until it is moved."""
     _, F, fixed, high, _ = twisted()
     V = in_contact().U

@@ -34,7 +34,7 @@ def turned_bottle(degrees, axis=Y, point=(0.0, 0.0, 0.0), **how):
 
 
 @pytest.mark.parametrize(("degrees", "left"), [(240.0, -120.0), (400.0, 40.0), (-400.0, -40.0), (360.0, 0.0)])
-def test_without_contact_a_lost_turn_is_said(degrees, left):
+def test_deform_without_contact_says_a_lost_turn(degrees, left):
     result = turned_bottle(degrees, contact=False)
     assert result.turned == pytest.approx((degrees,), abs=1e-6)
     assert result.turned_held == pytest.approx((left,), abs=1e-6)
@@ -42,7 +42,7 @@ def test_without_contact_a_lost_turn_is_said(degrees, left):
     assert said.startswith(f"The surface holds {left:g} of the {degrees:g} degrees asked: without contact it")
 
 
-def test_with_contact_it_holds_what_was_asked():
+def test_deform_with_contact_holds_the_turn_that_was_asked():
     result = turned_bottle(-240.0, contact=True)
     assert result.share_reached == 1.0
     assert result.turned_held == pytest.approx((-240.0,), abs=1e-6)
@@ -50,13 +50,13 @@ def test_with_contact_it_holds_what_was_asked():
 
 
 @pytest.mark.parametrize("method", ["paper", "sr-arap", "arap", "local"])
-def test_every_method_says_what_it_holds(method):
+def test_deform_says_by_every_method_what_turn_it_holds(method):
     kept = turned_bottle(100.0, method=method, contact=False)
     assert kept.turned_held == pytest.approx((100.0,), abs=1.0 if method == "paper" else 1e-6)
     assert kept.warnings == ()
 
 
-def test_tipping_and_shifting_raise_no_alarm():
+def test_deform_raises_no_alarm_at_tipping_and_shifting():
     for axis, degrees in (([1.0, 0.0, 0.0], 60.0), ([0.0, 0.0, 1.0], -100.0), ([1.0, 1.0, 0.0], 90.0)):
         result = turned_bottle(degrees, axis, contact=False)
         assert np.abs(result.turned) == pytest.approx([abs(degrees)], abs=1e-6)
@@ -65,7 +65,7 @@ def test_tipping_and_shifting_raise_no_alarm():
     assert turned_bottle(2.0, contact=False).turned_held == (None,)
 
 
-def test_a_ball_pushed_through_its_own_bottom_is_said_to_be_inside_out():
+def test_deform_says_that_a_ball_pushed_through_its_own_bottom_is_inside_out():
     V, F = sphere(3)
     base, cap = np.flatnonzero(V[:, 2] < -0.8), np.flatnonzero(V[:, 2] > 0.8)
     for way, inside_out in ((0.5, False), (2.5, True)):

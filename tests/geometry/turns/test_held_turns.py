@@ -60,7 +60,7 @@ def held(U, *degrees, **how):
 
 @settings(max_examples=40, deadline=None)
 @given(st.floats(-1000, 1000).filter(lambda angle: abs(angle) >= 5.0), st.integers(0, 10**6))
-def test_a_twist_of_any_angle_is_read_wherever_the_tube_lies(degrees, seed):
+def test_held_turns_read_a_twist_of_any_angle_wherever_the_tube_lies(degrees, seed):
     chance = np.random.default_rng(seed)
     R, shift = rotation(chance.normal(size=3), chance.uniform(-3, 3)), chance.normal(size=3)
     U = turned_by(np.deg2rad(degrees) * GROWING) + 0.005 * chance.normal(size=V.shape)
@@ -71,7 +71,7 @@ def test_a_twist_of_any_angle_is_read_wherever_the_tube_lies(degrees, seed):
 
 @pytest.mark.parametrize("lost", [-2, -1, 1, 2, 3])
 @pytest.mark.parametrize("degrees", [240.0, -400.0, 720.0, 170.0])
-def test_what_was_unwound_is_missing(degrees, lost):
+def test_held_turns_miss_what_was_unwound(degrees, lost):
     left = degrees - 360.0 * lost
     U = turned_by(np.deg2rad(left) * GROWING)
     assert held(U, degrees) == pytest.approx([left], abs=1e-6)
@@ -80,7 +80,7 @@ def test_what_was_unwound_is_missing(degrees, lost):
 
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 10**6))
-def test_a_surface_that_moves_as_one_holds_no_turn(seed):
+def test_held_turns_find_no_turn_in_a_surface_that_moves_as_one(seed):
     chance = np.random.default_rng(seed)
     X = V + 0.03 * chance.normal(size=V.shape)
     U = X @ rotation(chance.normal(size=3), chance.uniform(-3, 3)).T + chance.normal(size=3)
@@ -88,7 +88,7 @@ def test_a_surface_that_moves_as_one_holds_no_turn(seed):
 
 
 @pytest.mark.parametrize("degrees", [20.0, 200.0, 300.0, -250.0])
-def test_a_bend_is_read_about_its_axis(degrees):
+def test_held_turns_read_a_bend_about_its_axis(degrees):
     """The tube on an arc: beyond half a turn its way decides, too."""
     angle = np.deg2rad(degrees) * GROWING
     radius = 0.8 * HEIGHT / np.deg2rad(degrees)
@@ -104,7 +104,7 @@ def test_a_bend_is_read_about_its_axis(degrees):
     assert held(U, degrees, axis=[0.0, 1.0, 0.0]) == pytest.approx([degrees], abs=1e-6)
 
 
-def test_of_two_arms_that_counts_which_lost_most():
+def test_held_turns_count_of_two_arms_the_one_which_lost_most():
     away = abs(np.rint(SHARE * (ALONG - 1)) - ALONG // 2)
     labels = np.where(away < 4, HANDLE, np.where(away > 36, BASE, FREE))
     there = np.clip((36 - away) / 32, 0.0, 1.0)
@@ -115,7 +115,7 @@ def test_of_two_arms_that_counts_which_lost_most():
         assert held(U, 400.0, labels=labels) == pytest.approx([40.0], abs=1e-6)
 
 
-def test_a_handle_behind_another_is_measured_over_it():
+def test_held_turns_measure_a_handle_behind_another_over_it():
     labels = np.where(abs(SHARE - 0.5) < 0.05, HANDLE, np.where(SHARE > 0.9, HANDLE + 1, FREE))
     labels[SHARE < 0.1] = BASE
     first = np.clip((SHARE - 0.1) / 0.35, 0.0, 1.0)
@@ -125,7 +125,7 @@ def test_a_handle_behind_another_is_measured_over_it():
         assert held(U, one, one + more, labels=labels) == pytest.approx([one, one + more], abs=1e-6)
 
 
-def test_what_cannot_be_told_is_not_said():
+def test_held_turns_do_not_say_what_cannot_be_told():
     U = turned_by(np.deg2rad(40.0) * GROWING)
     assert held(U, 4.0) == [None], "little was asked"
     assert held(U, 400.0, labels=np.where(LABELS == BASE, FREE, LABELS)) == [None], "no base"
@@ -138,14 +138,14 @@ def test_what_cannot_be_told_is_not_said():
     assert warnings(turns_of(U, 400.0, G=apart)) == ()
 
 
-def test_half_a_turn_goes_either_way_round():
+def test_held_turns_take_half_a_turn_either_way_round():
     for degrees, asked in itertools.product((180.0, -180.0), repeat=2):
         assert held(turned_by(np.deg2rad(degrees) * GROWING), asked) == pytest.approx([asked])
 
 
 @settings(max_examples=20, deadline=None)
 @given(st.floats(-1000, 1000), st.integers(0, 10**6))
-def test_what_was_asked_is_read_from_places_on_the_way(degrees, seed):
+def test_ways_of_reads_what_was_asked_from_places_on_the_way(degrees, seed):
     chance = np.random.default_rng(seed)
     X, labels = chance.normal(size=(12, 3)), np.repeat([BASE, HANDLE], 6)
     axis, all_of_it = chance.normal(size=3), rotation(chance.normal(size=3), 2.0)
@@ -166,7 +166,7 @@ def warnings(turns, contact=False, may_touch=True, names=(), volumes=(None, None
     return passing_warnings(turns, frame, volumes[1], contact, may_touch, names)
 
 
-def test_a_closed_surface_turned_inside_out_is_said():
+def test_passing_warnings_say_that_a_closed_surface_turned_inside_out():
     (said,) = warnings((), volumes=(-3.0, 4.0))
     assert said.startswith("The surface has turned inside out: without contact it passed through itself")
     assert warnings((), volumes=(3.0, -4.0)) == (said,), "the triangles looked inwards at first"
@@ -174,7 +174,7 @@ def test_a_closed_surface_turned_inside_out_is_said():
         assert warnings((), volumes=volumes) == ()
 
 
-def test_sentences_say_what_is_held_and_what_to_do():
+def test_passing_warnings_say_what_is_held_and_what_to_do():
     turns = turns_of(turned_by(np.deg2rad(40.0) * GROWING), 400.0)
     begin = "The surface holds 40 of the 400 degrees asked: "
     without = "without contact it passed through itself; turn contact on."
@@ -190,7 +190,7 @@ def test_sentences_say_what_is_held_and_what_to_do():
     assert two == ("Neck: " + begin + "it passed through itself.",)
 
 
-def test_angles_are_written_in_the_notation_in_use():
+def test_passing_warnings_write_angles_in_the_notation_in_use():
     less = turns_of(turned_by(np.deg2rad(340.5) * GROWING), 400.0)
     assert warnings(less) == ("The surface holds 340.5 of the 400 degrees asked.",)
     used = notation()
@@ -203,7 +203,7 @@ def test_angles_are_written_in_the_notation_in_use():
 
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 10**6), st.booleans())
-def test_turns_about_several_axes_raise_no_alarm_and_a_lost_one_does(seed, loses):
+def test_held_turns_about_several_axes_raise_no_alarm_and_a_lost_one_does(seed, loses):
     """The tube follows its handle on its whole way: as far from the base as the handle had come by then."""
     chance = np.random.default_rng(seed)
     axes, degrees = chance.normal(size=(3, 3)), chance.uniform(-250, 250, size=3)

@@ -64,7 +64,7 @@ def finish(session: Driven) -> None:
 # Opening
 
 
-def test_a_file_is_opened_in_the_background_and_can_be_undone(session, cube_file, gate):
+def test_files_open_works_in_the_background_and_can_be_undone(session, cube_file, gate):
     session.settings.set_method("arap")
     before = session.store.state
     session.files.open(cube_file)
@@ -81,7 +81,7 @@ def test_a_file_is_opened_in_the_background_and_can_be_undone(session, cube_file
     assert session.store.state is before
 
 
-def test_a_file_that_cannot_be_opened_is_told_and_nothing_changes(session, tmp_path):
+def test_files_open_tells_of_a_file_that_cannot_be_opened_and_changes_nothing(session, tmp_path):
     bad = tmp_path / "bad.obj"
     bad.write_text("v 0 0 0\nf 1 2 3\n")
     for path in (bad, tmp_path / "none.obj", tmp_path):
@@ -102,7 +102,7 @@ def test_a_file_that_cannot_be_opened_is_told_and_nothing_changes(session, tmp_p
         MemoryError(),
     ],
 )
-def test_a_defect_while_opening_is_told_and_nothing_changes(session, cube_file, monkeypatch, capfd, error):
+def test_files_open_tells_of_a_defect_and_changes_nothing(session, cube_file, monkeypatch, capfd, error):
     def broken(_):
         raise error
 
@@ -115,7 +115,7 @@ def test_a_defect_while_opening_is_told_and_nothing_changes(session, cube_file, 
     assert "Traceback" in capfd.readouterr().err
 
 
-def test_an_opening_that_is_cancelled_never_arrives(session, cube_file, gate):
+def test_jobs_cancel_keeps_an_opening_from_ever_arriving(session, cube_file, gate):
     before = session.store.state
     session.files.open(cube_file)
     thread = next(thread for thread in threading.enumerate() if thread.name == "Opening cube.obj")
@@ -131,7 +131,7 @@ def test_an_opening_that_is_cancelled_never_arrives(session, cube_file, gate):
     assert len(session.U) == 8
 
 
-def test_a_cancelled_opening_does_not_arrive_in_place_of_the_next(session, cube_file, gate, tmp_path):
+def test_jobs_cancel_lets_no_opening_arrive_in_place_of_the_next(session, cube_file, gate, tmp_path):
     slab = tmp_path / "slab.obj"
     mesh = Mesh(*box(2, 2, 1))
     save_mesh(mesh, mesh.V, slab)
@@ -144,7 +144,7 @@ def test_a_cancelled_opening_does_not_arrive_in_place_of_the_next(session, cube_
     assert len(session.U) == len(mesh.V)
 
 
-def test_a_second_job_is_refused_and_the_first_arrives(session, cube_file, gate, tmp_path):
+def test_jobs_refuse_a_second_job_and_the_first_arrives(session, cube_file, gate, tmp_path):
     session.files.open(cube_file)
     first = session.jobs.current
     session.files.open_mesh(bar())
@@ -158,7 +158,7 @@ def test_a_second_job_is_refused_and_the_first_arrives(session, cube_file, gate,
     assert not (tmp_path / "out.obj").exists()
 
 
-def test_verbs_go_on_while_a_file_is_opened(session, cube_file, gate):
+def test_files_open_lets_verbs_go_on_meanwhile(session, cube_file, gate):
     session.files.open(cube_file)
     session.drag(BENT)
     session.until(lambda: session.store.activity is Activity.SETTLED)
@@ -169,7 +169,7 @@ def test_verbs_go_on_while_a_file_is_opened(session, cube_file, gate):
     assert session.store.state is bent
 
 
-def test_findings_of_the_opened_mesh_are_told(session):
+def test_files_open_mesh_tells_the_findings_of_the_mesh(session):
     V, F = box(1, 1, 1)
     session.show_now(Mesh(np.vstack([V, [[5.0, 5.0, 5.0]]]), F))
     assert any("loose vertex" in sentence for sentence in session.told)
@@ -178,7 +178,7 @@ def test_findings_of_the_opened_mesh_are_told(session):
 # Writing
 
 
-def test_what_is_written_is_the_shape_that_was_on_screen(session, tmp_path, gate):
+def test_files_export_writes_the_shape_that_was_on_screen(session, tmp_path, gate):
     session.drag(BENT)
     session.settle()
     U, area = session.U, session.store.state.frame.area
@@ -195,7 +195,7 @@ def test_what_is_written_is_the_shape_that_was_on_screen(session, tmp_path, gate
 
 
 @pytest.mark.parametrize("name", ["out.xyz", "no/such/folder/out.obj"])
-def test_what_cannot_be_written_is_told_and_stays_unsaved(session, tmp_path, name):
+def test_files_export_tells_of_what_cannot_be_written_and_it_stays_unsaved(session, tmp_path, name):
     session.drag(BENT)
     session.settle()
     before = session.store.state
@@ -216,14 +216,14 @@ def closed_within(session: Driven, seconds: float) -> None:
     assert solver_threads() == []
 
 
-def test_closing_ends_a_run_at_the_next_iteration(session):
+def test_session_close_ends_a_run_at_the_next_iteration(session):
     session.settings.set_tolerance(1e-12)  # not to be met
     session.drag(BENT)
     session.until(lambda: session.store.state.frame.iteration > 3)
     closed_within(session, 2.0)
 
 
-def test_closing_waits_for_a_file_that_is_written(session, tmp_path, monkeypatch):
+def test_session_close_waits_for_a_file_that_is_written(session, tmp_path, monkeypatch):
     def slowly(*args):
         time.sleep(0.3)
         save_mesh(*args)
@@ -234,7 +234,9 @@ def test_closing_waits_for_a_file_that_is_written(session, tmp_path, monkeypatch
     assert len(open_mesh(tmp_path / "out.obj").V) == len(session.U)
 
 
-def test_closing_waits_for_a_file_that_is_written_although_that_was_cancelled(session, tmp_path, monkeypatch):
+def test_session_close_waits_for_a_file_that_is_written_although_that_was_cancelled(
+    session, tmp_path, monkeypatch
+):
     def slowly(*args):
         time.sleep(0.3)
         save_mesh(*args)
@@ -254,7 +256,7 @@ def opening(session, path):
     return thread
 
 
-def test_closing_does_not_wait_for_a_file_that_is_opened(session, cube_file, gate):
+def test_session_close_does_not_wait_for_a_file_that_is_opened(session, cube_file, gate):
     thread = opening(session, cube_file)
     closed_within(session, 2.0)
     assert thread.is_alive()
@@ -262,7 +264,7 @@ def test_closing_does_not_wait_for_a_file_that_is_opened(session, cube_file, gat
     thread.join(LONG)
 
 
-def test_nobody_is_woken_after_closing(session, cube_file, gate):
+def test_session_wakes_nobody_after_closing(session, cube_file, gate):
     thread = opening(session, cube_file)
     session.jobs.cancel()
     session.close()
@@ -272,13 +274,13 @@ def test_nobody_is_woken_after_closing(session, cube_file, gate):
     assert len(session.woken) == woken
 
 
-def test_closing_twice_and_before_anything_is_open():
+def test_session_close_works_twice_and_before_anything_is_open():
     session = Driven()
     closed_within(session, 2.0)
     closed_within(session, 2.0)
 
 
-def test_sessions_leave_no_thread_and_no_worker():
+def test_session_leaves_no_thread_and_no_worker():
     others, sessions = set(threading.enumerate()), []
     workers = living(Worker)
     for k in range(20):
@@ -297,7 +299,7 @@ def test_sessions_leave_no_thread_and_no_worker():
     assert living(Worker) == workers
 
 
-def test_input_errors_of_jobs_are_sentences_without_a_traceback(session, tmp_path, capfd):
+def test_jobs_tell_input_errors_in_sentences_without_a_traceback(session, tmp_path, capfd):
     session.files.open(tmp_path / "none.stl")
     finish(session)
     assert capfd.readouterr().err == ""

@@ -11,7 +11,7 @@ def test_put_tells_whether_the_slot_was_empty():
     assert mailbox.put(3)
 
 
-def test_the_newest_value_wins_and_is_given_once():
+def test_mailbox_lets_the_newest_value_win_and_gives_it_once():
     mailbox = Mailbox()
     for value in range(1, 100):
         mailbox.put(value)
@@ -55,14 +55,14 @@ def test_wait_ends_when_the_slot_is_closed():
     assert got == [None]
 
 
-def test_a_closed_slot_gives_nothing_more_to_who_waits():
+def test_wait_gets_nothing_more_from_a_closed_slot():
     mailbox = Mailbox()
     mailbox.put("unread")
     mailbox.close()
     assert mailbox.wait() is None
 
 
-def test_one_wake_a_batch_is_enough_to_see_the_last_value():
+def test_mailbox_shows_the_last_value_with_one_wake_a_batch():
     """Who is woken only when put says so, and then takes, never misses the last value."""
     mailbox, woken, seen = Mailbox(), threading.Semaphore(0), []
 

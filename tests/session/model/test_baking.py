@@ -26,7 +26,7 @@ def bake(session: Driven) -> None:
     session.until(lambda: session.jobs.current is None)
 
 
-def test_a_baked_shape_is_at_rest_as_a_mesh_of_that_shape_would_be(session):
+def test_bake_puts_the_shape_at_rest_as_a_mesh_of_that_shape_would_be(session):
     session.drag(BENT)
     session.settings.set_area(104.0)
     session.parts.add_region()
@@ -50,7 +50,7 @@ def test_a_baked_shape_is_at_rest_as_a_mesh_of_that_shape_would_be(session):
     assert "104.000 %" in session.told[-1]
 
 
-def test_it_deforms_as_a_mesh_of_that_shape_would(session):
+def test_bake_makes_a_shape_that_deforms_as_a_mesh_of_it_would(session):
     session.drag(BENT)
     session.settle()
     bake(session)
@@ -72,7 +72,7 @@ def test_it_deforms_as_a_mesh_of_that_shape_would(session):
     assert abs(session.store.state.frame.area_error) < 1e-9
 
 
-def test_baking_is_undone_and_done_again(session):
+def test_bake_is_undone_and_done_again(session):
     session.drag(BENT)
     session.settle()
     before = session.store.state
@@ -86,7 +86,7 @@ def test_baking_is_undone_and_done_again(session):
     assert session.store.state is after, "there is nothing to put back"
 
 
-def test_the_shape_that_was_on_screen_is_baked_though_it_goes_on(session):
+def test_bake_takes_the_shape_that_was_on_screen_though_it_goes_on(session):
     session.settings.set_tolerance(1e-12)  # not to be met
     session.settings.set_method("paper")
     session.drag(BENT)
@@ -99,7 +99,7 @@ def test_the_shape_that_was_on_screen_is_baked_though_it_goes_on(session):
     assert session.U is session.store.state.document.mesh.V
 
 
-def test_what_has_been_dragged_on_meanwhile_is_not_baked(session):
+def test_bake_refuses_what_has_been_dragged_on_meanwhile(session):
     session.drag(BENT)
     session.settle()
     before = session.store.state.document.mesh
@@ -110,7 +110,7 @@ def test_what_has_been_dragged_on_meanwhile_is_not_baked(session):
     assert "bake it again" in session.failed[-1]
 
 
-def test_a_shape_without_area_is_not_baked():
+def test_baked_refuses_a_shape_without_area():
     state = opened(Mesh(*box(1, 1, 2)))
     flat = state.at(frame=replace(state.frame, U=np.zeros_like(state.frame.U)))
     with pytest.raises(InputError, match="no area"):
@@ -128,7 +128,7 @@ def turned(mesh: Mesh):
 
 
 @pytest.mark.parametrize("suffix", WRITTEN)
-def test_it_is_written_into_its_file_as_any_shape(suffix, tmp_path):
+def test_save_mesh_writes_a_baked_mesh_into_its_file_as_any_shape(suffix, tmp_path):
     path = tmp_path / f"bar{suffix}"
     save_mesh(made := Mesh(*box(2, 2, 6)), made.V, path)
     mesh = open_mesh(path)
@@ -143,7 +143,7 @@ def test_it_is_written_into_its_file_as_any_shape(suffix, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", WRITTEN)
-def test_a_session_brings_it_back_with_its_file(suffix, tmp_path):
+def test_open_session_brings_a_baked_mesh_back_with_its_file(suffix, tmp_path):
     path = tmp_path / f"bar{suffix}"
     save_mesh(made := Mesh(*box(2, 2, 6)), made.V, path)
     content = path.read_bytes()
@@ -157,7 +157,7 @@ def test_a_session_brings_it_back_with_its_file(suffix, tmp_path):
     assert path.read_bytes() == content
 
 
-def test_what_was_joined_stays_joined():
+def test_mesh_baked_keeps_joined_what_was_joined_and_joins_no_more():
     V, F = box(1, 1, 2)
     V, F = V[F].reshape(-1, 3), np.arange(F.size).reshape(-1, 3)
     mesh = Mesh(V, F)

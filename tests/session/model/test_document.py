@@ -47,16 +47,16 @@ def percentages(said: Document) -> tuple:
         ("paper", (105.0, None, (None, None))),
     ],
 )
-def test_each_method_is_asked_for_what_it_can_keep(method, expected):
+def test_targets_of_asks_each_method_for_what_it_can_keep(method, expected):
     assert percentages(dataclasses.replace(document(), method=method, area=105.0)) == expected
 
 
-def test_the_local_method_is_asked_for_the_total_area_where_it_is_held():
+def test_targets_of_asks_the_local_method_for_the_total_area_where_it_is_held():
     local = dataclasses.replace(document(), method="local", hold_area=True)
     assert percentages(local)[0] == 100.0
 
 
-def test_a_region_is_asked_for_nothing_until_it_covers_a_triangle():
+def test_targets_of_asks_nothing_of_a_region_until_it_covers_a_triangle():
     said = document()
     for ids, expected in (([], None), ([0], None), (said.mesh.F[0], 90.0)):
         some = dataclasses.replace(said, member=frozen(np.zeros_like(said.member)))
@@ -65,7 +65,7 @@ def test_a_region_is_asked_for_nothing_until_it_covers_a_triangle():
         assert [region.area for region in asked.regions] == [expected, None]
 
 
-def test_regions_are_measured_by_the_triangles_that_lie_in_them():
+def test_region_areas_are_those_of_the_triangles_that_lie_in_the_regions():
     said = document()
     low, high = said.region_areas(said.mesh.V)
     assert low == pytest.approx(2 * 2 + 4 * 2 * 2)
@@ -73,7 +73,7 @@ def test_regions_are_measured_by_the_triangles_that_lie_in_them():
     assert said.region_areas(2.0 * said.mesh.V) == pytest.approx((4 * low, 4 * high))
 
 
-def test_seams_are_painted_across():
+def test_painted_region_reaches_across_seams():
     """A soup repeats every vertex: the regions of both are the same surface."""
     whole, torn = document(), document(Mesh(*soup(*box(2, 2, 6))))
     assert torn.region_areas(torn.mesh.V) == pytest.approx(whole.region_areas(whole.mesh.V))
@@ -82,7 +82,7 @@ def test_seams_are_painted_across():
         assert len(region.vertices) == sum(tuple(x) in places for x in torn.mesh.V)
 
 
-def test_a_vertex_is_in_one_region_and_its_label_is_another_matter():
+def test_painted_region_puts_a_vertex_in_one_region_and_leaves_its_label():
     said = document()
     ids = np.flatnonzero(said.mesh.V[:, 2] == 6.0)
     again = said.painted_region(ids, 1)
@@ -92,14 +92,14 @@ def test_a_vertex_is_in_one_region_and_its_label_is_another_matter():
     assert said.painted(ids, BASE).member is said.member
 
 
-def test_paint_that_is_there_already_leaves_the_very_document():
+def test_painted_leaves_the_very_document_where_the_paint_is_there_already():
     said = document()
     assert said.painted(np.flatnonzero(said.labels == HANDLE), HANDLE) is said
     assert said.painted_region(np.flatnonzero(said.member == 2), 2) is said
 
 
 @pytest.mark.parametrize("k", [0, 1])
-def test_without_a_handle_what_it_held_is_free_and_the_others_count_down(k):
+def test_without_handle_frees_what_it_held_and_the_others_count_down(k):
     said = document()
     less = without_handle(said, k)
     assert [handle.name for handle in less.handles] == ["right", "left"][k : k + 1]
@@ -109,14 +109,14 @@ def test_without_a_handle_what_it_held_is_free_and_the_others_count_down(k):
     assert less.member is said.member
 
 
-def test_the_last_handle_leaves_an_empty_one():
+def test_without_handle_leaves_an_empty_one_after_the_last():
     none = without_handle(without_handle(document(), 0), 0)
     assert [handle.name for handle in none.handles] == ["Handle 1"]
     assert "no handle" in none.problem
 
 
 @pytest.mark.parametrize("k", [0, 1])
-def test_without_a_region_its_members_are_in_none_and_the_others_count_down(k):
+def test_without_region_puts_its_members_in_none_and_the_others_count_down(k):
     said = document()
     less = without_region(said, k)
     assert [region.name for region in less.regions] == ["high", "low"][k : k + 1]
@@ -125,7 +125,7 @@ def test_without_a_region_its_members_are_in_none_and_the_others_count_down(k):
     assert less.labels is said.labels
 
 
-def test_what_comes_out_is_read_only():
+def test_document_arrays_are_read_only_after_every_change():
     said = document()
     for each in (said, without_handle(said, 0), without_region(said, 0), said.with_pose(1, 2 * np.eye(4))):
         arrays = (each.labels, each.member, each.grip, *(handle.pose for handle in each.handles))
@@ -141,7 +141,7 @@ def test_at_rest_keeps_the_paint_and_what_is_free():
     assert (rest.labels, rest.member, rest.grip) == (said.labels, said.member, said.mesh.V)
 
 
-def test_labels_of_several_handles_bring_the_handles():
+def test_opened_brings_the_handles_from_labels_of_several():
     labels = document().labels
     assert [handle.name for handle in opened(document().mesh, labels).document.handles] == [
         "Handle 1",
@@ -149,7 +149,7 @@ def test_labels_of_several_handles_bring_the_handles():
     ]
 
 
-def test_names_are_counted_on_and_told_apart():
+def test_next_name_counts_on_and_new_name_tells_names_apart():
     assert next_name("Handle", []) == "Handle 1"
     assert next_name("Handle", ["Handle 1", "Neck", "Handle 3"]) == "Handle 2"
     assert new_name(" Neck ", "Handle 1", ["Handle 1", "Handle 2"]) == "Neck"

@@ -97,14 +97,14 @@ def same_matrices(one: Document, other: Document) -> bool:
     return len(a) == len(b) and all(map(np.array_equal, a, b))
 
 
-def test_every_field_declares_whether_the_factorization_depends_on_it():
+def test_factored_fields_finds_declared_of_every_field_whether_it_matters():
     assert set(OF_DOCUMENT) == {each.name for each in fields(Document)}
     assert set(OF_HANDLE) == {each.name for each in fields(Handle)}
     factored_fields(Document)
     factored_fields(Handle)
 
 
-def test_a_field_that_declares_nothing_is_noticed():
+def test_factored_fields_notices_a_field_that_declares_nothing():
     @dataclass(frozen=True, eq=False)
     class Longer(Document):
         gravity: float = 0.0
@@ -120,14 +120,14 @@ def test_a_field_that_declares_nothing_is_noticed():
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", CHANGES)
-def test_documents_with_the_same_key_have_the_same_matrices(name, method):
+def test_factored_for_gives_the_same_key_only_for_the_same_matrices(name, method):
     before = start(method)
     after = CHANGES[name](before)
     assert not alike(factored_for(before), factored_for(after)) or same_matrices(before, after)
 
 
 @pytest.mark.parametrize("name", [*factored_fields(Document), *factored_fields(Handle)])
-def test_each_field_of_the_key_changes_a_matrix(name):
+def test_factored_fields_names_only_fields_that_change_a_matrix(name):
     """So the test before would notice if one of them were declared not to matter."""
     before = start("local")
     assert not same_matrices(before, CHANGES[name](before))

@@ -38,7 +38,7 @@ def test_undo_and_redo_give_back_the_very_states():
     assert history.redo(c) is None
 
 
-def test_a_smaller_budget_drops_the_oldest_at_once():
+def test_history_limit_drops_the_oldest_at_once_under_a_smaller_budget():
     states = _states(3)
     history = History()
     for state in states:
@@ -47,7 +47,7 @@ def test_a_smaller_budget_drops_the_oldest_at_once():
     assert _undone(history) == states[-1:], "one always stays"
 
 
-def test_nothing_keeps_what_is_dropped_when_that_is_told():
+def test_history_tells_of_what_is_dropped_once_nothing_keeps_it():
     history, alive = History(), []
     for state in _states(3):
         history.record("step", state)
@@ -58,7 +58,7 @@ def test_nothing_keeps_what_is_dropped_when_that_is_told():
     assert alive == [False]
 
 
-def test_names_tell_what_would_be_undone_and_redone():
+def test_next_undo_and_next_redo_name_what_would_be_undone_and_redone():
     history, (a, b, c) = History(), _states(3)
     assert (history.next_undo, history.next_redo) == (None, None)
     history.record("first", a)
@@ -70,7 +70,7 @@ def test_names_tell_what_would_be_undone_and_redone():
     assert (history.next_undo, history.next_redo) == (None, "first")
 
 
-def test_a_new_gesture_forgets_what_could_be_redone():
+def test_history_record_forgets_what_could_be_redone():
     history, (a, b, c) = History(), _states(3)
     history.record("first", a)
     history.undo(b)
@@ -78,7 +78,7 @@ def test_a_new_gesture_forgets_what_could_be_redone():
     assert (history.next_undo, history.next_redo) == ("other", None)
 
 
-def test_the_oldest_entries_go_when_the_budget_is_spent():
+def test_history_drops_the_oldest_entries_when_the_budget_is_spent():
     states = _states(6)
     rest, U = sum(held(states[0]).values()), states[0].frame.U
     history = History(most_bytes=rest + 3 * U.nbytes)
@@ -89,7 +89,7 @@ def test_the_oldest_entries_go_when_the_budget_is_spent():
     assert all(a is b for a, b in zip(kept, reversed(states), strict=False))
 
 
-def test_one_entry_stays_whatever_it_costs():
+def test_history_keeps_one_entry_whatever_it_costs():
     history, (a, b) = History(most_bytes=0), _states(2)
     history.record("first", a)
     history.record("second", b)
@@ -97,7 +97,7 @@ def test_one_entry_stays_whatever_it_costs():
     assert history.undo(a) is None
 
 
-def test_the_meshes_that_entries_keep_are_counted():
+def test_history_counts_the_meshes_that_entries_keep():
     states = [opened(Mesh(*box(2, 2, 6))) for _ in range(20)]
     mesh = states[0].document.mesh
     history = History(most_bytes=5 * (mesh.V.nbytes + mesh.F.nbytes))
@@ -106,7 +106,7 @@ def test_the_meshes_that_entries_keep_are_counted():
     assert 1 <= len(_undone(history)) <= 5
 
 
-def test_a_mesh_that_entries_share_is_no_reason_to_forget_them():
+def test_history_forgets_no_entries_for_a_mesh_that_they_share():
     states = _states(6)
     mesh, U = states[0].document.mesh, states[0].frame.U
     history = History(most_bytes=mesh.V.nbytes + mesh.F.nbytes + 20 * U.nbytes)
@@ -115,7 +115,7 @@ def test_a_mesh_that_entries_share_is_no_reason_to_forget_them():
     assert len(_undone(history)) == 6
 
 
-def test_the_regions_that_entries_keep_are_counted():
+def test_history_counts_the_regions_that_entries_keep():
     n = len(REST.document.mesh.V)
     members = [frozen(np.full(n, k, dtype=np.uint8)) for k in range(20)]
     states = [replace(REST, document=replace(REST.document, member=member)) for member in members]
@@ -125,7 +125,7 @@ def test_the_regions_that_entries_keep_are_counted():
     assert len(_undone(history)) == 5
 
 
-def test_all_that_a_mesh_keeps_of_its_file_is_counted(tmp_path):
+def test_held_counts_all_that_a_mesh_keeps_of_its_file(tmp_path):
     """What a state makes the process hand out is what it counts, whatever its mesh came from."""
     V, F = box(24, 24, 24)
     for suffix in (".obj", ".off", ".ply", ".stl", ".glb"):
@@ -140,7 +140,7 @@ def test_all_that_a_mesh_keeps_of_its_file_is_counted(tmp_path):
         assert 0.75 * taken < sum(held(kept[1]).values()) < 1.1 * taken, suffix
 
 
-def test_what_is_undone_counts_no_more_and_what_is_redone_counts_again():
+def test_history_counts_what_is_undone_no_more_and_what_is_redone_again():
     history, states = History(), _states(3)
     for k, state in enumerate(states[:2]):
         history.record(str(k), state)

@@ -26,7 +26,7 @@ def counted():
     return total, calls
 
 
-def test_the_very_same_arrays_are_looked_at_once(counted):
+def test_once_looks_at_the_very_same_arrays_once(counted):
     total, calls = counted
     X, Y = np.ones(3), np.ones(4)
     assert [total(X, Y, 2), total(X, Y, 2), total(X, Y, 3), total(X, Y, 2)] == [14, 14, 21, 14]
@@ -35,7 +35,7 @@ def test_the_very_same_arrays_are_looked_at_once(counted):
     assert len(calls) == 3
 
 
-def test_what_was_found_goes_with_the_first_array_that_goes(counted):
+def test_once_forgets_what_was_found_with_the_first_array_that_goes(counted):
     total, calls = counted
     Y = np.ones(1)
     for n in range(50):  # some of them at the place in memory of one that is gone
@@ -56,14 +56,14 @@ def said():
     return document.painted(base, BASE).painted(top, HANDLE)
 
 
-def test_a_drag_counts_nothing_again(said):
+def test_memo_counts_nothing_again_in_a_drag(said):
     moved = said.with_pose(0, 2.0 * np.eye(4)).with_pose(0, 3.0 * np.eye(4))
     assert moved.counts is said.counts
     assert moved.centre(0) is said.centre(0)
     assert moved.rest_areas is said.rest_areas
 
 
-def test_a_stroke_changes_what_follows_from_it_alone(said):
+def test_memo_finds_again_after_a_stroke_only_what_follows_from_it(said):
     painted = said.painted(np.flatnonzero(said.labels == FREE)[:1], HANDLE)
     assert painted.counts[HANDLE] == said.counts[HANDLE] + 1
     assert painted.rest_areas is said.rest_areas
@@ -72,5 +72,5 @@ def test_a_stroke_changes_what_follows_from_it_alone(said):
     np.testing.assert_array_equal(painted.counts, np.bincount(painted.labels, minlength=256))
 
 
-def test_a_handle_without_vertices_has_no_centre(said):
+def test_centre_is_none_for_a_handle_without_vertices(said):
     assert said.centre(1) is None

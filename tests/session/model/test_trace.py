@@ -40,7 +40,7 @@ def frame(iteration=1, total=1, **what):
     return replace(REST.frame, iteration=iteration, total=total, **what)
 
 
-def test_a_trace_leads_from_the_state_before_to_the_latest_frame(clock):
+def test_trace_leads_from_the_state_before_to_the_latest_frame(clock):
     trace = Trace(clock)
     trace.begin(REST)
     trace.expect(REST.document, REST)
@@ -57,7 +57,7 @@ def test_a_trace_leads_from_the_state_before_to_the_latest_frame(clock):
     assert not trace.rows.flags.writeable
 
 
-def test_the_miss_is_against_what_is_asked_for(clock):
+def test_trace_takes_the_miss_against_what_is_asked_for(clock):
     trace = Trace(clock)
     trace.begin(REST)
     trace.add(replace(REST.document, area=80.0), frame(1, 1, area_error=-0.1))
@@ -65,7 +65,7 @@ def test_the_miss_is_against_what_is_asked_for(clock):
     assert trace["area_miss"][1:].tolist() == pytest.approx([0.9 / 0.8 - 1.0, 0.1])
 
 
-def test_iterations_that_nobody_saw_are_counted_too(clock):
+def test_trace_counts_iterations_that_nobody_saw_too(clock):
     trace = Trace(clock)
     trace.begin(REST)
     for k, (iteration, total) in enumerate([(3, 3), (2, 9), (40, 47), (1, 1)]):
@@ -74,7 +74,7 @@ def test_iterations_that_nobody_saw_are_counted_too(clock):
     assert trace["iteration"].tolist() == [0, 3, 9, 47, 48]
 
 
-def test_what_answers_the_old_question_belongs_to_the_old_trace(clock):
+def test_trace_expect_leaves_answers_to_the_old_question_in_the_old_trace(clock):
     trace, first, second = Trace(clock), moved(1), moved(2)
     trace.begin(REST)
     trace.add(first, frame(1, 1))
@@ -87,7 +87,7 @@ def test_what_answers_the_old_question_belongs_to_the_old_trace(clock):
     assert trace["area"][0] == 5.0
 
 
-def test_when_the_hand_let_go_is_told_from_the_beginning_of_its_own_gesture(clock):
+def test_released_at_is_told_from_the_beginning_of_its_own_gesture(clock):
     trace = Trace(clock)
     trace.begin(REST)
     trace.expect(REST.document, REST)
@@ -103,7 +103,7 @@ def test_when_the_hand_let_go_is_told_from_the_beginning_of_its_own_gesture(cloc
     assert trace.released_at is None
 
 
-def test_eleven_thousand_frames_take_no_more_memory_than_three_thousand(clock):
+def test_trace_takes_no_more_memory_for_eleven_thousand_frames_than_for_three_thousand(clock):
     trace = Trace(clock)
     trace.begin(REST)
     documents = moved(1), moved(2)
@@ -126,7 +126,7 @@ def test_eleven_thousand_frames_take_no_more_memory_than_three_thousand(clock):
     assert steps.min() > 0.9 * steps.max(), "what is left out is left out evenly"
 
 
-def test_the_latest_frame_is_there_at_any_time(clock):
+def test_trace_has_the_latest_frame_at_any_time(clock):
     trace = Trace(clock)
     trace.begin(REST)
     for k in range(3 * MOST):
@@ -166,7 +166,7 @@ def check_leads_to_the_screen(trace, frame):
     assert (np.diff(trace["iteration"]) > 0).all()
 
 
-def test_a_drag_is_one_trace_and_the_next_one_begins_where_it_ended(session):
+def test_trace_holds_one_drag_and_the_next_one_begins_where_it_ended(session):
     trace, rest = session.store.trace, session.store.state.frame
     assert len(trace) == 1
     drag(session, *(pose(0.1 * k) for k in range(1, 8)))
@@ -181,7 +181,7 @@ def test_a_drag_is_one_trace_and_the_next_one_begins_where_it_ended(session):
     assert set(trace["volume"].tolist()) <= every, "a trace holds what was shown, and nothing else"
 
 
-def test_undo_another_method_and_another_mesh_begin_another_trace(session):
+def test_trace_begins_anew_with_undo_another_method_and_another_mesh(session):
     trace = session.store.trace
     drag(session, pose(0.6))
     before = session.store.state.frame
@@ -202,7 +202,7 @@ def test_undo_another_method_and_another_mesh_begin_another_trace(session):
     assert trace["volume"].tolist() == [3.0]
 
 
-def test_paint_leaves_the_trace_alone(session):
+def test_trace_is_left_alone_by_paint(session):
     drag(session, pose(0.6))
     rows = session.store.trace.rows
     session.stroke(np.array([len(session.U) // 2]), HANDLE)
@@ -210,7 +210,7 @@ def test_paint_leaves_the_trace_alone(session):
     np.testing.assert_array_equal(session.store.trace.rows, rows)
 
 
-def test_steps_that_are_one_for_undo_are_one_here(session):
+def test_trace_takes_steps_that_are_one_for_undo_as_one(session):
     before = session.store.state.frame
     for k in range(1, 4):
         session.handles.pose(pose(shift=(0.05 * k, 0.0, 0.0)), 0, "Nudge handle", repeats=True)

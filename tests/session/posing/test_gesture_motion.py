@@ -47,7 +47,7 @@ def state():
 @pytest.mark.parametrize(
     ("first", "second"), [(0, 60), (90, 150), (30, 390), (210, 570), (400, 100), (300, -300)]
 )
-def test_it_leads_from_the_shape_before_to_the_pose_after(first, second, step, state):
+def test_gesture_motion_leads_from_the_shape_before_to_the_pose_after(first, second, step, state):
     before = shown(state, turned(state.document, first, step))
     after = turned(before.document, second, step)
     motion = gesture_motion(before, after)
@@ -58,7 +58,7 @@ def test_it_leads_from_the_shape_before_to_the_pose_after(first, second, step, s
     np.testing.assert_allclose(np.degrees(made), [0, 0, second - first], atol=1e-6)
 
 
-def test_swept_it_begins_with_the_shape_before(state):
+def test_gesture_motion_begins_with_the_shape_before_when_swept(state):
     before = shown(state, turned(state.document, 90))
     motion = gesture_motion(before, turned(before.document, 150))
     first, *_, last = sweep_of(motion, 2, methods=["exact"], iterations=1).steps()
@@ -68,7 +68,7 @@ def test_swept_it_begins_with_the_shape_before(state):
     assert last.degrees == pytest.approx(60.0)
 
 
-def test_what_is_no_motion_of_handles_alone_has_none(state):
+def test_gesture_motion_is_none_for_what_is_no_motion_of_handles_alone(state):
     before = shown(state, turned(state.document, 60))
     document = before.document
     moved = turned(document, 120)

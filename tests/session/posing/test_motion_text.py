@@ -57,7 +57,7 @@ POSES = {
 
 
 @pytest.mark.parametrize("text", POSES)
-def test_a_motion_ends_where_its_words_say(text, state):
+def test_motion_paths_end_where_the_words_say(text, state):
     wanted = np.asarray(POSES[text], dtype=float)
     if wanted.shape == (3,):
         wanted = np.block([[np.eye(3), wanted[:, None]], [np.zeros((1, 3)), 1.0]])
@@ -69,13 +69,13 @@ def test_a_motion_ends_where_its_words_say(text, state):
     assert not other.moves
 
 
-def test_all_amounts_grow_together(state):
+def test_motion_paths_let_all_amounts_grow_together(state):
     whole, half = (paths(state, text)[0] for text in ("twist 300deg; push 40%", "twist 150deg; push 20%"))
     np.testing.assert_allclose(whole.at(0.5), half.at(1.0), atol=1e-12)
     assert np.degrees(whole.angle) == pytest.approx(300)
 
 
-def test_steps_follow_each_other_and_name_their_handle(state):
+def test_motion_paths_follow_steps_in_turn_for_the_handles_that_they_name(state):
     top, middle = paths(state, "turn 90 about x; move 0 0 1; Handle 2: push 1; scale 2")
     pose = turned([1, 0, 0], 90, TOP)
     pose[2, 3] += 1
@@ -84,7 +84,7 @@ def test_steps_follow_each_other_and_name_their_handle(state):
 
 
 @pytest.mark.parametrize("degrees", [40, 400, -1000])
-def test_a_twist_is_that_of_the_window_and_of_the_sweep(degrees, state):
+def test_motion_paths_twist_as_the_window_and_the_sweep_do(degrees, state):
     document = state.document
     *_, pose = poses_along(document, 0, TypedMotion.TWIST, np.radians(degrees))
     path = paths(state, f"twist {degrees}")[0]
@@ -97,7 +97,7 @@ def test_a_twist_is_that_of_the_window_and_of_the_sweep(degrees, state):
     assert np.degrees(posed.handles[0].rotation) == pytest.approx([0, 0, degrees], abs=1e-6)
 
 
-def test_turns_of_opposite_signs_do_not_make_a_way_shorter(state):
+def test_posed_along_makes_no_way_shorter_for_turns_of_opposite_signs(state):
     """The sum of their angles is none, and the way leads through none of the poses between."""
     motion = "turn 200deg about x; turn -200deg about y"
     posed = posed_along(state.document, paths(state, motion)).handles[0]
@@ -105,7 +105,7 @@ def test_turns_of_opposite_signs_do_not_make_a_way_shorter(state):
     np.testing.assert_allclose(posed.pose, paths(state, motion)[0].at(1.0), atol=1e-12)
 
 
-def test_words_are_written_in_one_way():
+def test_typed_step_writes_its_words_in_one_way():
     first, second = (
         parsed_motion(text) for text in ("Twist  120deg ;; push 30%", "handle 1: twist 120deg; push 30%")
     )
@@ -134,12 +134,12 @@ WRONG = {
 
 
 @pytest.mark.parametrize("text", WRONG)
-def test_what_is_no_motion_is_said(text, state):
+def test_parsed_motion_says_what_is_no_motion(text, state):
     with pytest.raises(InputError, match=WRONG[text]):
         paths(state, text)
 
 
-def test_a_length_needs_the_unit_of_the_mesh(state):
+def test_check_amounts_needs_the_unit_of_the_mesh_for_a_length(state):
     with pytest.raises(InputError, match="unit of the mesh is not set; choose it") as refused:
         check_amounts(parsed_motion("push 2mm"), Unit.NONE)
     assert str(pickle.loads(pickle.dumps(refused.value))) == str(refused.value)

@@ -34,7 +34,7 @@ def titles(start, motion, amount):
 
 @pytest.mark.parametrize("amount", [0.3, -2.5, 4.0, -7.0, 20.0])
 @pytest.mark.parametrize("kind", ["TURN", "MOVE"])
-def test_a_drag_is_named_as_the_motion_typed(rest, posed, kind, amount):
+def test_title_between_names_a_drag_as_the_motion_typed(rest, posed, kind, amount):
     for start in (rest, posed):
         for letter in "XYZ":
             typed, dragged = titles(start, TypedMotion[f"{kind}_{letter}"], amount)
@@ -42,30 +42,30 @@ def test_a_drag_is_named_as_the_motion_typed(rest, posed, kind, amount):
             assert "−" in typed if amount < 0 else "+" in typed
 
 
-def test_a_scaling_is_named_by_its_factor(posed):
+def test_title_between_names_a_scaling_by_its_factor(posed):
     typed, dragged = titles(posed, TypedMotion.SCALE, 0.8)
     assert dragged == typed == "Scale ×0.8 (Handle 1)"
 
 
-def test_turning_back_has_the_opposite_sign(rest):
+def test_title_between_gives_turning_back_the_opposite_sign(rest):
     turned = MotionPlan(rest, 0, TypedMotion.TURN_Y, 7.0).end()
     back = MotionPlan(turned, 0, TypedMotion.TURN_Y, -6.0).end()
     assert title_between(turned, back, 0, Unit.NONE) == f"Rotate about y −{np.rad2deg(6.0):.4g}° (Handle 1)"
 
 
-def test_along_no_axis_there_is_the_amount_alone(rest):
+def test_title_between_has_the_amount_alone_along_no_axis(rest):
     moved = rest.moved(0, shifted([3.0, 4.0, 0.0]))
     assert title_between(rest, moved, 0, Unit.MILLIMETRE) == "Move 5\u00a0mm (Handle 1)"
     turned = rest.moved(0, turned_about([1, 1, 6], [1, 1, 0], 0.5))
     assert title_between(rest, turned, 0, Unit.NONE) == "Rotate +28.65° (Handle 1)"
 
 
-def test_a_motion_of_several_kinds_has_no_amount(rest):
+def test_title_between_has_no_amount_for_a_motion_of_several_kinds(rest):
     screw = shifted([0.0, 2.0, 0.0]) @ turned_about([1, 1, 6], [0, 1, 0], 0.5)
     assert title_between(rest, rest.moved(0, screw), 0, Unit.NONE) == "Move handle (Handle 1)"
 
 
-def test_all_moved_handles_are_named(rest):
+def test_title_between_names_all_moved_handles(rest):
     two = replace(rest, handles=(*rest.handles, Handle("Tail"), Handle("Ear")))
     moved = two.moved(0, shifted([1.0, 0.0, 0.0])).moved(1, shifted([1.0, 0.0, 0.0]))
     assert title_between(two, moved, 0, Unit.NONE) == "Move along x +1 (Handle 1, Tail)"

@@ -34,11 +34,11 @@ def where(session) -> list[np.ndarray]:
     return [handle.pose for handle in document(session).handles]
 
 
-def test_a_pose_that_is_kept_is_said_by_name(kept):
+def test_poses_keep_says_the_kept_pose_by_name(kept):
     assert kept.told[-1] == f"Kept as “{document(kept).poses[-1].name}”."
 
 
-def test_to_go_to_a_pose_is_one_step_that_the_shape_follows(kept):
+def test_poses_go_is_one_step_that_the_shape_follows(kept):
     assert [each.name for each in document(kept).poses] == ["Pose 1", "Pose 2"]
     before, second = kept.store.state, where(kept)
     kept.poses.go(0)
@@ -57,7 +57,7 @@ def test_to_go_to_a_pose_is_one_step_that_the_shape_follows(kept):
     assert kept.store.state is before
 
 
-def test_next_and_previous_go_around_and_do_not_stop_at_the_same_place(kept):
+def test_poses_step_goes_around_both_ways_and_does_not_stop_at_the_same_place(kept):
     kept.poses.keep()
     assert is_at(document(kept), document(kept).poses[2])
     kept.poses.step(1)
@@ -85,7 +85,7 @@ def test_poses_are_renamed_updated_and_removed_and_all_is_undone(kept):
     assert document(kept).poses == (first, second)
 
 
-def test_full_turns_are_kept_too(kept):
+def test_poses_keep_full_turns_too(kept):
     kept.handles.move_by(TypedMotion.TURN_Y, "400deg", 0)
     kept.poses.keep()
     turned = document(kept).handles[0].rotation
@@ -97,7 +97,7 @@ def test_full_turns_are_kept_too(kept):
     assert not is_at(document(kept), document(kept).poses[2])
 
 
-def test_paint_grips_anew_and_poses_stay_where_they_are(kept):
+def test_poses_stay_where_they_are_when_paint_grips_anew(kept):
     there = placements(document(kept))
     free = np.flatnonzero(document(kept).labels == FREE)
     kept.stroke(free[:3], BASE)
@@ -113,7 +113,7 @@ def test_paint_grips_anew_and_poses_stay_where_they_are(kept):
     np.testing.assert_allclose(where(kept)[0], BENT, atol=1e-9)
 
 
-def test_after_baking_a_pose_is_the_same_place(kept):
+def test_poses_are_the_same_places_after_baking(kept):
     kept.poses.go(0)
     kept.settle()
     mine = document(kept).labels == HANDLE
@@ -131,7 +131,7 @@ def test_after_baking_a_pose_is_the_same_place(kept):
     np.testing.assert_allclose(found.targets[rows[0]], there.targets[rows[1]], atol=1e-9)
 
 
-def test_a_handle_that_is_gone_is_named_and_the_others_go(kept):
+def test_poses_go_names_a_handle_that_is_gone_and_the_others_go(kept):
     kept.parts.rename_handle(0, "Head")
     kept.parts.remove_handle(1)
     kept.poses.go(0)
@@ -146,7 +146,7 @@ def test_a_handle_that_is_gone_is_named_and_the_others_go(kept):
     assert kept.store.state is before
 
 
-def test_without_a_pose_or_a_handle_there_is_a_sentence(session):
+def test_poses_answer_in_a_sentence_without_a_pose_or_a_handle(session):
     session.poses.step(1)
     assert "keep one first" in session.failed[-1]
     session.stroke(np.flatnonzero(document(session).labels == HANDLE), FREE)

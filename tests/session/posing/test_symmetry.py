@@ -51,7 +51,7 @@ def poses(session: Driven) -> list[np.ndarray]:
     return [handle.pose for handle in session.store.state.document.handles]
 
 
-def test_partners_are_found_by_their_paint(winged):
+def test_partner_of_finds_partners_by_their_paint(winged):
     document = winged.store.state.document
     assert [partner_of(document, k).number for k in range(3)] == [1, 0, 2]
     assert [partner_of(document, k).share for k in range(3)] == [1.0, 1.0, 1.0]
@@ -62,7 +62,7 @@ def test_partners_are_found_by_their_paint(winged):
 
 
 @pytest.mark.parametrize("how", ["drag", "typed", "keys"])
-def test_the_shape_stays_symmetric_and_is_one_step(winged, how):
+def test_symmetry_keeps_the_shape_symmetric_in_one_step(winged, how):
     winged.settle()
     before, steps = winged.store.state, len(winged.gestures.history.done)
     bent = shifted([0.3, 0.4, 0.1]) @ turned_about([8.5, 0, 0], [1, 2, 3], 0.5)
@@ -83,7 +83,7 @@ def test_the_shape_stays_symmetric_and_is_one_step(winged, how):
     assert winged.store.state is before
 
 
-def test_the_partner_winds_as_far_the_other_way_round(winged):
+def test_symmetry_winds_the_partner_as_far_the_other_way_round(winged):
     winged.handles.move_by(TypedMotion.TURN_Y, "400deg", 0)
     right, left = winged.store.state.document.handles[:2]
     assert right.winds
@@ -94,7 +94,7 @@ def test_the_partner_winds_as_far_the_other_way_round(winged):
     assert not winged.store.state.document.handles[0].waypoints
 
 
-def test_both_are_named_and_reset_together(winged):
+def test_symmetry_names_both_handles_and_resets_them_together(winged):
     winged.handles.move_by(TypedMotion.MOVE_Y, "0.2", 0)
     assert winged.gestures.history.next_undo == "Move along y +0.2 (Handle 1, Handle 2)"
     winged.drag(shifted([0.0, 0.5, 0.0]))
@@ -104,7 +104,7 @@ def test_both_are_named_and_reset_together(winged):
         np.testing.assert_array_equal(pose, np.eye(4))
 
 
-def test_a_handle_on_the_plane_moves_within_it(winged):
+def test_symmetry_moves_a_handle_on_the_plane_within_it(winged):
     winged.drag(shifted([0.4, 0.3, 0.2]), which=2)
     np.testing.assert_allclose(poses(winged)[2], shifted([0.0, 0.3, 0.2]), atol=1e-12)
     winged.settle()
@@ -119,7 +119,7 @@ def test_a_handle_on_the_plane_moves_within_it(winged):
     assert winged.store.state.document.handles[2].rotation[0] == pytest.approx(np.deg2rad(200))
 
 
-def test_the_other_side_is_painted_and_already_posed(winged):
+def test_paint_partner_paints_the_other_side_already_posed(winged):
     winged.gestures.begin()
     winged.painting.paint(np.flatnonzero(winged.store.state.document.labels == HANDLE + 1), FREE)
     winged.painting.end_stroke("Erase")
@@ -156,7 +156,7 @@ def test_symmetry_is_undone_saved_and_replayed(winged, tmp_path):
     assert np.abs(result.U - winged.U).max() < 1e-3
 
 
-def test_without_a_mirror_image_a_handle_moves_alone(session):
+def test_symmetry_lets_a_handle_without_a_mirror_image_move_alone(session):
     V, F = box(2, 2, 6)
     session.show_now(Mesh(V, F))
     session.paint_ends()

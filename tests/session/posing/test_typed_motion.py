@@ -34,7 +34,7 @@ def bent(session):
 
 
 @pytest.mark.parametrize("letter", "XYZ")
-def test_a_length_moves_along_an_axis_by_so_much(bent, letter):
+def test_move_by_moves_along_an_axis_by_the_length(bent, letter):
     bent.handles.move_by(TypedMotion[f"MOVE_{letter}"], "0.15L + 0.1", 0)
     expected = np.eye(4)
     expected[:3, 3] = (0.15 * max(bent.store.state.inspection.size) + 0.1) * np.array(AXES[letter])
@@ -42,7 +42,7 @@ def test_a_length_moves_along_an_axis_by_so_much(bent, letter):
 
 
 @pytest.mark.parametrize("letter", "XYZ")
-def test_an_angle_turns_about_the_centre_and_bends_about_that_of_the_base(bent, letter):
+def test_move_by_turns_about_the_centre_and_bends_about_that_of_the_base_by_an_angle(bent, letter):
     for kind, which in (("TURN", 1), ("BEND", 0)):
         fixed = centres(bent)[which]
         bent.handles.move_by(TypedMotion[f"{kind}_{letter}"], "30deg", 0)
@@ -51,7 +51,7 @@ def test_an_angle_turns_about_the_centre_and_bends_about_that_of_the_base(bent, 
         np.testing.assert_allclose(transform(motion, fixed[None])[0], fixed, atol=1e-12)
 
 
-def test_a_twist_turns_about_the_line_between_the_centres(bent):
+def test_move_by_twists_about_the_line_between_the_centres(bent):
     base, handle = centres(bent)
     bent.handles.move_by(TypedMotion.TWIST, "1/6 turn", 0)
     motion = by(bent)
@@ -60,14 +60,14 @@ def test_a_twist_turns_about_the_line_between_the_centres(bent):
     assert np.trace(motion[:3, :3]) == pytest.approx(1 + 2 * np.cos(np.pi / 3), rel=1e-12)
 
 
-def test_a_factor_scales_about_the_centre(bent):
+def test_move_by_scales_about_the_centre_by_a_factor(bent):
     _, handle = centres(bent)
     bent.handles.move_by(TypedMotion.SCALE, "80%", 0)
     np.testing.assert_allclose(by(bent)[:3, :3], 0.8 * np.eye(3), atol=1e-12)
     np.testing.assert_allclose(centres(bent)[1], handle, atol=1e-12)
 
 
-def test_a_motion_is_one_step_and_the_shape_follows(bent):
+def test_move_by_is_one_step_and_the_shape_follows(bent):
     before, steps = bent.store.state, len(bent.gestures.history.done)
     bent.handles.move_by(TypedMotion.TWIST, "20", 0)
     assert bent.gestures.history.done[steps:] == ["Twist +20° (Handle 1)"]
@@ -79,27 +79,27 @@ def test_a_motion_is_one_step_and_the_shape_follows(bent):
 
 
 @pytest.mark.parametrize("text", ["", "60mm", "L", "1/0", "sixty"])
-def test_what_is_no_angle_is_refused_in_a_sentence_and_nothing_moves(bent, text):
+def test_move_by_refuses_what_is_no_angle_in_a_sentence_and_nothing_moves(bent, text):
     before = bent.store.state.document
     with pytest.raises(InputError, match=r"\.$"):
         bent.handles.move_by(TypedMotion.TWIST, text, 0)
     assert bent.store.state.document is before
 
 
-def test_a_length_with_a_unit_is_converted_to_the_meshs(bent):
+def test_amount_of_converts_a_length_with_a_unit_to_that_of_the_mesh(bent):
     assert amount_of(TypedMotion.MOVE_X, "25mm", bent.store.state, Unit.CENTIMETRE) == pytest.approx(2.5)
     names = names_of(bent.store.state)
     assert names["L"] == max(names["X"], names["Y"], names["Z"])
     assert names["D"] == pytest.approx(np.linalg.norm([names[side] for side in "XYZ"]), rel=1e-12)
 
 
-def test_without_a_base_or_a_handle_it_is_said_what_to_paint(empty):
+def test_pose_after_says_what_to_paint_without_a_base_or_a_handle(empty):
     empty.show_now(bar())
     with pytest.raises(InputError, match="paint it first"):
         pose_after(empty.store.state.document, 0, TypedMotion.TWIST, 1.0)
 
 
-def test_presses_that_follow_each_other_are_one_step(bent):
+def test_handles_pose_makes_one_step_of_presses_that_follow_each_other(bent):
     steps = len(bent.gestures.history.done)
     for _ in range(5):
         pose = bent.store.state.document.handles[0].pose.copy()
@@ -117,7 +117,7 @@ def test_presses_that_follow_each_other_are_one_step(bent):
     assert bent.gestures.history.done[steps:] == ["Nudge handle", "Change stiffness", "Nudge handle"]
 
 
-def test_a_press_after_an_undo_is_a_step_of_its_own(bent):
+def test_handles_pose_makes_a_press_after_an_undo_a_step_of_its_own(bent):
     pose = bent.store.state.document.handles[0].pose.copy()
     for shift in (0.01, 0.02):
         pose[0, 3] += shift
@@ -129,7 +129,7 @@ def test_a_press_after_an_undo_is_a_step_of_its_own(bent):
     assert bent.store.state is before
 
 
-def test_one_handle_is_put_back_and_the_paint_stays(bent):
+def test_handles_reset_puts_one_handle_back_and_the_paint_stays(bent):
     labels = bent.store.state.document.labels
     bent.handles.reset(0)
     assert not bent.store.state.document.posed
@@ -149,14 +149,14 @@ def test_one_handle_is_put_back_and_the_paint_stays(bent):
         ("SCALE", "120%", "Scale ×1.2 (Cap)"),
     ],
 )
-def test_a_step_names_the_amount_and_the_handle(bent, motion, text, name):
+def test_move_by_names_the_amount_and_the_handle_in_its_step(bent, motion, text, name):
     bent.store.unit = Unit.CENTIMETRE
     bent.parts.rename_handle(0, "Cap")
     bent.handles.move_by(TypedMotion[motion], text, 0)
     assert bent.gestures.history.next_undo == name
 
 
-def test_travelling_leads_to_the_very_states_that_were_there(bent):
+def test_travel_leads_to_the_very_states_that_were_there(bent):
     states = [bent.store.state]
     start = len(bent.gestures.history.done)
     for angle in (5, 10, 15):
@@ -175,7 +175,7 @@ def test_travelling_leads_to_the_very_states_that_were_there(bent):
     ("motion", "total"),
     [("TWIST", "30deg"), ("TURN_Y", "-250deg"), ("MOVE_Z", "1.5"), ("SCALE", "1.25"), ("BEND_X", "20deg")],
 )
-def test_a_total_is_reached_from_wherever_the_handle_is(session, motion, total):
+def test_move_by_reaches_a_total_from_wherever_the_handle_is(session, motion, total):
     session.handles.move_by(TypedMotion[motion], total, 0)
     there = session.store.state.document.handles[0]
     session.gestures.undo()

@@ -46,7 +46,7 @@ MESHES = {"small": box(), "large": sphere(4)}
 
 
 @pytest.mark.parametrize("size", MESHES)
-def test_a_document_arrives_with_all_its_arrays_once(line, size):
+def test_array_pipe_brings_a_document_with_all_its_arrays_once(line, size):
     document = opened(Mesh(*MESHES[size])).document.painted(np.arange(5), BASE)
     there = line.sent((document, document.labels))
     assert np.array_equal(there[0].labels, document.labels)
@@ -63,7 +63,7 @@ def test_a_document_arrives_with_all_its_arrays_once(line, size):
     assert line.bytes < first / 2
 
 
-def test_what_arrives_is_read_only_whole_and_its_own(line):
+def test_array_pipe_brings_arrays_read_only_whole_and_their_own(line):
     arrays = [
         np.arange(100_000.0).reshape(-1, 4)[::2, ::-1],
         np.asfortranarray(np.arange(60_000).reshape(300, 200)),
@@ -82,12 +82,12 @@ def test_what_arrives_is_read_only_whole_and_its_own(line):
     assert np.array_equal(there[0], first)
 
 
-def test_equal_arrays_that_are_two_stay_two(line):
+def test_array_pipe_keeps_equal_arrays_that_are_two_as_two(line):
     a, b = line.sent((np.zeros(5000), np.zeros(5000)))
     assert a is not b
 
 
-def test_what_is_no_longer_mentioned_is_let_go_on_both_sides(line):
+def test_array_pipe_lets_go_on_both_sides_what_is_no_longer_mentioned(line):
     kept, dropped = np.zeros(5000), np.ones(5000)
     here = weakref.ref(dropped)
     there = [weakref.ref(array) for array in line.sent((kept, dropped))]
@@ -99,12 +99,12 @@ def test_what_is_no_longer_mentioned_is_let_go_on_both_sides(line):
     assert here() is None
 
 
-def test_an_array_in_the_place_of_one_that_is_gone_is_not_taken_for_it(line):
+def test_array_pipe_takes_no_array_for_one_that_is_gone_from_its_place(line):
     for k in range(50):
         assert line.sent(np.full(3000, float(k)))[0] == k
 
 
-def test_messages_follow_each_other_and_end():
+def test_array_pipe_read_gives_message_after_message_and_ends():
     file = io.BytesIO()
     for message in (b"one", b"", b"three" * 10_000):
         array_pipe.write(file, message)
@@ -117,7 +117,7 @@ def test_messages_follow_each_other_and_end():
             pass
 
 
-def test_a_tray_tells_each_side_what_the_other_has_done():
+def test_tray_tells_each_side_what_the_other_has_done():
     ours = shared_memory.Tray(4)
     theirs = shared_memory.Tray(4, ours.name)
     assert theirs.free
@@ -137,7 +137,7 @@ def test_a_tray_tells_each_side_what_the_other_has_done():
         shared_memory.Tray(4, name)
 
 
-def test_a_block_that_cannot_be_had_leaves_nothing(monkeypatch):
+def test_tray_leaves_nothing_of_a_block_that_cannot_be_had(monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 

@@ -37,7 +37,7 @@ def child():
     child.end()
 
 
-def test_messages_come_and_go_until_it_is_ended(child, caplog):
+def test_child_process_sends_and_receives_messages_until_it_is_ended(child, caplog):
     child.start()
     assert child.pid
     for message in (b"one", b"", b"two" * 10_000):
@@ -51,7 +51,7 @@ def test_messages_come_and_go_until_it_is_ended(child, caplog):
     assert caplog.text == "", "it was ended on purpose"
 
 
-def test_what_it_prints_is_logged(child, caplog):
+def test_child_process_logs_what_it_prints(child, caplog):
     caplog.set_level("INFO", "apd_viewer")
     child.start()
     assert child.send(b"one")
@@ -60,7 +60,7 @@ def test_what_it_prints_is_logged(child, caplog):
     assert caplog.messages == ["The echo process says: printed"]
 
 
-def test_one_that_is_killed_on_purpose_is_no_failure(child, caplog):
+def test_child_process_killed_on_purpose_is_no_failure(child, caplog):
     child.start()
     child.send(b"sleep")
     started = time.monotonic()
@@ -71,7 +71,7 @@ def test_one_that_is_killed_on_purpose_is_no_failure(child, caplog):
     assert caplog.text == ""
 
 
-def test_an_exception_reaches_the_log_with_the_exit_code(child, caplog, capfd):
+def test_child_process_logs_an_exception_with_the_exit_code(child, caplog, capfd):
     child.start()
     child.send(b"fail")
     assert child.receive() is None
@@ -82,7 +82,7 @@ def test_an_exception_reaches_the_log_with_the_exit_code(child, caplog, capfd):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to crash by")
-def test_a_crash_reaches_the_log_with_where_it_was(child, caplog):
+def test_child_process_logs_a_crash_with_where_it_was(child, caplog):
     child.start()
     child.send(b"crash")
     assert child.receive() is None
@@ -92,7 +92,7 @@ def test_a_crash_reaches_the_log_with_where_it_was(child, caplog):
     assert "in serve" in caplog.text
 
 
-def test_after_a_failure_it_can_be_started_again(child):
+def test_child_process_can_be_started_again_after_a_failure(child):
     child.start()
     child.send(b"fail")
     assert child.receive() is None
@@ -101,7 +101,7 @@ def test_after_a_failure_it_can_be_started_again(child):
     assert child.receive() == b"one"
 
 
-def test_one_that_cannot_be_started_is_logged(child, caplog, monkeypatch):
+def test_child_process_logs_that_it_cannot_be_started(child, caplog, monkeypatch):
     monkeypatch.setattr(sys, "executable", "/no/such/python")
     with pytest.raises(OSError, match="such"):
         child.start()
@@ -111,7 +111,7 @@ def test_one_that_cannot_be_started_is_logged(child, caplog, monkeypatch):
 @pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="prctl is of Linux; elsewhere a child ends with its input"
 )
-def test_one_whose_owner_has_gone_before_it_began_ends_at_once():
+def test_child_process_ends_at_once_when_its_owner_has_gone_before_it_began():
     script, nobody = START.format(module="no_such_module"), "0"
     done = subprocess.run([sys.executable, "-c", script, nobody, *sys.path], check=False, timeout=60)
     assert done.returncode == 0

@@ -38,12 +38,12 @@ assert told[-1] == share and len(told) < 10, told
 """
 
 
-def test_every_compilation_is_told_and_no_call():
+def test_tell_of_compiling_tells_every_compilation_and_no_call():
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     subprocess.run([sys.executable, "-c", TOLD], check=True, env=environment, timeout=60)
 
 
-def test_all_is_told_last_and_once(monkeypatch):
+def test_compilation_tells_all_last_and_once(monkeypatch):
     told, stopped = [], []
 
     def listening(tell):
@@ -57,7 +57,7 @@ def test_all_is_told_last_and_once(monkeypatch):
     assert stopped == [3]
 
 
-def test_a_solver_that_compiles_is_not_silent():
+def test_solver_main_is_not_silent_while_it_compiles():
     told, (source, end) = [], os.pipe()
 
     def work_until_something_is_told(_):
@@ -72,7 +72,7 @@ def test_a_solver_that_compiles_is_not_silent():
 
 
 @pytest.mark.usefixtures("process")
-def test_a_solver_with_with_all_kernels_in_the_cache_tells_that_it_is_done():
+def test_compilation_tells_that_it_is_done_with_all_kernels_in_the_cache():
     worker = Worker(lambda: None)
     try:
         state = opened(Mesh(*tube(8, 8)))
@@ -85,7 +85,7 @@ def test_a_solver_with_with_all_kernels_in_the_cache_tells_that_it_is_done():
         worker.close()
 
 
-def test_another_process_compiles_a_part():
+def test_compilation_compiles_a_part_in_another_process():
     process = ChildProcess("compiler", START.format(module="processes.compilation"))
     process.start()
     try:

@@ -42,7 +42,7 @@ def check_clear(session):
         assert clearance(solid, shift, state.frame.U, state.document.mesh.F) > 0.0
 
 
-def test_a_plate_presses_what_nothing_holds_and_undo_takes_it_back(plates):
+def test_obstacles_move_presses_what_nothing_holds_and_undo_takes_it_back(plates):
     frame = push(plates, 0.3)
     assert plates.store.activity is Activity.SETTLED
     assert np.allclose(frame.shifts, [0.0 * X, -0.3 * X])
@@ -62,7 +62,7 @@ def test_a_plate_presses_what_nothing_holds_and_undo_takes_it_back(plates):
     assert plates.failed == []
 
 
-def test_a_killed_process_goes_on_with_plates_where_they_were(plates, processes):
+def test_worker_goes_on_with_plates_where_they_were_after_its_process_is_killed(plates, processes):
     before = push(plates, 0.3)
     os.kill(processes[-1].pid, SIGKILL)
     plates.until(lambda: len(plates.told) == 1)
@@ -73,7 +73,7 @@ def test_a_killed_process_goes_on_with_plates_where_they_were(plates, processes)
     assert after.loads[1, 0] > before.loads[1, 0]
 
 
-def test_a_base_painted_between_pressed_plates_stays_where_it_is(plates):
+def test_obstacles_leave_a_base_painted_between_pressed_plates_where_it_is(plates):
     before = push(plates, 0.3)
     low, _ = ends(plates.store.state.document.mesh.V)
     plates.stroke(low, BASE)
@@ -84,7 +84,7 @@ def test_a_base_painted_between_pressed_plates_stays_where_it_is(plates):
     assert plates.failed == []
 
 
-def test_without_contact_paint_is_missing_and_with_it_again_nothing_is(plates):
+def test_keep_apart_leaves_paint_missing_when_off_and_nothing_when_on_again(plates):
     push(plates, 0.2)
     plates.settings.keep_apart(False)
     assert "base" in plates.store.state.document.problem

@@ -68,7 +68,7 @@ def altered(monkeypatch):
 # Killed
 
 
-def test_a_process_killed_in_a_drag_five_times_loses_nothing(session, processes):
+def test_worker_loses_nothing_when_its_process_is_killed_in_a_drag_five_times(session, processes):
     session.settings.set_method("arap")
     session.gestures.begin()
     for k in range(5):  # more often than a request is given up after
@@ -94,7 +94,7 @@ def test_a_process_killed_in_a_drag_five_times_loses_nothing(session, processes)
     assert "nothing was lost" in session.told[0]
 
 
-def test_without_a_word_from_the_user_it_goes_on_from_the_last_shape(empty, altered, processes):
+def test_worker_goes_on_from_the_last_shape_without_a_word_from_the_user(empty, altered, processes):
     altered(
         """
         import time
@@ -121,7 +121,7 @@ def test_without_a_word_from_the_user_it_goes_on_from_the_last_shape(empty, alte
         assert np.abs(state.frame.U - U).max() < 0.2 * np.abs(U - rest).max()
 
 
-def test_a_process_killed_at_rest_is_replaced_and_nothing_moves(session, processes):
+def test_worker_replaces_a_process_killed_at_rest_and_nothing_moves(session, processes):
     session.drag(BENT)
     session.settle()
     state = session.store.state
@@ -136,7 +136,7 @@ def test_a_process_killed_at_rest_is_replaced_and_nothing_moves(session, process
     assert session.store.activity is Activity.SETTLED
 
 
-def test_a_request_that_kills_every_process_is_given_up_in_a_sentence(empty, altered, monkeypatch):
+def test_worker_gives_up_in_a_sentence_a_request_that_kills_every_process(empty, altered, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(process_client, "ChildProcess", forked.Quick)  # again in the end
         altered(
@@ -163,7 +163,7 @@ def test_a_request_that_kills_every_process_is_given_up_in_a_sentence(empty, alt
     assert len(empty.failed) == 1
 
 
-def test_an_error_in_the_process_reaches_the_log_of_its_owner(empty, altered, caplog):
+def test_worker_gets_an_error_in_its_process_into_the_log_of_its_owner(empty, altered, caplog):
     altered(
         """
         from apd_viewer.geometry.solver.deformation import Deformation
@@ -183,7 +183,7 @@ def test_an_error_in_the_process_reaches_the_log_of_its_owner(empty, altered, ca
 # Not started
 
 
-def test_a_process_that_ends_at_once_is_said(empty, monkeypatch):
+def test_worker_says_that_its_process_ends_at_once(empty, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(
             process_client, "ChildProcess", lambda title, _: ChildProcess(title, "raise SystemExit(3)")
@@ -199,7 +199,7 @@ def test_a_process_that_ends_at_once_is_said(empty, monkeypatch):
     assert empty.store.activity is Activity.SETTLED
 
 
-def test_a_process_that_cannot_be_started_is_said(empty, monkeypatch):
+def test_worker_says_that_its_process_cannot_be_started(empty, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(process_client, "ChildProcess", ChildProcess)
         patch.setattr(sys, "executable", "/no/such/python")
@@ -247,7 +247,7 @@ def children_of(processes: list[ChildProcess]) -> list[int]:
 
 
 @linux
-def test_a_factorization_that_has_become_useless_is_ended(factoring, processes):
+def test_far_factor_is_ended_when_it_has_become_useless(factoring, processes):
     (useless,) = children_of(processes)
     factoring.show_now(bar())
     factoring.paint_ends()
@@ -261,7 +261,7 @@ def test_a_factorization_that_has_become_useless_is_ended(factoring, processes):
 
 
 @linux
-def test_a_factorization_that_is_needed_goes_on_whatever_the_pose(factoring, processes):
+def test_far_factor_that_is_needed_goes_on_whatever_the_pose(factoring, processes):
     before = children_of(processes)
     factoring.drag(pose(0.1), pose(0.2))
     factoring.listen(0.3)
@@ -270,7 +270,7 @@ def test_a_factorization_that_is_needed_goes_on_whatever_the_pose(factoring, pro
 
 @linux
 @pytest.mark.parametrize("method", ["exact", "arap", "local"])
-def test_the_shape_follows_the_hand_while_it_is_factored(factoring, method):
+def test_solver_lets_the_shape_follow_the_hand_while_it_is_factored(factoring, method):
     factoring.settings.set_method(method)
     factoring.gestures.begin()
     held = None
@@ -289,7 +289,7 @@ def test_the_shape_follows_the_hand_while_it_is_factored(factoring, method):
 
 
 @linux
-def test_closing_ends_a_factorization_at_once(factoring, processes):
+def test_session_close_ends_a_factorization_at_once(factoring, processes):
     before = [processes[-1].pid, *children_of(processes)]
     started = time.monotonic()
     factoring.close()
@@ -301,7 +301,7 @@ def test_closing_ends_a_factorization_at_once(factoring, processes):
 
 
 @linux
-def test_a_killed_process_takes_its_factorization_along(factoring, processes):
+def test_far_factor_goes_along_with_a_killed_process(factoring, processes):
     (before,) = children_of(processes)
     kill(processes, factoring)
     factoring.until(lambda: gone(before), 5.0)  # it may not have loaded yet what lets it notice
@@ -309,7 +309,7 @@ def test_a_killed_process_takes_its_factorization_along(factoring, processes):
 
 
 @linux
-def test_a_factorization_that_dies_is_begun_again(factoring, processes):
+def test_far_factor_that_dies_is_begun_again(factoring, processes):
     factoring.drag(pose(0.1))
     (before,) = children_of(processes)
     os.kill(before, SIGKILL)
@@ -317,7 +317,7 @@ def test_a_factorization_that_dies_is_begun_again(factoring, processes):
     assert factoring.failed == factoring.told == []
 
 
-def test_to_ask_never_waits(endless):
+def test_worker_ask_never_waits(endless):
     mesh = Mesh(*box(20, 20, 40))
     base, top = ends(mesh.V)
     document = opened(mesh).document.painted(base, BASE).painted(top, HANDLE)
@@ -333,7 +333,7 @@ def test_to_ask_never_waits(endless):
 
 
 @linux
-def test_a_large_mesh_ends_where_a_small_one_would(empty, altered, processes):
+def test_solver_ends_with_a_large_mesh_where_it_would_with_a_small_one(empty, altered, processes):
     altered("from apd_viewer.session.processes import solver; solver.LARGE = 2500\n")
     empty.show_now(Mesh(*box(20, 20, 40)))
     empty.paint_ends()
@@ -351,7 +351,7 @@ def test_a_large_mesh_ends_where_a_small_one_would(empty, altered, processes):
     assert empty.store.state.frame.converged
 
 
-def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, processes, capfd):
+def test_worker_keeps_what_is_known_of_a_mesh_beyond_its_process(empty, altered, processes, capfd):
     altered(
         """
         import sys
@@ -418,7 +418,7 @@ def script(tmp_path, wait: bool) -> list[str]:
     return [sys.executable, "-W", "error", str(path)]
 
 
-def test_a_script_without_a_guard_runs_once(tmp_path):
+def test_start_process_runs_a_script_without_a_guard_once(tmp_path):
     done = subprocess.run(
         script(tmp_path, False), cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
     )
@@ -433,7 +433,7 @@ def blocks_of(pid: int) -> set[str]:
 
 
 @linux
-def test_a_process_whose_owner_is_killed_goes_and_leaves_no_memory(tmp_path):
+def test_solver_main_ends_and_leaves_no_memory_when_its_owner_is_killed(tmp_path):
     owner = subprocess.Popen(
         script(tmp_path, True), cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
     )
@@ -450,7 +450,7 @@ def test_a_process_whose_owner_is_killed_goes_and_leaves_no_memory(tmp_path):
 
 
 @linux
-def test_sessions_leave_no_process_no_memory_and_no_open_file():
+def test_session_leaves_no_process_no_memory_and_no_open_file():
     def left():
         return len(os.listdir("/proc/self/fd")), blocks_of(os.getpid())  # noqa: PTH208
 
@@ -471,7 +471,7 @@ def test_sessions_leave_no_process_no_memory_and_no_open_file():
 
 
 @pytest.mark.parametrize("times", [8, pytest.param(40, marks=pytest.mark.night)])
-def test_interleavings(times):
+def test_session_shows_only_what_was_asked_for_in_whatever_order_a_user_acts(times):
     assert interleavings.play(times) > 10 * times
 
 
@@ -482,7 +482,7 @@ def resident(pid: int | str) -> int:
 
 @linux
 @pytest.mark.parametrize("events", [600, pytest.param(3000, marks=pytest.mark.night)])
-def test_memory_does_not_grow_with_the_events_of_a_drag(session, processes, events):
+def test_session_takes_no_more_memory_with_the_events_of_a_drag(session, processes, events):
     session.settings.set_method("arap")
     session.drag(pose(0.1))
     session.settle()
@@ -501,7 +501,7 @@ def test_memory_does_not_grow_with_the_events_of_a_drag(session, processes, even
         assert after - before < BYTES_AN_EVENT * events
 
 
-def test_the_last_painted_labels_are_the_ones_that_are_factored(session):
+def test_solver_factors_the_last_painted_labels(session):
     """Strokes follow each other faster than they are made ready."""
     z = session.store.state.document.mesh.V[:, 2]
     for k in range(1, 5):

@@ -32,7 +32,7 @@ def faults(way):
 
 
 @pytest.mark.skipif(not GLIBC, reason="other C libraries have no such setting")
-def test_what_is_freed_is_there_for_the_next_frame():
+def test_keep_freed_memory_leaves_what_is_freed_there_for_the_next_frame():
     assert faults("keep") < 100
     assert faults("leave") > 10_000, "it is not this that glibc does by itself"
 
@@ -53,6 +53,6 @@ print(kept - resident())
 
 
 @pytest.mark.skipif(not GLIBC, reason="needs glibc")
-def test_kept_memory_can_be_given_back():
+def test_give_back_freed_memory_gives_kept_memory_back():
     done = subprocess.run([sys.executable, "-c", GIVEN_BACK], capture_output=True, text=True, check=True)
     assert int(done.stdout) >= 15 * (1 << 22), "the arrays have 64 MiB"

@@ -28,7 +28,7 @@ for k in range(1, times + 1):
 """
 
 
-def test_shapes_are_handed_over_whole():
+def test_tray_hands_shapes_over_whole():
     """The litmus test of message passing, both ways: no torn shape, no message but the counters."""
     n, times = 50, 20_000
     tray = Tray(n)
@@ -41,13 +41,13 @@ def test_shapes_are_handed_over_whole():
         assert writer.wait(60) == 0
 
 
-def test_counters_are_loaded_with_acquire_and_stored_with_release():
+def test_atomic_access_loads_counters_with_acquire_and_stores_with_release():
     load, store = compiled()
     assert re.search(r"load atomic i64, .* acquire, align 8", load)
     assert re.search(r"store atomic i64 .* release, align 8", store)
 
 
-def test_on_arm_they_are_the_instructions_that_order_memory():
+def test_atomic_access_becomes_the_instructions_that_order_memory_on_arm():
     """What the compiler makes of them for Apple silicon, here or wherever the test runs."""
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
@@ -56,7 +56,7 @@ def test_on_arm_they_are_the_instructions_that_order_memory():
     assert re.search(r"\bstlr\b", store)
 
 
-def test_a_counter_is_accessed_through_its_class_alone():
+def test_shared_counters_are_accessed_through_their_class_alone():
     source = inspect.getsource(shared_memory)
     assert len(re.findall(r"_view\(.*np\.int64", source)) == 1
     assert re.search(r"SharedCounters\(_view\(.*np\.int64", source), "nothing else has a view of them"

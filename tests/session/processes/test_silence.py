@@ -33,7 +33,7 @@ def stop(session, processes):
 
 
 @stoppable
-def test_a_stopped_solver_is_said_until_it_goes_on_or_is_restarted(processes, session):
+def test_store_says_that_a_solver_is_stopped_until_it_goes_on_or_is_restarted(processes, session):
     session.settle()
     stop(session, processes)
     began = time.monotonic()
@@ -81,7 +81,7 @@ def hanging(processes, monkeypatch):
     monkeypatch.setattr(process_client, "ChildProcess", forked.altered(HANGS))
 
 
-def test_a_long_iteration_is_not_taken_for_one_that_hangs(hanging, session):
+def test_silence_watch_takes_no_long_iteration_for_one_that_hangs(hanging, session):
     session.gestures.begin()
     session.handles.drag(pose(TWISTED))
     before = session.U
@@ -107,7 +107,7 @@ def wait(happened, seconds=5.0):
     assert happened()
 
 
-def test_silence_is_told_once_and_so_is_its_end(heard):
+def test_silence_watch_tells_silence_once_and_so_its_end(heard):
     told, watch = heard
     watch.expect(1, 2)
     wait(lambda: told)
@@ -121,7 +121,7 @@ def test_silence_is_told_once_and_so_is_its_end(heard):
     assert told[3:] == [0]
 
 
-def test_nothing_is_missed_where_nothing_is_awaited(heard):
+def test_silence_watch_misses_nothing_where_nothing_is_awaited(heard):
     told, watch = heard
     watch.expect(1, 1)
     watch.expect(2, 1)
@@ -132,7 +132,7 @@ def test_nothing_is_missed_where_nothing_is_awaited(heard):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads the clock of another thread")
-def test_a_watch_rests_while_nothing_is_awaited(heard):
+def test_silence_watch_rests_while_nothing_is_awaited(heard):
     _, watch = heard
     watch.expect(1, 1)
     watch.hear(answered=1)

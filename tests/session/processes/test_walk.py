@@ -38,7 +38,7 @@ def walked(document: Document) -> Walk:
     return walk
 
 
-def test_each_stop_is_reached_before_the_next_is_aimed_at():
+def test_walk_reaches_each_stop_before_it_aims_at_the_next():
     document = twisted_tube(220)
     assert document.winds
     frame = walked(document).frame()
@@ -47,7 +47,7 @@ def test_each_stop_is_reached_before_the_next_is_aimed_at():
     assert (frame.share_reached, frame.unreached) == (1.0, None)
 
 
-def test_a_walk_that_contact_stops_ends_there_and_tells_the_share_of_the_whole():
+def test_walk_that_contact_stops_ends_there_and_tells_the_share_of_the_whole():
     document = twisted_tube(720)
     walk = walked(document)
     frame = walk.frame()

@@ -99,7 +99,7 @@ def whole(method: str) -> Document:
     "method",
     ["local", *(pytest.param(method, marks=pytest.mark.night) for method in ("arap", "paper", "exact"))],
 )
-def test_the_process_gets_the_same_frames_bit_for_bit(process, method):
+def test_worker_gets_the_same_frames_bit_for_bit_from_its_process(process, method):
     """As a solver that is asked directly, whatever was published and whatever was not."""
     asked = whole(method)
     held = asked.constraints()
@@ -128,7 +128,7 @@ def test_the_process_gets_the_same_frames_bit_for_bit(process, method):
         assert replace(a, **nothing).__dict__ == replace(b, **nothing).__dict__
 
 
-def test_a_reply_survives_pickling(worker):
+def test_reply_survives_pickling(worker):
     reply = worker.answers(request())[-1]
     again = pickle.loads(pickle.dumps(reply))
     assert np.array_equal(again.frame.U, reply.frame.U)
@@ -138,7 +138,7 @@ def test_a_reply_survives_pickling(worker):
     assert np.array_equal(again.document.mesh.F, reply.document.mesh.F)
 
 
-def test_the_last_reply_is_the_one_that_can_be_taken(worker):
+def test_worker_take_gives_the_last_reply(worker):
     replies = worker.answers(request())
     assert worker.awake.wait(LONG)
     end = time.monotonic() + LONG
@@ -148,7 +148,7 @@ def test_the_last_reply_is_the_one_that_can_be_taken(worker):
     assert worker.take() is None
 
 
-def test_iterations_count_on_and_only_the_last_reply_is_finished(worker):
+def test_worker_counts_iterations_on_and_finishes_only_the_last_reply(worker):
     replies = worker.answers(request("arap"))
     iterations = [reply.frame.iteration for reply in replies]
     assert iterations == sorted(set(iterations))
@@ -157,7 +157,7 @@ def test_iterations_count_on_and_only_the_last_reply_is_finished(worker):
     assert all(not reply.frame.U.flags.writeable for reply in replies)
 
 
-def test_the_same_generation_goes_on_from_where_the_worker_is(worker):
+def test_worker_goes_on_from_where_it_is_in_the_same_generation(worker):
     asked = request("arap")
     last = worker.answers(asked)[-1].frame
     near = asked.document.with_pose(0, pose(0.6001, (0.5, 0.0, 0.2)))
@@ -165,7 +165,7 @@ def test_the_same_generation_goes_on_from_where_the_worker_is(worker):
     assert np.abs(first.U - last.U).max() < 1e-2
 
 
-def test_another_generation_starts_from_the_shape_of_the_request(worker):
+def test_worker_starts_another_generation_from_the_shape_of_the_request(worker):
     """The worker that was elsewhere answers as one that never was: nothing is left of its past."""
     asked = request("arap")
     fresh = {reply.frame.iteration: reply.frame for reply in remembered(asked)}
@@ -176,7 +176,7 @@ def test_another_generation_starts_from_the_shape_of_the_request(worker):
     assert all(np.array_equal(again[k].U, fresh[k].U) for k in again.keys() & fresh.keys())
 
 
-def test_a_request_not_to_iterate_and_one_that_cannot_be_answered_get_no_reply(worker):
+def test_worker_gives_no_reply_to_a_request_not_to_iterate_or_one_it_cannot_answer(worker):
     asked = request()
     worker.ask(replace(asked, iterate=False))
     time.sleep(0.05)
@@ -187,14 +187,14 @@ def test_a_request_not_to_iterate_and_one_that_cannot_be_answered_get_no_reply(w
     assert worker.answers(asked)[-1].frame.converged
 
 
-def test_a_document_that_is_refused_is_answered_with_its_sentence(worker):
+def test_worker_answers_a_refused_document_with_its_sentence(worker):
     reply = worker.answers(request("sculpt"))[-1]
     assert "Unknown method 'sculpt'" in reply.failure
     assert reply.frame is None
     assert worker.answers(request())[-1].frame.converged
 
 
-def test_the_solver_of_a_mesh_that_is_gone_is_let_go(worker, monkeypatch):
+def test_worker_lets_go_the_solver_of_a_mesh_that_is_gone(worker, monkeypatch):
     solvers = []
     aim = Deformation.aim
 
@@ -210,7 +210,7 @@ def test_the_solver_of_a_mesh_that_is_gone_is_let_go(worker, monkeypatch):
     eventually(lambda: solvers[0]() is None)
 
 
-def test_a_refused_target_is_answered_with_its_sentence_and_the_next_one_is_met(worker):
+def test_worker_answers_a_refused_target_with_its_sentence_and_meets_the_next(worker):
     asked = request("exact")
     worker.answers(asked)
     wrong = replace(asked.document, area=-5.0)
@@ -222,7 +222,7 @@ def test_a_refused_target_is_answered_with_its_sentence_and_the_next_one_is_met(
 
 
 @pytest.mark.parametrize("method", ["exact", "local"])
-def test_targets_that_come_later_lead_where_those_that_were_there_lead(worker, method):
+def test_worker_ends_with_targets_that_come_later_where_it_would_with_earlier_ones(worker, method):
     """Told to a solver that is at work, or to a new one: the same shape."""
     asked = whole(method)
     plain = replace(asked, area=100.0, volume=None)

@@ -16,16 +16,16 @@ def cube(side, thickness=None):
 @pytest.mark.parametrize(
     ("side", "unit"), [(10.0, Unit.CENTIMETRE), (100.0, Unit.MILLIMETRE), (0.1, Unit.METRE)]
 )
-def test_of_litres_a_bag_of_a_hundred_holds_sixty_four(side, unit):
+def test_objects_in_finds_sixty_four_of_a_litre_in_a_bag_of_a_hundred(side, unit):
     assert objects_in(100.0, cube(side), unit) == 64
     assert objects_in(100.0, cube(side), unit, packing=1.0) == 100
 
 
-def test_without_a_unit_nobody_knows():
+def test_objects_in_is_unknown_without_a_unit():
     assert objects_in(100.0, cube(1.0), Unit.NONE) is None
 
 
-def test_the_density_is_that_of_the_mass_in_the_bag():
+def test_bulk_density_is_that_of_the_mass_in_the_bag():
     found = cube(10.0, 0.1)  # cm: six walls of 10 cm³, 60 cm³ of water in a litre over 0.64
     assert bulk_density(1.0, found) == pytest.approx(60.0 * 0.64)
     assert bulk_density(1.0, cube(100.0, 1.0)) == pytest.approx(60.0 * 0.64)

@@ -32,7 +32,7 @@ def newtons_per_millimetre(around, unit, radius, wall):
     return 1e-3 * load * wall.newtons(STIFFNESS, face_areas(V, F).sum(), metres(unit)) / deflection
 
 
-def test_a_ring_of_plastic_carries_what_the_formula_says():
+def test_newtons_of_a_ring_of_plastic_are_what_the_formula_says():
     """An inextensional ring: F = deflection E t³ w / (12 (1 - nu²) (pi/4 - 2/pi) R³) [Timoshenko].
 
     Cells resist bending in proportion to the square of the edges: two resolutions are extrapolated to none.
@@ -57,13 +57,13 @@ def test_newtons_do_not_depend_on_the_unit_of_the_mesh():
 @pytest.mark.parametrize(
     ("unit", "known"), [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("ft", 0.3048)]
 )
-def test_a_unit_has_metres(unit, known):
+def test_metres_says_how_long_a_unit_is(unit, known):
     assert metres(Unit(unit)) == pytest.approx(known, rel=1e-12)
     assert metres(Unit.NONE) is None
 
 
 @pytest.mark.parametrize("young", [4.0, 1.18])
-def test_the_stiffness_of_a_wall_is_that_of_its_rigidities(young):
+def test_stiffness_of_a_wall_is_that_of_its_rigidities(young):
     """In the model bending has D = 2 s A and stretching a Young's modulus: D over E t alike."""
     wall, area = ElasticWall(0.3e-3, 2.8e9, 0.4), 430.0
     own = wall.stiffness(area, 0.01, young)
@@ -72,14 +72,14 @@ def test_the_stiffness_of_a_wall_is_that_of_its_rigidities(young):
     assert 1e-7 < own < 1e-6
 
 
-def test_newtons_are_too_low_by_what_a_thinner_wall_resists_stretching_more():
+def test_too_low_is_what_a_thinner_wall_resists_stretching_more():
     """The load of a sphere, in proportion to the root of D E t, over that of the conversion by D alone."""
     thick, thin = (8.0 * (t**3 / 12.0 * t) ** 0.5 for t in (0.1, 0.001))
     converted = thick * (0.001 / 0.1) ** 3
     assert too_low((0.1 / 0.001) ** 2, 0.5, 4.0 * np.pi) == pytest.approx(thin / converted)
 
 
-def test_newtons_are_too_low_only_where_the_shape_has_to_stretch():
+def test_too_low_differs_from_one_only_where_the_shape_has_to_stretch():
     assert too_low(2500.0, 0.3, 0.1) == 1.0, "a thick tube, which need not"
     assert too_low(2500.0, 0.3, 4.0 * np.pi) == 50.0
     assert too_low(2500.0, 0.02, 4.0 * np.pi) == 1.0, "it does not"
@@ -91,23 +91,23 @@ def test_newtons_are_too_low_only_where_the_shape_has_to_stretch():
     ("text", "pascals"),
     [("2.8GPa", 2.8e9), ("2.8", 2.8e9), (" 2800 MPa ", 2.8e9), ("406 ksi", 2.799e9), ("5/2 gpa", 2.5e9)],
 )
-def test_a_modulus_has_a_unit_or_is_in_gigapascals(text, pascals):
+def test_young_modulus_has_a_unit_or_is_in_gigapascals(text, pascals):
     assert young_modulus(text) == pytest.approx(pascals, rel=1e-3)
 
 
 @pytest.mark.parametrize("text", ["", "GPa", "2 kg", "-1", "0", "1e9 GPa", "half", "nan"])
-def test_what_is_no_modulus_is_refused(text):
+def test_young_modulus_refuses_what_is_no_modulus(text):
     with pytest.raises(InputError, match="Young's modulus"):
         young_modulus(text)
 
 
 @pytest.mark.parametrize("text", ["-0.1", "0.51", "nan"])
-def test_what_is_no_ratio_is_refused(text):
+def test_poisson_ratio_refuses_what_is_no_ratio(text):
     with pytest.raises(InputError):
         poisson_ratio(text)
 
 
-def test_every_material_has_a_name_of_its_own_a_source_and_sound_numbers():
+def test_wall_materials_have_each_a_name_of_its_own_a_source_and_sound_numbers():
     assert len({material.name for material in WALL_MATERIALS}) == len(WALL_MATERIALS)
     for material in WALL_MATERIALS:
         assert wall_material(material.name) is material
@@ -122,6 +122,6 @@ def test_every_material_has_a_name_of_its_own_a_source_and_sound_numbers():
         wall_material("wood")
 
 
-def test_a_sheet_yields_where_its_fibres_do():
+def test_yield_radius_of_a_sheet_is_where_its_fibres_yield():
     """0.3 mm bent to 6 mm strain their outside by 0.15 / 6."""
     assert yield_radius(0.3, 0.025) == pytest.approx(6.0)

@@ -32,7 +32,7 @@ WORDS = ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "abs")
 
 
 @given(finite)
-def test_a_printed_number_is_read_back(value):
+def test_expressions_read_a_printed_number_back(value):
     for text in (repr(value), f"  {value!r}\u00a0", f"({value!r})", repr(value).replace("-", "−")):
         assert number(text, {}) == value
         assert length(text, Unit.NONE, {}) == value
@@ -40,7 +40,7 @@ def test_a_printed_number_is_read_back(value):
 
 
 @given(st.integers(0, 10**6), st.integers(0, 10**6))
-def test_a_decimal_comma_is_read_unless_it_could_part_thousands(whole, part):
+def test_number_reads_a_decimal_comma_unless_it_could_part_thousands(whole, part):
     text = f"{whole},{part}"
     if 0 < whole < 1000 and 100 <= part < 1000:
         assert "can mean" in refused(number, text, {})
@@ -76,7 +76,7 @@ arithmetic = st.recursive(
 @example("1.0/(2.0-2.0)")
 @example("(0.0)**-1.0")
 @example("(9.0)**2.0**2.0**2.0**2.0**2.0")
-def test_arithmetic_is_that_of_python(text):
+def test_number_does_the_arithmetic_of_python(text):
     try:
         expected = eval(text)
     except (ZeroDivisionError, OverflowError):
@@ -128,7 +128,7 @@ def test_arithmetic_is_that_of_python(text):
         ("--+L", 2.0),
     ],
 )
-def test_lengths_by_names(text, expected):
+def test_length_reads_names(text, expected):
     if expected is None:
         refused(length, text, Unit.NONE, NAMES)
     else:
@@ -136,7 +136,7 @@ def test_lengths_by_names(text, expected):
 
 
 @given(positive, st.sampled_from(KNOWN))
-def test_units_of_length_convert(value, unit):
+def test_length_converts_units(value, unit):
     for text in (f"{value!r}{unit.value}", f"{value!r} {unit.value}", f"({value!r})\u00a0{unit.value}"):
         assert length(text, unit, {}) == value
     for smaller, larger, times in (
@@ -171,7 +171,7 @@ def test_units_of_length_convert(value, unit):
         ("max(1 mm, 1 cm, 0.5)", MM, 10.0),
     ],
 )
-def test_lengths_with_units(text, unit, expected):
+def test_length_reads_expressions_with_units(text, unit, expected):
     if expected is None:
         refused(length, text, unit, NAMES)
     else:
@@ -179,7 +179,7 @@ def test_lengths_with_units(text, unit, expected):
 
 
 @given(st.floats(-1e6, 1e6))
-def test_units_of_angle_convert(value):
+def test_angle_converts_units(value):
     text = repr(value)
     for degrees in (f"{text}deg", f"{text}°", f"{text} °", f"{text} deg", text):
         assert angle(degrees, {}) == math.radians(value)
@@ -204,11 +204,11 @@ def test_units_of_angle_convert(value):
         ("1/8 turn", 45),
     ],
 )
-def test_angles(text, expected):
+def test_angle_reads_expressions_of_angles(text, expected):
     assert angle(text, NAMES) == pytest.approx(math.radians(expected), rel=1e-14)
 
 
-def test_numbers():
+def test_number_reads_percentages_ratios_functions_and_commas():
     assert number("15%", {}) == 0.15
     assert number("7 %", {}) == 0.07
     assert number("D/L", NAMES) == 1.75
@@ -277,28 +277,28 @@ def test_numbers():
         ("1" * (MOST_CHARACTERS + 1), "too long"),
     ],
 )
-def test_what_is_no_length_gets_a_sentence_that_says_why(text, words):
+def test_length_refuses_what_is_none_in_a_sentence_that_says_why(text, words):
     assert words in refused(length, text, MM, NAMES)
 
 
-def test_a_length_with_a_unit_needs_that_of_the_mesh():
+def test_length_with_a_unit_needs_that_of_the_mesh():
     assert "choose" in refused(length, "5mm", Unit.NONE, NAMES)
     assert length("5", Unit.NONE, NAMES) == 5.0
 
 
 @pytest.mark.parametrize("text", ["5mm", "L", "5 in"])
-def test_a_length_is_no_angle_and_no_number(text):
+def test_angle_and_number_refuse_a_length(text):
     for call in (angle, number):
         assert "length" in refused(call, text, NAMES)
     assert "an angle" in refused(number, "60deg", NAMES)
 
 
-def test_a_name_goes_before_a_unit():
+def test_length_takes_a_name_before_a_unit():
     assert length("2m", MM, {"m": 7.0}) == 14.0
     assert length("min", MM, {"min": 7.0}) == 7.0
 
 
-def test_long_sums_and_many_signs_are_not_nested():
+def test_number_takes_long_sums_and_many_signs_as_not_nested():
     assert number("+".join("1" * 100), {}) == 100.0
     assert number("-" * 100 + "1", {}) == 1.0
 
@@ -314,7 +314,7 @@ likely = st.lists(pieces, min_size=1, max_size=12).map("".join)
 @example("0**(1e300^1e300)")
 @example("(L^1e300)^1e300")
 @example("(L/L L^1e300)^1e300 - L")
-def test_whatever_is_typed_is_a_finite_number_or_a_sentence(text):
+def test_expressions_make_whatever_is_typed_a_finite_number_or_a_sentence(text):
     for names in (NAMES, {"L": 1.0, "D": 0.0}):
         for read, given_ in (
             (length, (MM, names)),

@@ -24,11 +24,11 @@ MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
         (("0.1mm + 0.2mm", "2 * 0.69"), 500.0, CM, 500 * 0.03 * 1.38),
     ],
 )
-def test_it_weighs_area_times_thickness_times_density(wall, area, unit, grams):
+def test_mass_is_area_times_thickness_times_density(wall, area, unit, grams):
     assert mass(Wall(*wall), area, unit) == pytest.approx(grams, rel=1e-12)
 
 
-def test_nothing_typed_weighs_nothing_that_could_be_said():
+def test_mass_is_none_where_nothing_is_typed():
     assert mass(Wall(), 1.0, NONE) is None
     assert mass(Wall(" ", ""), 1.0, CM) is None
 
@@ -50,17 +50,17 @@ def test_nothing_typed_weighs_nothing_that_could_be_said():
         (("0.3mm", "1mm"), CM, "“1mm” is not a density"),
     ],
 )
-def test_what_makes_no_sense_is_said_in_a_sentence(wall, unit, words):
+def test_mass_says_in_a_sentence_what_makes_no_sense(wall, unit, words):
     with pytest.raises(InputError, match=words):
         mass(Wall(*wall), 1.0, unit)
 
 
-def test_units_of_density():
+def test_density_is_the_same_in_all_its_units():
     alike = ("1.2", "1.2g/cm3", "1.2 g / cm³", "1.2 kg/l", "1200kg/m3", "1.2 t/m3", "1.2 g/ml", "1,2 kg/dm³")
     assert {round(density(text), 12) for text in alike} == {1.2}
 
 
-def test_litres():
+def test_litres_convert_a_volume_from_the_unit_of_length():
     assert [unit.litres(1.0) for unit in (MM, CM, M, NONE)] == pytest.approx([1e-6, 1e-3, 1e3, None])
 
 
@@ -74,7 +74,7 @@ def test_litres():
         (("", ""), Unit.NONE, ""),
     ],
 )
-def test_a_bare_number_is_written_with_the_unit_that_it_is_in(wall, unit, said):
+def test_wall_written_gives_a_bare_number_the_unit_that_it_is_in(wall, unit, said):
     assert Wall(*wall).written(unit) == said
 
 
@@ -90,7 +90,7 @@ def test_a_bare_number_is_written_with_the_unit_that_it_is_in(wall, unit, said):
         (Unit.CENTIMETRE, float("nan"), 3, Unit.CENTIMETRE, 1.0),
     ],
 )
-def test_large_areas_and_volumes_are_legible_in_a_larger_unit(unit, value, power, legible, factor):
+def test_legible_gives_large_areas_and_volumes_a_larger_unit(unit, value, power, legible, factor):
     assert unit.legible(value, power) == (legible, pytest.approx(factor))
 
 
@@ -104,7 +104,7 @@ def test_large_areas_and_volumes_are_legible_in_a_larger_unit(unit, value, power
         (Unit.FOOT, 37.85411784, (10.0, "gal")),
     ],
 )
-def test_a_capacity_is_in_what_goes_with_the_unit_of_length(unit, litres, said):
+def test_capacity_is_in_what_goes_with_the_unit_of_length(unit, litres, said):
     symbol, factor = unit.capacity(litres)
     assert (litres * factor, symbol) == (pytest.approx(said[0], rel=1e-4), said[1])
 
@@ -119,16 +119,16 @@ def test_a_capacity_is_in_what_goes_with_the_unit_of_length(unit, litres, said):
         (Unit.FOOT, 907.18474, (2.0, "lb")),
     ],
 )
-def test_a_mass_is_in_what_goes_with_the_unit_of_length(unit, grams, said):
+def test_unit_mass_is_in_what_goes_with_the_unit_of_length(unit, grams, said):
     symbol, factor = unit.mass(grams)
     assert (grams * factor, symbol) == (pytest.approx(said[0]), said[1])
 
 
 @pytest.mark.parametrize("thickness", ["", "1mm"])
-def test_a_double_wall_weighs_what_is_between_its_surfaces(thickness):
+def test_mass_of_a_double_wall_is_that_of_what_is_between_its_surfaces(thickness):
     assert mass(Wall(thickness, "1.36"), 35_000.0, MM, 17_400.0) == pytest.approx(17.4 * 1.36)
 
 
-def test_a_wall_in_inches_weighs_what_it_does_in_centimetres():
+def test_mass_of_a_wall_in_inches_is_what_it_is_in_centimetres():
     inches = mass(Wall("1/100 in", "1.38"), 100.0, Unit.INCH)
     assert inches == pytest.approx(mass(Wall("0.254mm", "1.38"), 100.0 * 2.54**2, CM), rel=1e-12)

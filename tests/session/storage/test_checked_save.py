@@ -38,7 +38,7 @@ def other(path):
     other.close()
 
 
-def test_what_another_session_has_saved_is_not_replaced(session, other, path):
+def test_save_over_does_not_replace_what_another_session_has_saved(session, other, path):
     session.drag(BENT)
     assert save(session, path) == (["Saved a.apd, including a copy of the mesh."], [])
     saved = path.read_bytes()
@@ -52,7 +52,7 @@ def test_what_another_session_has_saved_is_not_replaced(session, other, path):
     assert other.saved_work.unsaved
 
 
-def test_nor_what_comes_while_it_is_written(session, path, monkeypatch):
+def test_save_over_does_not_replace_what_comes_while_it_is_written(session, path, monkeypatch):
     def slow(*args, **more):
         path.write_bytes(b"somebody else's")
         return save_session(*args, **more)
@@ -65,7 +65,7 @@ def test_nor_what_comes_while_it_is_written(session, path, monkeypatch):
     assert [each.name for each in path.parent.iterdir()] == ["a.apd"]
 
 
-def test_nor_what_comes_while_it_is_opened(session, path, monkeypatch):
+def test_save_over_does_not_replace_what_comes_while_it_is_opened(session, path, monkeypatch):
     other, now = Driven(), path.read_bytes()
     session.drag(BENT)
     save(session, path)
@@ -87,7 +87,7 @@ def test_nor_what_comes_while_it_is_opened(session, path, monkeypatch):
     assert path.read_bytes() == newer
 
 
-def test_whoever_agrees_replaces_what_was_seen_and_nothing_newer(session, other, path):
+def test_save_over_replaces_what_was_seen_and_nothing_newer_when_agreed(session, other, path):
     found = []
     session.drag(BENT)
     save(session, path)
@@ -103,13 +103,13 @@ def test_whoever_agrees_replaces_what_was_seen_and_nothing_newer(session, other,
     assert not other.saved_work.unsaved
 
 
-def test_a_file_chosen_anew_is_replaced(session, path, tmp_path):
+def test_files_save_replaces_a_file_chosen_anew(session, path, tmp_path):
     (tmp_path / "b.apd").write_bytes(b"somebody else's")
     assert save(session, tmp_path / "b.apd")[1] == []
     check_equal(open_session(tmp_path / "b.apd")[0], session.store.state)
 
 
-def test_its_own_file_by_another_name_is_no_other_file(session, path, monkeypatch):
+def test_files_save_takes_its_own_file_by_another_name_for_no_other(session, path, monkeypatch):
     monkeypatch.chdir(path.parent)
     session.files.open("a.apd")
     wait(session)
@@ -117,7 +117,7 @@ def test_its_own_file_by_another_name_is_no_other_file(session, path, monkeypatc
     assert len(save(session, path)[1]) == 1
 
 
-def test_undo_across_files_does_not_forget_what_each_held(session, path):
+def test_saved_work_does_not_forget_in_undo_across_files_what_each_held(session, path):
     """Another mesh is saved over the file of the first, and undone up to that."""
     session.show_now(bar())
     save(session, path)
@@ -138,7 +138,7 @@ def look(session):
     return session.saved_work.unsaved
 
 
-def test_a_saved_file_that_has_gone_is_unsaved_work_until_it_is_back(session, path):
+def test_saved_work_is_unsaved_when_its_file_has_gone_until_it_is_back(session, path):
     assert not look(session)
     path.rename(path.with_name("b.apd"))
     told = len(session.told)
@@ -156,7 +156,7 @@ def test_a_saved_file_that_has_gone_is_unsaved_work_until_it_is_back(session, pa
     check_equal(open_session(path)[0], session.store.state)
 
 
-def test_and_so_is_one_that_somebody_else_has_overwritten(session, other, path):
+def test_saved_work_is_unsaved_when_somebody_else_has_overwritten_its_file(session, other, path):
     other.drag(BENT)
     save(other, path)
     assert look(session)
@@ -164,7 +164,7 @@ def test_and_so_is_one_that_somebody_else_has_overwritten(session, other, path):
     assert not look(other)
 
 
-def test_a_file_written_again_with_the_same_content_is_no_change(session, path):
+def test_saved_work_takes_a_file_written_again_with_the_same_content_for_no_change(session, path):
     content = path.read_bytes()
     path.unlink()
     path.write_bytes(content)
@@ -173,7 +173,7 @@ def test_a_file_written_again_with_the_same_content_is_no_change(session, path):
     assert save(session, path)[1] == []
 
 
-def test_a_look_during_its_own_save_is_no_news(session, path):
+def test_saved_work_look_during_its_own_save_is_no_news(session, path):
     told = len(session.told)
     for k in range(20):
         session.drag(pose(0.01 * k))
@@ -208,7 +208,7 @@ def rewrite(mesh):
 @pytest.mark.parametrize("embeds", [False, True])
 @pytest.mark.parametrize("opens", [False, True], ids=["saved", "opened"])
 @pytest.mark.parametrize("act", [remove, change, move_beside, rewrite])
-def test_a_session_is_safe_as_long_as_it_opens(session, tmp_path, act, opens, embeds):
+def test_saved_work_is_safe_as_long_as_the_session_opens(session, tmp_path, act, opens, embeds):
     """Its mesh is in a file of its own, or in the session, or nowhere any more."""
     mesh = tmp_path / "meshes" / "bar.obj"
     mesh.parent.mkdir()

@@ -7,7 +7,7 @@ from apd_viewer.session.storage.recovery import leftovers
 
 
 @pytest.mark.parametrize("ending", ["apd", "lock"])
-def test_a_pipe_among_the_leftovers_is_not_waited_for(ending, tmp_path):
+def test_leftovers_does_not_wait_for_a_pipe_among_them(ending, tmp_path):
     pipe = WatchedPipe(tmp_path / f"1-1.{ending}")
     try:
         assert leftovers(tmp_path) == []

@@ -43,7 +43,7 @@ def pressed(path) -> State:
     return state.at(document, walk.frame())
 
 
-def test_obstacles_come_back_bit_for_bit_and_are_replayed(tmp_path):
+def test_obstacle_json_brings_obstacles_back_bit_for_bit_to_be_replayed(tmp_path):
     state = pressed(tmp_path / "tube.obj")
     assert state.frame.settled
     assert state.frame.loads[0, 0] > 0.1
@@ -59,14 +59,14 @@ def test_obstacles_come_back_bit_for_bit_and_are_replayed(tmp_path):
     assert np.allclose(again.loads, state.frame.loads, rtol=0.02, atol=1e-2)
 
 
-def test_a_session_without_obstacles_says_nothing_of_them():
+def test_document_said_and_frame_said_say_nothing_of_obstacles_without_any():
     state = opened(Mesh(*tube(8, 4)))
     assert "obstacles" not in document_said(state.document)
     assert not {"loads", "shifts"} & set(frame_said(state.frame))
 
 
 @pytest.mark.parametrize("obstacle", [ROD, WALL, BALL], ids=lambda each: each.name)
-def test_json_of_its_own_needs_only_what_the_kind_has(obstacle):
+def test_obstacle_of_needs_only_what_the_kind_has(obstacle):
     said = json.loads(json.dumps(obstacle_said(obstacle)))
     unused = {"plate": ("radius", "length"), "sphere": ("axis", "length"), "cylinder": ()}
     for key in (*unused[said["kind"]], "shift", "name"):
@@ -93,12 +93,12 @@ def test_json_of_its_own_needs_only_what_the_kind_has(obstacle):
         ("name", ""),
     ],
 )
-def test_a_damaged_obstacle_is_refused(key, value):
+def test_obstacle_of_refuses_a_damaged_obstacle(key, value):
     with pytest.raises(ValueError, match="“"):
         obstacle_of(Fields({**obstacle_said(ROD), key: value}, "obstacle"))
 
 
-def test_there_is_a_limit_of_obstacles():
+def test_fields_parts_refuses_more_obstacles_than_the_limit():
     said = Fields({"obstacles": [obstacle_said(BALL)] * (MOST_OBSTACLES + 1)}, "document")
     with pytest.raises(ValueError, match="obstacles"):
         said.parts("obstacles", MOST_OBSTACLES)

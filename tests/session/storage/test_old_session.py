@@ -35,7 +35,7 @@ RIGHT = [
 HIP = [[1.0, 0.0, 0.0, -0.25], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 
 
-def test_all_that_was_said_is_read():
+def test_open_session_reads_all_that_an_old_session_said():
     state, view = open_session(OLD)
     document = state.document
     mesh = document.mesh
@@ -58,7 +58,7 @@ def test_all_that_was_said_is_read():
     assert view == View(camera, "mm", Wall("1.2", "1.04 g/cm3"), overlay="bending")
 
 
-def test_the_shape_is_measured_as_it_was():
+def test_open_session_measures_the_shape_of_an_old_session_as_it_was():
     frame = open_session(OLD)[0].frame
     assert frame.U.sum() == pytest.approx(396.1641370810066, rel=1e-14)
     assert frame.U[-1].tolist() == [2.1193604542063014, 0.919138529779243, 5.980106590965617]
@@ -70,7 +70,7 @@ def test_the_shape_is_measured_as_it_was():
     assert frame.energy == pytest.approx(2.9413715154653604, rel=1e-12)
 
 
-def test_it_is_replayed_to_the_same_shape(tmp_path):
+def test_replay_leads_an_old_session_to_the_same_shape(tmp_path):
     U = open_session(OLD)[0].frame.U
     check_same_array(replay(OLD)[1].U, U)
     again = replay(OLD, from_rest=True)[1]
@@ -80,7 +80,7 @@ def test_it_is_replayed_to_the_same_shape(tmp_path):
     assert np.abs(open_mesh(tmp_path / "post.obj").V - U).max() < 1e-6
 
 
-def test_it_is_saved_with_the_same_content(tmp_path):
+def test_save_session_saves_an_old_session_with_the_same_content(tmp_path):
     state, view = open_session(OLD)
     save_session(tmp_path / "again.apd", state, view, embed=True)
     check_equal(open_session(tmp_path / "again.apd")[0], state)

@@ -109,7 +109,9 @@ def settled(session: Driven, mesh: Mesh, **settings: tuple) -> State:
 
 
 @pytest.mark.parametrize("case", SETTINGS)
-def test_a_session_is_opened_as_it_was_saved_and_replays_to_the_same(case, session, bar, tmp_path):
+def test_open_session_opens_a_session_as_it_was_saved_and_it_replays_to_the_same(
+    case, session, bar, tmp_path
+):
     path = tmp_path / "a.apd"
     state = settled(session, open_mesh(bar), **SETTINGS[case])
     assert save_session(path, state, VIEW) is False
@@ -140,7 +142,7 @@ def test_a_session_is_opened_as_it_was_saved_and_replays_to_the_same(case, sessi
 
 
 @pytest.mark.night
-def test_the_sample_bottle(session, tmp_path):
+def test_open_session_and_replay_bring_the_sample_bottle_back_as_it_was_saved(session, tmp_path):
     path = tmp_path / "bottle.apd"
     session.files.open_sample("bottle")
     session.until(lambda: session.jobs.current is None)
@@ -173,7 +175,7 @@ def test_the_sample_bottle(session, tmp_path):
     assert first.energy == pytest.approx(gone_on.energy, rel=1e-2)
 
 
-def test_what_is_at_rest_comes_back_as_the_mesh_s_own(tmp_path):
+def test_open_session_brings_what_is_at_rest_back_as_the_mesh_s_own(tmp_path):
     state = opened(*open_sample("duck"))
     save_session(tmp_path / "a.apd", state, View())
     found, view = open_session(tmp_path / "a.apd")
@@ -184,7 +186,7 @@ def test_what_is_at_rest_comes_back_as_the_mesh_s_own(tmp_path):
         assert archive.namelist() == ["session.json", "labels.npy", "member.npy"]
 
 
-def test_a_shape_on_its_way_goes_on_from_where_it_was(session, bar, tmp_path):
+def test_replay_goes_on_with_a_shape_on_its_way_from_where_it_was(session, bar, tmp_path):
     two_handles(session, open_mesh(bar))
     session.until(lambda: session.store.state.frame.iteration > 0)
     state = session.store.state
@@ -199,7 +201,7 @@ def test_a_shape_on_its_way_goes_on_from_where_it_was(session, bar, tmp_path):
     assert first.iterations > 0
 
 
-def test_what_cannot_be_reached_is_kept_with_its_sentence(session, bar, tmp_path):
+def test_open_session_keeps_what_cannot_be_reached_with_its_sentence(session, bar, tmp_path):
     state = settled(session, open_mesh(bar), set_area=(50.0,), set_volume=(300.0,))
     assert state.frame.unreached
     save_session(tmp_path / "a.apd", state, VIEW)
@@ -210,7 +212,7 @@ def test_what_cannot_be_reached_is_kept_with_its_sentence(session, bar, tmp_path
     assert state.frame.unreached in result.warnings
 
 
-def test_a_shape_that_is_gripped_where_it_is(session, bar, tmp_path):
+def test_open_session_brings_back_a_shape_that_is_gripped_where_it_is(session, bar, tmp_path):
     """After a stroke on a deformed shape the handles are held where they are, with poses of none."""
     settled(session, open_mesh(bar))
     session.stroke(np.array([9, 10]), BASE)
@@ -222,7 +224,7 @@ def test_a_shape_that_is_gripped_where_it_is(session, bar, tmp_path):
     check_same_array(replay(tmp_path / "a.apd")[1].U, state.frame.U)
 
 
-def test_a_settled_shape_that_is_not_what_it_says_is_gone_on_with(session, bar, tmp_path):
+def test_replay_goes_on_with_a_settled_shape_that_is_not_what_it_says(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
     moved = state.document.with_pose(0, pose(0.2))
     for wrong in (
@@ -237,7 +239,7 @@ def test_a_settled_shape_that_is_not_what_it_says_is_gone_on_with(session, bar, 
         assert result.area == pytest.approx(result.area_rest * wrong.document.area / 100, rel=1e-9)
 
 
-def test_numbers_of_all_sizes_come_back_bit_for_bit(tmp_path):
+def test_open_session_brings_numbers_of_all_sizes_back_bit_for_bit(tmp_path):
     chance = np.random.default_rng(5)
     state = opened(Mesh(*soup(*box(1, 1, 2))))
     document = state.document
@@ -258,14 +260,14 @@ def test_numbers_of_all_sizes_come_back_bit_for_bit(tmp_path):
     assert found.frame.handle_drift == 1 / 3
 
 
-def test_the_same_session_gives_the_same_file(session, bar, tmp_path):
+def test_save_session_gives_the_same_file_for_the_same_session(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
     for name in ("a.apd", "b.apd"):
         save_session(tmp_path / name, state, VIEW, embed=True)
     assert (tmp_path / "a.apd").read_bytes() == (tmp_path / "b.apd").read_bytes()
 
 
-def test_what_a_later_program_adds_is_ignored(session, bar, tmp_path):
+def test_open_session_ignores_what_a_later_program_adds(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
     save_session(tmp_path / "a.apd", state, VIEW)
     with zipfile.ZipFile(tmp_path / "a.apd") as archive:
@@ -286,7 +288,7 @@ def test_what_a_later_program_adds_is_ignored(session, bar, tmp_path):
 # Where the mesh is
 
 
-def test_a_session_moved_together_with_its_mesh(saved, bar, tmp_path_factory):
+def test_open_session_finds_the_mesh_of_a_session_moved_together_with_it(saved, bar, tmp_path_factory):
     there = tmp_path_factory.mktemp("elsewhere") / "moved"
     shutil.move(saved.parent, there)
     found, _ = open_session(there / "a.apd")
@@ -295,20 +297,20 @@ def test_a_session_moved_together_with_its_mesh(saved, bar, tmp_path_factory):
     assert open_session(there / "a.apd")[0].document.mesh.path == there / "bar.obj"
 
 
-def test_a_session_moved_away_from_its_mesh(saved, bar, tmp_path_factory):
+def test_open_session_finds_the_mesh_of_a_session_moved_away_from_it(saved, bar, tmp_path_factory):
     there = tmp_path_factory.mktemp("elsewhere") / "b.apd"
     shutil.move(saved, there)
     assert open_session(there)[0].document.mesh.path == bar
 
 
-def test_a_session_is_found_from_another_folder(bar, tmp_path, monkeypatch):
+def test_open_session_finds_a_session_from_another_folder(bar, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     save_session("a.apd", opened(open_mesh("meshes/bar.obj")), VIEW)
     monkeypatch.chdir(tmp_path / "meshes")
     assert open_session("../a.apd")[0].document.mesh.path == bar
 
 
-def test_a_sample_is_found_by_its_name(tmp_path, monkeypatch):
+def test_open_session_finds_a_sample_by_its_name(tmp_path, monkeypatch):
     """Another installation has it elsewhere."""
     mesh, _ = open_sample("duck")
     gone = {"path": "/gone/duck.obj", "relative": "gone/duck.obj"}
@@ -317,7 +319,7 @@ def test_a_sample_is_found_by_its_name(tmp_path, monkeypatch):
     assert open_session(tmp_path / "a.apd")[0].document.mesh.path == mesh.path
 
 
-def test_a_missing_mesh_is_missed_by_name_and_place(saved, bar):
+def test_open_session_misses_a_missing_mesh_by_name_and_place(saved, bar):
     bar.unlink()
     with pytest.raises(InputError, match=r"^bar\.obj, a mesh of a\.apd, is missing .*bar\.obj.*\.$") as error:
         open_session(saved)
@@ -325,7 +327,7 @@ def test_a_missing_mesh_is_missed_by_name_and_place(saved, bar):
     assert str(saved.parent / "bar.obj") in str(error.value)
 
 
-def test_a_changed_mesh_is_not_the_mesh(saved, bar):
+def test_open_session_does_not_take_a_changed_mesh_for_the_mesh(saved, bar):
     mesh = open_mesh(bar)
     save_mesh(mesh, mesh.V * [1.0, 1.0, 1.0 + 1e-12], bar)
     with pytest.raises(
@@ -344,7 +346,7 @@ def test_a_changed_mesh_is_not_the_mesh(saved, bar):
 
 
 @pytest.mark.parametrize("suffix", WRITTEN)
-def test_a_copy_of_the_mesh_goes_along(suffix, tmp_path):
+def test_save_session_takes_a_copy_of_the_mesh_along(suffix, tmp_path):
     path = tmp_path / f"bar{suffix}"
     mesh = Mesh(*box(2, 2, 6))
     save_mesh(mesh, mesh.V, path)
@@ -363,7 +365,7 @@ def test_a_copy_of_the_mesh_goes_along(suffix, tmp_path):
     assert open_session(tmp_path / "b.apd")[0].document.mesh.digest == mesh.digest
 
 
-def test_a_mesh_that_needs_other_files_goes_along_as_arrays(tmp_path):
+def test_save_session_takes_a_mesh_that_needs_other_files_along_as_arrays(tmp_path):
     made = trimesh.Trimesh(*box(1, 1, 2), process=False).export(file_type="gltf")
     for name, content in made.items():
         (tmp_path / name.replace("model", "bar")).write_bytes(content)
@@ -375,7 +377,7 @@ def test_a_mesh_that_needs_other_files_goes_along_as_arrays(tmp_path):
     assert (found.digest, found.name) == (mesh.digest, "bar.gltf")
 
 
-def test_a_mesh_of_no_file_always_goes_along(tmp_path):
+def test_save_session_always_takes_a_mesh_of_no_file_along(tmp_path):
     mesh = Mesh(*soup(*box(1, 1, 2)))
     assert save_session(tmp_path / "a.apd", opened(mesh), VIEW) is True
     found = open_session(tmp_path / "a.apd")[0].document.mesh
@@ -384,7 +386,7 @@ def test_a_mesh_of_no_file_always_goes_along(tmp_path):
     assert found.path is None
 
 
-def test_a_mesh_whose_file_has_changed_since_goes_along(bar, tmp_path):
+def test_save_session_takes_a_mesh_along_whose_file_has_changed_since(bar, tmp_path):
     mesh = open_mesh(bar)
     save_mesh(mesh, mesh.V * 2.0, bar)
     assert save_session(tmp_path / "a.apd", opened(mesh), VIEW) is True
@@ -394,7 +396,7 @@ def test_a_mesh_whose_file_has_changed_since_goes_along(bar, tmp_path):
 # Writing
 
 
-def test_what_cannot_be_written_leaves_the_file_as_it_was(saved, bar, monkeypatch):
+def test_save_session_leaves_the_file_as_it_was_when_it_cannot_write(saved, bar, monkeypatch):
     before, state = saved.read_bytes(), opened(open_mesh(bar))
 
     def full(descriptor):
@@ -414,7 +416,7 @@ def test_what_cannot_be_written_leaves_the_file_as_it_was(saved, bar, monkeypatc
 # The session's verbs
 
 
-def test_saving_and_opening_are_done_in_the_background(session, bar, tmp_path):
+def test_files_save_and_open_sessions_in_the_background(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
     assert session.saved_work.unsaved
     session.files.save(tmp_path / "a.apd", VIEW)
@@ -443,7 +445,7 @@ def test_saving_and_opening_are_done_in_the_background(session, bar, tmp_path):
     assert session.failed == []
 
 
-def test_the_view_reaches_the_listener_after_the_state(bar, tmp_path):
+def test_files_open_tells_the_listener_the_view_after_the_state(bar, tmp_path):
     save_session(tmp_path / "a.apd", opened(open_mesh(bar)), VIEW)
     seen: list[object] = []
     silent = {"wake": lambda: None, "status_changed": lambda: None, "told": seen.append}
@@ -458,7 +460,7 @@ def test_the_view_reaches_the_listener_after_the_state(bar, tmp_path):
     assert seen == ["state", VIEW, "state"]
 
 
-def test_a_shape_on_its_way_goes_on_once_it_is_opened(session, bar, tmp_path):
+def test_files_open_lets_a_shape_on_its_way_go_on(session, bar, tmp_path):
     state = two_handles(session, open_mesh(bar)).unsettled()
     session.settle()
     save_session(tmp_path / "a.apd", state, VIEW)
@@ -467,7 +469,7 @@ def test_a_shape_on_its_way_goes_on_once_it_is_opened(session, bar, tmp_path):
     assert session.store.activity is Activity.SETTLED
 
 
-def test_a_gesture_under_way_is_not_saved(session, bar, tmp_path):
+def test_files_save_leaves_out_a_gesture_under_way(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
     session.gestures.begin()
     session.painting.paint(np.arange(9, 20), BASE)
@@ -476,7 +478,7 @@ def test_a_gesture_under_way_is_not_saved(session, bar, tmp_path):
     check_equal(open_session(tmp_path / "a.apd")[0], state)
 
 
-def test_a_session_that_cannot_be_opened_is_told_and_nothing_changes(session, bar, tmp_path):
+def test_files_open_tells_of_a_session_that_cannot_be_opened_and_changes_nothing(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
     (tmp_path / "bad.apd").write_text("nonsense")
     session.files.open(tmp_path / "bad.apd")
@@ -488,7 +490,7 @@ def test_a_session_that_cannot_be_opened_is_told_and_nothing_changes(session, ba
     assert session.saved_work.unsaved
 
 
-def test_the_first_version_opens_for_ever():
+def test_open_session_opens_the_first_version_for_ever():
     """``version-1.apd`` was made by the first program that could; do not make it again."""
     path = Path(__file__).with_name("version-1.apd")
     state, view = open_session(path)
@@ -542,7 +544,7 @@ def with_buttons(session: Driven) -> State:
     return session.store.state
 
 
-def test_what_stays_is_saved_and_replayed(session, tmp_path):
+def test_save_session_keeps_what_stays_and_it_is_replayed(session, tmp_path):
     state = with_buttons(session)
     first, second = np.split(np.arange(len(state.document.mesh.V))[-16:], 2)
     assert state.document.staying == (second[0],)
@@ -569,7 +571,7 @@ def rewritten(path: Path, change) -> None:
             archive.writestr(name, content)
 
 
-def test_loose_parts_of_an_older_session_stay(session, tmp_path):
+def test_open_session_lets_loose_parts_of_an_older_session_stay(session, tmp_path):
     state = with_buttons(session)
     U = state.frame.U.copy()
     U[-16:] = state.document.mesh.V[-16:]
@@ -581,7 +583,7 @@ def test_loose_parts_of_an_older_session_stay(session, tmp_path):
     assert np.array_equal(replay(path, from_rest=True)[1].U[-16:], U[-16:])
 
 
-def test_loose_parts_of_an_older_session_at_rest_go_along(session, tmp_path):
+def test_open_session_lets_loose_parts_of_an_older_session_at_rest_go_along(session, tmp_path):
     state = with_buttons(session)
     path = tmp_path / "a.apd"
     save_session(path, opened(state.document.mesh, state.document.labels), VIEW, embed=True)
@@ -590,14 +592,14 @@ def test_loose_parts_of_an_older_session_at_rest_go_along(session, tmp_path):
 
 
 @pytest.mark.parametrize("mirror", ["w", "", "xy", 0])
-def test_an_unknown_axis_of_symmetry_is_refused(mirror, saved):
+def test_open_session_refuses_an_unknown_axis_of_symmetry(mirror, saved):
     rewritten(saved, lambda said: said.update(mirror=mirror))
     with pytest.raises(InputError, match="mirror"):
         open_session(saved)
 
 
 @pytest.mark.parametrize("staying", ["all", [-1], [0.5], [10_000], [True]])
-def test_parts_that_are_not_there_cannot_stay(staying, session, tmp_path):
+def test_open_session_refuses_to_let_parts_stay_that_are_not_there(staying, session, tmp_path):
     path = tmp_path / "a.apd"
     save_session(path, with_buttons(session), VIEW, embed=True)
     rewritten(path, lambda said: said.update(staying=staying))

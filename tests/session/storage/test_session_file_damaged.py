@@ -77,7 +77,7 @@ def text(change) -> bytes:
     return json.dumps(said).encode()
 
 
-def test_the_good_one_is_good():
+def test_open_session_opens_the_good_one():
     assert outcome(GOOD) == "opened"
 
 
@@ -96,18 +96,18 @@ def test_the_good_one_is_good():
         (packed({"session.json": b'{"format": "zip"}'}), "it is another type of file"),
     ],
 )
-def test_what_is_no_session(content, words, refused):
+def test_open_session_refuses_what_is_no_session(content, words, refused):
     assert words in refused(content)
 
 
-def test_no_file_at_all(tmp_path):
+def test_open_session_says_that_there_is_no_file_at_all(tmp_path):
     assert "There is no file" in outcome(tmp_path / "gone.apd")
     assert "There is no file" in outcome(tmp_path / ("x" * 300 + ".apd"))
     assert "is not a file" in outcome(tmp_path)
 
 
 @pytest.mark.parametrize("name", sorted(members()))
-def test_a_missing_member(name, refused):
+def test_open_session_names_a_missing_member(name, refused):
     assert f"“{name}” is missing" in refused(**{name.replace(".", "_"): None})
 
 
@@ -179,7 +179,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_wrong_words(case, refused):
+def test_open_session_refuses_wrong_words(case, refused):
     where, value, words = WRONG[case]
 
     def change(said):
@@ -208,7 +208,7 @@ NOT_SHAPES = {
 
 
 @pytest.mark.parametrize("case", NOT_SHAPES)
-def test_a_wrong_shape(case, refused):
+def test_open_session_refuses_a_wrong_shape(case, refused):
     array, words = NOT_SHAPES[case]
     assert words in refused(shape_npy=npy(array))
 
@@ -237,23 +237,23 @@ NOT_LABELS = {
 
 
 @pytest.mark.parametrize("case", NOT_LABELS)
-def test_wrong_labels(case, refused):
+def test_open_session_refuses_wrong_labels(case, refused):
     assert "“labels” in it" in refused(labels_npy=NOT_LABELS[case])
 
 
-def test_labels_and_regions_that_are_not_there(refused):
+def test_open_session_refuses_labels_and_regions_that_are_not_there(refused):
     assert "refer to a handle that does not exist" in refused(labels_npy=npy(np.full(N, 4, "u1")))
     assert "refers to a region that does not exist" in refused(member_npy=npy(np.full(N, 3, "u1")))
 
 
-def test_a_copy_of_the_mesh_that_is_damaged(refused):
+def test_open_session_refuses_a_copy_of_the_mesh_that_is_damaged(refused):
     assert "its copy of the mesh is damaged" in refused(mesh_obj=b"v 0 0 nan\nf 1 1 1\n")
     assert "its copy of the mesh is a different mesh" in refused(
         mesh_obj=members()["mesh.obj"].replace(b"v 0 0 1", b"v 0 0 1.5")
     )
 
 
-def test_a_volume_where_there_is_none(refused):
+def test_open_session_refuses_a_volume_where_there_is_none(refused):
     open_mesh = members()["mesh.obj"].rsplit(b"f ", 1)[0]
     from apd_viewer.files.meshes import read_mesh
 
@@ -262,18 +262,18 @@ def test_a_volume_where_there_is_none(refused):
     assert "“volume” is damaged" in refused(session_json=said, mesh_obj=open_mesh)
 
 
-def test_an_archive_that_would_fill_the_memory(refused):
+def test_open_session_refuses_an_archive_that_would_fill_the_memory(refused):
     assert "“labels.npy” in it is too large" in refused(labels_npy=bytes(80 << 20))
 
 
-def test_a_member_that_is_larger_than_it_says(refused):
+def test_open_session_refuses_a_member_that_is_larger_than_it_says(refused):
     good = packed(members())
     at = good.rindex(b"PK\1\2", 0, good.rindex(b"shape.npy"))
     assert "“shape.npy” in it is damaged" in refused(good[: at + 24] + b"\1\0\0\0" + good[at + 28 :])
     assert "“shape.npy” in it is damaged" in refused(good[: at + 24] + b"\0\0\1\0" + good[at + 28 :])
 
 
-def test_locked_and_foreign_members(refused):
+def test_open_session_refuses_locked_and_foreign_members(refused):
     good = bytearray(packed(members()))
     at = good.rindex(b"PK\1\2", 0, good.rindex(b"shape.npy"))
     locked = good.copy()
@@ -318,7 +318,7 @@ def changed(said: object, chance: random.Random) -> object:
 
 
 @pytest.mark.parametrize("what", ["the archive", "what is in it", "its words"])
-def test_five_hundred_damaged_sessions(what, tmp_path):
+def test_open_session_opens_soundly_or_refuses_in_a_sentence_five_hundred_damaged_files(what, tmp_path):
     path, good, parts = tmp_path / "a.apd", GOOD.read_bytes(), members()
     said = []
     for seed in range(CASES):

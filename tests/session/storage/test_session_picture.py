@@ -22,7 +22,7 @@ def state():
     return opened(Mesh(*box(1, 1, 2)))
 
 
-def test_the_picture_is_taken_out_as_it_was_put_in(state, tmp_path):
+def test_picture_in_takes_the_picture_out_as_it_was_put_in(state, tmp_path):
     path = tmp_path / "a.apd"
     save_session(path, state, VIEW, picture=PICTURE)
     assert picture_in(path) == PICTURE
@@ -31,13 +31,13 @@ def test_the_picture_is_taken_out_as_it_was_put_in(state, tmp_path):
     assert view == VIEW
 
 
-def test_the_same_session_and_picture_give_the_same_file(state, tmp_path):
+def test_save_session_gives_the_same_file_for_the_same_session_and_picture(state, tmp_path):
     for name in ("a.apd", "b.apd"):
         save_session(tmp_path / name, state, VIEW, picture=PICTURE)
     assert (tmp_path / "a.apd").read_bytes() == (tmp_path / "b.apd").read_bytes()
 
 
-def test_without_a_picture_the_rest_is_the_same(state, tmp_path):
+def test_save_session_without_a_picture_writes_the_same_rest(state, tmp_path):
     save_session(tmp_path / "a.apd", state, VIEW, picture=PICTURE)
     save_session(tmp_path / "b.apd", state, VIEW)
     assert picture_in(tmp_path / "b.apd") is None
@@ -46,21 +46,21 @@ def test_without_a_picture_the_rest_is_the_same(state, tmp_path):
         assert rest == {name: second.read(name) for name in second.namelist()}
 
 
-def test_sessions_are_told_by_their_first_bytes(state, tmp_path):
+def test_save_session_writes_first_bytes_that_tell_a_session(state, tmp_path):
     """As the file type says, for systems that look into files."""
     save_session(tmp_path / "a.apd", state, VIEW, picture=PICTURE)
     assert (tmp_path / "a.apd").read_bytes().startswith(b"PK\x03\x04")
     assert (tmp_path / "a.apd").read_bytes()[30:42] == b"session.json"
 
 
-def test_what_is_no_session_is_refused(tmp_path):
+def test_picture_in_refuses_what_is_no_session(tmp_path):
     (tmp_path / "a.apd").write_text("nonsense")
     for name in ("a.apd", "gone.apd"):
         with pytest.raises(InputError, match=f"^{name} is not a valid session"):
             picture_in(tmp_path / name)
 
 
-def test_a_picture_that_does_not_fit_into_memory_is_a_sentence(state, tmp_path, monkeypatch):
+def test_picture_in_says_in_a_sentence_that_a_picture_does_not_fit_into_memory(state, tmp_path, monkeypatch):
     def full(*_):
         raise MemoryError
 

@@ -51,7 +51,7 @@ def finish(comparison):
     until(comparison, lambda: comparison.under_way is None)
 
 
-def test_each_method_comes_to_what_it_comes_to_alone(begun, cold):
+def test_comparison_brings_each_method_to_what_it_comes_to_alone(begun, cold):
     asked = replace(document(at=BENT), stiffness=0.02, area=102.0)
     comparison = begun(asked)
     finish(comparison)
@@ -80,7 +80,7 @@ def test_each_method_comes_to_what_it_comes_to_alone(begun, cold):
         assert 0.0 < outcome.cost.seconds < LONG
 
 
-def test_where_the_shape_was_led_before_plays_no_part(begun, cold):
+def test_comparison_does_not_depend_on_where_the_shape_was_led_before(begun, cold):
     asked = document(at=BENT)
     comparisons = [begun(asked, ("exact",)), begun(replace(asked, method="local"), ("local", "exact"))]
     for comparison in comparisons:
@@ -98,7 +98,7 @@ def endless(monkeypatch):
     monkeypatch.setattr("apd_viewer.geometry.solver.deformation.Deformation.convergence", never)
 
 
-def test_what_is_not_wanted_any_more_gives_way(begun, cold, monkeypatch):
+def test_comparison_lets_what_is_not_wanted_any_more_give_way(begun, cold, monkeypatch):
     endless(monkeypatch)
     comparison = begun(document(at=BENT), ("arap", "exact"))
     until(comparison, lambda: comparison.outcomes["arap"].frame is not None)
@@ -109,7 +109,9 @@ def test_what_is_not_wanted_any_more_gives_way(begun, cold, monkeypatch):
     assert comparison.under_way == "exact"
 
 
-def test_stopped_in_the_middle_keeps_what_has_come_and_leaves_no_process(begun, process, monkeypatch):
+def test_comparison_stopped_in_the_middle_keeps_what_has_come_and_leaves_no_process(
+    begun, process, monkeypatch
+):
     started = []
     start = process_client.start_process
 
@@ -130,7 +132,7 @@ def test_stopped_in_the_middle_keeps_what_has_come_and_leaves_no_process(begun, 
     assert comparison.outcomes["arap"].frame is not None
 
 
-def test_the_last_one_takes_the_process_with_it(begun, cold):
+def test_comparison_ends_its_process_with_the_last_method(begun, cold):
     threads = threading.active_count()
     comparison = begun(document(at=BENT), ("arap",))
     finish(comparison)
@@ -143,7 +145,7 @@ def test_the_last_one_takes_the_process_with_it(begun, cold):
     assert threading.active_count() == threads
 
 
-def test_a_method_that_fails_says_why_and_the_others_go_on(begun, cold, monkeypatch, capfd):
+def test_comparison_says_why_a_method_fails_and_the_others_go_on(begun, cold, monkeypatch, capfd):
     real, calls = elastic.LinearSolver, []
 
     def failing_once(A, V):

@@ -51,7 +51,7 @@ def written(tmp_path):
     return write
 
 
-def test_the_name_of_the_mesh_is_no_card(written):
+def test_write_deck_makes_no_card_of_the_name_of_the_mesh(written):
     deck = written(painted(name="*STEP.obj").document)
     assert deck.keywords.count("STEP") == 1
     assert "STEP.OBJ" not in deck.keywords
@@ -64,7 +64,7 @@ def posed(document, angle=0.4, shift=(0.1, 0.2, 0.3)):
     return document.with_pose(0, M), M
 
 
-def test_nodes_elements_and_sets_are_the_mesh_and_its_paint(written):
+def test_deck_of_has_the_mesh_and_its_paint_as_nodes_elements_and_sets(written):
     deck = written(painted().document)
     assert np.array_equal([deck.nodes[k + 1] for k in range(len(V))], V)
     assert np.array_equal([deck.elements[k + 1] for k in range(len(F))], F + 1)
@@ -76,7 +76,7 @@ def test_nodes_elements_and_sets_are_the_mesh_and_its_paint(written):
     assert deck.keywords.count("STEP") == 1
 
 
-def test_held_nodes_end_where_the_pose_has_them(written):
+def test_deck_of_ends_held_nodes_where_the_pose_has_them(written):
     second = np.flatnonzero(V[:, 2] == 3)
     document, M = posed(painted(second=second).document)
     ends = written(document, steps=1).ends()
@@ -86,7 +86,7 @@ def test_held_nodes_end_where_the_pose_has_them(written):
     assert set(ends) == {k + 1 for k in (*BASE, *TOP, *second)}
 
 
-def test_a_turn_is_walked_in_steps_on_its_arc(written):
+def test_deck_of_walks_a_turn_in_steps_on_its_arc(written):
     state = painted()
     motion = motion_of(state.document, parsed_motion("twist 100deg"), names_of(state), Unit.NONE)
     deck = written(state.document, motion=motion)
@@ -100,7 +100,7 @@ def test_a_turn_is_walked_in_steps_on_its_arc(written):
     assert len(written(state.document, steps=2, motion=motion).steps) == 2
 
 
-def test_steps_keep_what_is_held_and_no_more():
+def test_deck_of_keeps_in_its_steps_what_is_held_and_no_more():
     """A thousand steps of all vertices of a large mesh would not fit into memory."""
     deck = deck_of(posed(painted().document)[0], BARE, 1000)
     assert len(deck.steps) == 1000
@@ -108,14 +108,14 @@ def test_steps_keep_what_is_held_and_no_more():
     assert all(x.base is None for step in deck.steps for x in step), "no view of a larger array"
 
 
-def test_a_base_that_was_gripped_elsewhere_goes_there(written):
+def test_deck_of_leads_a_base_to_where_it_was_gripped(written):
     state = painted()
     U = V + [0.0, 0.25, 0.0]
     ends = written(replace(state.document, grip=U)).ends()
     assert np.abs([ends[k + 1] - U[k] for k in BASE]).max() < 1e-12
 
 
-def test_seams_are_joined_and_what_cannot_be_computed_is_left_out(written):
+def test_deck_of_joins_seams_and_leaves_out_what_cannot_be_computed(written):
     corners = V[F].reshape(-1, 3)  # each triangle with corners of its own
     away = np.concatenate([corners, V + 100.0])  # a part that nothing holds
     triangles = np.concatenate([np.arange(F.size).reshape(-1, 3), F + F.size, [[0, 0, 1]]])
@@ -145,7 +145,7 @@ MM_PET = {"thickness": 0.3, "young": 3400.0, "density": 1.36e-9, "poisson": 0.38
         (Unit.INCH, 1 / 25.4, "N/in2"),
     ],
 )
-def test_wall_in_consistent_units(unit, factor, says, written):
+def test_deck_wall_is_in_consistent_units(unit, factor, says, written):
     """Of one material: N/mm² times mm² and N s²/mm⁴ times mm⁴ in every other unit of length."""
     wall = deck_wall(WallWords(material=wall_material("pet-bottle")), unit, 1.0)
     deck = written(painted().document, wall)
@@ -156,7 +156,7 @@ def test_wall_in_consistent_units(unit, factor, says, written):
     assert "No " not in deck.text
 
 
-def test_what_is_typed_comes_before_the_material(written):
+def test_deck_wall_takes_what_is_typed_before_the_material(written):
     words = WallWords(Wall("0.5mm", "1 g/cm3"), "2GPa", "0.3", wall_material("pet-bottle"))
     deck = written(painted().document, deck_wall(words, Unit.METRE, 1.0))
     assert deck.values["SHELL SECTION"] == pytest.approx([0.5e-3])
@@ -164,7 +164,7 @@ def test_what_is_typed_comes_before_the_material(written):
     assert deck.values["DENSITY"] == pytest.approx([1000.0])
 
 
-def test_defaults_say_that_they_are_defaults(written):
+def test_deck_wall_says_of_defaults_that_they_are_defaults(written):
     deck = written(painted().document, deck_wall(WallWords(), Unit.NONE, 7.0))
     assert deck.values["SHELL SECTION"] == [0.007]
     assert deck.values["ELASTIC"] == [1.0, 0.4]
@@ -174,7 +174,7 @@ def test_defaults_say_that_they_are_defaults(written):
     assert "which is not known" in deck.text
 
 
-def test_numbers_fit_the_twenty_characters_that_are_read(written):
+def test_write_deck_fits_numbers_into_the_twenty_characters_that_are_read(written):
     tiny = V * 1.2345678901234567e-30
     deck = written(painted(tiny - tiny.mean(axis=0), F).document)
     words = [
@@ -184,7 +184,7 @@ def test_numbers_fit_the_twenty_characters_that_are_read(written):
     assert max(len(line) for line in deck.text.splitlines()) < 132
 
 
-def test_a_mesh_far_from_the_origin_keeps_its_digits(written):
+def test_write_deck_keeps_the_digits_of_a_mesh_far_from_the_origin(written):
     far = V / 7.0 + np.array([8.1e6, -4.3e6, 8.2e6])
     deck = written(painted(far, F).document)
     assert np.abs(np.array([deck.nodes[k + 1] for k in range(len(V))]) - far).max() < 2e-8
@@ -194,11 +194,11 @@ def test_a_mesh_far_from_the_origin_keeps_its_digits(written):
     assert max(map(len, words)) <= 20
 
 
-def test_the_same_deck_twice_is_the_same_file(written):
+def test_write_deck_writes_the_same_deck_twice_as_the_same_file(written):
     assert written(painted().document).text == written(painted().document).text
 
 
-def test_what_cannot_be_a_deck_is_refused_in_a_sentence(tmp_path):
+def test_deck_of_refuses_in_a_sentence_what_cannot_be_a_deck(tmp_path):
     state = painted()
     deck = deck_of(state.document, BARE)
     with pytest.raises(InputError, match=r"use the ending \.inp"):

@@ -32,7 +32,7 @@ def held_at(document, step):
     return step.frame.U[document.labels == 2]
 
 
-def test_each_step_holds_the_handle_at_its_part_of_the_motion(bar):
+def test_sweep_holds_the_handle_at_each_step_at_its_part_of_the_motion(bar):
     swept = list(sweep_of(bar.with_pose(0, BENT), 4, methods=["arap", "exact"]).steps())
     assert [(step.method, step.part) for step in swept] == [
         (method, part) for method in ("arap", "exact") for part in (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -47,7 +47,7 @@ def test_each_step_holds_the_handle_at_its_part_of_the_motion(bar):
     np.testing.assert_allclose(swept[0].frame.U, bar.mesh.V, atol=1e-12)
 
 
-def test_contact_changes_nothing_before_anything_touches(bar):
+def test_sweep_is_not_changed_by_contact_before_anything_touches(bar):
     bent = bar.with_pose(0, BENT)
     apart, passing = (
         list(sweep_of(replace(bent, contact=on), 3, methods=["exact"]).steps()) for on in (True, False)
@@ -57,7 +57,7 @@ def test_contact_changes_nothing_before_anything_touches(bar):
         np.testing.assert_allclose(one.frame.U, other.frame.U, atol=1e-6)
 
 
-def test_the_readings_are_those_of_the_shapes(bar):
+def test_sweep_has_the_readings_of_its_shapes(bar):
     for step in sweep_of(bar.with_pose(0, BENT), 3, methods=["arap", "paper"]).steps():
         shape = trimesh.Trimesh(step.frame.U, bar.mesh.F, process=False)
         assert shape.area == pytest.approx(step.frame.area, rel=1e-12)
@@ -65,7 +65,7 @@ def test_the_readings_are_those_of_the_shapes(bar):
         assert step.volume_error == pytest.approx(shape.volume / 24 - 1, abs=1e-12)
 
 
-def test_each_method_does_what_it_is_for(bar):
+def test_sweep_lets_each_method_do_what_it_is_for(bar):
     swept = list(sweep_of(bar.with_pose(0, BENT), 4).steps())
     error = {
         m: max(abs(s.frame.area_error) for s in swept if s.method == m) for m in ("arap", "paper", "exact")
@@ -78,7 +78,7 @@ def test_each_method_does_what_it_is_for(bar):
     assert all(np.array(energies["arap"]) <= np.array(energies["exact"]) * (1 + 1e-6) + 1e-12)
 
 
-def test_a_step_ends_where_it_would_end_from_rest(bar):
+def test_sweep_ends_a_step_where_it_would_end_from_rest(bar):
     """In so mild a motion there is one shape of least energy, whichever way leads to it."""
     held = bar.with_pose(0, BENT).constraints()
     direct = deform(bar.mesh.V, bar.mesh.F, held.fixed, held.targets, "arap", handle=held.handles)
@@ -86,7 +86,7 @@ def test_a_step_ends_where_it_would_end_from_rest(bar):
     assert last.energy == pytest.approx(direct.energy, rel=1e-4)
 
 
-def test_a_twist_goes_past_half_a_turn(bar):
+def test_sweep_of_a_twist_goes_past_half_a_turn(bar):
     sweep = sweep_of(bar, 4, 1.5, ["arap"], motion=[MotionStep(0, "twist", (np.pi,))])
     swept = list(sweep.steps())
     assert sweep.abscissa == "degrees"
@@ -95,7 +95,7 @@ def test_a_twist_goes_past_half_a_turn(bar):
     np.testing.assert_allclose(held_at(bar, swept[-1]) - [1, 1, 0], X[:, [1, 0, 2]] * [1, -1, 1], atol=1e-9)
 
 
-def test_what_tells_the_steps_apart(bar):
+def test_abscissa_is_what_tells_the_steps_apart(bar):
     for pose, kind in (
         (BENT, "degrees"),
         (shifted([0, 0, 1]), "way"),
@@ -105,14 +105,14 @@ def test_what_tells_the_steps_apart(bar):
         assert sweep_of(bar.with_pose(0, pose), 2).abscissa == kind
 
 
-def test_no_step_takes_more_iterations_than_it_may(bar):
+def test_sweep_takes_at_no_step_more_iterations_than_it_may(bar):
     document = replace(bar.with_pose(0, BENT), contact=False)
     swept = list(sweep_of(document, 3, methods=["exact"], iterations=2).steps())
     assert all(step.frame.iteration <= 2 for step in swept)
     assert not swept[-1].frame.settled
 
 
-def test_the_last_shape_in_contact_is_that_of_a_deformation_by_any_number_of_steps(bar):
+def test_sweep_ends_in_contact_with_the_shape_of_a_deformation_by_any_number_of_steps(bar):
     document = bar.with_pose(0, BENT)
     held = document.constraints()
     alone = deform(bar.mesh.V, bar.mesh.F, held.fixed, held.targets, handle=held.handles, area=100.0)
@@ -122,7 +122,7 @@ def test_the_last_shape_in_contact_is_that_of_a_deformation_by_any_number_of_ste
         np.testing.assert_allclose(last.U, alone.U, atol=1e-7)  # as far as shapes at rest agree
 
 
-def test_ticks_never_go_back_and_can_end_it(bar):
+def test_sweep_ticks_never_go_back_and_can_end_it(bar):
     ticks = []
     list(
         sweep_of(bar.with_pose(0, BENT), 3, methods=["arap", "paper"]).steps(
@@ -162,13 +162,13 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_what_cannot_be_swept_is_said(case, bar):
+def test_sweep_of_says_what_cannot_be_swept(case, bar):
     run, words = WRONG[case]
     with pytest.raises(InputError, match=words):
         run(bar)
 
 
-def test_each_step_says_what_turn_is_held(bar):
+def test_sweep_says_at_each_step_what_turn_is_held(bar):
     turn = (MotionStep(0, "twist", (np.radians(-400.0),)),)
     sweep = sweep_of(replace(bar, contact=False), 5, methods=["arap"], motion=turn)
     steps = list(sweep.steps())

@@ -37,7 +37,7 @@ MISTAKES = {
 }
 
 
-def test_each_mistake_is_said_with_its_line_and_stops_no_other(planned):
+def test_read_plan_says_each_mistake_with_its_line_and_stops_no_other_row(planned):
     rows = [row for row, _ in MISTAKES.values()]
     plan = planned({}, *rows, {}, {"motion": "twist 50"})
     assert [row.line for row in plan.rows] == list(range(2, len(rows) + 5))
@@ -63,7 +63,7 @@ UNREADABLE = {
 
 
 @pytest.mark.parametrize("case", UNREADABLE)
-def test_what_is_no_plan_is_said(case, tmp_path):
+def test_read_plan_says_what_is_no_plan(case, tmp_path):
     content, words = UNREADABLE[case]
     (tmp_path / "plan.csv").write_bytes(content)
     with pytest.raises(InputError, match=words):
@@ -73,7 +73,7 @@ def test_what_is_no_plan_is_said(case, tmp_path):
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
-def test_spreadsheets_separate_in_their_own_way(separator, bar, written):
+def test_read_plan_takes_what_spreadsheets_separate_in_their_own_way(separator, bar, written):
     text = written({"motion": "twist 40; push 10%", "# note": "a"}, {"motion": "push 5%"}).read_text()
     usual = read_plan(bar / "plan.csv", Sources(bar / "inputs"))
     cells = [line.split(",") for line in text.splitlines()]
@@ -83,14 +83,14 @@ def test_spreadsheets_separate_in_their_own_way(separator, bar, written):
     assert read_plan(bar / "other.csv", Sources(bar / "inputs")) == usual
 
 
-def test_too_many_cells_are_said(bar, written):
+def test_read_plan_says_that_there_are_too_many_cells(bar, written):
     path = written({})
     path.write_text(path.read_text().rstrip() + ",more\n")
     (row,) = read_plan(path, Sources(bar / "inputs")).rows
     assert "5 cells in 4 columns" in row.mistake
 
 
-def test_what_is_the_same_case(planned):
+def test_read_plan_finds_what_is_the_same_case(planned):
     alike = [
         {},
         {"method": "exact", "stiffness": "0", "calm": "yes", "area": "100 %", "# note": "mine"},
@@ -108,14 +108,14 @@ def test_what_is_the_same_case(planned):
     assert len(plan.cases) == 1 + len(other)
 
 
-def test_another_content_is_another_case(bar, planned):
+def test_study_case_of_another_content_is_another(bar, planned):
     (before,) = planned({}).cases
     (bar / "bar.sel").write_text((bar / "bar.sel").read_text().replace("1", "0", 1))
     (after,) = planned({}).cases
     assert before != after
 
 
-def test_sessions_bring_their_own(bar, planned):
+def test_read_plan_lets_sessions_bring_their_own_motion_paint_and_unit(bar, planned):
     state = opened(open_mesh(bar / "bar.off"))
     labels = state.document.labels.copy()
     labels[:3], labels[-3:] = 0, 2
