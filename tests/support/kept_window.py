@@ -133,6 +133,7 @@ class KeptWindow:
         window.actions_.looks.off.trigger()
         window.looks.cut.slider.setValue(window.looks.cut.slider.maximum() // 2)
         window.canvas.painter.size.radius = USUAL
+        window.panel.obstacles.fields.along.setCurrentIndex(0)
         shell.showNormal()
         shell.resize(self._size)
         shell.restoreState(self._layout)

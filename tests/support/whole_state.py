@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from shiboken6 import isValid
 
 from apd_viewer.ui.settings_page.preference_table import GROUPS
+from apd_viewer.ui.widgets.fields import Choice
 
 _PLAIN = str, int, float, bool, Enum, type(None)
 _TOLD = (
@@ -37,11 +38,17 @@ def whole_state(window):
     return {**found, **_surroundings(window)}
 
 
+def _is_ours(thread):
+    return thread.daemon and not thread.name.startswith("Thread-")  # all of the program's have names
+
+
 def _in_sight(thing):
     return not isinstance(thing, QWidget) or (isValid(thing) and thing.isVisible())
 
 
 def _tell_shown(found, child):
+    if type(child) is Choice:  # hidden, too; those of results come with them
+        found[f"{_free(found, child)}.chosen"] = child.currentIndex()
     if not _in_sight(child) or child.objectName().startswith("qt_"):
         return
     place = _free(found, child)
@@ -84,7 +91,7 @@ def _surroundings(window):
     view = window.canvas.viewport
     eye, picture = view.look.eye, np.asarray(view.screenshot(return_img=True))
     return {
-        "threads": sorted(thread.name for thread in threading.enumerate() if thread.daemon),
+        "threads": sorted(thread.name for thread in threading.enumerate() if _is_ours(thread)),
         "handles": len(list(Path("/proc/self/fd").iterdir())),
         "windows": sorted(type(top).__name__ for top in QApplication.topLevelWidgets() if top.isVisible()),
         "focus": type(window.shell.focusWidget()).__name__,

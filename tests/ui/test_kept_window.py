@@ -154,6 +154,7 @@ def keeps_poses(qtbot, window, _):
 def presses_on_a_floor(qtbot, window, _):
     window.obstacles.put_floor()
     window.parts.choose_obstacle(0)
+    window.panel.obstacles.fields.along.setCurrentIndex(2)
 
 
 def measures(qtbot, window, _):
