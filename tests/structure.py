@@ -21,7 +21,8 @@ PACKAGE = Path(__file__).parents[1] / "apd_viewer"
 METHOD_TABLE = "geometry/solver/methods.py"
 QUESTION = re.compile(r"(what|how|where|which|whether|who|whom|whose|when|why)\b", re.IGNORECASE)
 PRIVATE = re.compile(r"_[a-zA-Z]\w*")
-NOT_PRIVATE = {"_replace", "_asdict", "_make", "_fields", "_exit"}  # of named tuples, and of os
+# Of named tuples, of os, and of notebooks.
+NOT_PRIVATE = {"_replace", "_asdict", "_make", "_fields", "_exit", "_repr_html_"}
 REACHES = {"setattr", "delattr", "getattr", "hasattr", "patch", "object"}
 RELATIVE = re.compile(r"\b(that|which|who|whom|whose|where|what)\b", re.IGNORECASE)
 
@@ -161,6 +162,27 @@ def private_names(found: list[Module]) -> list[str]:
             names = [name for name in _names_of_others(node) if PRIVATE.fullmatch(name)]
             said += [f"{module.where}:{node.lineno} {name}" for name in names if name not in NOT_PRIVATE]
     return said
+
+
+def misnamed_tests(tests: list[Module], found: list[Module]) -> list[str]:
+    """Tests whose name begins neither with a name of the program nor with that of their file."""
+    known = {Path(module.where).stem for module in found}
+    known |= {_snake(node.name) for module in found for node in (*module.functions, *module.classes)}
+    said = []
+    for module in tests:
+        file = Path(module.where).stem.removeprefix("test_")
+        names = [node.name for node in module.functions if node.name.startswith("test_")]
+        said += [f"{module.where} {name}" for name in names if not _begins(name[5:], {*known, file})]
+    return said
+
+
+def _begins(name: str, known: set[str]) -> bool:
+    words = name.split("_")
+    return any("_".join(words[:count]) in known for count in range(1, len(words) + 1))
+
+
+def _snake(name: str) -> str:
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower().strip("_")
 
 
 def _names_of_others(node: ast.AST) -> list[str]:

@@ -222,7 +222,7 @@ def test_mutants_that_hang_are_ended(tiny):
     assert verdict_on(tiny, "!= -> ==", "sign", seconds=2.0)[0] == "broken off"
 
 
-def test_of_too_many_tests_those_of_the_module_come_first_and_then_files_take_turns():
+def test_mutants_meet_tests_of_their_module_first_and_then_files_take_turns():
     place = Place("geometry/contact/gap.py", "f", "constant", 1, 0, 1, "1", "2")
     costs = {
         "tests/ui/test_window.py::test_a": 0.5,

@@ -16,18 +16,22 @@ from structure import (
     local_imports,
     method_comparisons,
     method_counts,
+    misnamed_tests,
     modules,
     percentile,
     private_names,
 )
 
-# Rooms of the tests that reach into nobody's privacy.
-OPEN_ROOMS = ("ui",)
-
 
 @pytest.fixture(scope="module")
 def found():
     return modules()
+
+
+@pytest.fixture(scope="module")
+def tests():
+    found = modules(Path(__file__).parent)
+    return [module for module in found if not module.where.startswith("benchmarks/")]
 
 
 def test_structure_has_small_folders_and_files(found):
@@ -56,9 +60,12 @@ def test_structure_gives_imports_in_functions_their_reason(found):
     assert [place for place, explained in local_imports(found) if not explained] == []
 
 
-@pytest.mark.parametrize("room", OPEN_ROOMS)
-def test_private_names_are_not_used_by_tests(room):
-    assert private_names(modules(Path(__file__).parent / room)) == []
+def test_structure_lets_tests_use_no_private_names(tests):
+    assert private_names(tests) == []
+
+
+def test_structure_names_tests_after_what_they_test(tests, found):
+    assert misnamed_tests(tests, found) == []
 
 
 def test_structure_gives_each_class_a_name_of_its_own(found):
@@ -123,6 +130,10 @@ def test_structure_has_figures_that_see_what_they_should():
         "_other",
         "_third",
     ]
+    odd, right = (
+        Module("test_odd.py", f"def test_{name}(): ...") for name in ("what_is_odd", "length_is_odd")
+    )
+    assert misnamed_tests([odd, right], [BAD]) == ["test_odd.py test_what_is_odd"]
     assert method_counts([BAD]) == {"Odd": 5}
     texts = [text for _, text in first_lines([BAD])]
     assert [bool(QUESTION.match(text)) for text in texts] == [True, False]

@@ -18,7 +18,7 @@ from apd_viewer.geometry.linalg.kernels import KernelCache
 from apd_viewer.geometry.warmup import kernel_table
 
 PACKAGE = Path(geometry.__file__).parents[1]
-WARM_UP = "from apd_viewer.geometry.warmup import warm_up; warm_up()"
+WARM_UP = "import sys; from apd_viewer.geometry.warmup import warm_up; warm_up(*sys.argv[1:])"
 
 
 def pytest_configure(config):
@@ -69,7 +69,10 @@ class Judge:
         reporter = session.config.pluginmanager.get_plugin("terminalreporter")
         reporter.write_line("Compiling the kernels that are not in the cache (100 s at first)")
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-        subprocess.run([sys.executable, "-c", WARM_UP], env=environment, check=True)
+        sections = list(kernel_table())
+        commands = [[sys.executable, "-c", WARM_UP, *sections[k::2]] for k in range(2)]
+        processes = [subprocess.Popen(command, env=environment) for command in commands]
+        assert [process.wait() for process in processes] == [0, 0], "a kernel cannot be compiled"
         self.before = kernel_files()
 
     @pytest.hookimpl(optionalhook=True)
