@@ -18,7 +18,7 @@ def opened(qtbot, window, title):
     return QApplication.activePopupWidget()
 
 
-def test_every_menu_opens_by_its_own_key(qtbot, window):
+def test_actions_open_every_menu_by_its_own_key(qtbot, window):
     window.shell.activateWindow()
     qtbot.waitUntil(window.shell.isActiveWindow)
     for action in window.shell.menuBar().actions():
@@ -27,7 +27,7 @@ def test_every_menu_opens_by_its_own_key(qtbot, window):
         menu.close()
 
 
-def test_help_and_appearance_have_the_keys_that_one_tries(qtbot, window):
+def test_actions_give_help_and_appearance_the_keys_that_one_tries(qtbot, window):
     window.shell.activateWindow()
     qtbot.waitUntil(window.shell.isActiveWindow)
     QTest.keyClick(window.shell, Qt.Key.Key_H, Qt.KeyboardModifier.AltModifier)
@@ -43,7 +43,7 @@ def test_help_and_appearance_have_the_keys_that_one_tries(qtbot, window):
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_checked_entries_are_marked_and_only_the_hovered_one_is_filled(qtbot, window, scheme):
+def test_theme_marks_checked_entries_of_menus_and_fills_only_the_hovered_one(qtbot, window, scheme):
     actions = window.actions_
     actions.view.schemes[scheme].trigger()
     actions.view.edges.trigger()

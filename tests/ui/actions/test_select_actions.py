@@ -45,7 +45,7 @@ def in_menus(window):
 # What every action is
 
 
-def test_every_action_in_the_menus_is_dressed(scene):
+def test_actions_in_the_menus_are_all_dressed(scene):
     found = in_menus(scene.window)
     assert len(found) > 50
     for action in found:
@@ -56,7 +56,7 @@ def test_every_action_in_the_menus_is_dressed(scene):
         assert not action.icon().pixmap(20, 20).isNull(), action.text()
 
 
-def test_every_action_of_a_tool_bar_is_in_a_menu(scene):
+def test_actions_of_a_tool_bar_are_all_in_a_menu(scene):
     found = in_menus(scene.window)
     bars = scene.window.shell.findChildren(QToolBar)
     assert {"tools", "ways"} <= {bar.objectName() for bar in bars}
@@ -65,7 +65,7 @@ def test_every_action_of_a_tool_bar_is_in_a_menu(scene):
             assert action.isSeparator() or action in found, action.text()
 
 
-def test_no_two_actions_share_a_shortcut(scene):
+def test_actions_share_no_shortcut(scene):
     scene.paint(np.ones(len(scene.document.labels), dtype=bool), BASE)
     found = {*in_menus(scene.window), *scene.window.shell.actions()}
     for tool in Tool:
@@ -79,7 +79,7 @@ def test_no_two_actions_share_a_shortcut(scene):
 
 
 @pytest.mark.parametrize("tool", [Tool.ORBIT, Tool.MOVE, Tool.BASE, Tool.REGION])
-def test_a_key_takes_a_way_and_a_tool_that_paints(scene, keyboard, tool):
+def test_select_actions_take_a_way_and_a_tool_that_paints_by_a_key(scene, keyboard, tool):
     for way in reversed(Way):
         scene.take(tool, Way.BRUSH)
         keyboard(getattr(Qt.Key, f"Key_{way.words.key}"))
@@ -92,7 +92,7 @@ def test_a_key_takes_a_way_and_a_tool_that_paints(scene, keyboard, tool):
         assert way.words.hint in scene.window.status.words.text()
 
 
-def test_the_bar_of_the_ways_is_there_for_the_tools_that_paint_and_its_buttons_work(qtbot, scene):
+def test_way_bar_is_there_for_the_tools_that_paint_and_its_buttons_work(qtbot, scene):
     bar = scene.window.way_bar
     for tool in Tool:
         scene.take(tool, Way.BRUSH)
@@ -104,7 +104,7 @@ def test_the_bar_of_the_ways_is_there_for_the_tools_that_paint_and_its_buttons_w
         assert bar.widgetForAction(action).isChecked()
 
 
-def test_all_of_the_bar_has_room_in_the_smallest_window(qtbot, scene):
+def test_way_bar_has_room_for_all_of_it_in_the_smallest_window(qtbot, scene):
     scene.take(Tool.BASE, Way.BRUSH)
     size = scene.window.shell.size()
     scene.window.shell.resize(scene.window.shell.minimumSize())
@@ -117,7 +117,7 @@ def test_all_of_the_bar_has_room_in_the_smallest_window(qtbot, scene):
     work_off()
 
 
-def test_keys_of_through_and_of_the_size_of_the_brush(scene, keyboard):
+def test_select_actions_switch_through_and_size_the_brush_by_keys(scene, keyboard):
     through = scene.window.actions_.select.through
     for on in (True, False):
         keyboard(Qt.Key.Key_T)
@@ -163,7 +163,7 @@ def expected(scene, tool, change):
 @pytest.mark.parametrize("tool", [Tool.HANDLE, Tool.BASE, Tool.REGION, Tool.MOVE])
 @pytest.mark.parametrize("change", [GROW, SHRINK, INVERT])
 @pytest.mark.parametrize("name", ["rabbit", "seams", "pieces", "bent"])
-def test_a_part_becomes_what_sets_say_in_one_step_of_undo(qtbot, theatre, name, change, tool):
+def test_reshape_makes_a_part_what_sets_say_in_one_step_of_undo(qtbot, theatre, name, change, tool):
     scene = theatre.scene(qtbot, name)
     scene.take(tool, Way.BRUSH)
     before, steps, action = scene.document, scene.steps, changes(scene)[change]
@@ -185,7 +185,7 @@ def test_a_part_becomes_what_sets_say_in_one_step_of_undo(qtbot, theatre, name, 
     scene.assert_nothing_is_previewed()
 
 
-def test_the_keys_of_the_changes(scene, keyboard):
+def test_select_actions_change_a_part_by_keys(scene, keyboard):
     keys = (
         (Qt.Key.Key_Plus, CONTROL),
         (Qt.Key.Key_Minus, CONTROL),
@@ -200,7 +200,7 @@ def test_the_keys_of_the_changes(scene, keyboard):
 
 
 @pytest.mark.parametrize("tool", [Tool.HANDLE, Tool.REGION, Tool.BASE])
-def test_what_changes_nothing_is_no_step(qtbot, theatre, tool):
+def test_reshape_makes_no_step_where_it_changes_nothing(qtbot, theatre, tool):
     scene = theatre.scene(qtbot, "bare")
     scene.take(tool, Way.BRUSH)
     everything = len(scene.document.labels)
@@ -222,7 +222,7 @@ def test_what_changes_nothing_is_no_step(qtbot, theatre, tool):
     assert scene.document is scene.state.document
 
 
-def test_a_change_in_the_middle_of_a_stroke_is_the_end_of_the_stroke_and_no_more(qtbot, theatre):
+def test_reshape_in_the_middle_of_a_stroke_ends_the_stroke_and_does_no_more(qtbot, theatre):
     scene = theatre.scene(qtbot, "bare")
     scene.take(Tool.BASE, Way.BRUSH)
     at, mouse = Gesture(scene.window, Way.BRUSH).press, Mouse(scene.view)
@@ -234,7 +234,7 @@ def test_a_change_in_the_middle_of_a_stroke_is_the_end_of_the_stroke_and_no_more
     assert scene.document is scene.state.document
 
 
-def test_without_a_mesh_nothing_can_be_chosen_and_nothing_breaks(qtbot, window):
+def test_select_actions_choose_nothing_and_break_nothing_without_a_mesh(qtbot, window):
     for way, action in window.actions_.select.ways.items():
         action.trigger()
         assert window.canvas.way is way

@@ -34,7 +34,7 @@ def studied(home):
     return home / "mesh-study"
 
 
-def test_an_end_is_looked_at_and_leaves_no_trace(qtbot, bar, dialog):
+def test_end_preview_shows_an_end_and_leaves_no_trace(qtbot, bar, dialog):
     session = bar.session
     before, undo = session.store.state, session.gestures.history.next_undo
     row = dialog.varied.rows["to"]
@@ -55,7 +55,7 @@ def test_an_end_is_looked_at_and_leaves_no_trace(qtbot, bar, dialog):
     assert not len(bar.preview.ghost.patches.shown)
 
 
-def test_a_typed_motion_stands_in_place_of_the_current_one(dialog):
+def test_varied_fields_put_a_typed_motion_in_place_of_the_current_one(dialog):
     rows = dialog.varied.rows
     tick(rows["twist"].check)
     assert rows["twist"].on
@@ -65,7 +65,7 @@ def test_a_typed_motion_stands_in_place_of_the_current_one(dialog):
     assert not rows["twist"].low.isEnabled()
 
 
-def test_a_grid_says_how_many_cases_it_makes(dialog):
+def test_plan_dialog_says_how_many_cases_a_grid_makes(dialog):
     tick(dialog.varied.rows["stiffness"].check)
     dialog.design.setCurrentIndex(dialog.design.findData("grid"))
     dialog.samples.setValue(4)
@@ -88,7 +88,7 @@ def test_a_grid_says_how_many_cases_it_makes(dialog):
         ("push", "10%", "1", "both ends"),
     ],
 )
-def test_an_impossible_range_is_refused_in_a_sentence(dialog, home, name, low, high, words):
+def test_plan_dialog_refuses_an_impossible_range_in_a_sentence(dialog, home, name, low, high, words):
     row = dialog.varied.rows[name]
     row.check.setChecked(True)
     row.low.setText(low)
@@ -99,7 +99,7 @@ def test_an_impossible_range_is_refused_in_a_sentence(dialog, home, name, low, h
     assert not (home / "mesh-study").exists()
 
 
-def test_a_folder_in_use_is_left_alone(dialog, home):
+def test_plan_dialog_leaves_a_folder_in_use_alone(dialog, home):
     taken = home / "taken"
     taken.mkdir()
     (taken / "session.apd").write_bytes(b"of somebody")
@@ -110,7 +110,7 @@ def test_a_folder_in_use_is_left_alone(dialog, home):
     assert [path.read_bytes() for path in taken.iterdir()] == [b"of somebody"]
 
 
-def test_a_study_is_run_stopped_and_continued(qtbot, bar, dialog, studied):
+def test_case_studies_run_stop_and_continue_a_study(qtbot, bar, dialog, studied):
     dialog.design.setCurrentIndex(dialog.design.findData("grid"))
     dialog.samples.setValue(CASES)
     dialog.steps.setValue(2)
@@ -140,7 +140,7 @@ def test_a_study_is_run_stopped_and_continued(qtbot, bar, dialog, studied):
         assert [line["to"] for line in csv.DictReader(stream)][:: CASES - 1] == ["10%", "100%"]
 
 
-def test_a_scheduler_named_by_a_folder_is_asked_about(bar, studied, monkeypatch):
+def test_case_studies_ask_about_a_scheduler_that_a_folder_names(bar, studied, monkeypatch):
     """It could be anybody's, and runs what it likes here."""
     cases, asked = bar.case_studies, []
     options = (studied / RUN).read_text(encoding="utf-8")
@@ -166,7 +166,7 @@ def results(qtbot, bar, studied):
     return cases.panel
 
 
-def test_a_click_opens_the_shape_of_a_case_bit_for_bit(qtbot, bar, results, studied):
+def test_case_studies_open_the_shape_of_a_clicked_case_bit_for_bit(qtbot, bar, results, studied):
     whole = bar.session.store.state.document
     camera = bar.canvas.view.saved("").camera
     press_row(results, 2)
@@ -185,7 +185,7 @@ def results_column(folder, name):
         return next(csv.reader(stream)).index(name)
 
 
-def test_enter_of_either_kind_opens_the_current_case(qtbot, bar, results):
+def test_results_view_opens_the_current_case_by_enter_of_either_kind(qtbot, bar, results):
     opened = []
     results.table.opened.connect(opened.append)
     results.table.setCurrentIndex(results.model.index(3, 0))
@@ -196,7 +196,7 @@ def test_enter_of_either_kind_opens_the_current_case(qtbot, bar, results):
     assert opened == [3, 3]
 
 
-def test_unsaved_work_is_asked_about_before_a_case_is_opened(qtbot, bar, results, monkeypatch):
+def test_case_studies_ask_about_unsaved_work_before_opening_a_case(qtbot, bar, results, monkeypatch):
     asked = []
     monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: asked.append(1) or Answer.CANCEL)
     before = bar.session.store.state
@@ -206,7 +206,7 @@ def test_unsaved_work_is_asked_about_before_a_case_is_opened(qtbot, bar, results
     assert bar.session.store.state is before
 
 
-def test_a_dot_is_clicked_and_control_adds_curves(qtbot, bar, results):
+def test_results_panel_opens_the_case_of_a_clicked_dot_and_adds_curves_by_control(qtbot, bar, results):
     results.table.clearSelection()
     view = results.scatter.view
     view.repaint()
@@ -232,7 +232,7 @@ def test_a_dot_is_clicked_and_control_adds_curves(qtbot, bar, results):
     assert results.curves.view.chart().curves[0].color == rings[last], "a case keeps its colour"
 
 
-def test_rows_are_sorted_by_a_click_and_stay_chosen(results):
+def test_results_view_sorts_rows_by_a_click_and_keeps_them_chosen(results):
     results.table.choose([3])
     head = results.table.horizontalHeader()
     column = next(k for k, each in enumerate(results.model.columns) if each.name == "energy")
@@ -249,7 +249,7 @@ def test_rows_are_sorted_by_a_click_and_stay_chosen(results):
     results.table.sortByColumn(0, Qt.SortOrder.AscendingOrder)
 
 
-def test_a_study_that_runs_elsewhere_is_followed_and_never_locked(qtbot, results, studied):
+def test_folder_watch_follows_a_study_that_runs_elsewhere_and_never_locks_it(qtbot, results, studied):
     store = StudyStore(studied)  # raises where another holds it
     try:
         with closing(sqlite3.connect(studied / DATABASE, timeout=0.0)) as base:
@@ -271,7 +271,7 @@ def test_a_study_that_runs_elsewhere_is_followed_and_never_locked(qtbot, results
     qtbot.waitUntil(lambda: "failed" not in results.words.text(), timeout=10_000)
 
 
-def test_a_failed_case_says_why_in_place_of_a_shape(qtbot, bar, results):
+def test_case_studies_say_why_a_case_failed_in_place_of_a_shape(qtbot, bar, results):
     rows = results.model.rows
     bad = replace(rows[0], status="failed", sentence="It diverged in step 2.")
     results.model.rows = (bad, *rows[1:])
@@ -282,12 +282,12 @@ def test_a_failed_case_says_why_in_place_of_a_shape(qtbot, bar, results):
     results.model.rows = rows
 
 
-def test_a_folder_without_a_study_is_refused(bar, tmp_path):
+def test_case_studies_open_refuses_a_folder_without_a_study(bar, tmp_path):
     bar.case_studies.open(tmp_path)
     assert "holds no study" in bar.notice.text
 
 
-def test_a_click_runs_failed_cases_again_and_no_others(qtbot, bar, results, studied):
+def test_case_studies_run_failed_cases_again_by_a_click_and_no_others(qtbot, bar, results, studied):
     before = {path: path.stat().st_mtime_ns for path in studied.rglob("*.case")}
     assert not results.retry.isVisible()
     with closing(sqlite3.connect(studied / DATABASE)) as base:
@@ -305,12 +305,12 @@ def test_a_click_runs_failed_cases_again_and_no_others(qtbot, bar, results, stud
     assert not results.retry.isVisible()
 
 
-def test_the_panel_leaves_most_of_the_window_to_the_mesh(bar, results):
+def test_results_panel_leaves_most_of_the_window_to_the_mesh(bar, results):
     assert bar.shell.height() > 600
     assert results.height() < 0.34 * bar.shell.height()
 
 
-def test_the_window_asks_before_it_closes_over_a_running_study(bar, monkeypatch):
+def test_ask_before_closing_keeps_the_window_open_over_a_running_study(bar, monkeypatch):
     asked = []
     monkeypatch.setattr(StudyRun, "running", True)
     monkeypatch.setattr(

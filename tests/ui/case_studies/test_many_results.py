@@ -97,19 +97,19 @@ def other_axis(panel):
     draw(panel)
 
 
-def test_reading_grows_with_the_rows_and_not_faster(panels):
+def test_results_panel_reads_in_a_time_that_grows_no_faster_than_the_rows(panels):
     few, many = (spent(lambda panel=panel: show_again(panel)) for panel in panels.values())
     assert many < MOST * few
 
 
 @pytest.mark.parametrize("act", [choose_scattered, sort_scattered, choose_all, other_axis])
-def test_what_a_hand_does_takes_less_than_half_of_reading(panels, act):
+def test_results_panel_takes_less_than_half_of_reading_for_what_a_hand_does(panels, act):
     """Reading is linear, and on a thread; an index for each chosen cell takes five times as long."""
     panel = panels[MANY]
     assert spent(lambda: act(panel)) < 0.5 * spent(lambda: show_again(panel))
 
 
-def test_a_row_is_chosen_without_looking_at_the_others(panels, monkeypatch):
+def test_choose_takes_a_row_without_looking_at_the_others(panels, monkeypatch):
     """The picture of the plot is kept, and only its rings are drawn."""
     panel = panels[MANY]
     draw(panel)
@@ -122,7 +122,7 @@ def test_a_row_is_chosen_without_looking_at_the_others(panels, monkeypatch):
     assert list(view.rings) == [5]
 
 
-def test_rows_stay_chosen_where_all_get_other_places(panels):
+def test_results_view_keeps_rows_chosen_where_all_get_other_places(panels):
     panel = panels[FEW]
     chosen = [3, 4, 5, 90, 700]
     panel.table.choose(chosen)
@@ -137,7 +137,7 @@ def test_rows_stay_chosen_where_all_get_other_places(panels):
     assert heard
 
 
-def test_the_database_is_read_elsewhere_than_on_the_ui_thread(qtbot, folders, monkeypatch):
+def test_folder_watch_reads_the_database_elsewhere_than_on_the_ui_thread(qtbot, folders, monkeypatch):
     threads = []
 
     def read(folder):
@@ -154,7 +154,7 @@ def test_the_database_is_read_elsewhere_than_on_the_ui_thread(qtbot, folders, mo
     assert threading.get_ident() not in threads
 
 
-def test_a_folder_is_left_alone_while_nobody_sees_its_results(qtbot, bar, tmp_path):
+def test_folder_watch_leaves_a_folder_alone_while_nobody_sees_its_results(qtbot, bar, tmp_path):
     """The dock is closed, or behind another one; shown again, it has what is new."""
     study, window = tmp_path / "study", bar
     write_study(study, 5)

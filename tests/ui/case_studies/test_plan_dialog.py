@@ -54,7 +54,7 @@ def ask_scheduler(dialog, address):
     click(dialog.start)
 
 
-def test_ticked_methods_vary(dialog, begun, tmp_path):
+def test_plan_dialog_varies_ticked_methods(dialog, begun, tmp_path):
     checks = dialog.methods.checks
     assert [name for name, check in checks.items() if check.isChecked()] == ["exact"]
     tick(checks["arap"])
@@ -69,7 +69,7 @@ def test_ticked_methods_vary(dialog, begun, tmp_path):
     }
 
 
-def test_methods_alone_are_each_tried_once(dialog, begun, tmp_path):
+def test_plan_dialog_tries_methods_alone_once_each(dialog, begun, tmp_path):
     for name in ("local", "paper"):
         tick(dialog.methods.checks[name])
     dialog.varied.rows["to"].high.clear()  # the whole of it
@@ -78,7 +78,7 @@ def test_methods_alone_are_each_tried_once(dialog, begun, tmp_path):
     assert sorted(row["method"] for row in rows_of(tmp_path / "once")) == ["exact", "local", "paper"]
 
 
-def test_another_method_is_one_for_all(dialog, begun, tmp_path):
+def test_plan_dialog_takes_another_method_for_all(dialog, begun, tmp_path):
     for name in ("exact", "arap"):
         tick(dialog.methods.checks[name])
     dialog.samples.setValue(2)
@@ -87,14 +87,14 @@ def test_another_method_is_one_for_all(dialog, begun, tmp_path):
     assert [row["method"] for row in rows_of(tmp_path / "one")] == ["arap", "arap"]
 
 
-def test_some_method_is_needed(dialog):
+def test_plan_dialog_needs_some_method(dialog):
     tick(dialog.methods.checks["exact"])
     click(dialog.start)
     assert "No method is ticked" in dialog.words.text()
     assert dialog.isVisible()
 
 
-def test_a_limit_reaches_the_command(dialog, begun, tmp_path):
+def test_engine_fields_hand_a_limit_to_the_command(dialog, begun, tmp_path):
     dialog.folder.setText(str(tmp_path / "limited"))
     dialog.engine.processes.setValue(2)
     for text, words in (("soon", "soon"), ("0", "greater than 0"), ("-3", "greater than 0")):
@@ -107,7 +107,9 @@ def test_a_limit_reaches_the_command(dialog, begun, tmp_path):
     assert begun == [(tmp_path / "limited", ["--processes", "2", "--limit", "2.5"])]
 
 
-def test_the_options_of_a_scheduler_reach_the_command(qtbot, dialog, begun, listener, tmp_path):
+def test_engine_fields_hand_the_options_of_a_scheduler_to_the_command(
+    qtbot, dialog, begun, listener, tmp_path
+):
     dialog.folder.setText(str(tmp_path / "cluster"))
     ask_scheduler(dialog, "")
     assert "tcp://host:8786" in dialog.words.text()
@@ -117,7 +119,9 @@ def test_the_options_of_a_scheduler_reach_the_command(qtbot, dialog, begun, list
     assert (tmp_path / "cluster" / PLAN).exists()
 
 
-def test_what_is_begun_is_what_was_asked_for(qtbot, dialog, begun, listener, tmp_path):
+def test_plan_dialog_begins_what_was_asked_for_whatever_is_typed_meanwhile(
+    qtbot, dialog, begun, listener, tmp_path
+):
     """Not what is typed while the scheduler is waited for: nobody has looked whether that is there."""
     dialog.folder.setText(str(tmp_path / "asked"))
     dialog.samples.setValue(4)
@@ -130,7 +134,9 @@ def test_what_is_begun_is_what_was_asked_for(qtbot, dialog, begun, listener, tmp
     assert len(rows_of(tmp_path / "asked")) == 4
 
 
-def test_a_tilde_is_the_folder_of_the_user(qtbot, dialog, begun, listener, tmp_path, monkeypatch):
+def test_plan_dialog_takes_a_tilde_for_the_folder_of_the_user(
+    qtbot, dialog, begun, listener, tmp_path, monkeypatch
+):
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("USERPROFILE", str(tmp_path))
     (tmp_path / "lab.json").write_text(f'{{"address": "{listener}"}}', encoding="utf-8")
@@ -140,7 +146,7 @@ def test_a_tilde_is_the_folder_of_the_user(qtbot, dialog, begun, listener, tmp_p
     assert begun == [(tmp_path / "tilde", ["--scheduler-file", str(tmp_path / "lab.json")])]
 
 
-def test_a_user_who_is_not_there_has_no_folder(dialog, begun, tmp_path, monkeypatch):
+def test_plan_dialog_knows_no_folder_of_a_user_who_is_not_there(dialog, begun, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     dialog.folder.setText("~nobody of this name/study")
     ask_scheduler(dialog, "~nobody of this name/lab.json")
@@ -150,7 +156,9 @@ def test_a_user_who_is_not_there_has_no_folder(dialog, begun, tmp_path, monkeypa
     assert begun[0][0] == tmp_path / "~nobody of this name" / "study"
 
 
-def test_nobody_at_an_address_is_said_within_seconds(qtbot, dialog, begun, deserted, tmp_path):
+def test_plan_dialog_says_within_seconds_that_nobody_is_at_an_address(
+    qtbot, dialog, begun, deserted, tmp_path
+):
     dialog.folder.setText(str(tmp_path / "deserted"))
     started = time.monotonic()
     ask_scheduler(dialog, deserted)
@@ -163,7 +171,7 @@ def test_nobody_at_an_address_is_said_within_seconds(qtbot, dialog, begun, deser
     assert begun[0][0] == tmp_path / "deserted"
 
 
-def test_a_silent_address_is_given_up(qtbot, listener):
+def test_scheduler_check_gives_up_a_silent_address(qtbot, listener):
     check, said = SchedulerCheck(), []
     check.answered.connect(lambda: said.append("answered"))
     check.failed.connect(said.append)
@@ -175,7 +183,7 @@ def test_a_silent_address_is_given_up(qtbot, listener):
     assert not check.waits
 
 
-def test_a_dialog_may_be_closed_while_it_connects(qtbot, bar, dialog, begun, listener, tmp_path):
+def test_plan_dialog_may_be_closed_while_it_connects(qtbot, bar, dialog, begun, listener, tmp_path):
     dialog.folder.setText(str(tmp_path / "given up"))
     ask_scheduler(dialog, listener)
     click(dialog.cancel)
@@ -198,7 +206,7 @@ def test_a_dialog_may_be_closed_while_it_connects(qtbot, bar, dialog, begun, lis
         ("http://lab:80", None),
     ],
 )
-def test_addresses_are_read_as_dask_reads_them(address, place):
+def test_place_of_reads_addresses_as_dask_does(address, place):
     if place is None:
         with pytest.raises(InputError, match="no address of a scheduler"):
             place_of(address)
@@ -206,7 +214,7 @@ def test_addresses_are_read_as_dask_reads_them(address, place):
         assert place_of(address) == place
 
 
-def test_the_file_of_a_scheduler_says_its_address(tmp_path):
+def test_place_of_reads_the_address_in_the_file_of_a_scheduler(tmp_path):
     file = tmp_path / "scheduler.json"
     with pytest.raises(InputError, match="There is no file"):
         place_of(str(file))
@@ -218,7 +226,7 @@ def test_the_file_of_a_scheduler_says_its_address(tmp_path):
     assert place_of(str(file)) == ("10.0.0.7", 8786)
 
 
-def test_a_folder_gives_the_command_no_other_options(tmp_path):
+def test_kept_options_let_a_folder_give_the_command_no_others(tmp_path):
     """It may come from anybody."""
     for odd in ('["-o", "/elsewhere"]', '["--processes"]', '["--scheduler=tcp://x:1", "2"]', '"--limit"'):
         (tmp_path / RUN).write_text(f'{{"options": {odd}}}', encoding="utf-8")
@@ -232,7 +240,7 @@ def test_a_folder_gives_the_command_no_other_options(tmp_path):
 
 
 @pytest.mark.skipif(find_spec("distributed") is not None, reason="Dask is installed, whose lack is tested")
-def test_a_study_by_dask_is_refused_where_that_is_missing(qtbot, bar, dialog, home, listener):
+def test_study_run_refuses_a_study_by_dask_where_that_is_missing(qtbot, bar, dialog, home, listener):
     dialog.folder.setText(str(home / "without-dask"))
     ask_scheduler(dialog, listener)
     with qtbot.waitSignal(bar.case_studies.run.ended, timeout=60_000):
@@ -241,7 +249,7 @@ def test_a_study_by_dask_is_refused_where_that_is_missing(qtbot, bar, dialog, ho
 
 
 @pytest.mark.extra
-def test_a_study_is_run_by_a_scheduler_of_dask(qtbot, bar, dialog, home, tmp_path):
+def test_study_run_runs_a_study_by_a_scheduler_of_dask(qtbot, bar, dialog, home, tmp_path):
     """A real one, with one worker, by its address; then a click opens a case."""
     folder = home / "by-dask"
     with dask_cluster(tmp_path, 1) as file:

@@ -24,7 +24,7 @@ def named(found):
     return {column.title: column for column in found}
 
 
-def test_motions_of_a_plan_are_columns_of_their_amounts():
+def test_columns_of_make_columns_of_the_amounts_of_motions_of_a_plan():
     found = named(
         columns_of(
             table(
@@ -41,20 +41,20 @@ def test_motions_of_a_plan_are_columns_of_their_amounts():
     assert found["Stiffness"].values == pytest.approx([0.1, 0.001, 0.01])
 
 
-def test_handles_are_told_apart_only_where_there_are_several():
+def test_columns_of_tell_handles_apart_only_where_there_are_several():
     motion = "handle 1: twist 9deg; handle 2: move 1 0 {}"
     found = named(columns_of(table(["motion"], *[([motion.format(z)], {}) for z in "34"])))
     assert "Move z (handle 2)" in found
     assert found["Move z (handle 2)"].values == pytest.approx([3.0, 4.0])
 
 
-def test_what_is_the_same_in_all_rows_is_left_out():
+def test_columns_of_leave_out_what_is_the_same_in_all_rows():
     rows = [(["a.apd", "9", area], {}) for area in ("98%", "99%")]
     found = columns_of(table(["session", "steps", "area"], *rows))
     assert [column.title for column in found] == ["Line", "Target area"]
 
 
-def test_a_note_that_repeats_a_quantity_is_left_out():
+def test_columns_of_leave_out_a_note_that_repeats_a_quantity():
     columns = ["motion", "area", "#twist", "#by", "#area", "#load"]
     rows = [
         (["twist 30deg; push -1e1%", "98%", "30", "-10", "98", "7"], {}),
@@ -66,14 +66,14 @@ def test_a_note_that_repeats_a_quantity_is_left_out():
     ]
 
 
-def test_a_note_tells_what_a_motion_does_not_show():
+def test_columns_of_keep_a_note_that_tells_what_a_motion_does_not_show():
     rows = [([f"twist {a}deg; push 1%; twist {a}deg", str(a)], {}) for a in (30, 60)]
     found = named(columns_of(table(["motion", "#twist"], *rows)))
     assert set(found) == {"Line", "Motion", "Twist"}
     assert found["Twist"].values == pytest.approx([30.0, 60.0])
 
 
-def test_a_target_and_a_reading_of_one_name_are_two_columns():
+def test_columns_of_make_two_columns_of_a_target_and_a_reading_of_one_name():
     found = columns_of(
         table(["volume"], (["60%"], {"volume": 300.0, "volume_error": -0.4}), (["70%"], {"volume": 350.0}))
     )
@@ -86,7 +86,7 @@ def test_a_target_and_a_reading_of_one_name_are_two_columns():
     assert columns["Target volume"].asked
 
 
-def test_ranges_by_factors_have_a_logarithmic_axis():
+def test_axis_of_is_logarithmic_for_ranges_by_factors():
     rows = [([text], {}) for text in ("1e-4", "0.001", "0.1")]
     column = named(columns_of(table(["stiffness"], *rows)))["Stiffness"]
     axis, places = axis_of(column)
@@ -99,7 +99,7 @@ def test_ranges_by_factors_have_a_logarithmic_axis():
     assert len(set(colors)) == 4
 
 
-def test_colours_stay_with_their_cases():
+def test_case_colors_stay_with_their_cases():
     colors = CaseColors()
     first = dict(colors.of([4, 9]))
     second = colors.of([9, 1])
@@ -108,7 +108,7 @@ def test_colours_stay_with_their_cases():
     assert len(set(colors.of(range(30)).values())) == len(colors.of(range(30))) == 8
 
 
-def test_states_are_sorted_by_what_they_mean_and_texts_by_the_alphabet():
+def test_shown_columns_sort_states_by_their_meaning_and_texts_by_the_alphabet():
     states = ("waiting", "failed", "done", "duplicate", "wrong")
     rows = tuple(
         ResultRow(k + 2, f"key{k}", (f"#{9 - k}",), status, f"sentence {k % 2}", {"energy": 1.0})
@@ -124,11 +124,11 @@ def test_states_are_sorted_by_what_they_mean_and_texts_by_the_alphabet():
     assert list(found)[-1] == "sentence"
 
 
-def test_each_column_of_a_plan_has_a_title_that_can_be_translated():
+def test_result_columns_have_a_translatable_title_for_each_column_of_a_plan():
     assert set(PLAN_TITLES) | {MOTION} == set(COLUMNS)
 
 
-def test_an_axis_is_no_finer_than_what_is_shown():
+def test_axis_of_is_no_finer_than_what_is_shown():
     rows = [(["9"], {"area_error": error}) for error in (1e-12, -4e-13)]
     column = named(columns_of(table(["steps"], *rows)))["Area change"]
     assert set(column.texts) == {"0.00 %"}

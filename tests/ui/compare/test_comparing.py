@@ -100,7 +100,7 @@ def alone(window, method):
     return apd_viewer.deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles, **given)
 
 
-def test_the_table_says_what_each_method_comes_to_alone(bar, side):
+def test_outcome_table_says_what_each_method_comes_to_alone(bar, side):
     found = cells(side)
     assert list(found) == ["ARAP", "Paper (Li & Hui)", "Exact", "Local"]
     for method, line in zip(side.views, found.values(), strict=True):
@@ -121,19 +121,19 @@ def test_the_table_says_what_each_method_comes_to_alone(bar, side):
     ("value", "text"),
     [(0.0, "0"), (1e-17, "0"), (0.012345678, "+1.2346"), (-5e-4, "−0.0500"), (-2.66e-15, "−3·10⁻¹³")],
 )
-def test_errors_are_written_with_the_digits_that_count(painted_bottle, value, text):
+def test_method_readings_write_errors_with_the_digits_that_count(painted_bottle, value, text):
     written = {column.title: column.written for column in columns(painted_bottle, Unit.NONE)}
     assert written["Area error"]({"area_miss": value}) == text + "\u00a0%"
 
 
 @pytest.mark.parametrize(("target", "said"), [(100.0, "100"), (97.25, "97.25"), (1000.0, "1000")])
-def test_the_error_is_said_to_be_that_of_what_is_asked_for(bar, target, said):
+def test_columns_say_that_the_error_is_that_of_what_is_asked_for(bar, target, said):
     bar.session.settings.set_area(target)
     titles = {column.title: column.tip for column in columns(bar.session.store.state, Unit.NONE)}
     assert titles["Area error"] == f"Deviation of the area from its target of {said} %"
 
 
-def test_turning_one_view_turns_all(qtbot, side):
+def test_linked_views_turn_all_when_one_is_turned(qtbot, side):
     views = [view.viewport for view in side.views.values()]
     sizes = {(view.width(), view.height()) for view in views}
     assert max(w for w, _ in sizes) - min(w for w, _ in sizes) <= 1
@@ -157,7 +157,7 @@ def test_turning_one_view_turns_all(qtbot, side):
         assert (at < [view.width(), view.height()]).all()
 
 
-def test_equal_values_have_equal_colours_in_all_views(qtbot, side):
+def test_shared_scale_gives_equal_values_equal_colors_in_all_views(qtbot, side):
     side.legend.reach.setValue(4.0)
     assert side.legend.scale.reach == 0.04
     colors = {}
@@ -179,7 +179,7 @@ def test_equal_values_have_equal_colours_in_all_views(qtbot, side):
     assert largest <= side.legend.scale.reach < 2.51 * largest
 
 
-def test_the_place_under_the_cursor_is_read_on_every_shape(side):
+def test_linked_views_read_the_place_under_the_cursor_on_every_shape(side):
     view = side.views["exact"]
     at = view.viewport.look.eye.project(view.surface.U.mean(axis=0)[None])[0]
     Mouse(view.viewport).move(at, NONE)
@@ -194,7 +194,7 @@ def test_the_place_under_the_cursor_is_read_on_every_shape(side):
     assert {other.read for other in side.views.values()} == {""}
 
 
-def test_two_are_compared_at_least_and_the_choice_is_remembered(qtbot, bar, side):
+def test_comparison_window_compares_two_at_least_and_remembers_the_choice(qtbot, bar, side):
     for method in ("local", "paper"):
         qtbot.mouseClick(side.checks[method], LEFT)
     assert side.chosen == ["arap", "exact"]
@@ -212,7 +212,7 @@ def asked(monkeypatch, path):
     monkeypatch.setattr(file_dialogs.QFileDialog, "getSaveFileName", lambda *_: (str(path or ""), ""))
 
 
-def test_the_table_is_written_to_the_last_digit(qtbot, bar, side, monkeypatch, tmp_path):
+def test_write_table_writes_to_the_last_digit(qtbot, bar, side, monkeypatch, tmp_path):
     asked(monkeypatch, tmp_path / "methods")
     qtbot.mouseClick(side.save_table, LEFT)
     assert side.status.text() == "Saved methods.csv."
@@ -232,7 +232,7 @@ def test_the_table_is_written_to_the_last_digit(qtbot, bar, side, monkeypatch, t
         assert float(line["area_rest"]) == bar.session.store.state.inspection.area
 
 
-def test_the_picture_has_all_shapes_and_leaves_the_views_as_they_were(qtbot, side, monkeypatch, tmp_path):
+def test_write_picture_draws_all_shapes_and_leaves_the_views_as_they_were(qtbot, side, monkeypatch, tmp_path):
     view = side.views["exact"].viewport
     before = view.screenshot(return_img=True)
     asked(monkeypatch, tmp_path / "methods.png")
@@ -249,7 +249,7 @@ def test_the_picture_has_all_shapes_and_leaves_the_views_as_they_were(qtbot, sid
     assert (pixels[2, 2] == 255).all()
 
 
-def test_what_cannot_be_written_is_said_in_one_sentence(qtbot, side, monkeypatch, tmp_path):
+def test_comparison_window_says_in_one_sentence_what_cannot_be_written(qtbot, side, monkeypatch, tmp_path):
     for button, suffix in ((side.save_table, ".csv"), (side.save_picture, ".png")):
         asked(monkeypatch, tmp_path / "nowhere" / f"x{suffix}")
         qtbot.mouseClick(button, LEFT)
@@ -271,7 +271,7 @@ def solvers():
     return [thread for thread in threading.enumerate() if thread.name in ("solver", "answers")]
 
 
-def test_closed_in_the_middle_it_leaves_nothing(qtbot, bar, monkeypatch):
+def test_comparison_window_leaves_nothing_when_closed_in_the_middle(qtbot, bar, monkeypatch):
     own = len(solvers())
     endless(monkeypatch)
     side = opened(qtbot, bar)
@@ -284,7 +284,7 @@ def test_closed_in_the_middle_it_leaves_nothing(qtbot, bar, monkeypatch):
     assert bar.comparing.window is None
 
 
-def test_esc_stops_and_the_window_goes_with_the_main_one(qtbot, bar, monkeypatch):
+def test_comparison_window_stops_by_esc_and_goes_with_the_main_window(qtbot, bar, monkeypatch):
     own = len(solvers())
     endless(monkeypatch)
     side = opened(qtbot, bar)
@@ -298,7 +298,7 @@ def test_esc_stops_and_the_window_goes_with_the_main_one(qtbot, bar, monkeypatch
     assert not side.isVisible()
 
 
-def test_again_takes_what_the_main_window_shows_now(qtbot, bar, side):
+def test_comparison_window_takes_again_what_the_main_window_shows_now(qtbot, bar, side):
     before = cells(side)["Exact"]["Energy"]
     bar.session.handles.reset(0)
     idle(qtbot, bar)
@@ -317,7 +317,7 @@ def test_again_takes_what_the_main_window_shows_now(qtbot, bar, side):
     assert cells(side)["Exact"]["Energy"] != before
 
 
-def test_lengths_are_in_the_unit_that_is_chosen_for_the_mesh(qtbot, bar, side):
+def test_comparison_window_measures_lengths_in_the_unit_that_is_chosen_for_the_mesh(qtbot, bar, side):
     before, status = cells(side), side.status.text()
     bar.choose_unit(Unit.CENTIMETRE)
     for method, said in cells(side).items():
@@ -331,7 +331,7 @@ def test_lengths_are_in_the_unit_that_is_chosen_for_the_mesh(qtbot, bar, side):
     assert cells(side)["Exact"]["Energy"].endswith("cm²"), "that is another mesh"
 
 
-def test_what_is_missing_is_said_by_the_action(qtbot, window):
+def test_comparing_says_what_is_missing(qtbot, window):
     action = window.actions_.pose.compare
     assert not action.isEnabled()
     window.filing.show_mesh(Mesh(*box(2, 2, 6)))
@@ -348,7 +348,7 @@ def test_what_is_missing_is_said_by_the_action(qtbot, window):
     assert window.comparing.window is None
 
 
-def test_a_method_that_fails_says_so_over_its_view(qtbot, bar, monkeypatch, capfd):
+def test_method_view_says_that_its_method_has_failed(qtbot, bar, monkeypatch, capfd):
     real = apd_viewer.Deformation.iterate
 
     def failing(solver):
@@ -366,7 +366,7 @@ def test_a_method_that_fails_says_so_over_its_view(qtbot, bar, monkeypatch, capf
     assert side.views["exact"].said == ("converged", "")
 
 
-def test_titles_of_columns_are_not_cut_off_in_a_window_that_is_narrow(qtbot):
+def test_outcome_table_does_not_cut_off_titles_of_columns_in_a_narrow_window(qtbot):
     table = OutcomeTable()
     qtbot.addWidget(table)
     titles = ["Area", "A title of another language", "Time"]

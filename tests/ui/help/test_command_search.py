@@ -49,14 +49,14 @@ def found(search, text):
     return [item.text(0) for item in items]
 
 
-def test_wishes_are_found_under_their_words_and_others(search):
+def test_command_search_finds_wishes_under_their_words_and_others(search):
     missed = {wish: found(search, wish)[:3] for wish in WISHES if WISHES[wish] not in found(search, wish)[:3]}
     assert missed == {}
     assert found(search, "xqzw") == ["Search the manual for “xqzw”"]
     assert found(search, " ") == []
 
 
-def test_enter_runs_the_marked_command(qtbot, bottle, search):
+def test_command_search_runs_the_marked_command_by_enter(qtbot, bottle, search):
     qtbot.keyClicks(search.search, "wireframe")
     assert not bottle.canvas.surface.edges
     qtbot.keyClick(search.search, Qt.Key.Key_Return)
@@ -65,7 +65,7 @@ def test_enter_runs_the_marked_command(qtbot, bottle, search):
     assert bottle.shell.focusWidget() is bottle.canvas.viewport
 
 
-def test_the_arrows_choose_another_and_its_keys_and_place_are_there(qtbot, bottle, search):
+def test_command_search_marks_another_by_the_arrows_and_shows_keys_and_place(qtbot, bottle, search):
     titles = found(search, "brush")
     qtbot.keyClick(search.search, Qt.Key.Key_Down)
     assert search.list.currentItem().text(0) == titles[1]
@@ -79,7 +79,7 @@ def test_the_arrows_choose_another_and_its_keys_and_place_are_there(qtbot, bottl
     assert not search.isVisible()
 
 
-def test_a_disabled_command_says_why_and_is_not_run(qtbot, bottle, search):
+def test_command_search_says_why_a_command_is_disabled_and_does_not_run_it(qtbot, bottle, search):
     qtbot.keyClicks(search.search, "undo")
     items = [search.list.topLevelItem(k) for k in range(search.list.topLevelItemCount())]
     item = next(item for item in items if item.text(0) == "Undo")
@@ -90,7 +90,7 @@ def test_a_disabled_command_says_why_and_is_not_run(qtbot, bottle, search):
     assert search.isVisible()
 
 
-def test_without_a_mesh_most_commands_say_so(window):
+def test_command_search_says_of_most_commands_that_a_mesh_is_missing(window):
     window.help.open_search()
     search = window.help.search
 
@@ -104,7 +104,7 @@ def test_without_a_mesh_most_commands_say_so(window):
     assert why("Stiffness") == "not with what is open"
 
 
-def test_a_control_is_shown_and_gets_the_keys(qtbot, bottle, search):
+def test_command_search_shows_a_control_and_gives_it_the_keys(qtbot, bottle, search):
     bottle.panel.measures.folded = True
     bottle.docks["readings"].hide()
     qtbot.keyClicks(search.search, "density")
@@ -114,7 +114,7 @@ def test_a_control_is_shown_and_gets_the_keys(qtbot, bottle, search):
     qtbot.waitUntil(lambda: not bottle.panel.measures.density.visibleRegion().isEmpty())
 
 
-def test_a_setting_is_opened(qtbot, bottle, search):
+def test_command_search_opens_a_setting(qtbot, bottle, search):
     qtbot.keyClicks(search.search, "undo memory")
     row = search.list.visualItemRect(search.list.topLevelItem(0))
     qtbot.mouseClick(search.list.viewport(), LEFT, pos=row.center())
@@ -122,7 +122,9 @@ def test_a_setting_is_opened(qtbot, bottle, search):
     assert dialog.focusWidget().objectName() == "undo_memory"
 
 
-def test_f1_explains_the_marked_entry_and_the_last_one_searches_the_manual(qtbot, search, monkeypatch):
+def test_command_search_explains_the_marked_entry_by_f1_and_its_last_one_searches_the_manual(
+    qtbot, search, monkeypatch
+):
     opened = []
     monkeypatch.setattr(manual, "open_manual", opened.append)
     monkeypatch.setattr(manual, "search_manual", opened.append)
@@ -134,7 +136,7 @@ def test_f1_explains_the_marked_entry_and_the_last_one_searches_the_manual(qtbot
     assert opened[1:] == ["xqzw"]
 
 
-def test_words_match_by_their_beginning_ending_and_with_a_slip():
+def test_score_matches_words_by_their_beginning_ending_and_with_a_slip():
     def rank(wish, title):
         return score(Query.of(wish), Texts(title, ""))
 

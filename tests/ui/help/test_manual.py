@@ -56,7 +56,7 @@ def point(qtbot, widget):
     qtbot.waitUntil(lambda: QCursor.pos() == at)
 
 
-def test_everything_in_the_window_has_its_place(qtbot, window, anchors):
+def test_place_of_knows_everything_in_the_window(qtbot, window, anchors):
     """All actions, and all that takes input in the window and its dialogs, by a walk through them."""
     wait = lambda done: qtbot.waitUntil(lambda: bool(done()), timeout=60_000)  # noqa: E731
     window_tour.show_all(window, wait)
@@ -89,20 +89,20 @@ def is_for_the_user(widget):
     return places.is_control(widget) and not made and not isinstance(widget, QScrollBar | QLabel)
 
 
-def test_each_place_says_something(anchors):
+def test_manual_says_something_at_each_place(anchors):
     pages = [generated_pages.WRITERS[page]() for page in ("keys", "window", "settings")]
     said = [row for page in pages for row in page.splitlines() if "{#" in row]
     assert len(said) > 300
     assert [row for row in said if len(row.strip("| ").rsplit(" | ", 1)[-1]) < 8] == []
 
 
-def test_a_heading_stands_for_its_section(window):
+def test_place_of_a_heading_is_that_of_its_section(window):
     assert places.place_of(window.panel.volume.heading) == places.of_control(("panel", "volume"))
     folded = window.panel.method.convergence.findChild(Heading)
     assert places.place_of(folded) == places.of_control(("panel", "method", "convergence"))
 
 
-def test_a_caption_stands_for_its_field_and_a_gap_for_its_section(window):
+def test_place_of_a_caption_is_that_of_its_field_and_of_a_gap_that_of_its_section(window):
     handles = window.panel.handles
     caption = next(label for label in handles.findChildren(QLabel) if label.text() == "Drift")
     assert places.place_of(caption) == places.of_control(("panel", "handles", "drift"))
@@ -110,7 +110,7 @@ def test_a_caption_stands_for_its_field_and_a_gap_for_its_section(window):
     assert places.place_of(window.panel) is None
 
 
-def test_f1_explains_what_is_under_the_mouse_in_use_or_in_the_hand(qtbot, active, opened):
+def test_context_help_explains_by_f1_what_is_under_the_mouse_in_use_or_in_the_hand(qtbot, active, opened):
     panel, view = active.panel, active.canvas.viewport
     qtbot.keyClick(view, Qt.Key.Key_F1)
     assert opened.pop() == places.of_action("take:MOVE")
@@ -131,7 +131,7 @@ def test_f1_explains_what_is_under_the_mouse_in_use_or_in_the_hand(qtbot, active
     assert opened == []
 
 
-def test_f1_explains_the_marked_entry_of_a_menu_and_does_not_choose_it(qtbot, active, opened):
+def test_context_help_explains_the_marked_entry_of_a_menu_by_f1_and_does_not_choose_it(qtbot, active, opened):
     menu = active.shell.menuBar().actions()[1].menu()
     menu.popup(active.shell.mapToGlobal(QPoint(200, 100)))
     qtbot.waitExposed(menu)
@@ -142,7 +142,7 @@ def test_f1_explains_the_marked_entry_of_a_menu_and_does_not_choose_it(qtbot, ac
     assert active.settings_page.dialog is None
 
 
-def test_a_click_with_the_question_mark_explains_and_does_nothing(qtbot, active, opened):
+def test_context_help_explains_what_is_clicked_with_the_question_mark_and_does_nothing(qtbot, active, opened):
     count = len(active.session.store.state.document.handles)
     for widget, place in (
         (active.panel.handles.add, places.of_control(("panel", "handles", "add"))),
@@ -157,7 +157,7 @@ def test_a_click_with_the_question_mark_explains_and_does_nothing(qtbot, active,
     assert len(active.session.store.state.document.handles) == count + 1
 
 
-def test_dialogs_have_a_question_mark_and_the_key(qtbot, active, opened):
+def test_help_button_and_the_key_explain_dialogs(qtbot, active, opened):
     active.actions_.settings.trigger()
     dialog = active.settings_page.dialog
     qtbot.waitUntil(dialog.isActiveWindow)
@@ -191,13 +191,13 @@ def package(tmp_path, monkeypatch):
     return package
 
 
-def test_the_first_page_is_opened_as_it_is(browser, package):
+def test_open_manual_opens_the_first_page_as_it_is(browser, package):
     manual.open_manual()
     assert [url.toLocalFile() for url in browser] == [str(package / "manual" / "index.html")]
 
 
 @pytest.mark.parametrize("words", [None, "volume of a bottle & more"])
-def test_a_page_leads_on_to_the_anchor(browser, package, words):
+def test_manual_opens_a_page_that_leads_on_to_the_anchor(browser, package, words):
     """What opens files drops what follows their names, so the browser gets a page without it."""
     if words is None:
         manual.open_manual(places.of_action("up:-X"))
@@ -218,7 +218,7 @@ def test_a_page_leads_on_to_the_anchor(browser, package, words):
         assert "q=volume%20of%20a%20bottle%20%26%20more" in target
 
 
-def test_where_the_manual_is(tmp_path):
+def test_manual_folder_finds_the_manual_in_package_or_build_or_says_what_is_missing(tmp_path):
     package = tmp_path / "apd_viewer"
     with pytest.raises(InputError, match="This installation has no manual"):
         manual.manual_folder(package)
@@ -232,7 +232,7 @@ def test_where_the_manual_is(tmp_path):
         assert manual.manual_folder(package) == folder
 
 
-def test_the_window_says_why_there_is_no_manual(qtbot, window, monkeypatch):
+def test_open_manual_has_the_window_say_why_there_is_none(qtbot, window, monkeypatch):
     def missing():
         raise InputError("This installation has no manual.")
 

@@ -73,7 +73,7 @@ def turn(qtbot, window):
 # When it comes
 
 
-def test_it_comes_at_the_first_start_of_all_and_never_again(qtbot, first, settings):
+def test_tour_comes_at_the_first_start_of_all_and_never_again(qtbot, first, settings):
     window = first()
     assert window.help.tour.number == 0
     assert card(window).isVisible()
@@ -82,7 +82,7 @@ def test_it_comes_at_the_first_start_of_all_and_never_again(qtbot, first, settin
     assert first().help.tour.active is False
 
 
-def test_whoever_opens_a_file_at_the_first_start_is_not_bothered(qtbot, first):
+def test_tour_bothers_nobody_who_opens_a_file_at_the_first_start(qtbot, first):
     window = first(on_bottle=False)
     assert not window.help.tour.active
     window.filing.open_sample("bottle")
@@ -93,13 +93,13 @@ def test_whoever_opens_a_file_at_the_first_start_is_not_bothered(qtbot, first):
     assert not first().help.tour.active
 
 
-def test_a_window_alone_begins_no_tour(qtbot, bottle, settings):
+def test_tour_is_not_begun_by_a_window_alone(qtbot, bottle, settings):
     assert not bottle.help.tour.active
     assert settings.value("tour") is None
     assert bottle.invitation.isVisible()
 
 
-def test_it_can_be_asked_for_on_the_bottle_and_on_another_mesh(qtbot, bottle):
+def test_tour_can_be_asked_for_on_the_bottle_and_on_another_mesh(qtbot, bottle):
     before = document(bottle).mesh
     bottle.actions_.help["tour"].trigger()
     assert bottle.help.tour.number == 0
@@ -115,7 +115,7 @@ def test_it_can_be_asked_for_on_the_bottle_and_on_another_mesh(qtbot, bottle):
 
 
 @pytest.mark.parametrize(("method", "holds"), [("exact", True), ("arap", False), ("paper", True)])
-def test_it_says_what_the_method_does_to_the_area(qtbot, toured, method, holds):
+def test_tour_says_what_the_method_does_to_the_area(qtbot, toured, method, holds):
     toured.session.settings.set_method(method)
     go_to(qtbot, toured, 2)
     assert ("the area does not" in card(toured).sentence.text()) is holds
@@ -124,7 +124,7 @@ def test_it_says_what_the_method_does_to_the_area(qtbot, toured, method, holds):
     qtbot.waitUntil(lambda: "the area does not" in card(toured).sentence.text())
 
 
-def test_another_mesh_ends_it(qtbot, toured):
+def test_tour_ends_with_another_mesh(qtbot, toured):
     toured.filing.open_sample("duck")
     idle(qtbot, toured)
     assert not toured.help.tour.active
@@ -134,7 +134,7 @@ def test_another_mesh_ends_it(qtbot, toured):
 # Going through it
 
 
-def test_it_goes_on_and_back_to_the_end(qtbot, toured):
+def test_tour_goes_on_and_back_to_the_end(qtbot, toured):
     tour, said = toured.help.tour, []
     assert not card(toured).back.isVisible()
     for number in range(5):
@@ -156,7 +156,7 @@ def test_it_goes_on_and_back_to_the_end(qtbot, toured):
 
 
 @pytest.mark.parametrize("way", ["skip", "esc", "esc on the canvas"])
-def test_it_is_skipped(qtbot, toured, way):
+def test_tour_is_skipped(qtbot, toured, way):
     go_to(qtbot, toured, 1)
     if way == "skip":
         qtbot.mouseClick(card(toured).skip, LEFT)
@@ -171,7 +171,7 @@ def test_it_is_skipped(qtbot, toured, way):
     assert toured.shell.focusWidget() is toured.canvas.viewport
 
 
-def test_it_is_used_by_keys_alone(qtbot, toured):
+def test_tour_card_is_used_by_keys_alone(qtbot, toured):
     toured.shell.activateWindow()
     qtbot.waitUntil(toured.shell.isActiveWindow)
     card(toured).next.setFocus()
@@ -183,7 +183,7 @@ def test_it_is_used_by_keys_alone(qtbot, toured):
     assert toured.help.tour.number == 0
 
 
-def test_a_turn_of_the_ring_and_a_look_at_the_area_move_it_on(qtbot, toured):
+def test_tour_moves_on_with_a_turn_of_the_ring_and_a_look_at_the_area(qtbot, toured):
     tour = toured.help.tour
     toured.session.settings.set_convergence(Convergence(energy_tolerance=1e-3))  # it rests the sooner
     go_to(qtbot, toured, 1)
@@ -201,7 +201,7 @@ def test_a_turn_of_the_ring_and_a_look_at_the_area_move_it_on(qtbot, toured):
     qtbot.waitUntil(lambda: tour.number == 3, timeout=5_000)
 
 
-def test_a_turn_that_is_taken_back_moves_nothing_on(qtbot, toured):
+def test_tour_does_not_move_on_with_a_turn_that_is_taken_back(qtbot, toured):
     go_to(qtbot, toured, 1)
     mouse, at = Mouse(toured.canvas.viewport), np.asarray(ring_grip(toured, 1))
     mouse.move(at)
@@ -216,7 +216,7 @@ def test_a_turn_that_is_taken_back_moves_nothing_on(qtbot, toured):
 # What it leaves alone
 
 
-def test_the_invitation_is_silent_meanwhile(qtbot, toured):
+def test_next_step_is_silent_during_the_tour(qtbot, toured):
     assert not toured.invitation.isVisible()
     toured.tools.take(Tool.BASE)
     toured.tools.take(Tool.MOVE)
@@ -225,7 +225,7 @@ def test_the_invitation_is_silent_meanwhile(qtbot, toured):
     assert toured.invitation.isVisible()
 
 
-def test_it_blocks_nothing(qtbot, toured):
+def test_tour_blocks_nothing(qtbot, toured):
     before = toured.canvas.viewport.look.eye.key
     Mouse(toured.canvas.viewport).drag((30, 500), (80, 520), (120, 520))
     assert toured.canvas.viewport.look.eye.key != before
@@ -238,7 +238,7 @@ def test_it_blocks_nothing(qtbot, toured):
     assert toured.help.tour.active
 
 
-def test_it_takes_the_ring_into_the_hand_and_says_where_it_is_gone(qtbot, toured):
+def test_tour_takes_the_ring_into_the_hand_and_says_where_it_is_gone(qtbot, toured):
     toured.tools.take(Tool.BASE)
     go_to(qtbot, toured, 1)
     assert toured.canvas.tool is Tool.MOVE
@@ -252,13 +252,13 @@ def test_it_takes_the_ring_into_the_hand_and_says_where_it_is_gone(qtbot, toured
     assert card(toured).sentence.text() == sentence
 
 
-def test_it_says_where_the_area_is_when_the_readings_are_hidden(qtbot, toured):
+def test_tour_says_where_the_area_is_when_the_readings_are_hidden(qtbot, toured):
     go_to(qtbot, toured, 2)
     toured.docks["readings"].hide()
     qtbot.waitUntil(lambda: "View menu" in card(toured).sentence.text())
 
 
-def test_the_sheet_of_shortcuts_hides_it_for_a_while(qtbot, toured):
+def test_tour_hides_for_a_while_beneath_the_sheet_of_shortcuts(qtbot, toured):
     toured.actions_.help["shortcuts"].trigger()
     assert not card(toured).isVisible()
     assert not card(toured).tip.isVisible()
@@ -276,7 +276,7 @@ def test_the_sheet_of_shortcuts_hides_it_for_a_while(qtbot, toured):
 
 
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
-def test_it_stays_within_the_window_beside_what_it_speaks_of(qtbot, toured, size):
+def test_tour_card_stays_within_the_window_beside_what_it_speaks_of(qtbot, toured, size):
     toured.shell.resize(*size)
     work_off()
     tour, places = toured.help.tour, toured.help.tour.places
@@ -301,7 +301,7 @@ def test_it_stays_within_the_window_beside_what_it_speaks_of(qtbot, toured, size
         qtbot.mouseClick(card(toured).next, LEFT)
 
 
-def test_it_follows_what_it_points_at(qtbot, toured):
+def test_tour_card_follows_what_it_points_at(qtbot, toured):
     go_to(qtbot, toured, 1)
     before = card(toured).pos()
     view = toured.canvas.viewport
@@ -311,7 +311,7 @@ def test_it_follows_what_it_points_at(qtbot, toured):
 
 
 @pytest.mark.parametrize("target", [QRect(0, 0, 40, 40), QRect(760, 600, 40, 40), QRect(300, 200, 200, 400)])
-def test_a_card_is_placed_beside_its_target_wherever_that_is(target):
+def test_placed_puts_a_card_beside_its_target_wherever_that_is(target):
     room = QRect(8, 30, 784, 580)
     rect, _ = placed(QSize(288, 120), target, room, QRect())
     assert room.contains(rect)

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QLabel
 CONTROL = Qt.KeyboardModifier.ControlModifier
 
 
-def test_a_bottle_is_twisted_by_typing_half_a_turn(qtbot, bottle):
+def test_motion_field_twists_a_bottle_by_a_typed_half_turn_as_the_tutorial_has_it(qtbot, bottle):
     view, handles = bottle.canvas.viewport, bottle.panel.handles
     rest = bottle.session.store.state.frame.volume
     bottle.shell.activateWindow()

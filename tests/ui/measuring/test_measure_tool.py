@@ -49,7 +49,7 @@ def measuring(qtbot, bottle):
     return bottle
 
 
-def test_clicks_measure_and_undo_takes_back(qtbot, measuring):
+def test_measure_tool_measures_by_clicks_and_undo_takes_back(qtbot, measuring):
     window, section = measuring, measuring.panel.measure
     view = window.canvas.viewport
     assert window.kind_bar.isVisible()
@@ -101,7 +101,7 @@ def test_clicks_measure_and_undo_takes_back(qtbot, measuring):
     assert section.list.rows == []
 
 
-def test_values_follow_shape_and_unit_and_are_copied(qtbot, measuring):
+def test_measure_controller_has_values_follow_shape_and_unit_and_copies_them(qtbot, measuring):
     window, section = measuring, measuring.panel.measure
     click(window, front(window, 0.3))
     click(window, front(window, 0.7))

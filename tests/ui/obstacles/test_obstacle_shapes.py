@@ -31,7 +31,7 @@ def distances(kind, points):
 
 
 @pytest.mark.parametrize("kind", ObstacleKind)
-def test_what_is_drawn_lies_on_the_obstacle(kind):
+def test_drawn_shape_lies_on_the_obstacle(kind):
     shape = drawn(obstacle(kind), EXTENT)
     at = anchor(obstacle(kind), SHIFT, EXTENT)
     np.testing.assert_allclose(distances(kind, shape.V + at), 0.0, atol=1e-12)
@@ -46,7 +46,7 @@ def test_what_is_drawn_lies_on_the_obstacle(kind):
 
 
 @pytest.mark.parametrize("axis", [*np.eye(3), *-np.eye(3), AXIS])
-def test_a_plate_covers_the_shadow_of_the_mesh(axis):
+def test_distance_along_meets_a_plate_throughout_the_shadow_of_the_mesh(axis):
     plate = replace(obstacle(ObstacleKind.PLATE), axis=frozen(np.array(axis)))
     axes = axes_of(plate.axis)
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-14)
@@ -63,7 +63,7 @@ def test_a_plate_covers_the_shadow_of_the_mesh(axis):
 
 
 @pytest.mark.parametrize("kind", ObstacleKind)
-def test_a_ray_meets_what_is_drawn_where_it_meets_its_triangles(kind):
+def test_distance_along_meets_what_is_drawn_where_the_ray_meets_its_triangles(kind):
     shape, at = drawn(obstacle(kind), EXTENT), anchor(obstacle(kind), SHIFT, EXTENT)
     T = shape.V[shape.F] + at
     random = np.random.default_rng(4)

@@ -83,7 +83,7 @@ def floored(held):
     return held
 
 
-def test_a_click_places_what_was_asked_for(qtbot, held):
+def test_obstacle_placer_places_what_was_asked_for_by_a_click(qtbot, held):
     window, section, view = held, held.panel.obstacles, held.canvas.viewport
     assert not section.empty.isHidden()
     assert section.fields.isHidden()
@@ -124,7 +124,7 @@ def test_a_click_places_what_was_asked_for(qtbot, held):
     assert there(window) == (sphere,)
 
 
-def test_another_button_places_its_own_obstacle_instead(qtbot, held):
+def test_obstacle_section_places_the_obstacle_of_another_button_instead(qtbot, held):
     window, section, view = held, held.panel.obstacles, held.canvas.viewport
     for kind in (CYLINDER, SPHERE):
         section.kinds[kind].click()
@@ -139,7 +139,7 @@ def test_another_button_places_its_own_obstacle_instead(qtbot, held):
     assert view.hasFocus()  # where the arrow keys nudge it
 
 
-def test_esc_and_another_tool_give_up_placing(qtbot, held):
+def test_obstacle_placer_gives_up_by_esc_and_with_another_tool(qtbot, held):
     window, view = held, held.canvas.viewport
     window.actions_.obstacles.kinds[CYLINDER].trigger()
     Mouse(view).move(middle(window))
@@ -155,7 +155,7 @@ def test_esc_and_another_tool_give_up_placing(qtbot, held):
     assert there(window) == ()
 
 
-def test_ctrl_snaps_a_plate_to_an_axis(held):
+def test_obstacle_placer_snaps_a_plate_to_an_axis_with_ctrl(held):
     window = held
     window.actions_.obstacles.kinds[PLATE].trigger()
     click(window, middle(window) + [20, 0], Qt.KeyboardModifier.ControlModifier)
@@ -165,7 +165,7 @@ def test_ctrl_snaps_a_plate_to_an_axis(held):
     assert ((U - plate.place) @ plate.axis).min() > 0.0
 
 
-def test_floor_and_plates_by_the_menu(held):
+def test_obstacle_actions_put_and_remove_floor_and_plates(held):
     window, actions = held, held.actions_.obstacles
     assert not actions.remove.isEnabled()
     actions.floor.trigger()
@@ -181,7 +181,7 @@ def test_floor_and_plates_by_the_menu(held):
     assert window.parts.obstacle == 0  # the same one
 
 
-def test_the_gizmo_drags_a_plate_along_its_normal(qtbot, floored):
+def test_gizmo_drags_a_plate_along_its_normal(qtbot, floored):
     window = floored
     assert window.canvas.handle_rests
     assert not window.canvas.gizmo.visible
@@ -208,7 +208,7 @@ def test_the_gizmo_drags_a_plate_along_its_normal(qtbot, floored):
     assert document(window) is before
 
 
-def test_a_click_takes_a_plate_and_a_drag_on_it_turns_the_camera(qtbot, floored):
+def test_obstacle_picker_takes_a_plate_by_a_click_and_a_drag_on_it_turns_the_camera(qtbot, floored):
     window, view = floored, floored.canvas.viewport
     window.parts.choose_obstacle(None)
     assert window.canvas.gizmo.visible
@@ -236,7 +236,7 @@ def test_a_click_takes_a_plate_and_a_drag_on_it_turns_the_camera(qtbot, floored)
     settle(qtbot, view)
 
 
-def test_a_sphere_is_taken_and_moved_by_one_drag(held):
+def test_obstacle_picker_takes_and_moves_a_sphere_by_one_drag(held):
     window = held
     window.actions_.obstacles.kinds[SPHERE].trigger()
     at = middle(window)
@@ -252,7 +252,7 @@ def test_a_sphere_is_taken_and_moved_by_one_drag(held):
     assert steps(window)[-1].startswith("Move Sphere 1 by ")
 
 
-def test_typed_numbers_place_it_anew(qtbot, floored):
+def test_obstacle_fields_place_an_obstacle_anew_by_typed_numbers(qtbot, floored):
     window, fields = floored, floored.panel.obstacles.fields
     window.choose_unit(Unit.CENTIMETRE)
     low = there(window)[0].place[1]
@@ -285,7 +285,7 @@ def test_typed_numbers_place_it_anew(qtbot, floored):
     assert len(steps(window)) == done
 
 
-def test_a_field_that_is_left_tells_too_and_a_wrong_text_is_taken_back(qtbot, held):
+def test_typed_field_tells_when_it_is_left_too_and_takes_a_wrong_text_back(qtbot, held):
     window, fields = held, held.panel.obstacles.fields
     window.actions_.obstacles.kinds[CYLINDER].trigger()
     click(window, middle(window))
@@ -304,7 +304,7 @@ def test_a_field_that_is_left_tells_too_and_a_wrong_text_is_taken_back(qtbot, he
     assert fields.length.text() == f"{before.length:.5g}"
 
 
-def test_a_typed_distance_moves_it(qtbot, floored):
+def test_obstacle_fields_move_an_obstacle_by_a_typed_distance(qtbot, floored):
     window, fields = floored, floored.panel.obstacles.fields
     assert not fields.reset.isEnabled()
     type_into(qtbot, fields.distance, "-0.25")
@@ -324,7 +324,7 @@ def test_a_typed_distance_moves_it(qtbot, floored):
     np.testing.assert_allclose(there(window)[0].shift, [0.5, -0.25, 0])
 
 
-def test_arrow_keys_nudge_what_is_in_the_hand(qtbot, floored):
+def test_nudge_moves_the_obstacle_in_the_hand_by_arrow_keys(qtbot, floored):
     window, view = floored, floored.canvas.viewport
     view.setFocus()
     qtbot.keyClick(view, Qt.Key.Key_Down)
@@ -339,7 +339,7 @@ def test_arrow_keys_nudge_what_is_in_the_hand(qtbot, floored):
     assert there(window)[0].shift[0] == 0.0
 
 
-def test_without_contact_they_push_nothing_and_that_is_said(qtbot, floored):
+def test_obstacle_section_says_that_obstacles_push_nothing_without_contact(qtbot, floored):
     window, section = floored, floored.panel.obstacles
     assert section.note.isHidden()
     window.panel.method.contact.click()
@@ -362,7 +362,7 @@ def test_without_contact_they_push_nothing_and_that_is_said(qtbot, floored):
     assert section.note.isHidden()
 
 
-def test_another_mesh_has_none(qtbot, floored):
+def test_obstacle_controller_shows_none_with_another_mesh(qtbot, floored):
     window = floored
     window.obstacles.ask(SPHERE)
     window.filing.show_mesh(Mesh(*sphere(2)))
@@ -374,7 +374,7 @@ def test_another_mesh_has_none(qtbot, floored):
     assert not window.obstacles.gizmo.visible
 
 
-def test_a_row_takes_renames_and_the_brush_rests(qtbot, floored):
+def test_obstacle_section_takes_and_renames_an_obstacle_by_its_row_and_the_brush_rests(qtbot, floored):
     window, section = floored, floored.panel.obstacles
     window.actions_.obstacles.sides[2].trigger()
     qtbot.keyClick(window.shell, Qt.Key.Key_H)
@@ -390,7 +390,7 @@ def test_a_row_takes_renames_and_the_brush_rests(qtbot, floored):
     assert window.parts.obstacle is None
 
 
-def test_where_contact_stops_it_an_outline_shows_where_it_should_be(floored):
+def test_obstacle_scene_outlines_where_an_obstacle_should_be_that_contact_stops(floored):
     window, section = floored, floored.panel.obstacles
     shown = window.obstacles.scene.shown
     assert shown[0].asked is None
@@ -424,7 +424,7 @@ def test_where_contact_stops_it_an_outline_shows_where_it_should_be(floored):
         window.actions_.undo.trigger()
 
 
-def test_the_hint_knows_that_obstacles_suffice(qtbot, window):
+def test_next_step_knows_that_obstacles_suffice(qtbot, window):
     window.filing.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, window)
     window.tools.take(Tool.BASE)
@@ -437,7 +437,7 @@ def test_the_hint_knows_that_obstacles_suffice(qtbot, window):
     assert "base" in window.invitation.text()
 
 
-def test_a_sphere_that_is_pushed_in_dents_the_bottle_and_feels_a_load(qtbot, held):
+def test_obstacle_controller_dents_the_bottle_with_a_pushed_sphere_that_feels_a_load(qtbot, held):
     window, section = held, held.panel.obstacles
     window.actions_.obstacles.kinds[SPHERE].trigger()
     click(window, middle(window))
@@ -460,7 +460,7 @@ def test_a_sphere_that_is_pushed_in_dents_the_bottle_and_feels_a_load(qtbot, hel
     assert section.list.rows[0].reading.text() == ""
 
 
-def test_plates_press_a_mesh_that_nothing_holds(qtbot, held):
+def test_put_plates_presses_a_mesh_that_nothing_holds(qtbot, held):
     window = held
     window.filing.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, window)
@@ -479,7 +479,7 @@ def test_plates_press_a_mesh_that_nothing_holds(qtbot, held):
     assert one == pytest.approx(-two, rel=0.05)
 
 
-def test_a_session_brings_them_back(qtbot, floored, tmp_path):
+def test_save_session_keeps_obstacles_and_opening_brings_them_back(qtbot, floored, tmp_path):
     window = floored
     window.session.obstacles.rename(0, "Table")
     window.session.obstacles.move(0, np.array([0.0, -0.5, 0.0]))

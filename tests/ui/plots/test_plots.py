@@ -88,7 +88,7 @@ def watched(plots):
     return counts
 
 
-def test_the_curves_are_what_was_shown_on_the_way(qtbot, plotted):
+def test_plots_have_curves_of_what_was_shown_on_the_way(qtbot, plotted):
     plotted.session.settings.set_method("paper")
     idle(qtbot, plotted)
     frames = twist(qtbot, plotted)
@@ -117,7 +117,7 @@ def test_the_curves_are_what_was_shown_on_the_way(qtbot, plotted):
     assert curve.y[-1] == frames[-1].energy > curve.y[0] >= 0.0
 
 
-def test_the_histogram_is_that_of_the_triangles(qtbot, plotted):
+def test_local_change_has_the_histogram_of_the_triangles(qtbot, plotted):
     twist(qtbot, plotted)
     state = plotted.session.store.state
     F, rest = state.document.mesh.F, areas(state.document.mesh.V, state.document.mesh.F)
@@ -137,7 +137,9 @@ def test_the_histogram_is_that_of_the_triangles(qtbot, plotted):
     assert found == pytest.approx(wanted, rel=0.02)
 
 
-def test_nothing_is_computed_while_nobody_looks_and_once_for_a_picture_otherwise(qtbot, bottle, monkeypatch):
+def test_plots_compute_nothing_while_nobody_looks_and_once_for_a_picture_otherwise(
+    qtbot, bottle, monkeypatch
+):
     changes, compute = [], plots_module.local_change
 
     def noted(*given):
@@ -167,7 +169,7 @@ def test_nothing_is_computed_while_nobody_looks_and_once_for_a_picture_otherwise
     assert {change() for change in changes} == {None}, "no shape is kept that nobody looks at"
 
 
-def test_a_key_shows_and_hides_them(qtbot, window):
+def test_plots_are_shown_and_hidden_by_a_key(qtbot, window):
     window.shell.activateWindow()
     qtbot.waitUntil(window.shell.isActiveWindow)
     (action,) = [a for a in window.docks.toggles if a.text() == "Plots"]
@@ -180,7 +182,7 @@ def test_a_key_shows_and_hides_them(qtbot, window):
     qtbot.waitUntil(lambda: not window.docks["plots"].isVisible())
 
 
-def test_what_is_empty_says_what_will_be_there(qtbot, window):
+def test_plots_say_where_they_are_empty_what_will_be_there(qtbot, window):
     charts = {name: view.chart() for name, view in window.plots.views.items()}
     assert all(chart.x is None and chart.empty.endswith(".") for chart in charts.values())
     assert "Open a mesh" in charts["local"].empty
@@ -192,7 +194,7 @@ def invitation(plots):
     return next(label for label in plots.findChildren(QLabel) if label.text().startswith("Choose above"))
 
 
-def test_what_was_chosen_is_remembered(qtbot, window):
+def test_plots_remember_what_was_chosen(qtbot, window):
     plots = window.plots
     assert [name for name, view in plots.views.items() if not view.isHidden()] == ["error", "area", "local"]
     plots.choices["energy"].click()
@@ -210,7 +212,7 @@ def test_what_was_chosen_is_remembered(qtbot, window):
 
 
 @pytest.mark.parametrize("size", [(348, 500), (348, 180), (560, 560), (740, 200), (1230, 220)])
-def test_what_chooses_and_the_charts_have_room_of_their_own(qtbot, window, size):
+def test_plots_give_what_chooses_and_the_charts_room_of_their_own(qtbot, window, size):
     plots = Plots(window.memory, window.notice, window.session)
     qtbot.addWidget(plots)
     for button in plots.choices.values():
@@ -231,7 +233,7 @@ def test_what_chooses_and_the_charts_have_room_of_their_own(qtbot, window, size)
     assert all(view.height() >= 96 for view in plots.views.values())
 
 
-def test_they_are_drawn_in_the_colours_of_the_window(qtbot, plotted):
+def test_plots_are_drawn_in_the_colors_of_the_window(qtbot, plotted):
     plotted.actions_.view.schemes[Qt.ColorScheme.Dark].trigger()
     twist(qtbot, plotted)
     picture = plotted.plots.grab().toImage().convertToFormat(QImage.Format.Format_RGB32)
@@ -250,7 +252,7 @@ def asked(monkeypatch, path):
     monkeypatch.setattr(plots_module, "ask_where", lambda *_: path)
 
 
-def test_pictures_show_what_is_shown(qtbot, plotted, monkeypatch, tmp_path):
+def test_plots_write_pictures_of_what_is_shown(qtbot, plotted, monkeypatch, tmp_path):
     twist(qtbot, plotted)
     plots, shown = plotted.plots, ["Area error by iteration", "Local area change"]
     for name in ("energy", "area"):
@@ -275,7 +277,7 @@ def test_pictures_show_what_is_shown(qtbot, plotted, monkeypatch, tmp_path):
     assert len({image.pixel(x, int(y)) for y in heights for x in range(image.width())}) > 5
 
 
-def test_numbers_are_those_of_the_trace_and_of_the_triangles(qtbot, plotted, monkeypatch, tmp_path):
+def test_plots_write_the_numbers_of_the_trace_and_of_the_triangles(qtbot, plotted, monkeypatch, tmp_path):
     twist(qtbot, plotted)
     plots = plotted.plots
     asked(monkeypatch, tmp_path / "gesture.csv")
@@ -303,7 +305,7 @@ def test_numbers_are_those_of_the_trace_and_of_the_triangles(qtbot, plotted, mon
         assert share[high <= edge].sum() == pytest.approx(expected, abs=0.005)
 
 
-def test_what_cannot_be_written_is_said_in_one_sentence(qtbot, plotted, monkeypatch, tmp_path):
+def test_plots_say_in_one_sentence_what_cannot_be_written(qtbot, plotted, monkeypatch, tmp_path):
     twist(qtbot, plotted)
     plots = plotted.plots
     for action in savings(plots):
@@ -318,7 +320,7 @@ def test_what_cannot_be_written_is_said_in_one_sentence(qtbot, plotted, monkeypa
 
 
 @pytest.mark.parametrize("theme", [LIGHT, DARK])
-def test_the_histogram_has_the_colours_of_the_overlay(theme):
+def test_theme_has_the_colors_of_the_overlay_for_the_histogram(theme):
     def rgb(color):
         return tuple(int(color[k : k + 2], 16) for k in (1, 3, 5))
 

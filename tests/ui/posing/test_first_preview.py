@@ -39,7 +39,7 @@ def check_nothing_is_previewed(window):
     assert "Preview" not in window.invitation.text()
 
 
-def test_a_drag_is_a_preview_until_its_kernels_are_compiled(qtbot, bottle, compiler):
+def test_motion_preview_stands_for_a_drag_until_its_kernels_are_compiled(qtbot, bottle, compiler):
     rest, area, shown = bottle.session.store.state, bottle.panel.area, bottle.preview.asked.patches
     check = np.testing.assert_allclose
     twist(qtbot, bottle)
@@ -66,7 +66,7 @@ def test_a_drag_is_a_preview_until_its_kernels_are_compiled(qtbot, bottle, compi
     assert not bottle.status.compiling.isVisible()
 
 
-def test_what_has_its_kernels_is_no_preview(qtbot, bottle, compiler):
+def test_motion_preview_shows_nothing_of_what_has_its_kernels(qtbot, bottle, compiler):
     check_nothing_is_previewed(bottle)
     compiler.tell(1.0)
     qtbot.waitUntil(bottle.status.compiling.isHidden)
@@ -75,7 +75,7 @@ def test_what_has_its_kernels_is_no_preview(qtbot, bottle, compiler):
     idle(qtbot, bottle)
 
 
-def test_a_preview_can_be_undone(qtbot, bottle, compiler):
+def test_motion_preview_can_be_undone(qtbot, bottle, compiler):
     rest = bottle.session.store.state
     twist(qtbot, bottle)
     assert len(bottle.preview.asked.patches.shown)

@@ -38,7 +38,7 @@ def gripped(window):
     return document.grip[document.labels == HANDLE]
 
 
-def test_the_ghost_is_where_enter_puts_the_handle(typing):
+def test_motion_ghost_is_where_enter_puts_the_handle(typing):
     field, ghost, gestures = typing.panel.handles.motion, typing.preview.ghost, typing.session.gestures
     for motion, text in [("TWIST", "60deg"), ("TWIST", "400deg"), ("MOVE_X", "0.15L"), ("SCALE", "1.3")]:
         choose(typing, motion)
@@ -55,7 +55,7 @@ def test_the_ghost_is_where_enter_puts_the_handle(typing):
         gestures.undo()
 
 
-def test_to_a_total_the_ghost_goes_the_rest_of_the_way(typing):
+def test_motion_ghost_goes_the_rest_of_the_way_to_a_total(typing):
     typing.session.handles.move_by(typing.panel.handles.motion.motion, "60deg", 0)
     field = typing.panel.handles.motion
     field.relation.setCurrentIndex(field.relation.findData(True))
@@ -64,7 +64,7 @@ def test_to_a_total_the_ghost_goes_the_rest_of_the_way(typing):
     np.testing.assert_allclose(typing.preview.ghost.patches.shown, gripped(typing), rtol=0, atol=1e-9)
 
 
-def test_without_enter_the_ghost_goes(qtbot, typing):
+def test_motion_ghost_vanishes_without_enter(qtbot, typing):
     before, ghost = typing.session.store.state, typing.preview.ghost
     retype(typing, "60deg")
     assert len(ghost.patches.shown)
@@ -77,7 +77,7 @@ def test_without_enter_the_ghost_goes(qtbot, typing):
     assert typing.session.store.state is before
 
 
-def test_an_invalid_amount_has_a_sentence_and_no_ghost(qtbot, typing):
+def test_motion_field_has_a_sentence_and_no_ghost_for_an_invalid_amount(qtbot, typing):
     field, ghost = typing.panel.handles.motion, typing.preview.ghost
     retype(typing, "60deg")
     QTest.keyClicks(field.amount, " parsec")
@@ -93,7 +93,7 @@ def test_an_invalid_amount_has_a_sentence_and_no_ghost(qtbot, typing):
     assert field.problem.isHidden()
 
 
-def test_the_ghost_begins_from_what_undo_brings_back(typing):
+def test_motion_ghost_begins_from_what_undo_brings_back(typing):
     ghost = typing.preview.ghost
     typing.session.handles.move_by(typing.panel.handles.motion.motion, "30deg", 0)
     retype(typing, "0.1deg")
@@ -103,7 +103,7 @@ def test_the_ghost_begins_from_what_undo_brings_back(typing):
     np.testing.assert_allclose(ghost.patches.shown, gripped(typing), rtol=0, atol=0.1)
 
 
-def test_the_trace_of_a_rotation_is_an_arc_about_its_axis():
+def test_traced_rotation_is_an_arc_about_its_axis():
     rng = np.random.default_rng(3)
     grip = rng.normal(size=(20, 3))
     start = shifted([3.0, -1.0, 2.0])
@@ -123,7 +123,7 @@ def rotation_steps(direction, count):
     return np.array([rotation(direction, a).T for a in np.linspace(0.0, 1.0, count)])
 
 
-def test_the_trace_of_a_translation_is_the_way_of_the_centre():
+def test_traced_translation_is_the_way_of_the_center():
     grip = np.eye(3)
     trace = traced(grip, [shifted([0, 0, 0]), shifted([1.0, 2.0, 3.0])])
     assert not len(trace.axis)

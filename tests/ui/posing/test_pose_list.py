@@ -18,7 +18,7 @@ def active(window):
     return [row.property("active") for row in window.panel.poses.list.rows]
 
 
-def test_poses_are_kept_gone_to_updated_renamed_and_removed(qtbot, bottle):
+def test_pose_section_keeps_goes_to_updates_renames_and_removes_poses(qtbot, bottle):
     section, session, view = bottle.panel.poses, bottle.session, bottle.canvas.viewport
     bottle.shell.activateWindow()
     qtbot.waitUntil(bottle.shell.isActiveWindow)
@@ -69,7 +69,7 @@ def test_poses_are_kept_gone_to_updated_renamed_and_removed(qtbot, bottle):
     assert names(bottle) == []
 
 
-def test_without_a_pose_the_keys_say_what_to_do(qtbot, bottle):
+def test_pose_controller_says_what_to_do_without_a_pose(qtbot, bottle):
     before = bottle.session.store.state
     bottle.actions_.pose.named[1].trigger()
     assert bottle.session.store.state is before

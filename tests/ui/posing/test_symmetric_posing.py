@@ -37,7 +37,7 @@ def winged(qtbot, window):
     return window
 
 
-def test_the_partner_is_painted_and_follows_the_mouse(qtbot, winged):
+def test_symmetry_controller_paints_the_partner_which_follows_the_mouse(qtbot, winged):
     row, session = winged.panel.handles.symmetry, winged.session
     QTest.keyClick(winged.canvas.viewport, Qt.Key.Key_S, Qt.KeyboardModifier.ShiftModifier)
     assert document(winged).mirror == 0
@@ -72,7 +72,7 @@ def test_the_partner_is_painted_and_follows_the_mouse(qtbot, winged):
     assert document(winged).handles[0] is right
 
 
-def test_the_axis_says_what_is_a_mirror_image(qtbot, winged):
+def test_symmetry_row_says_by_the_axis_what_is_a_mirror_image(qtbot, winged):
     row = winged.panel.handles.symmetry
     row.box.click()
     row.axis.setCurrentIndex(2)
@@ -87,7 +87,7 @@ def test_the_axis_says_what_is_a_mirror_image(qtbot, winged):
     assert not row.box.isChecked()
 
 
-def test_a_ghost_shows_both_handles(qtbot, winged):
+def test_motion_ghost_shows_both_handles_of_a_symmetric_motion(qtbot, winged):
     winged.session.symmetric.mirror_along(0)
     winged.session.symmetric.paint_partner(0)
     winged.actions_.pose.typed.trigger()

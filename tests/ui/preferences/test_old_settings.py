@@ -23,7 +23,7 @@ def memory(tmp_path):
     return Preferences(QSettings(str(path), QSettings.Format.IniFormat))
 
 
-def test_all_that_was_kept_is_read(memory):
+def test_preferences_read_all_that_version_0_1_0_kept(memory):
     assert memory.recent == [PARTS / "a, b.apd", PARTS / "Büste 2.ply", PARTS / "bar.obj"]
     assert memory.folder == PARTS
     assert memory.folded == ["Method", "Regions"]
@@ -43,7 +43,7 @@ def test_all_that_was_kept_is_read(memory):
 @pytest.mark.parametrize(
     "titles", [["Size and mass", "Method"], ["Größe und Masse", "Verfahren"], ["尺寸和质量", "方法"]]
 )
-def test_sections_folded_in_any_language_stay_folded(qtbot, settings, titles):
+def test_panel_folded_keeps_sections_folded_that_were_folded_in_any_language(qtbot, settings, titles):
     """The titles were kept as they were shown; from now on their names are."""
     settings.setValue("folded", titles)
     shell = Shell(settings)
@@ -53,7 +53,7 @@ def test_sections_folded_in_any_language_stay_folded(qtbot, settings, titles):
     assert Preferences(settings).folded == ["Size and mass", "Method"]
 
 
-def test_a_dock_without_a_study_is_not_restored(qtbot, settings):
+def test_shell_does_not_restore_a_dock_without_a_study(qtbot, settings):
     first = Shell(settings)
     qtbot.addWidget(first)
     first.show()

@@ -48,7 +48,7 @@ def ball(qtbot, window):
     return window
 
 
-def test_no_words_name_keys_that_an_action_had(ball):
+def test_shortcut_hints_name_no_keys_that_an_action_had(ball):
     before = words(ball)
     old = change_all(ball)
     after = words(ball)
@@ -69,7 +69,7 @@ def test_no_words_name_keys_that_an_action_had(ball):
     [((), Tool.BASE), ((BASE,), Tool.HANDLE), ((BASE, HANDLE), Tool.MOVE)],
     ids=["base", "handle", "move"],
 )
-def test_the_invitation_follows_the_keys_of_the_tool_that_it_names(ball, painted, tool):
+def test_next_step_follows_the_keys_of_the_tool_that_it_names(ball, painted, tool):
     for label in painted:
         paint(ball, label, np.argsort(document(ball).mesh.V[:-1, 1])[slice(-9, None) if label else slice(9)])
     ball.tools.take(Tool.ORBIT)

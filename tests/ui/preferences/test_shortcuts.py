@@ -74,7 +74,7 @@ def leaves(menu):
 
 
 @pytest.mark.parametrize("key", ["Shift+F1", "?", "menu"])
-def test_it_opens_and_closes(qtbot, active, key):
+def test_shortcut_sheet_opens_and_closes(qtbot, active, key):
     sheet = active.help.sheet
     if key == "menu":
         active.actions_.help["shortcuts"].trigger()
@@ -96,7 +96,7 @@ def test_it_opens_and_closes(qtbot, active, key):
     assert not sheet.isVisible()
 
 
-def test_every_action_of_the_menus_is_there(active, sheet):
+def test_shortcut_sheet_has_every_action_of_the_menus(active, sheet):
     in_menus = [action for top in active.shell.menuBar().actions() for action in leaves(top.menu())]
     assert [row.entry.action for row in sheet.rows.values()] == in_menus
     names = [entry.name for entry in active.actions_.entries]
@@ -109,7 +109,7 @@ def test_every_action_of_the_menus_is_there(active, sheet):
     assert "Open sample: Rubber duck" in shown(sheet)
 
 
-def test_the_mouse_is_explained_in_the_words_of_the_tools(sheet):
+def test_shortcut_sheet_explains_the_mouse_in_the_words_of_the_tools(sheet):
     said = " ".join(label.text() for label in sheet.findChildren(QLabel)).casefold()
     for way in Way:
         assert way.words.hint.casefold() in said
@@ -118,7 +118,7 @@ def test_the_mouse_is_explained_in_the_words_of_the_tools(sheet):
     assert Tool.HANDLE.modifiers.casefold() in said
 
 
-def test_the_search_finds_titles_keys_menus_and_gestures(qtbot, sheet):
+def test_shortcut_sheet_search_finds_titles_keys_menus_and_gestures(qtbot, sheet):
     everything = shown(sheet)
     qtbot.keyClicks(sheet.search, "PAINT h")
     assert shown(sheet)[0] == "Paint handle"
@@ -139,21 +139,21 @@ def test_the_search_finds_titles_keys_menus_and_gestures(qtbot, sheet):
     assert not sheet.nothing.isVisible()
 
 
-def test_a_letter_in_the_search_field_takes_no_tool(qtbot, active, sheet):
+def test_shortcut_sheet_takes_no_tool_for_a_letter_in_its_search_field(qtbot, active, sheet):
     qtbot.keyClicks(sheet.search, "b?")
     assert sheet.search.text() == "b?"
     assert active.canvas.tool is Tool.MOVE
     assert sheet.isVisible()
 
 
-def test_the_window_can_be_used_while_it_is_open(qtbot, active, sheet):
+def test_shortcut_sheet_lets_the_window_be_used_while_it_is_open(qtbot, active, sheet):
     active.canvas.viewport.setFocus()
     qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_O)
     assert active.canvas.tool is Tool.ORBIT
     assert sheet.isVisible()
 
 
-def test_the_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
+def test_shortcut_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
     before, eye = document(bottle), bottle.canvas.viewport.look.eye.key
     bottle.actions_.help["shortcuts"].trigger()
     label = bottle.help.sheet.findChildren(QLabel)[3]
@@ -166,7 +166,7 @@ def test_the_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
 
 
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
-def test_it_lies_within_the_canvas_and_scrolls(qtbot, window, size):
+def test_shortcut_sheet_lies_within_the_canvas_and_scrolls(qtbot, window, size):
     window.shell.resize(*size)
     work_off()
     window.actions_.help["shortcuts"].trigger()
@@ -188,7 +188,7 @@ def test_it_lies_within_the_canvas_and_scrolls(qtbot, window, size):
     assert window.canvas.viewport.rect().contains(sheet.geometry())
 
 
-def test_all_controls_have_names(sheet):
+def test_shortcut_sheet_has_names_for_all_its_controls(sheet):
     for widget in sheet.findChildren(QWidget):
         if widget.focusPolicy() & Qt.FocusPolicy.TabFocus and widget.isVisible():
             assert widget.accessibleName() or getattr(widget, "text", str)(), widget
@@ -197,7 +197,7 @@ def test_all_controls_have_names(sheet):
 # Changing keys
 
 
-def test_new_keys_work_at_once_and_after_a_new_start(qtbot, active, sheet, again):
+def test_shortcuts_give_new_keys_that_work_at_once_and_after_a_new_start(qtbot, active, sheet, again):
     press(qtbot, sheet, "take:BASE", Qt.Key.Key_K, CTRL | SHIFT)
     action = active.actions_.tools[Tool.BASE]
     assert action.shortcut() == QKeySequence("Ctrl+Shift+K")
@@ -214,14 +214,14 @@ def test_new_keys_work_at_once_and_after_a_new_start(qtbot, active, sheet, again
     assert other.actions_.tools[Tool.HANDLE].shortcut() == QKeySequence("H")
 
 
-def test_a_sign_is_the_sign_and_shift_with_a_letter_is_shift(qtbot, sheet):
+def test_key_field_takes_a_sign_as_the_sign_and_shift_with_a_letter_as_shift(qtbot, sheet):
     press(qtbot, sheet, "frame", Qt.Key.Key_Exclam, SHIFT)
     press(qtbot, sheet, "edges", Qt.Key.Key_Q, SHIFT)
     assert sheet.rows["frame"].entry.keys in ("!", "Shift+!")  # a test's event may lack the text
     assert sheet.rows["edges"].entry.keys == "Shift+Q"
 
 
-def test_keys_can_be_taken_away(qtbot, sheet, again):
+def test_key_field_takes_keys_away_by_delete(qtbot, sheet, again):
     press(qtbot, sheet, "edges", Qt.Key.Key_Delete)
     entry = sheet.rows["edges"].entry
     assert entry.keys == ""
@@ -230,7 +230,7 @@ def test_keys_can_be_taken_away(qtbot, sheet, again):
 
 
 @pytest.mark.parametrize("way", ["esc", "elsewhere", "modifiers"])
-def test_waiting_for_keys_ends_without_a_change(qtbot, active, sheet, way):
+def test_key_field_ends_waiting_for_keys_without_a_change(qtbot, active, sheet, way):
     field = sheet.rows["frame"].keys
     qtbot.mouseClick(field, LEFT)
     if way == "esc":
@@ -247,13 +247,13 @@ def test_waiting_for_keys_ends_without_a_change(qtbot, active, sheet, way):
     assert sheet.isVisible()
 
 
-def test_while_it_waits_the_keys_do_nothing_else(qtbot, active, sheet):
+def test_key_field_lets_the_keys_do_nothing_else_while_it_waits(qtbot, active, sheet):
     press(qtbot, sheet, "frame", Qt.Key.Key_F1)
     assert sheet.isVisible()
     assert "F1 is already used by “What is this?”." in sheet.line.text()
 
 
-def test_a_conflict_names_the_other_action_and_is_refused(qtbot, active, sheet):
+def test_shortcuts_refuse_a_conflict_and_name_the_other_action(qtbot, active, sheet):
     press(qtbot, sheet, "frame", Qt.Key.Key_B)
     assert sheet.line.text() == "B is already used by “Paint base”."
     assert sheet.swap.isVisible()
@@ -266,7 +266,7 @@ def test_a_conflict_names_the_other_action_and_is_refused(qtbot, active, sheet):
     assert active.shell.focusWidget() is sheet.rows["frame"].keys
 
 
-def test_a_conflict_can_be_solved_by_a_swap(qtbot, active, sheet, again):
+def test_shortcuts_solve_a_conflict_by_a_swap(qtbot, active, sheet, again):
     press(qtbot, sheet, "frame", Qt.Key.Key_B)
     qtbot.mouseClick(sheet.swap, LEFT)
     assert active.actions_.view.frame.shortcut() == QKeySequence("B")
@@ -280,7 +280,7 @@ def test_a_conflict_can_be_solved_by_a_swap(qtbot, active, sheet, again):
     assert other.actions_.tools[Tool.BASE].shortcut() == QKeySequence("F")
 
 
-def test_one_of_several_keys_can_be_taken(qtbot, active, sheet):
+def test_shortcuts_let_one_of_several_keys_be_taken(qtbot, active, sheet):
     press(qtbot, sheet, "tour", Qt.Key.Key_F1, SHIFT)
     assert sheet.swap.text() == "Reassign"
     qtbot.mouseClick(sheet.swap, LEFT)
@@ -288,7 +288,7 @@ def test_one_of_several_keys_can_be_taken(qtbot, active, sheet):
     assert sheet.rows["shortcuts"].entry.keys == "?"
 
 
-def test_keys_that_the_window_needs_are_refused(qtbot, active, sheet):
+def test_shortcuts_refuse_keys_that_the_window_needs(qtbot, active, sheet):
     for key, modifiers, word in (
         (Qt.Key.Key_Return, Qt.KeyboardModifier.NoModifier, "Return"),
         (Qt.Key.Key_Space, Qt.KeyboardModifier.NoModifier, "Space"),
@@ -301,7 +301,7 @@ def test_keys_that_the_window_needs_are_refused(qtbot, active, sheet):
         assert sheet.rows["frame"].entry.keys == "F"
 
 
-def test_back_to_the_standard_for_one_and_for_all(qtbot, active, sheet, again):
+def test_shortcut_sheet_goes_back_to_the_standard_for_one_and_for_all(qtbot, active, sheet, again):
     assert not sheet.back.isEnabled()
     press(qtbot, sheet, "frame", Qt.Key.Key_6)
     press(qtbot, sheet, "export", Qt.Key.Key_J, CTRL)
@@ -324,7 +324,7 @@ def test_back_to_the_standard_for_one_and_for_all(qtbot, active, sheet, again):
     assert all(not entry.is_changed for entry in other.actions_.entries)
 
 
-def test_a_standard_that_another_action_has_by_now_is_a_conflict_too(qtbot, active, sheet):
+def test_shortcuts_see_a_conflict_in_a_standard_that_another_action_has_by_now(qtbot, active, sheet):
     press(qtbot, sheet, "frame", Qt.Key.Key_6)
     press(qtbot, sheet, "edges", Qt.Key.Key_F)
     qtbot.mouseClick(sheet.rows["frame"].back, LEFT)
@@ -335,7 +335,7 @@ def test_a_standard_that_another_action_has_by_now_is_a_conflict_too(qtbot, acti
     assert sheet.rows["edges"].entry.keys == "6"
 
 
-def test_it_is_used_by_keys_alone(qtbot, active, sheet):
+def test_shortcut_sheet_is_used_by_keys_alone(qtbot, active, sheet):
     qtbot.keyClicks(sheet.search, "front")
     qtbot.keyClick(sheet.search, Qt.Key.Key_Down)
     field = active.shell.focusWidget()
@@ -365,7 +365,7 @@ def test_it_is_used_by_keys_alone(qtbot, active, sheet):
         ["take:BASE H", "take:HANDLE H"],
     ],
 )
-def test_settings_that_others_have_written_make_no_key_work_twice(settings, again, lines):
+def test_shortcuts_make_no_key_work_twice_by_settings_that_others_have_written(settings, again, lines):
     settings.setValue("shortcuts", lines)
     window = again()
     keys = [key.toString() for entry in window.actions_.entries for key in entry.action.shortcuts()]
@@ -374,7 +374,7 @@ def test_settings_that_others_have_written_make_no_key_work_twice(settings, agai
     assert len(keys) > 30
 
 
-def test_a_theme_reaches_the_open_sheet(qtbot, sheet, active):
+def test_shortcut_sheet_follows_the_theme_while_open(qtbot, sheet, active):
     before = sheet.rows["open"].symbol.pixmap().toImage()
     active.actions_.view.schemes[Qt.ColorScheme.Dark].trigger()
     assert sheet.rows["open"].symbol.pixmap().toImage() != before

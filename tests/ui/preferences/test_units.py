@@ -75,7 +75,7 @@ def twisted(qtbot, bottle):
     return bottle
 
 
-def test_every_reading_with_a_dimension_has_the_unit_and_keeps_its_figures(twisted):
+def test_measure_in_gives_each_reading_with_a_dimension_the_unit_and_keeps_its_figures(twisted):
     bare = readings(twisted)
     percentages = twisted.panel.area.percent.text(), twisted.panel.area.verdict.text()
     assert not any(re.search(r"\d\s*(mm|cm|m)\b", text) for text in bare.values())
@@ -89,7 +89,7 @@ def test_every_reading_with_a_dimension_has_the_unit_and_keeps_its_figures(twist
     assert readings(twisted) == bare
 
 
-def test_readings_of_new_frames_and_exports_have_the_unit_too(qtbot, twisted, tmp_path):
+def test_panel_reads_new_frames_and_exports_in_the_unit_too(qtbot, twisted, tmp_path):
     choose(twisted, CM)
     before = readings(twisted)
     session = twisted.session
@@ -107,7 +107,7 @@ def test_readings_of_new_frames_and_exports_have_the_unit_too(qtbot, twisted, tm
     assert re.search(r"area [\d.]+\u00a0cm²", twisted.notice.text)
 
 
-def test_the_choice_is_made_with_the_mouse_or_the_keys(qtbot, bottle):
+def test_unit_button_is_used_with_the_mouse_or_the_keys(qtbot, bottle):
     button = bottle.panel.area.unit
     assert (button.text(), button.accessibleName()) == ("no unit", "Unit of length: no unit")
     assert button.isVisible()
@@ -132,7 +132,7 @@ def test_the_choice_is_made_with_the_mouse_or_the_keys(qtbot, bottle):
         assert [action.isChecked() for action in menu.actions()] == [False, True, False, False, False, False]
 
 
-def test_a_file_keeps_its_unit_from_one_window_to_the_next(qtbot, window, files, settings):
+def test_units_keep_that_of_a_file_from_one_window_to_the_next(qtbot, window, files, settings):
     open_file(qtbot, window, files[0])
     choose(window, CM)
     open_file(qtbot, window, files[1])
@@ -145,7 +145,7 @@ def test_a_file_keeps_its_unit_from_one_window_to_the_next(qtbot, window, files,
     assert Units(Preferences(settings)).of(Mesh(*meshes.sphere(1), path=files[0])) is CM
 
 
-def test_the_same_unit_twice_running_is_a_guess_for_the_next_file(settings, files):
+def test_units_of_guesses_for_the_next_file_the_same_unit_twice_running(settings, files):
     V, F = meshes.sphere(1)
     a, b, c = (Mesh(V, F, path=path) for path in files)
     units = Units(Preferences(settings))
@@ -158,7 +158,7 @@ def test_the_same_unit_twice_running_is_a_guess_for_the_next_file(settings, file
     assert Units(Preferences(settings)).of(Mesh(V, F, path=files[2])) is MM, "a confirmed one is remembered"
 
 
-def test_a_guess_never_confirms_itself(settings, files, tmp_path):
+def test_units_choose_lets_a_guess_never_confirm_itself(settings, files, tmp_path):
     V, F = meshes.sphere(1)
     units = Units(Preferences(settings))
     units.choose(Mesh(V, F, path=files[0]), MM)
@@ -167,7 +167,7 @@ def test_a_guess_never_confirms_itself(settings, files, tmp_path):
     assert units.of(Mesh(V, F, path=tmp_path / "d.obj")) is NONE
 
 
-def test_what_a_file_states_goes_before_a_guess_and_after_a_choice(settings, files, tmp_path):
+def test_units_of_puts_what_a_file_states_before_a_guess_and_after_a_choice(settings, files, tmp_path):
     V, F = meshes.sphere(1)
     units = Units(Preferences(settings), lambda: CM)
     for path in files[:2]:
@@ -180,7 +180,7 @@ def test_what_a_file_states_goes_before_a_guess_and_after_a_choice(settings, fil
     assert units.of(Mesh(V, F, path=tmp_path / "d.obj")) is CM, "that of new files, as set"
 
 
-def test_a_guess_is_marked_until_it_is_confirmed(qtbot, window, files, settings):
+def test_unit_button_marks_a_guess_until_it_is_confirmed(qtbot, window, files, settings):
     for path in files[:2]:
         open_file(qtbot, window, path)
         choose(window, CM)
@@ -199,7 +199,7 @@ def test_a_guess_is_marked_until_it_is_confirmed(qtbot, window, files, settings)
     assert Preferences(settings).units[files[2].resolve()] is CM
 
 
-def test_a_session_keeps_a_guess_a_guess(qtbot, window, files, settings, tmp_path):
+def test_files_save_keeps_a_guessed_unit_a_guess_in_a_session(qtbot, window, files, settings, tmp_path):
     for path in files[:2]:
         open_file(qtbot, window, path)
         choose(window, CM)
@@ -216,7 +216,7 @@ def test_a_session_keeps_a_guess_a_guess(qtbot, window, files, settings, tmp_pat
     assert Unit(view.unit) is CM
 
 
-def test_every_sample_has_the_unit_that_its_file_names(qtbot, window):
+def test_open_sample_gives_every_sample_the_unit_that_its_file_names(qtbot, window):
     """Each says "unit: centimetre" in a comment."""
     for name in SAMPLES:
         assert "unit: centimetre" in resource(f"{name}.obj").read_text()[:200]
@@ -226,7 +226,7 @@ def test_every_sample_has_the_unit_that_its_file_names(qtbot, window):
         assert window.panel.area.unit.text() == "cm"
 
 
-def test_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, settings, files):
+def test_units_of_a_mesh_without_a_file_is_none_at_first(qtbot, bottle, settings, files):
     units = Units(Preferences(settings))
     V, F = meshes.sphere(1)
     for path in files[:2]:
@@ -243,7 +243,7 @@ def test_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, settings, fil
     assert bottle.panel.unit is M
 
 
-def test_the_memory_is_bounded_and_overlooks_what_it_cannot_read(settings, tmp_path):
+def test_preferences_bound_the_memory_of_units_and_overlook_what_they_cannot_read(settings, tmp_path):
     remembered = Preferences(settings)
     for k in range(preferences.MOST_UNITS + 5):
         remembered.remember_unit(tmp_path / f"part, {k} mm.obj", (NONE, MM, CM, M)[k % 4])
@@ -260,7 +260,7 @@ def test_the_memory_is_bounded_and_overlooks_what_it_cannot_read(settings, tmp_p
 
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
 @pytest.mark.parametrize("scheme", [Qt.ColorScheme.Light, Qt.ColorScheme.Dark])
-def test_the_choice_stands_beside_the_area_whatever_its_size(qtbot, window, size, scheme):
+def test_unit_button_stands_beside_the_area_whatever_its_size(qtbot, window, size, scheme):
     window.shell.resize(*size)
     window.actions_.view.schemes[scheme].trigger()
     V, F = meshes.sphere(2)

@@ -82,7 +82,9 @@ def opened(qtbot, window, folder, name):
     idle(qtbot, window)
 
 
-def test_each_setting_does_what_it_says_and_is_kept(qtbot, window, page, settings, tmp_path, chosen_language):
+def test_settings_dialog_has_each_setting_do_what_it_says_and_keeps_it(
+    qtbot, window, page, settings, tmp_path, chosen_language
+):
     assert set(OTHER) == {preference.name for preference in table.PREFERENCES}
     assert not page.restore.isEnabled(), "all are at their defaults"
     for preference in table.PREFERENCES:
@@ -121,7 +123,7 @@ def test_each_setting_does_what_it_says_and_is_kept(qtbot, window, page, setting
     assert window.canvas.viewport.look.eye.up_axis is UpAxis.PLUS_Y
 
 
-def test_the_page_is_one_follows_the_window_and_is_named_for_screen_readers(qtbot, window, page):
+def test_settings_page_is_one_follows_the_window_and_is_named_for_screen_readers(qtbot, window, page):
     window.actions_.settings.trigger()
     assert window.shell.findChildren(SettingsDialog) == [page]
     window.actions_.view.schemes[Qt.ColorScheme.Dark].trigger()
@@ -147,13 +149,13 @@ def test_the_page_is_one_follows_the_window_and_is_named_for_screen_readers(qtbo
     assert window.settings_page.dialog is None
 
 
-def test_a_language_that_cannot_be_stored_is_reported(window, page, chosen_language):
+def test_connect_language_reports_a_language_that_cannot_be_stored(window, page, chosen_language):
     chosen_language.parent.write_text("a file in place of the folder")
     choose(page, table.LANGUAGE, "English")
     assert "cannot be stored" in window.notice.text
 
 
-def test_values_that_cannot_be_read_are_logged_and_the_defaults_used(settings, caplog):
+def test_preference_values_log_what_cannot_be_read_and_use_the_defaults(settings, caplog):
     bad = {"scheme": "9", "default_unit": "furlong", "default_up_axis": "up", "brush_radius": "nan"}
     bad |= {
         "autosave": ["1", "2"],
@@ -175,7 +177,7 @@ def test_values_that_cannot_be_read_are_logged_and_the_defaults_used(settings, c
     assert PreferenceValues(settings)[table.UNIT] is Unit.NONE
 
 
-def test_samples_and_prescribed_axes_keep_theirs(qtbot, window, tmp_path):
+def test_up_axes_leave_samples_and_prescribed_axes_theirs_whatever_the_setting(qtbot, window, tmp_path):
     window.memory.values.choose(table.UP_AXIS, UpAxis.MINUS_X)
     opened(qtbot, window, tmp_path, "new.glb")
     assert window.canvas.viewport.look.eye.up_axis is UpAxis.PLUS_Y
@@ -185,7 +187,7 @@ def test_samples_and_prescribed_axes_keep_theirs(qtbot, window, tmp_path):
 
 
 @pytest.mark.parametrize(("threads", "before", "after"), [(0, None, None), (2, None, "2"), (2, "3", "3")])
-def test_threads_are_limited_before_numba_is_loaded(monkeypatch, threads, before, after):
+def test_limit_threads_takes_effect_before_numba_is_loaded(monkeypatch, threads, before, after):
     monkeypatch.delitem(sys.modules, "numba", raising=False)
     monkeypatch.setenv("NUMBA_NUM_THREADS", before or "")
     if before is None:

@@ -17,7 +17,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_versions_log_and_crash_are_in_it(folder):
+def test_diagnostics_hold_versions_log_and_last_crash(folder):
     (folder / "apd-viewer-1.crash").write_text("Fatal Python error: older")
     (folder / "apd-viewer-2.crash").write_text("Fatal Python error: Aborted")
     (folder / "apd-viewer-3.crash").touch()
@@ -33,11 +33,11 @@ def test_versions_log_and_crash_are_in_it(folder):
     assert "older" not in said
 
 
-def test_without_a_log_and_a_crash_it_says_so(folder):
+def test_diagnostics_say_where_there_is_no_log_and_no_crash(folder):
     assert diagnostics("").endswith("Log:\nnone\n\nLast crash:\nnone")
 
 
-def test_it_names_no_folder_of_the_user(folder):
+def test_diagnostics_name_no_folder_of_the_user(folder):
     home = Path.home()
     (folder / "apd-viewer-1.crash").write_text(f'  File "{home / "work" / "mine.py"}", line 1 in <module>')
     with log.recording():
@@ -48,7 +48,7 @@ def test_it_names_no_folder_of_the_user(folder):
     assert "secret" not in said
 
 
-def test_the_menu_entry_copies_it_and_says_so(window, folder):
+def test_copy_diagnostics_copies_them_and_says_so(window, folder):
     action = next(each for each in window.actions_.help.values() if "diagnostics" in each.text())
     action.trigger()
     assert f"OpenGL {window.canvas.viewport.opengl}" in QGuiApplication.clipboard().text()
@@ -56,7 +56,7 @@ def test_the_menu_entry_copies_it_and_says_so(window, folder):
     assert "copied" in window.notice.text
 
 
-def test_what_the_window_says_has_failed_is_logged(window, folder):
+def test_notice_fail_logs_what_the_window_says_has_failed(window, folder):
     with log.recording():
         window.notice.fail("A sentence.")
         assert "A sentence." in diagnostics("")

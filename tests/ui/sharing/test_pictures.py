@@ -55,7 +55,7 @@ def still(qtbot, window):
     return window
 
 
-def test_the_colours_are_those_of_the_screen_and_the_corners_are_empty(still):
+def test_scene_picture_has_the_colors_of_the_screen_and_empty_corners(still):
     view = still.canvas.viewport
     screen = np.asarray(view.screenshot(return_img=True)).astype(int)
     size = QSize(screen.shape[1], screen.shape[0])
@@ -72,7 +72,7 @@ def test_the_colours_are_those_of_the_screen_and_the_corners_are_empty(still):
     assert np.abs(seen[:, :, :3] - screen).max(axis=2)[~away].max() <= 1
 
 
-def test_an_edge_is_as_bright_as_what_it_covers(still):
+def test_scene_picture_has_edges_as_bright_as_what_they_cover(still):
     """No dark fringe: over a plain ground it is the same picture as one drawn on that."""
     view = still.canvas.viewport
     view.set_theme("#40c080")
@@ -86,7 +86,7 @@ def test_an_edge_is_as_bright_as_what_it_covers(still):
 
 
 @pytest.mark.parametrize("size", [(2400, 1800), (300, 900), (900, 200), (17, 16)])
-def test_all_that_is_seen_is_in_a_picture_of_any_size(still, size):
+def test_scene_picture_holds_all_that_is_seen_at_any_size(still, size):
     view, size = still.canvas.viewport, QSize(*size)
     ratio = view.devicePixelRatioF()
     own = box(pixels(scene_picture(view, view.size() * ratio, True))[:, :, 3] > 127) / ratio
@@ -98,7 +98,7 @@ def test_all_that_is_seen_is_in_a_picture_of_any_size(still, size):
     assert np.abs(box(pixels(image)[:, :, 3] > 127) - expected).max() <= 1.5 + scale
 
 
-def test_what_is_painted_has_its_stripes_where_the_view_has_them(qtbot, still):
+def test_scene_picture_has_the_stripes_of_what_is_painted_where_the_view_has_them(qtbot, still):
     """Also in a picture of another size."""
     view = still.canvas.viewport
     still.looks.heat.choose(Measure.AREA)
@@ -114,7 +114,7 @@ def test_what_is_painted_has_its_stripes_where_the_view_has_them(qtbot, still):
         assert np.abs(picture - same)[orange].mean() < 12
 
 
-def test_the_screen_stays_as_it_is(still):
+def test_scene_picture_leaves_the_screen_as_it_is(still):
     view = still.canvas.viewport
     before, size, angle = view.screenshot(return_img=True), view.ren_win.GetSize(), view.look.eye.angle
     still.canvas.surface.edges = True
@@ -127,7 +127,7 @@ def test_the_screen_stays_as_it_is(still):
     assert (view.ren_win.GetSize(), view.look.eye.angle) == (size, angle)
 
 
-def test_a_picture_that_is_too_large_is_refused_in_a_sentence(still, tmp_path):
+def test_scene_picture_refuses_a_size_that_is_too_large_in_a_sentence(still, tmp_path):
     view = still.canvas.viewport
     with pytest.raises(InputError, match=r"up to [\d,]+ pixels per side on this computer"):
         scene_picture(view, QSize(1_000_000, 10))
@@ -140,7 +140,7 @@ def test_a_picture_that_is_too_large_is_refused_in_a_sentence(still, tmp_path):
     assert np.array_equal(view.screenshot(return_img=True), before)
 
 
-def test_a_file_has_the_picture(qtbot, still, tmp_path):
+def test_pictures_save_writes_the_picture_into_a_file(qtbot, still, tmp_path):
     wish = Wish(SIZE, transparent=True, gizmo=True)
     still.reporting.pictures.save(tmp_path / "p.png", wish)
     idle(qtbot, still)
@@ -153,14 +153,14 @@ def test_a_file_has_the_picture(qtbot, still, tmp_path):
     assert (pixels(image)[:, :, 3] == taken[:, :, 3]).all()
 
 
-def test_a_file_that_cannot_be_written_is_a_sentence(qtbot, still, tmp_path):
+def test_pictures_save_tells_of_a_file_that_cannot_be_written_in_a_sentence(qtbot, still, tmp_path):
     (tmp_path / "file").write_text("no folder")
     still.reporting.pictures.save(tmp_path / "file" / "p.png", Wish(SIZE))
     qtbot.waitUntil(lambda: "cannot be written" in still.notice.text)
     assert (tmp_path / "file").read_text() == "no folder"
 
 
-def test_the_gizmo_stands_where_it_stands_on_the_screen(still):
+def test_pictures_have_the_gizmo_where_it_stands_on_the_screen(still):
     pictures, canvas = still.reporting.pictures, still.canvas
     assert pictures.has_gizmo
     for size in (SIZE, QSize(300, 700)):
@@ -178,7 +178,7 @@ def test_the_gizmo_stands_where_it_stands_on_the_screen(still):
         assert changed[y, x].mean() > 0.5
 
 
-def test_the_gizmo_of_an_obstacle_can_be_in_the_picture(qtbot, still):
+def test_pictures_can_have_the_gizmo_of_an_obstacle(qtbot, still):
     still.actions_.obstacles.floor.trigger()
     idle(qtbot, still)
     assert still.obstacles.gizmo.visible
@@ -195,7 +195,7 @@ def test_the_gizmo_of_an_obstacle_can_be_in_the_picture(qtbot, still):
     assert around.max() > 40
 
 
-def test_the_legend_has_the_colours_of_the_overlay(qtbot, still):
+def test_pictures_have_a_legend_in_the_colors_of_the_overlay(qtbot, still):
     pictures, heat = still.reporting.pictures, still.looks.heat
     size = still.canvas.viewport.size()
     assert not pictures.has_legend
@@ -213,7 +213,7 @@ def test_the_legend_has_the_colours_of_the_overlay(qtbot, still):
     assert (pixels(pictures.taken(Wish(size, True, legend=False)))[-20, 20] == 0).all()
 
 
-def test_the_clipboard_has_the_view(qtbot, still):
+def test_pictures_copy_puts_the_view_on_the_clipboard(qtbot, still):
     QGuiApplication.clipboard().clear()
     still.shell.activateWindow()
     qtbot.waitUntil(still.shell.isActiveWindow)
@@ -241,7 +241,7 @@ def dialog(qtbot, still):
     QApplication.processEvents()
 
 
-def test_the_dialog_knows_multiples_of_the_view_and_own_sizes(dialog, still):
+def test_picture_dialog_knows_multiples_of_the_view_and_own_sizes(dialog, still):
     view = still.reporting.pictures.view_size
     assert dialog.times.currentText() == "2 × the view"
     dialog.times.setCurrentIndex(2)
@@ -255,7 +255,7 @@ def test_the_dialog_knows_multiples_of_the_view_and_own_sizes(dialog, still):
     assert dialog.times.currentText() == "Same as view"
 
 
-def test_the_dialog_shows_what_it_will_be(qtbot, dialog):
+def test_picture_dialog_shows_what_the_picture_will_be(qtbot, dialog):
     assert not dialog.legend.isEnabled()
     assert dialog.gizmo.isEnabled()
     assert dialog.preview.image.pixelColor(0, 0).alpha() == 255
@@ -270,7 +270,7 @@ def test_the_dialog_shows_what_it_will_be(qtbot, dialog):
     assert copied.pixelColor(0, 0).alpha() == 0
 
 
-def test_the_dialog_says_what_size_cannot_be_had(qtbot, dialog):
+def test_picture_dialog_says_what_size_cannot_be_had(qtbot, dialog):
     for field in (dialog.width_, dialog.height_):
         field.setValue(16_000)
     qtbot.waitUntil(dialog.problem.isVisible)
@@ -282,7 +282,7 @@ def test_the_dialog_says_what_size_cannot_be_had(qtbot, dialog):
     assert dialog.save.isEnabled()
 
 
-def test_from_the_menu_to_the_file(qtbot, still, tmp_path, monkeypatch):
+def test_ask_for_picture_leads_from_the_menu_to_the_file(qtbot, still, tmp_path, monkeypatch):
     path, seen = tmp_path / "picture.png", []
     monkeypatch.setattr(file_dialogs, "ask_where_to_put_picture", lambda *_: path)
 
@@ -300,7 +300,7 @@ def test_from_the_menu_to_the_file(qtbot, still, tmp_path, monkeypatch):
     assert QImage(str(path)).size() == still.reporting.pictures.view_size
 
 
-def test_before_there_is_a_mesh_there_is_nothing_to_hand_out(window):
+def test_reporting_has_nothing_to_hand_out_before_there_is_a_mesh(window):
     for action in (
         window.actions_.file.report,
         window.actions_.file.picture,
@@ -311,7 +311,7 @@ def test_before_there_is_a_mesh_there_is_nothing_to_hand_out(window):
     window.reporting.ask_for_picture()
 
 
-def test_python_lines_are_copied_and_told(qtbot, bottle):
+def test_copy_python_copies_the_lines_and_tells_so(qtbot, bottle):
     bottle.actions_.file.copy_python.trigger()
     lines = QGuiApplication.clipboard().text()
     compile(lines, "copied", "exec")

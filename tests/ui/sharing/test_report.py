@@ -83,7 +83,7 @@ def number(text):
     return float(re.match(r"[−+]?[\d.]+", text).group().replace("−", "-"))
 
 
-def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twisted, file, tmp_path):
+def test_reporting_writes_what_the_panel_says_and_what_others_measure(qtbot, twisted, file, tmp_path):
     window, state = twisted, twisted.session.store.state
     path = tmp_path / "report.html"
     page = write(qtbot, window, path)
@@ -159,7 +159,7 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
     assert mesh["Mesh digest"].split("\n")[0] == state.document.mesh.digest
 
 
-def test_a_report_holds_pictures_and_the_session_and_nobodys_folder(qtbot, twisted, file, tmp_path):
+def test_reporting_writes_pictures_and_the_session_and_nobodys_folder(qtbot, twisted, file, tmp_path):
     state, path = twisted.session.store.state, tmp_path / "report.html"
     page = write(qtbot, twisted, path)
     assert "script" not in page.tags
@@ -188,7 +188,7 @@ def test_a_report_holds_pictures_and_the_session_and_nobodys_folder(qtbot, twist
     assert view.unit == "cm"
 
 
-def test_a_report_saved_soon_after_an_edit_measures_what_is_missing(qtbot, twisted, tmp_path, monkeypatch):
+def test_reporting_measures_what_is_missing_soon_after_an_edit(qtbot, twisted, tmp_path, monkeypatch):
     monkeypatch.setattr(shape_checker, "CALM", 1000.0)  # the window does not look meanwhile
     twisted.session.handles.move_by(TypedMotion.TWIST, "5", 0)
     idle(qtbot, twisted)
@@ -207,7 +207,9 @@ def test_a_report_saved_soon_after_an_edit_measures_what_is_missing(qtbot, twist
     assert "yet" not in re.sub(r'(?s)"data:[^"]*"', "", text)
 
 
-def test_a_report_asked_for_on_the_way_says_so_and_measures_what_is_shown(qtbot, twisted, tmp_path):
+def test_reporting_says_that_a_report_is_asked_for_on_the_way_and_measures_what_is_shown(
+    qtbot, twisted, tmp_path
+):
     store = twisted.session.store
     twisted.session.handles.move_by(TypedMotion.TWIST, "60", 0)
     assert not store.state.frame.settled
@@ -220,7 +222,7 @@ def test_a_report_asked_for_on_the_way_says_so_and_measures_what_is_shown(qtbot,
     assert named["Convex hull volume"].split("\n")[1] == f"{significant(hull.volume, 4)}\u00a0cm³"
 
 
-def test_what_is_on_screen_stays_as_it_is(qtbot, bottle, tmp_path):
+def test_reporting_leaves_what_is_on_screen_as_it_is(qtbot, bottle, tmp_path):
     settle(qtbot, bottle.canvas.viewport)
     view, before = bottle.canvas.viewport, bottle.canvas.viewport.screenshot(return_img=True)
     actors = view.renderer.GetActors().GetNumberOfItems()
@@ -231,7 +233,7 @@ def test_what_is_on_screen_stays_as_it_is(qtbot, bottle, tmp_path):
     assert view.ren_win.GetRenderers().GetNumberOfItems() == 1
 
 
-def test_a_report_that_cannot_be_written_leaves_nothing(qtbot, bottle, tmp_path, monkeypatch):
+def test_reporting_leaves_nothing_of_a_report_that_cannot_be_written(qtbot, bottle, tmp_path, monkeypatch):
     path = tmp_path / "file" / "report.html"
     path.parent.write_text("no folder")
     monkeypatch.setattr(file_dialogs, "ask_where_to_report", lambda *_: path)
@@ -241,7 +243,7 @@ def test_a_report_that_cannot_be_written_leaves_nothing(qtbot, bottle, tmp_path,
     assert path.parent.read_text() == "no folder"
 
 
-def test_a_report_can_be_given_up(qtbot, bottle, tmp_path):
+def test_reporting_can_be_given_up(qtbot, bottle, tmp_path):
     bottle.reporting.write(tmp_path / "report.html")
     job = bottle.session.jobs.current
     bottle.session.jobs.cancel()

@@ -46,7 +46,9 @@ def handle_of(bar, shapes):
 
 
 @pytest.mark.parametrize(("motion", "way"), [(0, [0.5, 0.5, 0.0]), (1, [0.0, 0.5, 0.0])])
-def test_the_whole_motion_and_the_last_step_are_exported(motion, way, qtbot, bar, dialog, answer, tmp_path):
+def test_animation_dialog_exports_the_whole_motion_and_the_last_step(
+    motion, way, qtbot, bar, dialog, answer, tmp_path
+):
     """The last step begins where the one before had ended."""
     state = bar.session.store.state
     assert dialog.motion.itemText(0) == "current motion of the handles"
@@ -65,7 +67,7 @@ def test_the_whole_motion_and_the_last_step_are_exported(motion, way, qtbot, bar
     np.testing.assert_allclose(places[-1], end, atol=1e-6)
 
 
-def test_a_series_is_exported_with_its_folder(qtbot, dialog, answer, tmp_path):
+def test_animation_dialog_exports_a_series_with_its_folder(qtbot, dialog, answer, tmp_path):
     dialog.format.setCurrentIndex(dialog.format.findData(".pvd"))
     (tmp_path / "out").mkdir()
     answer(tmp_path / "out" / "a.pvd")
@@ -75,7 +77,7 @@ def test_a_series_is_exported_with_its_folder(qtbot, dialog, answer, tmp_path):
     assert pyvista.get_reader(tmp_path / "out" / "a.pvd").time_values == [0.0, 0.5, 1.0]
 
 
-def test_cancelled_nothing_is_written(qtbot, dialog, answer, tmp_path):
+def test_animation_dialog_writes_nothing_when_cancelled(qtbot, dialog, answer, tmp_path):
     answer(None)
     click(dialog.run.start)
     assert not dialog.run.running
@@ -89,7 +91,9 @@ def test_cancelled_nothing_is_written(qtbot, dialog, answer, tmp_path):
     assert "nothing was written" in dialog.run.words.text()
 
 
-def test_cancelled_while_it_is_written_nothing_is_left(qtbot, dialog, answer, tmp_path, monkeypatch):
+def test_animation_dialog_leaves_nothing_when_cancelled_while_it_writes(
+    qtbot, dialog, answer, tmp_path, monkeypatch
+):
     """Neither beside the file nor among the temporary files; what other programs write stays."""
     (tmp_path / "tmp").mkdir()
     monkeypatch.setenv("TMPDIR", str(tmp_path / "tmp"))
@@ -104,7 +108,7 @@ def test_cancelled_while_it_is_written_nothing_is_left(qtbot, dialog, answer, tm
     assert not any((tmp_path / "tmp").iterdir())
 
 
-def test_what_cannot_be_written_is_said_at_once(dialog, answer, tmp_path):
+def test_animation_dialog_says_at_once_what_cannot_be_written(dialog, answer, tmp_path):
     dialog.format.setCurrentIndex(dialog.format.findData(".pvd"))
     (tmp_path / "a").write_text("mine")
     answer(tmp_path / "a.pvd")
@@ -113,7 +117,9 @@ def test_what_cannot_be_written_is_said_at_once(dialog, answer, tmp_path):
     assert not dialog.run.running
 
 
-def test_a_film_that_is_not_drawn_is_not_called_exported(dialog, answer, tmp_path, monkeypatch):
+def test_animation_dialog_does_not_call_a_film_exported_that_is_not_drawn(
+    dialog, answer, tmp_path, monkeypatch
+):
     """What is there is an old one."""
     (tmp_path / "a.gif").write_text("old")
     dialog.format.setCurrentIndex(dialog.format.findData(".gif"))
@@ -125,7 +131,7 @@ def test_a_film_that_is_not_drawn_is_not_called_exported(dialog, answer, tmp_pat
     assert dialog.run.words.text() == ""
 
 
-def test_without_a_motion_there_is_nothing_to_export(qtbot, window):
+def test_animate_has_nothing_to_export_without_a_motion(qtbot, window):
     assert not window.actions_.file.animation.isEnabled()
     open_bar(qtbot, window)
     window.actions_.file.animation.trigger()
@@ -133,7 +139,7 @@ def test_without_a_motion_there_is_nothing_to_export(qtbot, window):
     assert "No handle has moved" in window.notice.text
 
 
-def test_the_last_step_alone_is_left_where_the_handle_is_back(qtbot, bar):
+def test_animation_dialog_offers_the_last_step_alone_where_the_handle_is_back(qtbot, bar):
     """A handle back at rest has no motion, but the step that led there has."""
     bar.session.handles.reset(0)
     idle(qtbot, bar)

@@ -72,7 +72,7 @@ def texts(choice):
     return [choice.itemText(k) for k in range(choice.count())]
 
 
-def test_any_mesh_can_be_pressed_even_if_nothing_is_painted(qtbot, window):
+def test_studies_press_takes_any_mesh_even_if_nothing_is_painted(qtbot, window):
     action = window.actions_.pose.press
     assert not action.isEnabled()
     window.session.files.open_mesh(Mesh(*box(1, 1, 1)))
@@ -84,7 +84,7 @@ def test_any_mesh_can_be_pressed_even_if_nothing_is_painted(qtbot, window):
     assert window.notice.text == ""
 
 
-def test_the_dialog_knows_the_mesh_and_its_unit(qtbot, window):
+def test_press_dialog_knows_the_mesh_and_its_unit(qtbot, window):
     window.session.files.open_mesh(Mesh(*box(1, 2, 4)))
     idle(qtbot, window)
     window.choose_unit(Unit.CENTIMETRE)
@@ -99,13 +99,13 @@ def test_the_dialog_knows_the_mesh_and_its_unit(qtbot, window):
     assert dialog.wall.thickness.placeholderText() == "0.00458\xa0cm"
 
 
-def test_loose_vertices_take_no_part_in_the_extent(asked):
+def test_press_dialog_leaves_loose_vertices_out_of_the_extent(asked):
     V, F = box(1, 2, 4)
     dialog = asked[0](np.vstack([V, [[50.0, 50.0, 50.0]]]), F)
     assert texts(dialog.direction) == ["X (1.000)", "Y (2.000)", "Z (4.000)"]
 
 
-def test_as_they_stand_the_fields_say_what_the_command_says_without_options(asked):
+def test_press_dialog_says_as_it_stands_what_the_command_says_without_options(asked):
     ask, options = asked
     said, plain = options(ask(*sphere(2))), press_parser().parse_args(["m.obj", "--to", "50%", "-o", "o.obj"])
     for name in ("axis", "to", "steps", "iterations", "method", "area_stiffness", "shear_stiffness"):
@@ -114,7 +114,7 @@ def test_as_they_stand_the_fields_say_what_the_command_says_without_options(aske
     assert percentage(said.area, "the area") == 100.0
 
 
-def test_the_settings_of_the_document_are_proposed(asked, tmp_path):
+def test_press_dialog_proposes_the_settings_of_the_document(asked, tmp_path):
     ask, options = asked
     settings = {"method": "local", "stiffness": 0.02, "area_stiffness": 3.0, "shear_stiffness": 0.5}
     dialog = ask(*tube(), **settings, thickness=0.0125)
@@ -127,7 +127,7 @@ def test_the_settings_of_the_document_are_proposed(asked, tmp_path):
     assert trimesh.load(said.mesh, process=False).vertices == pytest.approx(tube()[0], abs=1e-12)
 
 
-def test_without_stiffness_a_little_is_proposed_and_a_line_says_why(asked):
+def test_press_dialog_proposes_a_little_stiffness_without_any_and_says_why(asked):
     dialog = asked[0](*sphere(2), stiffness=0.0)
     assert dialog.stiffness.value() == 0.001
     dialog.stiffness.setValue(0.0)
@@ -135,7 +135,7 @@ def test_without_stiffness_a_little_is_proposed_and_a_line_says_why(asked):
     assert "loads mean little" in dialog.hint.text()
 
 
-def test_the_expected_excess_of_loads_follows_stiffness_and_method(asked):
+def test_press_dialog_expects_an_excess_of_loads_by_stiffness_and_method(asked):
     """0.75 h^2 over D, a tenth of it for local; edges of a sphere are nearly alike."""
     V, F = sphere(3)
     dialog = asked[0](V, F, stiffness=0.001, method="exact")
@@ -153,7 +153,7 @@ def test_the_expected_excess_of_loads_follows_stiffness_and_method(asked):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_only_methods_that_keep_walls_apart_are_offered(method, asked):
+def test_press_dialog_offers_only_methods_that_keep_walls_apart(method, asked):
     dialog = asked[0](*sphere(2), method=method)
     offered = [dialog.method.itemData(k) for k in range(dialog.method.count())]
     assert offered == [name for name, traits in METHODS.items() if traits.may_touch]
@@ -164,7 +164,7 @@ def test_only_methods_that_keep_walls_apart_are_offered(method, asked):
     ("typed", "words"),
     [("9 mm2", "is unknown"), ("0", "greater than 0"), ("-1", "greater than 0"), ("7", "check the unit")],
 )
-def test_a_wall_that_cannot_be_is_refused_at_once(typed, words, ball):
+def test_press_dialog_refuses_at_once_a_wall_that_cannot_be(typed, words, ball):
     ball.wall.thickness.setText(typed)
     click(ball.run.start)
     assert words in ball.run.words.text()
@@ -172,7 +172,7 @@ def test_a_wall_that_cannot_be_is_refused_at_once(typed, words, ball):
     assert ball.run.start.isVisible()
 
 
-def test_a_flat_mesh_is_not_pressed_across(asked):
+def test_press_dialog_does_not_press_a_flat_mesh_across(asked):
     V, F = box(1, 2, 4)
     dialog = asked[0](V * [1.0, 1.0, 0.0], F)
     dialog.direction.setCurrentIndex(2)
@@ -181,7 +181,9 @@ def test_a_flat_mesh_is_not_pressed_across(asked):
     assert not dialog.run.running
 
 
-def test_a_press_is_drawn_and_saved_in_the_format_of_the_mesh(qtbot, window, tmp_path, monkeypatch):
+def test_press_dialog_draws_a_press_and_saves_it_in_the_format_of_the_mesh(
+    qtbot, window, tmp_path, monkeypatch
+):
     V, F = sphere(2)
     save_mesh(Mesh(V, F), V, tmp_path / "ball.off")
     window.session.files.open(tmp_path / "ball.off")
@@ -213,7 +215,9 @@ def test_a_press_is_drawn_and_saved_in_the_format_of_the_mesh(qtbot, window, tmp
     assert np.ptp(trimesh.load(folder / "pressed.off", process=False).vertices[:, 2]) < 1.0
 
 
-def test_the_pressed_mesh_opens_in_the_window_once_saved(qtbot, window, ball, tmp_path, monkeypatch):
+def test_press_dialog_opens_the_pressed_mesh_in_the_window_once_saved(
+    qtbot, window, ball, tmp_path, monkeypatch
+):
     """It asks about unsaved work, keeps the unit and can be undone."""
     window.choose_unit(Unit.CENTIMETRE)
     ball.close()
@@ -251,7 +255,7 @@ def test_the_pressed_mesh_opens_in_the_window_once_saved(qtbot, window, ball, tm
     assert document(window).mesh is before
 
 
-def test_on_a_low_screen_the_figure_gives_way_and_not_the_fields(qtbot, ball, monkeypatch):
+def test_study_dialog_lets_the_figure_give_way_on_a_low_screen_and_not_the_fields(qtbot, ball, monkeypatch):
     low = QSize(1280, 760)
     for module in (study_dialog, fit_to_screen):
         monkeypatch.setattr(module, "largest_on_screen", lambda _: low)
@@ -266,7 +270,7 @@ def test_on_a_low_screen_the_figure_gives_way_and_not_the_fields(qtbot, ball, mo
     assert ball.figure.minimumHeight() < height < natural
 
 
-def test_a_mesh_that_is_gone_is_told_in_the_window(qtbot, window, ball, tmp_path):
+def test_press_dialog_has_the_window_tell_of_a_pressed_mesh_that_is_gone(qtbot, window, ball, tmp_path):
     click(ball.run.start)
     finish(qtbot, ball)
     ball.run.save_in(tmp_path)
@@ -278,7 +282,7 @@ def test_a_mesh_that_is_gone_is_told_in_the_window(qtbot, window, ball, tmp_path
     assert document(window).mesh is before
 
 
-def test_cancel_leaves_nothing(qtbot, ball):
+def test_press_dialog_leaves_nothing_after_cancel(qtbot, ball):
     click(ball.run.start)
     scratch = ball.run.scratch
     assert scratch.exists()
@@ -297,7 +301,7 @@ def test_cancel_leaves_nothing(qtbot, ball):
     assert ball.steps.isEnabled()
 
 
-def test_closing_the_dialog_ends_the_run(qtbot, window, ball):
+def test_press_dialog_ends_the_run_when_closed(qtbot, window, ball):
     click(ball.run.start)
     qtbot.waitUntil(lambda: ball.run.command.running, timeout=10_000)
     scratch = ball.run.scratch
@@ -306,7 +310,7 @@ def test_closing_the_dialog_ends_the_run(qtbot, window, ball):
     assert not scratch.exists()
 
 
-def test_creases_and_release_reach_the_command(asked):
+def test_wall_fields_hand_creases_and_release_to_the_command(asked):
     ask, options = asked
     dialog = ask(*box(1, 2, 4))
     plain = options(dialog)
@@ -322,7 +326,7 @@ def test_creases_and_release_reach_the_command(asked):
 @pytest.mark.parametrize(
     ("typed", "stiffness", "words"), [("0", 0.001, "greater than 0"), ("2", 0.0, "stiffness")]
 )
-def test_a_yield_radius_that_cannot_be_is_refused_at_once(typed, stiffness, words, ball):
+def test_press_dialog_refuses_at_once_a_yield_radius_that_cannot_be(typed, stiffness, words, ball):
     ball.wall.radius.setText(typed)
     ball.stiffness.setValue(stiffness)
     click(ball.run.start)
@@ -336,7 +340,7 @@ def chosen(dialog, name):
     field.setCurrentIndex(names.index(name))
 
 
-def test_a_material_fills_in_the_fields_and_names_its_source(asked):
+def test_wall_fields_are_filled_in_by_a_material_and_name_its_source(asked):
     ask, options = asked
     dialog = ask(*box(1, 2, 4), unit="cm")
     assert dialog.wall.source.text() == "your own numbers"
@@ -358,7 +362,7 @@ def test_a_material_fills_in_the_fields_and_names_its_source(asked):
     assert (wall.radius.text(), wall.young.text()) == ("", "")
 
 
-def test_no_source_is_cut_off(qtbot, asked):
+def test_wall_fields_cut_no_source_off(qtbot, asked):
     dialog = asked[0](*box(1, 2, 4), unit="cm")
     source = dialog.wall.source
     dialog.show()
@@ -372,7 +376,7 @@ def test_no_source_is_cut_off(qtbot, asked):
     assert len(heights) > 1
 
 
-def test_what_is_typed_makes_a_material_of_the_users_own(qtbot, asked):
+def test_wall_fields_make_a_material_of_the_users_own_of_what_is_typed(qtbot, asked):
     ask, options = asked
     dialog = ask(*box(1, 2, 4), unit="cm")
     chosen(dialog, "hdpe")
@@ -394,7 +398,7 @@ def test_what_is_typed_makes_a_material_of_the_users_own(qtbot, asked):
         ({"density": "0"}, "out of range"),
     ],
 )
-def test_a_material_that_cannot_be_is_refused_at_once(typed, words, ball):
+def test_press_dialog_refuses_at_once_a_material_that_cannot_be(typed, words, ball):
     for name, text in typed.items():
         getattr(ball.wall, name).setText(text)
     click(ball.run.start)
@@ -402,7 +406,7 @@ def test_a_material_that_cannot_be_is_refused_at_once(typed, words, ball):
     assert words in ball.run.words.text()
 
 
-def test_air_inside_needs_newtons(asked, ball):
+def test_press_dialog_needs_newtons_for_air_inside(asked, ball):
     ask, options = asked
     ball.wall.air.click()
     click(ball.run.start)
@@ -416,7 +420,7 @@ def test_air_inside_needs_newtons(asked, ball):
     assert options(dialog).gas == "1atm"
 
 
-def test_the_targets_of_the_document_reach_the_command(asked):
+def test_press_dialog_hands_the_targets_of_the_document_to_the_command(asked):
     ask, options = asked
     said = options(ask(*sphere(2), method="exact", area=98.0, volume=100.0))
     assert [percentage(x, "") for x in (said.area, said.volume)] == [98.0, 100.0]
@@ -424,7 +428,7 @@ def test_the_targets_of_the_document_reach_the_command(asked):
     assert options(ask(*sphere(2), method="local", hold_area=True)).area == "100.0%"
 
 
-def test_the_current_shape_is_pressed_where_it_is_asked_for(qtbot, window, ball, asked):
+def test_press_dialog_presses_the_current_shape_where_it_is_asked_for(qtbot, window, ball, asked):
     """A session with the shape goes to the command; at rest there is nothing to begin from."""
     assert not ball.from_current.isEnabled()
     state = window.session.store.state

@@ -43,7 +43,9 @@ def rows(path):
         return list(csv.DictReader(stream))
 
 
-def test_a_sweep_is_drawn_and_saved_where_the_user_says(qtbot, bar, dialog, tmp_path, monkeypatch):
+def test_sweep_dialog_draws_a_sweep_and_saves_it_where_the_user_says(
+    qtbot, bar, dialog, tmp_path, monkeypatch
+):
     dialog.twist.setText("200deg")
     click(dialog.run.start)
     assert not dialog.steps.isEnabled()
@@ -66,7 +68,7 @@ def test_a_sweep_is_drawn_and_saved_where_the_user_says(qtbot, bar, dialog, tmp_
     assert opened == [str(folder)]
 
 
-def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, monkeypatch):
+def test_sweep_dialog_sweeps_the_motion_of_the_handle_if_it_has_one(qtbot, bar, tmp_path, monkeypatch):
     bar.session.handles.move_by(TypedMotion.MOVE_X, "0.5", 0)
     idle(qtbot, bar)
     bar.actions_.pose.sweep.trigger()
@@ -99,7 +101,7 @@ def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, m
     assert view.camera == bar.canvas.view.saved("").camera
 
 
-def test_the_motion_of_obstacles_is_swept_where_nothing_is_painted(qtbot, bar):
+def test_sweep_dialog_sweeps_the_motion_of_obstacles_where_nothing_is_painted(qtbot, bar):
     bar.session.painting.clear_all()
     bar.session.obstacles.put_plates(np.eye(3)[0])
     bar.session.obstacles.move(0, np.array([0.2, 0.0, 0.0]))
@@ -118,7 +120,7 @@ def test_the_motion_of_obstacles_is_swept_where_nothing_is_painted(qtbot, bar):
     assert dialog.figure.drawn
 
 
-def test_cancel_leaves_nothing(qtbot, dialog):
+def test_sweep_dialog_leaves_nothing_after_cancel(qtbot, dialog):
     click(dialog.run.start)
     qtbot.waitUntil(lambda: dialog.run.command.running, timeout=10_000)
     scratch = dialog.run.scratch
@@ -140,14 +142,14 @@ def test_cancel_leaves_nothing(qtbot, dialog):
         (lambda dialog: dialog.methods["exact"].setChecked(False), "at least one"),
     ],
 )
-def test_what_cannot_be_swept_is_said_at_once(change, words, bar, dialog):
+def test_sweep_dialog_says_at_once_what_cannot_be_swept(change, words, bar, dialog):
     change(dialog)
     click(dialog.run.start)
     assert words in dialog.run.words.text()
     assert not dialog.run.running
 
 
-def test_what_is_not_painted_is_not_swept(qtbot, window):
+def test_studies_sweep_opens_no_dialog_for_what_is_not_painted(qtbot, window):
     window.actions_.pose.sweep.trigger()
     assert window.studies.dialogs == {}
     V, F = box(1, 1, 1)
@@ -158,7 +160,7 @@ def test_what_is_not_painted_is_not_swept(qtbot, window):
     assert "There is no base" in window.notice.text
 
 
-def test_esc_and_the_window_close_a_dialog_and_end_its_work(qtbot, bar, dialog):
+def test_sweep_dialog_is_closed_by_esc_and_by_the_window_and_its_work_ends(qtbot, bar, dialog):
     click(dialog.run.start)
     qtbot.waitUntil(lambda: dialog.run.command.running, timeout=10_000)
     number, scratch = dialog.run.command.number, dialog.run.scratch
@@ -172,12 +174,12 @@ def test_esc_and_the_window_close_a_dialog_and_end_its_work(qtbot, bar, dialog):
     assert bar.studies.dialogs == {}
 
 
-def test_a_dialog_is_there_once(bar, dialog):
+def test_studies_have_each_dialog_once(bar, dialog):
     bar.actions_.pose.sweep.trigger()
     assert bar.studies.dialogs["sweep"] is dialog
 
 
-def test_no_word_about_the_papers_tables_is_cut_off_while_they_are_run(qtbot, window):
+def test_paper_dialog_cuts_off_no_word_about_the_tables_while_they_are_run(qtbot, window):
     next(action for action in window.actions_.help.values() if "tables" in action.text()).trigger()
     dialog = window.studies.dialogs["paper"]
     words = next(label for label in dialog.findChildren(QLabel) if "Li and Hui" in label.text())
@@ -189,7 +191,7 @@ def test_no_word_about_the_papers_tables_is_cut_off_while_they_are_run(qtbot, wi
         click(dialog.run.cancel)
 
 
-def test_the_papers_tables_stand_beside_ours(qtbot, window, tmp_path):
+def test_paper_dialog_shows_the_papers_tables_beside_ours(qtbot, window, tmp_path):
     """With what the command would have written: it takes a minute."""
     action = next(action for action in window.actions_.help.values() if "tables" in action.text())
     action.trigger()
@@ -222,7 +224,7 @@ def test_the_papers_tables_stand_beside_ours(qtbot, window, tmp_path):
     assert said == ["Pass: in all 1 moves APD keeps the area."]
 
 
-def test_a_figure_keeps_its_shape_and_stands_on_white(qtbot, tmp_path):
+def test_figure_view_keeps_the_shape_of_a_figure_and_stands_on_white(qtbot, tmp_path):
     from PIL import Image
 
     Image.new("RGB", (200, 100), (0, 114, 178)).save(tmp_path / "a.png")

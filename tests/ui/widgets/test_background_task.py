@@ -47,7 +47,7 @@ def patient(started, result):
     return work
 
 
-def test_a_result_is_told_on_the_thread_of_the_window(qtbot, task):
+def test_background_task_tells_a_result_on_the_thread_of_the_window(qtbot, task):
     threads = []
     task.done.connect(lambda result: threads.append((result, threading.get_ident())))
     task.begin(lambda _: threading.get_ident())
@@ -57,7 +57,7 @@ def test_a_result_is_told_on_the_thread_of_the_window(qtbot, task):
     assert told == threading.get_ident() != worked
 
 
-def test_what_is_asked_for_last_counts(qtbot, task, told):
+def test_background_task_tells_only_of_what_is_asked_for_last(qtbot, task, told):
     started = threading.Event()
     task.begin(patient(started, "old"))
     assert started.wait(5)
@@ -67,7 +67,7 @@ def test_what_is_asked_for_last_counts(qtbot, task, told):
     assert told == ["new"]
 
 
-def test_what_is_given_up_is_not_told(qtbot, task, told):
+def test_give_up_keeps_a_result_from_being_told(qtbot, task, told):
     started = threading.Event()
     task.begin(patient(started, "old"))
     assert started.wait(5)
@@ -80,7 +80,7 @@ def test_what_is_given_up_is_not_told(qtbot, task, told):
     assert told == ["new"]
 
 
-def test_a_lack_of_memory_is_told_as_one(qtbot, task, told):
+def test_background_task_tells_a_lack_of_memory_as_one(qtbot, task, told):
     def work(_):
         raise MemoryError
 
@@ -89,7 +89,7 @@ def test_a_lack_of_memory_is_told_as_one(qtbot, task, told):
     assert told == [None]
 
 
-def test_a_window_that_is_closed_waits_for_no_measurement(qtbot, window, monkeypatch):
+def test_background_task_lets_a_closed_window_wait_for_no_measurement(qtbot, window, monkeypatch):
     window.filing.show_mesh(Mesh(*sphere(3)))
     idle(qtbot, window)
     started = threading.Event()
@@ -104,7 +104,7 @@ def test_a_window_that_is_closed_waits_for_no_measurement(qtbot, window, monkeyp
     assert not measuring()
 
 
-def test_too_little_memory_to_measure_is_said(qtbot, window, monkeypatch):
+def test_legend_says_that_there_is_too_little_memory_to_measure(qtbot, window, monkeypatch):
     def no_memory(*_):
         raise MemoryError
 

@@ -24,7 +24,7 @@ def way_bar(window):
 
 
 @pytest.mark.parametrize("over", [number_card, way_bar])
-def test_a_press_beside_the_buttons_goes_no_farther(qtbot, bottle, over):
+def test_shield_lets_a_press_beside_the_buttons_go_no_farther(qtbot, bottle, over):
     bottle.tools.take(Tool.BASE)
     bottle.tools.choose_way(Way.SLAB)
     widget, view = over(bottle), bottle.canvas.viewport

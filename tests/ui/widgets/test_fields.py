@@ -24,14 +24,14 @@ def enter(qtbot, field, text):
 
 
 @pytest.mark.parametrize("value", [0.001, 1.2345, 999.6, 1234.5, 3000.0, 2_000_000.0, 2e-8])
-def test_enter_leaves_the_number_that_is_shown(qtbot, field, value):
+def test_number_keeps_the_value_that_is_shown_on_enter(qtbot, field, value):
     field.setValue(value)
     qtbot.keyClick(field, Qt.Key.Key_Return)
     assert field.value() == value
 
 
 @pytest.mark.parametrize("text", ["nothing", "", "-5", "1e400", "nan", "7\u00a0km"])
-def test_what_is_no_number_in_the_range_is_kept_for_correction(qtbot, field, text):
+def test_number_keeps_a_text_for_correction_that_is_no_number_in_its_range(qtbot, field, text):
     field.setValue(3000.0)
     enter(qtbot, field, text)
     assert field.value() == 3000.0
@@ -49,7 +49,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("text", REFUSED)
-def test_why_a_number_is_refused_and_what_is_allowed_is_said_beneath(qtbot, text):
+def test_percent_field_says_beneath_why_a_number_is_refused_and_what_is_allowed(qtbot, text):
     window, field = QWidget(), percent_field("Target", "")
     field.setParent(window)
     qtbot.addWidget(window)
@@ -68,7 +68,7 @@ def test_why_a_number_is_refused_and_what_is_allowed_is_said_beneath(qtbot, text
     assert error.isHidden()
 
 
-def test_a_number_left_behind_is_refused_too(qtbot):
+def test_percent_field_refuses_a_number_left_behind_too(qtbot):
     window, field, other = QWidget(), percent_field("Target", ""), QLineEdit()
     for part in (field, other):
         part.setParent(window)
@@ -96,7 +96,7 @@ def test_a_number_left_behind_is_refused_too(qtbot):
         ((0.0, 0.5), "from 0 to 0.5 mm"),
     ],
 )
-def test_the_range_is_said_as_one_says_it(qtbot, field, limits, said):
+def test_number_says_its_range_as_one_says_it(qtbot, field, limits, said):
     field.setDecimals(30)
     field.setSuffix(" mm")
     field.setRange(*limits)
@@ -105,12 +105,12 @@ def test_the_range_is_said_as_one_says_it(qtbot, field, limits, said):
 
 
 @pytest.mark.parametrize("text", ["5", "5 mm", "5mm", " 5\u00a0mm", "5,0", "0.5e1"])
-def test_the_unit_may_be_typed_too(qtbot, field, text):
+def test_number_takes_the_unit_typed_too(qtbot, field, text):
     enter(qtbot, field, text)
     assert field.value() == 5.0
 
 
-def test_no_entry_of_a_choice_is_cut_off_where_it_is_smallest(qtbot):
+def test_choice_cuts_no_entry_off_where_it_is_smallest(qtbot):
     choice = Choice()
     qtbot.addWidget(choice)
     choice.addItems(["Bending", "Target: closest point"])
@@ -130,7 +130,7 @@ def test_no_entry_of_a_choice_is_cut_off_where_it_is_smallest(qtbot):
     ]
 
 
-def test_a_percentage_that_could_be_a_factor_is_asked_about(qtbot):
+def test_percent_field_asks_about_a_percentage_that_could_be_a_factor(qtbot):
     window, field = QWidget(), percent_field("Target", "")
     field.setParent(window)
     qtbot.addWidget(window)

@@ -18,7 +18,7 @@ def colors(image):
 
 @pytest.mark.parametrize("theme", [LIGHT, DARK])
 @pytest.mark.parametrize("part", PARTS)
-def test_the_icons_of_the_parts_are_in_their_colours(qapp, theme, part):
+def test_icon_of_a_part_is_in_its_color(qapp, theme, part):
     drawn, own = icon(f"paint-{part}", theme), QColor(*PARTS[part]).name()
     size = QSize(80, 80)
     assert {own, theme.ink} <= colors(drawn.pixmap(size).toImage())

@@ -26,13 +26,13 @@ def shown(parts):
     return [not parts.widget(k).isHidden() for k in range(parts.count())]
 
 
-def test_a_wide_room_shows_all(parts):
+def test_side_by_side_shows_all_in_a_wide_room(parts):
     parts.arrange(QSize(1200, 240))
     assert shown(parts) == [True] * 3
     assert not parts.tabs.isVisible()
 
 
-def test_a_narrow_room_shows_the_part_of_a_tab(parts):
+def test_side_by_side_shows_the_part_of_a_tab_in_a_narrow_room(parts):
     parts.arrange(QSize(900, 240))
     assert shown(parts) == [True, False, False]
     click(parts.buttons[2])
@@ -43,7 +43,7 @@ def test_a_narrow_room_shows_the_part_of_a_tab(parts):
     assert shown(parts) == [False, False, True], "the tab is remembered"
 
 
-def test_a_tall_room_shows_all_above_each_other(parts):
+def test_side_by_side_shows_all_above_each_other_in_a_tall_room(parts):
     parts.arrange(QSize(400, 900))
     assert shown(parts) == [True] * 3
     assert not parts.tabs.isVisible()
