@@ -8,20 +8,20 @@ from apd_viewer.ui.application import HARMLESS, make_application, report
 from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 
 
-def test_there_is_one_application(qapp):
+def test_make_application_gives_the_one_application(qapp):
     assert make_application(["again"]) is qapp
     assert QCoreApplication.testAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
     assert sys.getswitchinterval() <= 0.001
 
 
-def test_messages_are_passed_on_but_for_the_harmless_one(qapp, capsys):
+def test_report_passes_messages_on_but_for_the_harmless_one(qapp, capsys):
     report(QtMsgType.QtWarningMsg, QMessageLogContext(), f"{HARMLESS} with a different version")
     assert capsys.readouterr().err == ""
     report(QtMsgType.QtWarningMsg, QMessageLogContext(), "something else")
     assert "something else" in capsys.readouterr().err
 
 
-def test_cyclic_garbage_goes_from_the_event_loop_only(qtbot, monkeypatch):
+def test_gui_thread_gc_collects_cyclic_garbage_from_the_event_loop_only(qtbot, monkeypatch):
     monkeypatch.setattr("apd_viewer.ui.gui_thread_gc.INTERVAL", 10)
     enabled = gc.isenabled()
     collector = GuiThreadGC()

@@ -9,7 +9,7 @@ from apd_viewer.session.processes.compilation import CompilersBeside
 from apd_viewer.ui.background_imports import BackgroundImports
 
 
-def test_closing_waits_for_no_more_than_the_kernel_that_is_compiled(qtbot, monkeypatch):
+def test_background_imports_join_waits_for_no_more_than_the_kernel_being_compiled(qtbot, monkeypatch):
     compiled, others = [], []
 
     def compile_many():

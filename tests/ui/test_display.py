@@ -34,11 +34,11 @@ def run(*words, **variables):
         ({"QT_QPA_PLATFORM": "nonsense"}, "QT_QPA_PLATFORM names “nonsense”" + NOT_OPENED),
     ],
 )
-def test_an_unreachable_display_is_a_sentence(variables, sentence):
+def test_reached_display_tells_an_unreachable_display_in_a_sentence(variables, sentence):
     assert run("-m", "apd_viewer", **variables) == (2, "", f"error: {sentence}{WITHOUT}\n")
 
 
-def test_an_x_server_that_refuses_is_a_sentence(tmp_path):
+def test_reached_display_tells_of_an_x_server_that_refuses_in_a_sentence(tmp_path):
     """With the address of a server, and without the cookie that it asks for."""
     read, write = os.pipe()
     cookies = tmp_path / "server"
@@ -63,7 +63,7 @@ def test_an_x_server_that_refuses_is_a_sentence(tmp_path):
         server.wait()
 
 
-def test_a_library_that_is_missing_is_named(tmp_path):
+def test_reached_display_names_a_library_that_is_missing(tmp_path):
     (tmp_path / "libxcb-cursor.so.0").touch()  # found first, and no library
     status, out, err = run("-m", "apd_viewer", DISPLAY=os.environ["DISPLAY"], LD_LIBRARY_PATH=str(tmp_path))
     assert (status, out) == (2, "")
@@ -72,7 +72,7 @@ def test_a_library_that_is_missing_is_named(tmp_path):
     )
 
 
-def test_qt_s_own_choice_of_another_display_is_kept():
+def test_reached_display_keeps_qt_s_own_choice_of_another_display():
     code = (
         "from PySide6.QtWidgets import QApplication\n"
         "from apd_viewer.ui.display import reached_display\n"
@@ -83,7 +83,7 @@ def test_qt_s_own_choice_of_another_display_is_kept():
     assert (status, out) == (0, "xcb\n")
 
 
-def test_a_closed_standard_error_is_no_hindrance(monkeypatch):
+def test_reached_display_is_not_hindered_by_a_closed_standard_error(monkeypatch):
     kept = os.dup(2)
     os.close(2)
     try:

@@ -25,7 +25,7 @@ def bottle(new_bottle):
     return new_bottle
 
 
-def test_it_rests_in_every_state(sample, painted_bottle, tmp_path):
+def test_workbench_rests_in_every_state(sample, painted_bottle, tmp_path):
     """No paint, a handful of timers and hardly any processor time, whatever is open."""
     watch = Watch()
     found = {name: watch.restless() for name in states(sample, tmp_path, GESTURES, painted_bottle)}
@@ -33,7 +33,7 @@ def test_it_rests_in_every_state(sample, painted_bottle, tmp_path):
     assert {name: said for name, said in found.items() if said} == {}
 
 
-def test_a_text_cursor_over_the_view_does_not_have_the_window_composed_anew(qtbot, bottle):
+def test_typed_card_text_cursor_does_not_have_the_window_composed_anew(qtbot, bottle):
     """In software: for each of its blinks the whole window would be composed."""
     bottle.shell.activateWindow()
     bottle.editing.typed.open(bottle.editing.typed.vertices)
@@ -42,7 +42,7 @@ def test_a_text_cursor_over_the_view_does_not_have_the_window_composed_anew(qtbo
 
 
 @pytest.mark.parametrize("away", ["minimised", "hidden"])
-def test_a_window_that_is_not_seen_draws_nothing_while_the_shape_changes(qtbot, bottle, away):
+def test_viewport_draws_nothing_while_not_seen_though_the_shape_changes(qtbot, bottle, away):
     window, view = bottle, bottle.canvas.viewport
     window.docks["plots"].show()
     window.canvas.frame_mesh()
@@ -74,7 +74,7 @@ def files(tmp_path):
     return found
 
 
-def test_of_meshes_that_undo_no_longer_reaches_nothing_is_kept(window, files):
+def test_workbench_keeps_nothing_of_meshes_that_undo_no_longer_reaches(window, files):
     """Neither by the window nor by the solver nor by what was noted as saved."""
     history, first = window.session.gestures.history, []
     for k, path in enumerate([*files, *files]):

@@ -217,7 +217,9 @@ def at_first():
 
 
 @pytest.mark.parametrize("use", USES, ids=lambda use: use.__name__)
-def test_a_window_is_as_it_was_opened(qtbot, kept, unasked, painted_bottle, at_first, tmp_path, use):
+def test_kept_window_is_as_it_was_opened_whatever_was_done_with_it(
+    qtbot, kept, unasked, painted_bottle, at_first, tmp_path, use
+):
     window = bottle_in(qtbot, kept.opened(qtbot), painted_bottle)
     if not at_first:
         at_first.update(whole_state(window))

@@ -96,7 +96,7 @@ def name_of(widget):
     return interface.text(QAccessible.Text.Name).strip() if interface else ""
 
 
-def test_every_control_has_a_name_and_tab_comes_to_it(qtbot, scene):
+def test_workbench_has_a_name_for_every_control_and_tab_comes_to_it(qtbot, scene):
     nameless = [widget for widget in controls(scene) if not name_of(widget)]
     assert not nameless
     way = walked(qtbot, scene)
@@ -105,7 +105,7 @@ def test_every_control_has_a_name_and_tab_comes_to_it(qtbot, scene):
     assert walked(qtbot, scene, Qt.Key.Key_Backtab) == [way[0], *way[:0:-1]]
 
 
-def test_tab_goes_as_one_reads(qtbot, active):
+def test_workbench_has_tab_go_as_one_reads(qtbot, active):
     everything(active)
     idle(qtbot, active)
     work_off()
@@ -137,7 +137,7 @@ def luminance(image):
 
 
 @pytest.mark.parametrize("scene", ["everything", "sheet"], indirect=True)
-def test_what_has_the_keys_is_seen_in_light_and_dark(qtbot, scene):
+def test_theme_lets_what_has_the_keys_be_seen_in_light_and_dark(qtbot, scene):
     unseen = []
     for scheme in SCHEMES:
         scene.actions_.view.schemes[scheme].trigger()
@@ -158,7 +158,7 @@ def test_what_has_the_keys_is_seen_in_light_and_dark(qtbot, scene):
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_the_buttons_of_the_panels_are_seen(qtbot, window, scheme):
+def test_docks_have_buttons_that_are_seen_in_light_and_dark(qtbot, window, scheme):
     window.actions_.view.schemes[scheme].trigger()
     work_off()
     buttons = window.docks["readings"].findChildren(

@@ -59,12 +59,12 @@ def foreign(text, keys):
     return re.findall(r"[^\W\d_]{2,}", text)
 
 
-def test_all_that_the_window_says_is_in_the_language_of_its_user(said):
+def test_workbench_says_everything_in_the_language_of_its_user(said):
     wrong = {text: where for text, where in said["said"].items() if foreign(text, said["keys"])}
     assert wrong == {}
 
 
-def test_all_numbers_of_the_window_are_in_the_signs_of_its_language(said):
+def test_workbench_writes_all_numbers_in_the_signs_of_its_language(said):
     """A point between digits is English; what was typed, and the names of files and versions, stay."""
     plain = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])")
     texts = {text: re.sub(r"[\w/.-]*\.(obj|apd|png|html|xyz)\b", "", text) for text in said["said"]}
@@ -74,11 +74,11 @@ def test_all_numbers_of_the_window_are_in_the_signs_of_its_language(said):
     assert any("13’010" in text for text in texts)
 
 
-def test_words_that_are_much_longer_are_not_cut_off(said):
+def test_workbench_does_not_cut_off_words_that_are_much_longer(said):
     assert said["cut"] == {}
 
 
-def test_the_window_was_listened_to(said):
+def test_workbench_was_listened_to_by_the_tests_of_its_language(said):
     """A scene that could not be reached would say nothing wrong."""
     texts = said["said"]
     assert len(texts) > 1000
@@ -87,12 +87,12 @@ def test_the_window_was_listened_to(said):
     assert {"drawn", "a question", "a choice", "a row", "statusTip of a QAction"} <= kinds
 
 
-def test_a_word_that_was_forgotten_is_noticed():
+def test_language_of_window_check_notices_a_word_that_was_forgotten():
     assert foreign("Measurements", []) == ["Measurements"]
     assert foreign("⟦Mmeeaasurements⟧ of the mesh", []) == ["of", "the", "mesh"]
     assert foreign("<b>⟦Ooppen⟧</b> (Ctrl+O)<br>⟦Ooppen a mmeesh⟧", ["Ctrl+O"]) == []
 
 
-def test_every_exception_is_needed(said):
+def test_language_of_window_exceptions_are_all_needed(said):
     for pattern in EXCEPTIONS:
         assert any(re.search(pattern, text) for text in said["said"]), pattern

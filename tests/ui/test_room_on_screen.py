@@ -45,7 +45,7 @@ def on_canvas(window):
 
 @pytest.mark.parametrize("plots", [False, True])
 @pytest.mark.parametrize("size", [(1280, 720), (800, 640)])
-def test_with_everything_on_nothing_on_the_canvas_meets_and_nothing_is_cut(qtbot, full, size, plots):
+def test_workbench_lets_nothing_on_the_canvas_meet_or_be_cut_with_everything_on(qtbot, full, size, plots):
     full.shell.resize(*size)
     full.docks["plots"].setVisible(plots)
     full.invitation.say("")
@@ -63,7 +63,7 @@ def test_with_everything_on_nothing_on_the_canvas_meets_and_nothing_is_cut(qtbot
                 assert card.rect().contains(part.geometry())
 
 
-def test_what_is_typed_into_is_not_covered(qtbot, full):
+def test_cards_do_not_cover_what_is_typed_into(qtbot, full):
     full.shell.resize(1280, 720)
     full.actions_.select.numbers.trigger()
     card, cards = full.editing.typed.vertices, full.looks.cards
@@ -71,7 +71,7 @@ def test_what_is_typed_into_is_not_covered(qtbot, full):
     assert full.canvas.viewport.rect().contains(cards.geometry())
 
 
-def test_a_click_for_a_border_where_there_is_none_says_so(full):
+def test_click_selector_says_so_where_there_is_no_border(full):
     full.tools.choose_way(Way.LOOP)
     view = full.canvas.viewport
     x, y = view.look.eye.project(full.canvas.surface.U[:1])[0]
@@ -83,7 +83,7 @@ def test_a_click_for_a_border_where_there_is_none_says_so(full):
     assert "no boundary" in full.notice.text
 
 
-def test_lines_of_the_legend_come_back_with_the_room(qtbot, full):
+def test_legend_lines_come_back_with_the_room(qtbot, full):
     legend = full.looks.legend
     full.shell.resize(1280, 720)
     full.docks["plots"].show()
@@ -97,7 +97,7 @@ def test_lines_of_the_legend_come_back_with_the_room(qtbot, full):
     assert legend.reach.isVisible()
 
 
-def test_a_card_that_comes_back_alone_is_laid_out_for_its_own_size(qtbot, full):
+def test_cards_lay_out_one_that_comes_back_alone_for_its_own_size(qtbot, full):
     looks = full.actions_.looks
     looks.switches["compare"].trigger()
     looks.switches["cut"].trigger()
@@ -111,7 +111,7 @@ def test_a_card_that_comes_back_alone_is_laid_out_for_its_own_size(qtbot, full):
     assert cut.rect().contains(cut.axes[0].geometry())
 
 
-def test_ways_for_which_there_is_no_room_are_in_a_menu(qtbot, full):
+def test_way_bar_has_ways_for_which_there_is_no_room_in_a_menu(qtbot, full):
     more = full.way_bar.findChild(QToolButton, "qt_toolbar_ext_button")
     full.shell.resize(1280, 720)
     qtbot.waitUntil(lambda: not more.isVisible())
@@ -120,7 +120,7 @@ def test_ways_for_which_there_is_no_room_are_in_a_menu(qtbot, full):
     assert not more.icon().isNull()
 
 
-def test_no_figure_of_the_grid_is_written_over_another(qtbot, bottle, monkeypatch):
+def test_ground_writes_no_figure_over_another(qtbot, bottle, monkeypatch):
     bottle.actions_.looks.switches["ground"].trigger()
     written = []
     for axis in ("front", "side", "top", "-front"):
@@ -132,7 +132,7 @@ def test_no_figure_of_the_grid_is_written_over_another(qtbot, bottle, monkeypatc
     assert written
 
 
-def test_a_window_that_grows_stays_on_the_screen(qtbot):
+def test_resize_on_screen_keeps_a_window_that_grows_on_the_screen(qtbot):
     window = QDialog()
     qtbot.addWidget(window)
     screen = window.screen().availableGeometry()

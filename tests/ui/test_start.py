@@ -19,7 +19,7 @@ from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.workbench import Workbench
 
 
-def test_settings_that_cannot_be_kept_are_said(qtbot, tmp_path):
+def test_workbench_says_that_settings_cannot_be_kept(qtbot, tmp_path):
     (tmp_path / "file").touch()
     place = tmp_path / "file" / "settings.ini"  # below a file, where not even root can write
     shell = Shell(QSettings(str(place), QSettings.Format.IniFormat))
@@ -47,7 +47,7 @@ def early(qtbot, settings):
     work_off()
 
 
-def test_the_last_wish_is_opened_at_the_start(qtbot, early):
+def test_file_requests_open_the_last_wish_at_the_start(qtbot, early):
     early.requests.open_path("gone.obj")
     early.requests.open_sample("bottle")
     early.requests.show_mesh(Mesh(np.eye(3), np.array([[0, 1, 2]])))
@@ -58,7 +58,7 @@ def test_the_last_wish_is_opened_at_the_start(qtbot, early):
     assert not window.notice.text
 
 
-def test_nothing_breaks_before_the_start(qtbot, early):
+def test_shell_lets_nothing_break_before_the_start(qtbot, early):
     for action in early.chrome.bar.actions()[1:]:  # the first opens a dialog
         action.trigger()
     mouse = Mouse(early.canvas.viewport)
@@ -82,14 +82,14 @@ def looks(window, bar):
     return [top.text() for top in window.menuBar().actions()], buttons, bar.geometry()
 
 
-def test_menus_and_tool_bar_look_as_before_once_all_is_loaded(qtbot, early):
+def test_inert_chrome_has_menus_and_tool_bar_that_look_the_same_once_all_is_loaded(qtbot, early):
     before = looks(early, early.chrome.bar)
     window = Workbench(early)
     work_off()
     assert looks(early, window.actions_.bar) == before
 
 
-def test_a_tool_chosen_before_the_start_is_still_in_use_after_it(qtbot, early):
+def test_inert_chrome_takes_a_tool_before_the_start_that_is_still_in_use_after_it(qtbot, early):
     tools = next(menu for menu in menus(early) if menu.title() == "&Tools")
     next(action for action in tools.actions() if action.text() == Tool.BASE.words.title).trigger()
     assert early.canvas.tool is Tool.BASE
@@ -101,14 +101,14 @@ def test_a_tool_chosen_before_the_start_is_still_in_use_after_it(qtbot, early):
     assert looks(early, window.actions_.bar) == before
 
 
-def test_no_entry_before_the_start_is_without_effect(early):
+def test_inert_chrome_has_no_entry_without_effect(early):
     for menu in menus(early):
         assert menu.actions()
         for action in menu.actions():
             assert action.isEnabled() == (action.text() != "Loading…")
 
 
-def test_a_menu_that_is_open_at_the_start_is_opened_again(qtbot, early):
+def test_inert_chrome_menu_that_is_open_at_the_start_is_opened_again(qtbot, early):
     bar = early.menuBar()
     bar.setActiveAction(bar.actions()[5])
     assert menus(early)[5].isVisible()
@@ -118,13 +118,13 @@ def test_a_menu_that_is_open_at_the_start_is_opened_again(qtbot, early):
     bar.actions()[5].menu().close()
 
 
-def test_a_window_that_is_closed_before_the_start_starts_nothing(early):
+def test_build_workbench_starts_nothing_in_a_window_closed_before_the_start(early):
     early.requests.open_sample("bottle")
     assert early.close()
     assert build_workbench(early, None, on_bottle=False) is None
 
 
-def test_the_bottle_is_seen_before_the_start_and_not_touched(qtbot, early):
+def test_sketch_shows_the_bottle_before_the_start_and_it_is_not_touched(qtbot, early):
     view = early.canvas.viewport
     mesh, labels = open_sample("bottle")
     empty = view.screenshot().copy() if QGuiApplication.platformName() != "offscreen" else None
@@ -145,7 +145,7 @@ def test_the_bottle_is_seen_before_the_start_and_not_touched(qtbot, early):
         assert (view.screenshot() != empty).any()
 
 
-def test_the_sketch_and_the_opened_mesh_look_alike(qtbot, early):
+def test_sketch_looks_like_the_opened_mesh(qtbot, early):
     if QGuiApplication.platformName() == "offscreen":
         pytest.skip("the offscreen platform has no OpenGL, so there is no picture to compare")
     view = early.canvas.viewport
@@ -157,7 +157,7 @@ def test_the_sketch_and_the_opened_mesh_look_alike(qtbot, early):
     assert differs.mean() <= 0.02, "only sharp edges are shaded later"
 
 
-def test_the_sketch_leaves_room_for_the_gizmo(qtbot, early):
+def test_sketch_leaves_room_for_the_gizmo(qtbot, early):
     early.canvas.sketch(*open_sample("bottle"))
     early.requests.open_sample("bottle")
     sketched = early.canvas.viewport.look.eye
@@ -166,7 +166,7 @@ def test_the_sketch_leaves_room_for_the_gizmo(qtbot, early):
     np.testing.assert_allclose(early.canvas.viewport.look.eye.position, sketched.position, rtol=1e-9)
 
 
-def test_another_mesh_than_the_sketched_one_is_framed(qtbot, early):
+def test_canvas_frames_another_mesh_than_the_sketched_one(qtbot, early):
     early.canvas.sketch(*open_sample("bottle"))
     early.requests.open_sample("duck")
     before = early.canvas.viewport.look.eye.key
@@ -183,7 +183,7 @@ sys.exit(main([]))
 
 
 @pytest.mark.parametrize("library", ["numba", "cholespy", "pyvistaqt"])
-def test_a_library_that_is_missing_behind_the_first_picture_is_a_sentence_too(library):
+def test_main_tells_in_a_sentence_of_a_library_missing_behind_the_first_picture(library):
     done = subprocess.run(
         [sys.executable, "-c", MISSING.format(library)],
         capture_output=True,
@@ -224,7 +224,7 @@ sys.exit(main(sys.argv[1:]))
         ("cut.apd", "cut.apd is not a valid session"),
     ],
 )
-def test_the_window_says_what_is_wrong_with_a_file_that_was_clicked(name, said, tmp_path):
+def test_workbench_says_what_is_wrong_with_a_file_that_was_clicked(name, said, tmp_path):
     (tmp_path / "empty.stl").touch()
     for other in ("session", "cut.apd"):
         (tmp_path / other).write_bytes(b"PK\3\4")
@@ -240,7 +240,7 @@ def test_the_window_says_what_is_wrong_with_a_file_that_was_clicked(name, said, 
     assert re.match(said, done.stdout)
 
 
-def test_on_the_command_line_it_is_an_error_and_no_window_opens(tmp_path):
+def test_main_gives_an_error_on_the_command_line_and_opens_no_window(tmp_path):
     command = [sys.executable, "-m", "apd_viewer", str(tmp_path / "gone.obj")]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 2
@@ -280,7 +280,7 @@ sys.exit(main([]))
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 @pytest.mark.parametrize(("name", "status"), [("SIGTERM", 143), ("SIGHUP", 129)])
-def test_a_window_that_is_ended_by_a_signal_leaves_unsaved_work_and_no_scratch(name, status, tmp_path):
+def test_workbench_ended_by_a_signal_leaves_unsaved_work_and_no_scratch(name, status, tmp_path):
     own = tmp_path / "tmp"
     own.mkdir()
     done = subprocess.run(

@@ -192,7 +192,7 @@ def asked(looker, ask):
     return ask()
 
 
-def test_the_window_on_a_session(qtbot, here, looker):
+def test_workbench_shows_what_a_session_says_as_it_is(qtbot, here, looker):
     for dock in ("history", "plots", "study"):
         here.docks[dock].show()
     for tool in Tool:
@@ -210,7 +210,7 @@ def test_the_window_on_a_session(qtbot, here, looker):
     assert {"a tip", "an action", "the title of a Shell"} <= looker.seen
 
 
-def test_dialogs_on_a_session(qtbot, here, looker):
+def test_workbench_dialogs_show_what_a_session_says_as_it_is(qtbot, here, looker):
     here.session.handles.move_by(TypedMotion.TWIST, "3", 0)
     idle(qtbot, here)
     for open_dialog in (
@@ -242,7 +242,7 @@ def test_dialogs_on_a_session(qtbot, here, looker):
     assert looker.seen >= {f"the title of a {kind}" for kind in DIALOGS}
 
 
-def test_a_session_whose_mesh_is_missing(qtbot, window, session, looker, pipe):
+def test_notice_shows_the_path_of_a_missing_mesh_as_it_is(qtbot, window, session, looker, pipe):
     place = f'/no/<img src="{pipe.path}">/&y{SIGN}.off'
     edited(
         session,
@@ -255,7 +255,7 @@ def test_a_session_whose_mesh_is_missing(qtbot, window, session, looker, pipe):
     assert "QLabel notice" in looker.seen
 
 
-def test_a_session_whose_target_shape_is_missing(qtbot, window, session, looker, pipe):
+def test_target_section_and_notice_show_a_missing_target_shape_as_it_is(qtbot, window, session, looker, pipe):
     place = f'/no/<img src="{pipe.path}">/{SIGN}.off'
     told = {"name": f"{NAME}2.off", "vertices": 3, "faces": 1, "digest": "0" * 64, "path": place}
     edited(session, target=told)
@@ -267,7 +267,9 @@ def test_a_session_whose_target_shape_is_missing(qtbot, window, session, looker,
     assert SIGN in window.panel.target.name.text()
 
 
-def test_a_window_that_is_not_on_the_screen_yet_waits_for_nothing(qtbot, settings, looker, pipe, monkeypatch):
+def test_notice_waits_for_nothing_in_a_window_that_is_not_on_the_screen_yet(
+    qtbot, settings, looker, pipe, monkeypatch
+):
     """A failure may be said before the window is shown, when no style has been asked for yet."""
     monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
     window = Workbench(Shell(settings))
@@ -282,7 +284,7 @@ def test_a_window_that_is_not_on_the_screen_yet_waits_for_nothing(qtbot, setting
     work_off()
 
 
-def test_what_a_killed_program_left(qtbot, folder, named, started, looker):
+def test_recovery_bar_shows_what_a_killed_program_left_as_it_is(qtbot, folder, named, started, looker):
     path, lock = owned(folder)
     save_session(path, named, View(), embed=True)
     lock.release()
@@ -291,7 +293,7 @@ def test_what_a_killed_program_left(qtbot, folder, named, started, looker):
     looker.look()
 
 
-def test_questions(qtbot, here, session, looker, tmp_path, monkeypatch):
+def test_question_shows_names_as_they_are(qtbot, here, session, looker, tmp_path, monkeypatch):
     assert asked(looker, lambda: ASK(here.shell, session.name, True)) is Answer.CANCEL
     assert "QLabel" in " ".join(looker.seen)
     looker.seen.clear()
@@ -307,7 +309,7 @@ def test_questions(qtbot, here, session, looker, tmp_path, monkeypatch):
     assert any(where.startswith("QLabel") for where in looker.seen)
 
 
-def test_the_program_about_itself_is_the_only_mark_up(qtbot, window):
+def test_about_shows_the_only_mark_up_that_there_is(qtbot, window):
     found = []
 
     def look():
@@ -322,7 +324,7 @@ def test_the_program_about_itself_is_the_only_mark_up(qtbot, window):
     assert "<h3>" in text
 
 
-def test_results_of_a_study(qtbot, window, looker, tmp_path):
+def test_results_panel_shows_results_of_a_study_as_they_are(qtbot, window, looker, tmp_path):
     folder = tmp_path / NAME
     write_study(folder, 5)
     base = sqlite3.connect(folder / "study.sqlite")
@@ -342,7 +344,7 @@ def test_results_of_a_study(qtbot, window, looker, tmp_path):
     Looker.hover(looker, header.viewport())
 
 
-def test_a_tip_is_shown_as_it_is(qtbot, window, pipe):
+def test_theme_has_a_tip_shown_as_it_is(qtbot, window, pipe):
     text = f'<b>x</b><img src="{pipe.path}">'
     QToolTip.showText(window.shell.mapToGlobal(QPoint(5, 5)), text, window.shell)
     (tip,) = tips()
@@ -351,7 +353,7 @@ def test_a_tip_is_shown_as_it_is(qtbot, window, pipe):
     QToolTip.hideText()
 
 
-def test_the_menu_of_recent_files(qtbot, window, looker, tmp_path):
+def test_fill_recent_shows_names_of_files_as_they_are_and_tells_them_apart(qtbot, window, looker, tmp_path):
     paths = [tmp_path / folder / f"{NAME}.off" for folder in ("a&b", "c", "c/d", "e/d")]
     window.actions_.file.fill_recent([*paths, tmp_path / "A&B.obj"])
     shown = [re.sub("&(.)", r"\1", action.text()) for action in window.actions_.file.recent.actions()]
@@ -370,5 +372,5 @@ def test_the_menu_of_recent_files(qtbot, window, looker, tmp_path):
         (["/x.obj", "/a/x.obj"], ["x.obj – /", "x.obj – a"]),
     ],
 )
-def test_files_of_one_name_are_told_apart_by_as_little_as_needed(paths, names):
+def test_told_apart_tells_files_of_one_name_apart_by_as_little_as_needed(paths, names):
     assert told_apart([Path(path) for path in paths]) == names

@@ -66,7 +66,7 @@ def only_english(language):
     return english - translated
 
 
-def test_no_english_word_is_left(shown):
+def test_workbench_has_no_english_word_left_in_another_language(shown):
     foreign = only_english(shown["language"])
     assert len(foreign) > 500, "the test is blind"
     wrong = {text: where for text, where in shown["said"].items() if words(whole(text, where)) & foreign}
@@ -74,11 +74,11 @@ def test_no_english_word_is_left(shown):
     assert len(shown["said"]) > 700, "the window was not read"
 
 
-def test_nothing_is_cut_off(shown):
+def test_workbench_cuts_nothing_off_in_any_language(shown):
     assert shown["cut"] == {}
 
 
-def test_menus_open_by_keys_of_their_own(shown):
+def test_workbench_menus_open_by_keys_of_their_own_in_any_language(shown):
     twice = {
         menu: letters
         for menu, entries in shown["menus"].items()
@@ -88,11 +88,11 @@ def test_menus_open_by_keys_of_their_own(shown):
     assert all(key for _, key in shown["menus"]["menu bar"])
 
 
-def test_every_language_can_be_chosen_by_its_own_name(shown):
+def test_languages_can_be_chosen_each_by_its_own_name(shown):
     assert {"English", *(NATIVE[name] for name in LANGUAGES)} <= set(shown["said"])
 
 
-def test_numbers_are_shown_as_the_language_writes_them(shown):
+def test_workbench_shows_numbers_as_the_language_writes_them(shown):
     """In words, in readings and in fields; German has a decimal comma, and Chinese has not."""
     signs = {"de": (",", "."), "zh_CN": (".", ",")}
     point, group = signs[shown["language"]]
@@ -106,7 +106,7 @@ def test_numbers_are_shown_as_the_language_writes_them(shown):
         assert [text for text in texts if wrong.search(NAMES.sub("", text))] == []
 
 
-def test_quotation_marks_are_those_of_the_language(shown):
+def test_workbench_has_the_quotation_marks_of_the_language(shown):
     if shown["language"] == "de":
         assert [text for text in shown["said"] if "”" in text or re.search(r"“\w", text)] == []
         assert any("„" in text for text in shown["said"])

@@ -94,7 +94,7 @@ def full(qtbot, bottle):
 
 @pytest.mark.parametrize("used", [False, True])
 @pytest.mark.parametrize("method", ["local", "paper"])
-def test_the_wheel_over_the_controls_of_the_window_changes_nothing(qtbot, full, method, used):
+def test_wheel_changes_nothing_over_the_controls_of_the_window(qtbot, full, method, used):
     full.session.settings.set_method(method)
     full.session.settings.set_volume(100.0)
     idle(qtbot, full)
@@ -109,7 +109,7 @@ def test_the_wheel_over_the_controls_of_the_window_changes_nothing(qtbot, full, 
     assert len([w for w in found if full.panel.isAncestorOf(w)]) > 10
 
 
-def test_the_wheel_over_a_field_scrolls_the_panel(qtbot, full):
+def test_wheel_scrolls_the_panel_over_a_field(qtbot, full):
     full.shell.resize(1280, 700)
     bar = full.panel.verticalScrollBar()
     for widget in controls(full.panel):
@@ -121,7 +121,7 @@ def test_the_wheel_over_a_field_scrolls_the_panel(qtbot, full):
         assert bar.value() > before, widget
 
 
-def test_the_wheel_over_a_field_that_was_clicked_into_scrolls_the_panel(qtbot, full):
+def test_wheel_scrolls_the_panel_over_a_field_that_was_clicked_into(qtbot, full):
     full.shell.resize(1280, 700)
     field, bar = full.panel.area.target.field, full.panel.verticalScrollBar()
     bar.setValue(0)
@@ -193,14 +193,14 @@ def leaves(kind):
     return {leaf for each in below for leaf in leaves(each)} if below else {kind}
 
 
-def test_no_dialog_is_left_out():
+def test_wheel_tests_leave_no_dialog_out():
     own = {kind.__name__ for kind in leaves(QDialog) if kind.__module__.startswith("apd_viewer.ui.")}
     assert own == DIALOGS.keys() - {"ComparisonWindow"}
 
 
 @pytest.mark.parametrize("used", [False, True])
 @pytest.mark.parametrize("name", DIALOGS)
-def test_the_wheel_over_the_controls_of_a_dialog_changes_nothing(qtbot, bottle, name, used):
+def test_wheel_changes_nothing_over_the_controls_of_a_dialog(qtbot, bottle, name, used):
     dialog = DIALOGS[name](bottle)
     assert type(dialog).__name__ == name
     qtbot.waitExposed(dialog)
@@ -211,7 +211,7 @@ def test_the_wheel_over_the_controls_of_a_dialog_changes_nothing(qtbot, bottle, 
     dialog.close()
 
 
-def test_the_wheel_over_the_results_of_a_study_changes_nothing(qtbot, window):
+def test_wheel_changes_nothing_over_the_results_of_a_study(qtbot, window):
     window.docks["study"].show()
     qtbot.waitUntil(window.case_studies.panel.isVisible)
     for used in (False, True):

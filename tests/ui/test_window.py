@@ -68,7 +68,7 @@ def watch_frames(window):
 # The main job, from paint to file
 
 
-def test_the_sample_opens_painted_with_the_gizmo_at_the_neck(bottle):
+def test_open_sample_gives_a_painted_mesh_with_the_gizmo_at_the_neck(bottle):
     labels = document(bottle).labels
     assert {BASE, FREE, HANDLE} == set(labels)
     assert bottle.canvas.tool is Tool.MOVE
@@ -79,7 +79,9 @@ def test_the_sample_opens_painted_with_the_gizmo_at_the_neck(bottle):
     assert not bottle.notice.text
 
 
-def test_paint_erase_undo_redo_drag_export(qtbot, window, painted_bottle, tmp_path, monkeypatch):
+def test_workbench_paints_erases_undoes_redoes_drags_and_exports(
+    qtbot, window, painted_bottle, tmp_path, monkeypatch
+):
     window.filing.open_path(painted_bottle.document.mesh.path)
     idle(qtbot, window)
     work_off()
@@ -168,7 +170,7 @@ def assert_settled_in_the_last_pose(window, shown):
     assert np.array_equal(state.frame.U[based], state.document.grip[based])
 
 
-def test_twisting_the_bottle_by_its_ring_brings_the_area_back(qtbot, bottle):
+def test_gizmo_ring_twists_the_bottle_and_the_area_comes_back(qtbot, bottle):
     shown = watch_frames(bottle)
     drag(qtbot, bottle, ring_grip(bottle, 1), (90, 0), steps=20)
     assert len(shown) >= 5, "frames stream during the drag"
@@ -201,7 +203,7 @@ def test_painting_after_a_drag_does_not_move_the_mesh(qtbot, bottle):
     assert abs(shown[0][0] - before).max() < 0.03 * size, "no leap"
 
 
-def test_escape_gives_back_the_shape_before_the_drag(qtbot, bottle):
+def test_gizmo_gives_back_the_shape_before_the_drag_on_escape(qtbot, bottle):
     before = bottle.session.store.state
     mouse = Mouse(bottle.canvas.viewport)
     at = np.asarray(ring_grip(bottle, 1))
@@ -288,7 +290,7 @@ def bare_frame(qtbot, window):
     return float(np.median(seconds))
 
 
-def test_a_drag_of_a_large_mesh_never_starves_the_screen(qtbot, big, monkeypatch):
+def test_viewport_is_never_starved_by_a_drag_of_a_large_mesh(qtbot, big, monkeypatch):
     paints, asked = [], []
     bare = bare_frame(qtbot, big)
     big.canvas.viewport.pre_draw.append(lambda: paints.append(time.perf_counter()))
@@ -311,7 +313,7 @@ def test_a_drag_of_a_large_mesh_never_starves_the_screen(qtbot, big, monkeypatch
     assert longest < MOST_FRAMES
 
 
-def test_replies_never_pile_up(qtbot, bottle):
+def test_worker_replies_never_pile_up(qtbot, bottle):
     """While the window is busy elsewhere the worker wakes nobody twice, and afterwards goes on."""
     bottle.session.settings.set_convergence(Convergence(energy_tolerance=1e-15))  # not meanwhile
     woken = []
@@ -328,7 +330,7 @@ def test_replies_never_pile_up(qtbot, bottle):
 # Bad input and files
 
 
-def test_what_is_open_stays_open_when_a_file_is_bad(qtbot, bottle, tmp_path):
+def test_open_path_leaves_open_what_is_open_when_a_file_is_bad(qtbot, bottle, tmp_path):
     state = bottle.session.store.state
     bad = tmp_path / "bad.obj"
     bad.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
@@ -341,7 +343,7 @@ def test_what_is_open_stays_open_when_a_file_is_bad(qtbot, bottle, tmp_path):
     assert not bottle.notice.text
 
 
-def test_a_separate_piece_that_nothing_holds_is_announced_and_goes_along(qtbot, window):
+def test_workbench_announces_a_separate_piece_that_nothing_holds_and_it_goes_along(qtbot, window):
     V, F = meshes.sphere(3)
     n = len(V)
     window.filing.show_mesh(Mesh(np.vstack([V, V + [3, 0, 0]]), np.vstack([F, F + n])))
@@ -362,7 +364,7 @@ def test_a_separate_piece_that_nothing_holds_is_announced_and_goes_along(qtbot, 
     np.testing.assert_allclose(pdist(U[n:]), pdist(beside), rtol=0, atol=1e-12)
 
 
-def test_a_dropped_file_is_opened_and_remembered(qtbot, window, tmp_path, settings):
+def test_drop_event_opens_the_dropped_file_and_it_is_remembered(qtbot, window, tmp_path, settings):
     path = tmp_path / "a mesh.off"
     V, F = meshes.sphere(1)
     lines = [f"OFF\n{len(V)} {len(F)} 0", *(" ".join(map(str, v)) for v in V)]
@@ -381,7 +383,7 @@ def test_a_dropped_file_is_opened_and_remembered(qtbot, window, tmp_path, settin
     assert settings.value("recent") is not None
 
 
-def test_a_failed_export_says_so_and_leaves_the_old_file(qtbot, bottle, tmp_path, monkeypatch):
+def test_export_says_so_where_it_fails_and_leaves_the_old_file(qtbot, bottle, tmp_path, monkeypatch):
     target = tmp_path / "kept.obj"
     target.write_text("precious")
     missing = tmp_path / "nowhere" / "kept.obj"
@@ -395,7 +397,7 @@ def test_a_failed_export_says_so_and_leaves_the_old_file(qtbot, bottle, tmp_path
 # The keyboard
 
 
-def test_a_number_typed_gives_the_keyboard_back(qtbot, bottle):
+def test_number_gives_the_keyboard_back_once_it_is_typed(qtbot, bottle):
     bottle.session.settings.set_method("paper")
     field = bottle.panel.method.tolerance
     field.setFocus()  # without a window manager no widget has it, but the window knows who would
@@ -410,7 +412,7 @@ def test_a_number_typed_gives_the_keyboard_back(qtbot, bottle):
     assert bottle.shell.focusWidget() is bottle.canvas.viewport
 
 
-def test_after_enter_undo_takes_back_the_motion_not_the_text(qtbot, bottle):
+def test_undo_takes_back_the_motion_not_the_text_after_enter(qtbot, bottle):
     bottle.shell.activateWindow()
     qtbot.waitUntil(bottle.shell.isActiveWindow)
     bottle.actions_.pose.typed.trigger()
@@ -426,7 +428,7 @@ def test_after_enter_undo_takes_back_the_motion_not_the_text(qtbot, bottle):
     assert amount.text() == "60deg"
 
 
-def test_after_enter_in_any_field_of_the_panel_the_document_has_the_keys(qtbot, bottle):
+def test_return_keys_after_enter_in_any_field_of_the_panel_to_the_document(qtbot, bottle):
     bottle.session.parts.add_region()
     bottle.session.settings.set_region_area(0, 100.0)
     bottle.session.settings.set_method("local")
@@ -459,14 +461,14 @@ def test_undo_within_a_drag_takes_back_the_drag_and_no_more(qtbot, bottle):
     assert bottle.session.gestures.history.next_redo is None
 
 
-def test_escape_puts_a_brush_away(qtbot, bottle):
+def test_shell_puts_a_brush_away_on_escape(qtbot, bottle):
     bottle.tools.take(Tool.BASE)
     qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_Escape)
     assert bottle.canvas.tool is Tool.ORBIT
 
 
 @pytest.mark.parametrize("size", [(800, 600), (1280, 720), (1920, 1000)])
-def test_the_whole_gizmo_is_in_the_first_picture(qtbot, window, size):
+def test_gizmo_is_wholly_in_the_first_picture(qtbot, window, size):
     window.shell.resize(*size)
     work_off()
     for sample in ("bottle", "duck"):
@@ -478,7 +480,7 @@ def test_the_whole_gizmo_is_in_the_first_picture(qtbot, window, size):
         assert (letters < np.array([view.width(), view.height()]) - 8).all()
 
 
-def test_a_mesh_far_from_the_origin_looks_like_one_at_the_origin(qtbot, window):
+def test_surface_far_from_the_origin_looks_like_one_at_the_origin(qtbot, window):
     V, F = meshes.sphere(4)
     pictures = []
     for offset in (0.0, 1e6):
@@ -494,7 +496,7 @@ def test_a_mesh_far_from_the_origin_looks_like_one_at_the_origin(qtbot, window):
 # The window itself
 
 
-def test_every_action_has_a_name_a_tip_and_a_place_in_a_menu(window):
+def test_actions_have_each_a_name_a_tip_and_a_place_in_a_menu(window):
     def leaves(menu):
         for action in menu.actions():
             if action.menu():
@@ -514,7 +516,7 @@ def test_every_action_has_a_name_a_tip_and_a_place_in_a_menu(window):
 
 
 @pytest.mark.parametrize("scheme", [Qt.ColorScheme.Light, Qt.ColorScheme.Dark])
-def test_a_theme_reaches_panel_and_canvas(qtbot, window, scheme):
+def test_theme_reaches_panel_and_canvas(qtbot, window, scheme):
     window.actions_.view.schemes[scheme].trigger()
     work_off()
     dark = scheme is Qt.ColorScheme.Dark
@@ -526,7 +528,7 @@ def test_a_theme_reaches_panel_and_canvas(qtbot, window, scheme):
         assert (picture.pixelColor(x, y).lightnessF() < 0.5) is dark
 
 
-def test_a_small_window_keeps_its_canvas_and_all_its_tools(qtbot, bottle):
+def test_shell_keeps_its_canvas_and_all_its_tools_in_a_small_window(qtbot, bottle):
     bottle.shell.resize(1280, 720)
     work_off()
     view = bottle.canvas.viewport
@@ -536,7 +538,7 @@ def test_a_small_window_keeps_its_canvas_and_all_its_tools(qtbot, bottle):
 
 
 @pytest.mark.parametrize("count", [5, pytest.param(20, marks=pytest.mark.night)])
-def test_windows_leave_nothing_behind(qtbot, settings, monkeypatch, count):
+def test_workbench_leaves_nothing_behind(qtbot, settings, monkeypatch, count):
     monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
     alive, workers = [], []
 
@@ -568,7 +570,7 @@ def test_windows_leave_nothing_behind(qtbot, settings, monkeypatch, count):
     assert [w for w in QApplication.topLevelWidgets() if isinstance(w, Shell)] == []
 
 
-def test_a_mesh_that_opens_ends_the_drag_of_another(qtbot, bottle):
+def test_gizmo_ends_its_drag_when_another_mesh_opens(qtbot, bottle):
     window = bottle
     idle(qtbot, window)
     mouse, at = Mouse(window.canvas.viewport), arrow_grip(window, 0)

@@ -42,7 +42,7 @@ def ask(qtbot, mesh, tmp_path, monkeypatch):
     return choose
 
 
-def test_in_its_own_format_nothing_is_lost_and_nothing_asked(ask, tmp_path):
+def test_ask_for_target_loses_nothing_and_asks_nothing_in_the_own_format(ask, tmp_path):
     target, asked, offered = ask("out.obj", NO)
     assert (target, asked) == (tmp_path / "out.obj", [])
     assert Path(offered[2]).name == "part-deformed.obj", "its own format comes first"
@@ -52,7 +52,7 @@ def test_in_its_own_format_nothing_is_lost_and_nothing_asked(ask, tmp_path):
 
 @pytest.mark.parametrize(("answer", "written"), [(YES, True), (NO, False)])
 @pytest.mark.parametrize("name", ["out.stl", "out"])
-def test_what_another_format_has_no_room_for_is_said_before(ask, tmp_path, name, answer, written):
+def test_ask_for_target_says_before_what_another_format_has_no_room_for(ask, tmp_path, name, answer, written):
     target, asked, _ = ask(name, answer, "STL (*.stl)")
     assert target == (tmp_path / "out.stl" if written else None)
     assert len(asked) == 1
@@ -60,13 +60,13 @@ def test_what_another_format_has_no_room_for_is_said_before(ask, tmp_path, name,
     assert "Exporting as OBJ loses nothing." in asked[0]
 
 
-def test_thinking_better_of_it(ask):
+def test_ask_for_target_gives_and_asks_nothing_when_one_thinks_better_of_it(ask):
     target, asked, _ = ask("", YES)
     assert (target, asked) == (None, [])
 
 
 @pytest.mark.parametrize("answer", [QMessageBox.StandardButton.Yes, QMessageBox.StandardButton.No])
-def test_no_file_is_replaced_that_the_dialog_did_not_ask_about(qtbot, tmp_path, monkeypatch, answer):
+def test_ask_where_replaces_no_file_that_the_dialog_did_not_ask_about(qtbot, tmp_path, monkeypatch, answer):
     """Whoever types plots gets plots.csv, of which the dialog knows nothing."""
     parent, asked = QWidget(), []
     qtbot.addWidget(parent)
@@ -81,7 +81,7 @@ def test_no_file_is_replaced_that_the_dialog_did_not_ask_about(qtbot, tmp_path, 
 
 
 @pytest.mark.parametrize(("chosen", "loses"), [("VTP (*.vtp)", False), ("OBJ (*.obj)", True)])
-def test_a_surface_of_vtk_is_proposed_as_such_and_loses_its_data_elsewhere(
+def test_ask_for_target_proposes_vtk_for_a_surface_of_vtk_and_tells_the_loss_elsewhere(
     chosen, loses, qtbot, tmp_path, monkeypatch
 ):
     (tmp_path / "part.vtp").write_bytes(vtp(CUBE, QUADS))

@@ -14,7 +14,7 @@ class Opened(list):
     open_path = list.append
 
 
-def test_a_file_from_the_finder_is_opened_once_there_is_a_session(qapp, qtbot, tmp_path):
+def test_file_open_events_open_a_file_from_the_finder_once_there_is_a_session(qapp, qtbot, tmp_path):
     window, opened = QWidget(), Opened()
     qtbot.addWidget(window)
     requests = FileRequests(window, None)

@@ -26,7 +26,7 @@ def chosen(monkeypatch):
     return answers
 
 
-def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen):
+def test_open_path_shows_the_same_picture_of_a_saved_session_again(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "twisted.apd"
     bottle.session.handles.move_by(TypedMotion.TWIST, "45", 0)
     bottle.choose_unit(Unit.INCH)
@@ -74,7 +74,7 @@ def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, t
     assert bottle.session.jobs.current is None
 
 
-def test_a_window_opens_a_session_at_its_start(qtbot, bottle, tmp_path, chosen):
+def test_file_requests_open_a_session_at_the_start_of_a_window(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "s.apd"
     chosen["ask_for_session"] = path, False
     bottle.session.handles.move_by(TypedMotion.TWIST, "30", 0)
@@ -92,7 +92,7 @@ def test_a_window_opens_a_session_at_its_start(qtbot, bottle, tmp_path, chosen):
     work_off()
 
 
-def test_a_selection_is_saved_and_loaded_as_one_step(qtbot, bottle, tmp_path, chosen):
+def test_load_selection_brings_a_saved_selection_back_as_one_step(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "paint.json"
     chosen["ask_where_to_put_selection"] = chosen["ask_for_selection"] = path
     before = bottle.session.store.state.document.labels
@@ -110,7 +110,7 @@ def test_a_selection_is_saved_and_loaded_as_one_step(qtbot, bottle, tmp_path, ch
     assert bottle.session.store.state is painted
 
 
-def test_a_bad_selection_is_said_and_changes_nothing(qtbot, bottle, tmp_path, chosen):
+def test_load_selection_tells_of_a_bad_selection_and_changes_nothing(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "paint.sel"
     path.write_text("0\n1\n2\n")
     chosen["ask_for_selection"] = path
@@ -125,7 +125,7 @@ WITHOUT_TARGET = [measure for measure in Measure if not measure.name.startswith(
 
 
 @pytest.mark.parametrize("measure", [None, *WITHOUT_TARGET])
-def test_a_session_shows_the_overlay_that_was_shown(qtbot, bottle, tmp_path, measure):
+def test_look_as_shows_the_overlay_that_was_shown_with_a_session(qtbot, bottle, tmp_path, measure):
     heat, path = bottle.looks.heat, tmp_path / "a.apd"
     heat.choose(measure)
     bottle.session.files.save(path, bottle.view())
@@ -137,7 +137,7 @@ def test_a_session_shows_the_overlay_that_was_shown(qtbot, bottle, tmp_path, mea
 
 
 @pytest.mark.parametrize("said", [None, "what a later version shows"])
-def test_a_session_that_says_no_overlay_that_there_is_leaves_it(bottle, said):
+def test_look_as_leaves_the_overlay_for_a_session_that_says_none_that_there_is(bottle, said):
     bottle.looks.heat.choose(Measure.AREA)
     bottle.measuring.look_as(View(overlay=said))
     assert bottle.looks.heat.measure is Measure.AREA
@@ -146,7 +146,7 @@ def test_a_session_that_says_no_overlay_that_there_is_leaves_it(bottle, said):
 @pytest.mark.parametrize(
     ("rows", "first"), [("per vertex", "vertex,x,y,z"), ("per triangle", "triangle,a,b,c")]
 )
-def test_scalars_are_exported_as_the_table_chosen(rows, first, qtbot, bottle, tmp_path, monkeypatch):
+def test_ask_for_scalars_exports_the_table_chosen(rows, first, qtbot, bottle, tmp_path, monkeypatch):
     target = tmp_path / "s.csv"
 
     def dialog(_parent, _title, _proposed, filters):
@@ -159,7 +159,7 @@ def test_scalars_are_exported_as_the_table_chosen(rows, first, qtbot, bottle, tm
     assert bottle.notice.text == "Exported scalars to s.csv."
 
 
-def test_an_fe_deck_of_the_pose_is_exported(qtbot, bottle, tmp_path, monkeypatch):
+def test_ask_for_deck_exports_an_fe_deck_of_the_pose(qtbot, bottle, tmp_path, monkeypatch):
     target = tmp_path / "bottle.inp"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), ""))
     document = bottle.session.store.state.document

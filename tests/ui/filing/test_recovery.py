@@ -77,7 +77,7 @@ def files(folder):
     return sorted(path.name for path in folder.glob("[!.]*.apd"))
 
 
-def test_a_drag_with_the_mouse_is_kept_and_without_a_folder_nothing_is(qtbot, started, bottle, folder):
+def test_autosave_keeps_a_drag_with_the_mouse_and_nothing_without_a_folder(qtbot, started, bottle, folder):
     drag(qtbot, bottle, ring_grip(bottle, 1), (25, 0), steps=4)
     idle(qtbot, bottle)
     assert not folder.exists()
@@ -96,7 +96,7 @@ def test_a_drag_with_the_mouse_is_kept_and_without_a_folder_nothing_is(qtbot, st
     qtbot.waitUntil(is_kept, timeout=SLOW)
 
 
-def test_what_was_restored_is_unsaved_and_saved_only_where_one_says(
+def test_restore_gives_unsaved_work_that_is_saved_only_where_one_says(
     qtbot, started, folder, duck, tmp_path, monkeypatch
 ):
     path = leave(folder, duck)
@@ -126,7 +126,9 @@ def test_what_was_restored_is_unsaved_and_saved_only_where_one_says(
     assert not window.session.saved_work.unsaved
 
 
-def test_what_was_baked_is_restored_with_its_own_file_and_folder(qtbot, started, folder, duck, tmp_path):
+def test_restore_brings_what_was_baked_back_with_its_own_file_and_folder(
+    qtbot, started, folder, duck, tmp_path
+):
     leave(folder, opened(duck.document.mesh.baked(duck.frame.U), duck.document.labels))
     window = started()
     restore(qtbot, window)
@@ -136,7 +138,7 @@ def test_what_was_baked_is_restored_with_its_own_file_and_folder(qtbot, started,
     assert window.shell.memory.folder == tmp_path
 
 
-def test_a_mesh_whose_file_is_gone_is_not_remembered(qtbot, started, folder, duck, tmp_path):
+def test_restore_does_not_remember_a_mesh_whose_file_is_gone(qtbot, started, folder, duck, tmp_path):
     leave(folder, opened(duck.document.mesh.baked(duck.frame.U), duck.document.labels))
     (tmp_path / "my duck.obj").unlink()
     window = started()
@@ -147,7 +149,7 @@ def test_a_mesh_whose_file_is_gone_is_not_remembered(qtbot, started, folder, duc
     assert window.shell.memory.folder == before
 
 
-def test_what_was_restored_is_offered_again_after_another_crash(qtbot, started, folder, duck):
+def test_autosave_keeps_what_was_restored_for_another_crash(qtbot, started, folder, duck):
     leave(folder, duck)
     window = started()
     restore(qtbot, window)
@@ -156,7 +158,7 @@ def test_what_was_restored_is_offered_again_after_another_crash(qtbot, started, 
     assert np.array_equal(state.frame.U, duck.frame.U)
 
 
-def test_the_newest_is_offered_first_and_the_others_stay(qtbot, started, folder, duck):
+def test_recovery_bar_offers_the_newest_first_and_the_others_stay(qtbot, started, folder, duck):
     leave(folder, duck, "1-1", age=7300.0)
     leave(folder, opened(*open_sample("bottle")), "2-1", age=61.0)
     leave(folder, duck, "3-1", age=3 * 86400.0)
@@ -174,7 +176,9 @@ def test_the_newest_is_offered_first_and_the_others_stay(qtbot, started, folder,
     assert started().recovery.text == "Unsaved work 1 of 2: my duck.obj, 3 days ago"
 
 
-def test_none_is_too_old_and_each_can_be_reached_restored_and_put_off(qtbot, started, folder, duck):
+def test_recovery_bar_finds_none_too_old_and_each_can_be_reached_restored_and_put_off(
+    qtbot, started, folder, duck
+):
     ages = {"1-1": time.time(), "2-1": -9e8, "3-1": 400 * 86400.0, "4-1": 61.0}
     for name, age in ages.items():
         leave(folder, duck, name, age)
@@ -201,7 +205,7 @@ def test_none_is_too_old_and_each_can_be_reached_restored_and_put_off(qtbot, sta
     assert files(folder) == ["2-1.apd", "3-1.apd", "4-1.apd"]
 
 
-def test_a_single_one_has_no_next(qtbot, started, folder, duck):
+def test_recovery_bar_has_no_next_for_a_single_one(qtbot, started, folder, duck):
     leave(folder, duck, "1-1")
     leave(folder, duck, "2-1")
     window = started()
@@ -212,7 +216,7 @@ def test_a_single_one_has_no_next(qtbot, started, folder, duck):
     assert not window.recovery.next.isVisible()
 
 
-def test_what_is_damaged_is_refused_and_goes_only_when_it_is_discarded(qtbot, started, folder, duck):
+def test_restore_refuses_what_is_damaged_which_goes_only_when_it_is_discarded(qtbot, started, folder, duck):
     path = leave(folder, duck)
     path.write_bytes(path.read_bytes()[:1000])
     window = started()
@@ -231,7 +235,7 @@ def test_what_is_damaged_is_refused_and_goes_only_when_it_is_discarded(qtbot, st
     assert not path.exists()
 
 
-def test_the_bar_does_not_take_the_keys(qtbot, started, folder, duck):
+def test_recovery_bar_does_not_take_the_keys(qtbot, started, folder, duck):
     leave(folder, duck)
     window = started()
     focus = window.shell.focusWidget()
@@ -239,7 +243,9 @@ def test_the_bar_does_not_take_the_keys(qtbot, started, folder, duck):
     assert window.shell.focusWidget() is focus
 
 
-def test_a_bar_fits_into_a_small_window_whatever_the_mesh_is_called(qtbot, started, folder, duck, tmp_path):
+def test_recovery_bar_fits_into_a_small_window_whatever_the_mesh_is_called(
+    qtbot, started, folder, duck, tmp_path
+):
     path = tmp_path / f"{'long ' * 40}.obj"
     save_mesh(duck.document.mesh, duck.document.mesh.V, path)
     leave(folder, opened(open_mesh(path)))
@@ -250,7 +256,7 @@ def test_a_bar_fits_into_a_small_window_whatever_the_mesh_is_called(qtbot, start
     assert not window.recovery.geometry().intersects(window.invitation.geometry())
 
 
-def test_a_window_that_is_not_closed_because_of_the_question_goes_on_keeping(
+def test_autosave_goes_on_in_a_window_that_is_not_closed_because_of_the_question(
     qtbot, started, folder, duck, monkeypatch
 ):
     leave(folder, duck)
@@ -266,7 +272,9 @@ def test_a_window_that_is_not_closed_because_of_the_question_goes_on_keeping(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGKILL")
-def test_a_program_that_is_killed_is_offered_by_the_next_and_not_before(qtbot, started, folder, tmp_path):
+def test_recovery_bar_offers_the_work_of_a_killed_program_in_the_next_and_not_before(
+    qtbot, started, folder, tmp_path
+):
     with subprocess.Popen([sys.executable, "-c", PROGRAM, str(tmp_path)]) as program:
         try:
             qtbot.waitUntil(lambda: files(folder) != [] or program.poll() is not None, timeout=60_000)
@@ -283,6 +291,6 @@ def test_a_program_that_is_killed_is_offered_by_the_next_and_not_before(qtbot, s
     assert not window.session.store.state.is_at_rest
 
 
-def test_the_place_is_the_users_and_the_programs_own():
+def test_recovery_folder_is_the_users_and_the_programs_own():
     assert recovery_folder().name == "recovery"
     assert Path.home() in recovery_folder().parents

@@ -28,7 +28,7 @@ def click(qtbot, button):
     qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
 
 
-def test_what_was_left_is_restored_as_one_step_and_kept_safe(qtbot, started, folder, left):
+def test_recovery_bar_restores_what_was_left_as_one_step_and_keeps_it_safe(qtbot, started, folder, left):
     window = started()
     assert "duck.obj" in window.recovery.text
     before = window.session.store.state
@@ -43,14 +43,14 @@ def test_what_was_left_is_restored_as_one_step_and_kept_safe(qtbot, started, fol
     assert list(folder.iterdir()) == []
 
 
-def test_what_is_discarded_is_gone(qtbot, started, folder, left):
+def test_recovery_bar_discards_for_good(qtbot, started, folder, left):
     window = started()
     click(qtbot, window.recovery.discard)
     assert window.recovery.isHidden()
     assert list(folder.iterdir()) == []
 
 
-def test_what_is_put_off_is_offered_again(qtbot, started, left):
+def test_recovery_bar_offers_again_what_is_put_off(qtbot, started, left):
     window = started()
     click(qtbot, window.recovery.later)
     assert window.recovery.isHidden()
@@ -58,14 +58,14 @@ def test_what_is_put_off_is_offered_again(qtbot, started, left):
     assert "duck.obj" in started().recovery.text
 
 
-def test_two_windows_do_not_offer_each_others_work(qtbot, started, folder):
+def test_recovery_bar_does_not_offer_the_work_of_another_window(qtbot, started, folder):
     first = started()
     first.session.handles.move_by(TypedMotion.TWIST, "20", 0)
     qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
     assert started().recovery.isHidden()
 
 
-def test_a_clean_end_leaves_nothing(qtbot, started, folder):
+def test_autosave_leaves_nothing_after_a_clean_end(qtbot, started, folder):
     window = started()
     assert window.recovery.isHidden()
     window.session.handles.move_by(TypedMotion.TWIST, "20", 0)

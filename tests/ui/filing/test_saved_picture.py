@@ -32,7 +32,7 @@ def covered(image):
     return lines[:, : alpha.width()] > 0
 
 
-def test_the_picture_is_of_what_the_view_shows_and_of_nothing_around_it(bottle, saved):
+def test_small_picture_is_of_what_the_view_shows_and_of_nothing_around_it(bottle, saved):
     image = QImage.fromData(picture_in(saved()), "PNG")
     assert max(image.width(), image.height()) == PICTURE_SIDE
     whole = covered(scene_picture(bottle.canvas.viewport, QSize(1200, 800), transparent=True))
@@ -46,18 +46,18 @@ def test_the_picture_is_of_what_the_view_shows_and_of_nothing_around_it(bottle, 
     assert neck.red() > 2 * neck.blue()
 
 
-def test_a_view_of_nothing_is_a_picture_of_nothing(window):
+def test_small_picture_of_a_view_of_nothing_shows_nothing(window):
     image = QImage.fromData(small_picture(window.canvas.viewport, 64), "PNG")
     assert max(image.width(), image.height()) == 64
     assert not covered(image).any()
 
 
-def test_the_same_session_saved_twice_is_the_same_file(saved):
+def test_save_writes_the_same_file_for_the_same_session_twice(saved):
     first = saved().read_bytes()
     assert saved().read_bytes() == first
 
 
-def test_without_opengl_there_is_no_picture(bottle, saved, monkeypatch):
+def test_small_picture_is_none_without_opengl(bottle, saved, monkeypatch):
     view = bottle.canvas.viewport
     monkeypatch.setattr(view.ren_win, "GetReadyForRendering", lambda: False)
     assert small_picture(view, 64) == b""

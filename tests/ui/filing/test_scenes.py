@@ -42,7 +42,7 @@ def opened(qtbot, window, path):
     idle(qtbot, window)
 
 
-def test_the_stated_unit_is_shown_until_another_is_chosen(qtbot, window, of_inches):
+def test_unit_button_shows_the_stated_unit_until_another_is_chosen(qtbot, window, of_inches):
     opened(qtbot, window, of_inches)
     assert window.panel.area.unit.text() == "in"
     assert window.panel.area.area.text().endswith("\N{NO-BREAK SPACE}in²")
@@ -51,7 +51,7 @@ def test_the_stated_unit_is_shown_until_another_is_chosen(qtbot, window, of_inch
     assert window.panel.area.unit.text() == "mm"
 
 
-def test_inches_become_metres_in_a_glb(qtbot, window, of_inches, tmp_path):
+def test_export_turns_inches_into_meters_in_a_glb(qtbot, window, of_inches, tmp_path):
     opened(qtbot, window, of_inches)
     window.session.files.export(tmp_path / "out.glb")
     idle(qtbot, window)
@@ -60,7 +60,7 @@ def test_inches_become_metres_in_a_glb(qtbot, window, of_inches, tmp_path):
     assert window.panel.area.unit.text() == "m"
 
 
-def test_a_mesh_in_several_places_is_said_when_it_is_opened(qtbot, window, instanced, tmp_path):
+def test_health_says_of_an_opened_mesh_that_it_is_in_several_places(qtbot, window, instanced, tmp_path):
     opened(qtbot, window, instanced)
     assert document(window).mesh.unit == "m"
     qtbot.mouseClick(window.health.badge, Qt.MouseButton.LeftButton)

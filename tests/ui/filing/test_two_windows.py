@@ -115,7 +115,7 @@ QUESTION = "“two.apd” has been changed by another window or program. Overwri
 
 
 @pytest.mark.parametrize("answer", ["Cancel", Qt.Key.Key_Escape, Qt.Key.Key_Return, "Save as…"])
-def test_the_second_to_save_is_asked_and_loses_nothing_by_a_key(qtbot, open_window, path, person, answer):
+def test_save_asks_the_second_window_which_loses_nothing_by_a_key(qtbot, open_window, path, person, answer):
     first, second = clash(qtbot, open_window, path)
     before, U = path.read_bytes(), second.session.store.state.frame.U
     person.target = path.with_name("mine.apd")
@@ -132,7 +132,7 @@ def test_the_second_to_save_is_asked_and_loses_nothing_by_a_key(qtbot, open_wind
     assert not first.session.saved_work.unsaved
 
 
-def test_what_is_overwritten_is_unsaved_where_it_came_from(qtbot, open_window, path, person):
+def test_saved_work_that_is_overwritten_is_unsaved_where_it_came_from(qtbot, open_window, path, person):
     first, second = clash(qtbot, open_window, path)
     person.will("Overwrite")
     saved(qtbot, person, second)
@@ -147,7 +147,7 @@ def test_what_is_overwritten_is_unsaved_where_it_came_from(qtbot, open_window, p
     assert first.shell.isVisible()
 
 
-def test_reload_shows_the_file_and_undo_brings_the_work_back(qtbot, open_window, path, person):
+def test_decision_to_reload_shows_the_file_and_undo_brings_the_work_back(qtbot, open_window, path, person):
     first, second = clash(qtbot, open_window, path)
     U = second.session.store.state.frame.U
     person.will("Reload")
@@ -163,7 +163,7 @@ def test_reload_shows_the_file_and_undo_brings_the_work_back(qtbot, open_window,
     assert person.asked == [QUESTION] * 2, "what the other window saved is not lost by this way either"
 
 
-def test_an_answer_is_for_what_was_there_and_not_for_what_came_later(qtbot, open_window, path, person):
+def test_decision_is_for_what_was_there_and_not_for_what_came_later(qtbot, open_window, path, person):
     _, second = clash(qtbot, open_window, path)
     person.will("Overwrite", "Cancel")
     third = path.read_bytes() + b"\0"
@@ -180,7 +180,7 @@ def test_an_answer_is_for_what_was_there_and_not_for_what_came_later(qtbot, open
     assert path.read_bytes() == third
 
 
-def test_closing_asks_for_both_and_closes_once_it_is_safe(qtbot, open_window, path, person):
+def test_may_leave_asks_both_questions_and_closes_once_it_is_safe(qtbot, open_window, path, person):
     _, second = clash(qtbot, open_window, path)
     U = second.session.store.state.frame.U
     person.will(Answer.SAVE, "Cancel")
@@ -194,7 +194,7 @@ def test_closing_asks_for_both_and_closes_once_it_is_safe(qtbot, open_window, pa
     assert np.array_equal(shape(path), U)
 
 
-def test_another_process_is_another_window(qtbot, open_window, path, person):
+def test_save_asks_about_another_process_as_about_another_window(qtbot, open_window, path, person):
     window = open_window()
     pull(qtbot, window)
     subprocess.run([sys.executable, "-c", OTHER, str(path)], check=True)
@@ -205,7 +205,7 @@ def test_another_process_is_another_window(qtbot, open_window, path, person):
     assert path.read_bytes() == other
 
 
-def test_nobody_is_asked_about_a_touch_or_the_same_again(qtbot, open_window, path, person):
+def test_save_asks_nobody_about_a_touch_or_the_same_again(qtbot, open_window, path, person):
     window = open_window()
     content = path.read_bytes()
     path.with_name("synced").write_bytes(content)
@@ -225,7 +225,7 @@ def test_nobody_is_asked_about_a_touch_or_the_same_again(qtbot, open_window, pat
 
 
 @pytest.mark.parametrize("folder", [False, True], ids=["file", "folder"])
-def test_what_has_gone_is_unsaved_in_title_recovery_and_question(
+def test_saved_work_that_has_gone_is_unsaved_in_title_recovery_and_question(
     qtbot, open_window, path, person, tmp_path, folder
 ):
     window = open_window()
@@ -249,7 +249,7 @@ def test_what_has_gone_is_unsaved_in_title_recovery_and_question(
     assert np.array_equal(shape(person.target if folder else path), U)
 
 
-def test_closing_alone_finds_that_it_has_gone(qtbot, open_window, path, person):
+def test_may_leave_finds_by_closing_alone_that_the_file_has_gone(qtbot, open_window, path, person):
     window = open_window()
     path.unlink()
     person.will(Answer.CANCEL)
@@ -258,7 +258,7 @@ def test_closing_alone_finds_that_it_has_gone(qtbot, open_window, path, person):
     assert window.shell.isVisible()
 
 
-def test_what_comes_back_is_saved_again(qtbot, open_window, path, person):
+def test_saved_work_that_comes_back_is_saved_again(qtbot, open_window, path, person):
     window = open_window()
     path.rename(path.with_name("moved.apd"))
     come_to(qtbot, window)
@@ -268,7 +268,7 @@ def test_what_comes_back_is_saved_again(qtbot, open_window, path, person):
     assert not window.shell.isWindowModified()
 
 
-def test_coming_to_the_window_looks(qtbot, open_window, path):
+def test_saved_work_is_looked_for_on_coming_to_the_window(qtbot, open_window, path):
     window, other = open_window(), open_window()
     path.unlink()
     window.shell.activateWindow()

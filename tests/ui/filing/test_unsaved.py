@@ -82,7 +82,7 @@ CHANGED = {
 
 @pytest.mark.parametrize("leaving", LEAVING)
 @pytest.mark.parametrize("answer", Answer)
-def test_each_answer_does_what_it_says(qtbot, bottle, person, tmp_path, leaving, answer):
+def test_answer_does_what_it_says(qtbot, bottle, person, tmp_path, leaving, answer):
     CHANGES[CHANGED[answer]](bottle.session)
     before = bottle.session.store.state
     person.target = tmp_path / ("mine.apd" if answer is Answer.SAVE else "mine.obj")
@@ -101,7 +101,7 @@ def test_each_answer_does_what_it_says(qtbot, bottle, person, tmp_path, leaving,
 
 
 @pytest.mark.parametrize("leaving", LEAVING)
-def test_every_change_is_asked_about_until_it_is_undone(qtbot, bottle, person, leaving):
+def test_may_leave_asks_about_every_change_until_it_is_undone(qtbot, bottle, person, leaving):
     before = bottle.session.store.state
     for change in CHANGES.values():
         change(bottle.session)
@@ -116,7 +116,7 @@ def test_every_change_is_asked_about_until_it_is_undone(qtbot, bottle, person, l
 
 @pytest.mark.parametrize("leaving", LEAVING)
 @pytest.mark.parametrize("answer", [Answer.SAVE, Answer.EXPORT])
-def test_no_file_chosen_is_no_leave_taken(qtbot, bottle, person, leaving, answer):
+def test_may_leave_takes_no_leave_where_no_file_is_chosen(qtbot, bottle, person, leaving, answer):
     paint(bottle.session)
     before = bottle.session.store.state
     person.will(answer)
@@ -126,7 +126,7 @@ def test_no_file_chosen_is_no_leave_taken(qtbot, bottle, person, leaving, answer
 
 
 @pytest.mark.parametrize("leaving", LEAVING)
-def test_what_cannot_be_saved_is_not_left(qtbot, bottle, person, tmp_path, leaving):
+def test_may_leave_does_not_leave_what_cannot_be_saved(qtbot, bottle, person, tmp_path, leaving):
     paint(bottle.session)
     before = bottle.session.store.state
     person.target = tmp_path / "gone" / "mine.apd"
@@ -138,7 +138,7 @@ def test_what_cannot_be_saved_is_not_left(qtbot, bottle, person, tmp_path, leavi
 
 
 @pytest.mark.parametrize(("key", "closes"), [(Qt.Key.Key_Return, True), (Qt.Key.Key_Escape, False)])
-def test_enter_saves_and_esc_stays(qtbot, bottle, person, tmp_path, key, closes):
+def test_ask_before_leaving_saves_by_enter_and_stays_by_esc(qtbot, bottle, person, tmp_path, key, closes):
     paint(bottle.session)
     person.target = tmp_path / "mine.apd"
     person.will(key)
@@ -148,14 +148,16 @@ def test_enter_saves_and_esc_stays(qtbot, bottle, person, tmp_path, key, closes)
 
 
 @pytest.mark.parametrize("leaving", LEAVING)
-def test_nothing_said_is_no_question(qtbot, bottle, person, leaving):
+def test_may_leave_asks_no_question_where_nothing_was_said(qtbot, bottle, person, leaving):
     before = bottle.session.store.state
     LEAVING[leaving](bottle)
     assert has_left(qtbot, bottle, leaving, before)
     assert person.asked == []
 
 
-def test_a_saved_session_is_left_without_a_question_and_saved_without_a_path(qtbot, bottle, person, tmp_path):
+def test_may_leave_saves_a_session_that_was_saved_before_without_asking_for_a_path(
+    qtbot, bottle, person, tmp_path
+):
     paint(bottle.session)
     person.target = tmp_path / "mine.apd"
     bottle.actions_.file.save.trigger()
@@ -169,7 +171,7 @@ def test_a_saved_session_is_left_without_a_question_and_saved_without_a_path(qtb
     assert open_session(tmp_path / "mine.apd")[0].document.stiffness == 0.01
 
 
-def test_a_dropped_file_asks_too(qtbot, bottle, person, tmp_path):
+def test_may_leave_asks_about_a_dropped_file_too(qtbot, bottle, person, tmp_path):
     paint(bottle.session)
     before = bottle.session.store.state
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
@@ -182,7 +184,7 @@ def test_a_dropped_file_asks_too(qtbot, bottle, person, tmp_path):
     assert not has_left(qtbot, bottle, "opening", before)
 
 
-def test_a_tour_that_was_declined_does_not_begin_later(qtbot, bottle, person):
+def test_begin_tour_does_not_begin_a_declined_tour_later(qtbot, bottle, person):
     bottle.shell.requests.open_sample("duck")
     idle(qtbot, bottle)
     paint(bottle.session)
@@ -200,7 +202,7 @@ def test_a_tour_that_was_declined_does_not_begin_later(qtbot, bottle, person):
 # The title
 
 
-def test_the_title_says_what_is_saved(qtbot, bottle, person, tmp_path):
+def test_show_title_says_what_is_saved(qtbot, bottle, person, tmp_path):
     shell = bottle.shell
     assert (shell.windowTitle(), shell.isWindowModified()) == ("bottle.obj[*] – APD Viewer", False)
     paint(bottle.session)
@@ -218,7 +220,7 @@ def test_the_title_says_what_is_saved(qtbot, bottle, person, tmp_path):
     assert shell.isWindowModified()
 
 
-def test_a_name_like_the_mark_is_no_mark(qtbot, bottle, person, tmp_path):
+def test_show_title_takes_a_name_like_the_mark_for_no_mark(qtbot, bottle, person, tmp_path):
     person.target = tmp_path / "a[*]b.apd"
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)

@@ -51,7 +51,7 @@ def picture(window):
 # The rest shape
 
 
-def test_the_ghost_is_seen_where_the_mesh_was_and_leaves_no_trace(qtbot, globe):
+def test_ghost_is_seen_where_the_mesh_was_and_leaves_no_trace(qtbot, globe):
     view = globe.canvas.viewport
     answer(qtbot, globe, 0.5 * document(globe).mesh.V)
     plain = picture(globe)
@@ -71,14 +71,14 @@ def test_the_ghost_is_seen_where_the_mesh_was_and_leaves_no_trace(qtbot, globe):
     np.testing.assert_array_equal(picture(globe), plain)
 
 
-def test_what_is_not_shown_is_not_made(globe):
+def test_looks_make_nothing_that_is_not_shown(globe):
     hidden = [actor for actor in globe.canvas.viewport.renderer.GetActors() if not actor.GetVisibility()]
     assert len(hidden) >= 2
     assert {actor.GetMapper().GetInput() for actor in hidden} == {None}
     assert {find() for find in globe.canvas.viewport.more_boxes} == {()}
 
 
-def test_a_ghost_that_is_larger_than_the_mesh_is_not_cut_off(qtbot, globe):
+def test_ghost_is_not_cut_off_where_it_is_larger_than_the_mesh(qtbot, globe):
     answer(qtbot, globe, 0.1 * document(globe).mesh.V)
     switch(globe, "ghost").trigger()
     settle(qtbot, globe.canvas.viewport)
@@ -91,7 +91,7 @@ def test_a_ghost_that_is_larger_than_the_mesh_is_not_cut_off(qtbot, globe):
 # Before and after
 
 
-def test_the_slider_shows_the_way_from_rest_while_it_is_held(qtbot, globe):
+def test_before_after_shows_the_way_from_rest_while_its_slider_is_held(qtbot, globe):
     V = document(globe).mesh.V
     answer(qtbot, globe, V * [2.0, 1.0, 1.0])
     qtbot.keyClick(globe.canvas.viewport, Qt.Key.Key_A, SHIFT)
@@ -112,7 +112,7 @@ def test_the_slider_shows_the_way_from_rest_while_it_is_held(qtbot, globe):
     assert not globe.session.gestures.history.next_undo
 
 
-def test_the_overlay_says_what_is_so_and_not_what_lies_on_the_way(qtbot, globe):
+def test_heat_map_says_what_is_so_and_not_what_lies_on_the_way(qtbot, globe):
     globe.actions_.looks.measures[Measure.STRAIN].trigger()
     heat = globe.looks.heat
     qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
@@ -122,7 +122,7 @@ def test_the_overlay_says_what_is_so_and_not_what_lies_on_the_way(qtbot, globe):
     np.testing.assert_allclose(heat.reading.values, np.log(1.5))
 
 
-def test_keys_and_another_mesh_end_the_comparison(qtbot, globe):
+def test_before_after_is_ended_by_keys_and_by_another_mesh(qtbot, globe):
     switch(globe, "compare").trigger()
     slider = globe.looks.before_after.slider
     slider.setFocus()
@@ -143,7 +143,7 @@ def test_keys_and_another_mesh_end_the_comparison(qtbot, globe):
 # Sections
 
 
-def test_what_is_cut_away_is_not_seen_and_not_touched(qtbot, globe):
+def test_cutting_plane_lets_nothing_be_touched_that_is_cut_away(qtbot, globe):
     view, surface = globe.canvas.viewport, globe.canvas.surface
     assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01)
     qtbot.keyClick(view, Qt.Key.Key_S)
@@ -164,7 +164,7 @@ def test_what_is_cut_away_is_not_seen_and_not_touched(qtbot, globe):
     assert surface.hit(QPointF(*at[1])) is not None
 
 
-def test_the_picture_is_cut_where_the_mesh_is(qtbot, globe):
+def test_cutting_plane_cuts_the_picture_where_the_mesh_is_cut(qtbot, globe):
     view = globe.canvas.viewport
     switch(globe, "cut").trigger()
     plain, cut = picture(globe), globe.looks.cut
@@ -182,7 +182,7 @@ def test_the_picture_is_cut_where_the_mesh_is(qtbot, globe):
     np.testing.assert_allclose(shown[top[1], top[0]], shown[top[1], 5], atol=6)
 
 
-def test_the_place_of_the_section_is_told_in_the_unit(qtbot, globe):
+def test_cutting_plane_tells_its_place_in_the_unit(qtbot, globe):
     switch(globe, "cut").trigger()
     globe.choose_unit(Unit.CENTIMETRE)
     cut = globe.looks.cut
@@ -192,7 +192,7 @@ def test_the_place_of_the_section_is_told_in_the_unit(qtbot, globe):
     assert float(value) == pytest.approx(cut.plane[0][2], rel=0.01)
 
 
-def test_far_from_the_origin_every_place_is_told_from_the_next(qtbot, window):
+def test_cutting_plane_tells_every_place_from_the_next_far_from_the_origin(qtbot, window):
     V, F = sphere(2)
     window.filing.show_mesh(Mesh(V + [1000.0, 0.0, 500.0], F))
     idle(qtbot, window)
@@ -215,7 +215,7 @@ def grid_of(view):
     return next((actor, data) for actor, data in drawn if data.GetNumberOfLines())
 
 
-def test_the_grid_lies_below_the_mesh_in_nice_steps(qtbot, globe):
+def test_ground_lies_below_the_mesh_in_nice_steps(qtbot, globe):
     qtbot.keyClick(globe.canvas.viewport, Qt.Key.Key_I)
     ground, V = globe.looks.ground, document(globe).mesh.V
     assert ground.on
@@ -232,7 +232,7 @@ def test_the_grid_lies_below_the_mesh_in_nice_steps(qtbot, globe):
     settle(qtbot, globe.canvas.viewport)
 
 
-def test_far_from_the_origin_every_line_has_a_figure_of_its_own(qtbot, window):
+def test_ground_gives_every_line_a_figure_of_its_own_far_from_the_origin(qtbot, window):
     V, F = sphere(2)
     window.filing.show_mesh(Mesh(V + [1000.0, 0.0, 500.0], F))
     idle(qtbot, window)
@@ -250,7 +250,7 @@ def test_far_from_the_origin_every_line_has_a_figure_of_its_own(qtbot, window):
 # The turntable
 
 
-def test_the_turntable_turns_until_the_mouse_takes_the_camera(qtbot, globe):
+def test_turntable_turns_until_the_mouse_takes_the_camera(qtbot, globe):
     view, table = globe.canvas.viewport, globe.looks.turntable
     before = view.look.eye
     qtbot.keyClick(view, Qt.Key.Key_T, SHIFT)
@@ -270,7 +270,7 @@ def test_the_turntable_turns_until_the_mouse_takes_the_camera(qtbot, globe):
 # All of them
 
 
-def test_what_is_shown_is_remembered_and_kept_from_the_tools(qtbot, globe, settings):
+def test_looks_remember_what_is_shown_but_for_the_section(qtbot, globe, settings):
     for name in ("ghost", "ground"):
         switch(globe, name).trigger()
     other = Workbench(Shell(settings))
@@ -285,7 +285,7 @@ def test_what_is_shown_is_remembered_and_kept_from_the_tools(qtbot, globe, setti
         work_off()
 
 
-def test_the_cards_stand_beside_the_ways_to_choose(qtbot, bottle):
+def test_cards_stand_beside_the_ways_to_choose(qtbot, bottle):
     bottle.shell.resize(1280, 720)
     for name in ("compare", "cut"):
         switch(bottle, name).trigger()

@@ -75,7 +75,7 @@ def towards(window, points):
     return -window.canvas.viewport.look.eye.axes[2] @ middle / np.linalg.norm(middle)
 
 
-def test_the_badge_is_quiet_where_there_is_nothing_to_say(qtbot, window):
+def test_badge_is_quiet_where_there_is_nothing_to_say(qtbot, window):
     badge = window.health.badge
     assert not badge.isVisible(), "no mesh is open"
     window.filing.open_sample("bottle")
@@ -88,7 +88,7 @@ def test_the_badge_is_quiet_where_there_is_nothing_to_say(qtbot, window):
     assert not window.health.list.isVisible()
 
 
-def test_the_badge_counts_what_the_list_says(qtbot, ill):
+def test_badge_counts_what_the_list_says(qtbot, ill):
     count = len(findings(ill))
     assert count >= 3
     assert ill.health.badge.text() == f"{count} issues"
@@ -102,7 +102,7 @@ def test_the_badge_counts_what_the_list_says(qtbot, ill):
     assert not ill.health.list.isVisible()
 
 
-def test_a_single_finding_is_told_as_it_is(qtbot, window):
+def test_health_tells_a_single_finding_as_it_is(qtbot, window):
     V, F = meshes.sphere(2)
     window.filing.show_mesh(Mesh(V, F[3:]))
     idle(qtbot, window)
@@ -110,7 +110,7 @@ def test_a_single_finding_is_told_as_it_is(qtbot, window):
     assert window.health.badge.text() == "1 issue"
 
 
-def test_what_is_strange_about_the_file_is_told_before_the_rest(qtbot, window, tmp_path):
+def test_health_tells_what_is_strange_about_the_file_before_the_rest(qtbot, window, tmp_path):
     path = tmp_path / "a.stl"
     path.write_bytes(binary_stl(*meshes.box(1, 1, 1)) + b"more")
     window.filing.open_path(path)
@@ -122,7 +122,7 @@ def test_what_is_strange_about_the_file_is_told_before_the_rest(qtbot, window, t
     assert window.health.list.rows[0].accessibleName() == said
 
 
-def test_a_file_without_a_mesh_is_told_for_what_it_is(qtbot, window, tmp_path):
+def test_open_path_tells_a_file_without_a_mesh_for_what_it_is(qtbot, window, tmp_path):
     path = tmp_path / "a.obj"
     path.write_text("<!DOCTYPE html><html><body>Not found</body></html>")
     window.filing.open_path(path)
@@ -130,7 +130,7 @@ def test_a_file_without_a_mesh_is_told_for_what_it_is(qtbot, window, tmp_path):
     assert window.notice.text == "a.obj holds a web page and no mesh; download the mesh itself."
 
 
-def test_a_finding_is_marked_and_the_camera_comes_round_to_it(qtbot, ill):
+def test_health_marks_a_finding_and_brings_the_camera_round_to_it(qtbot, ill):
     V = document(ill).mesh.V
     ill.canvas.viewport.look.along("front")
     open_list(qtbot, ill)
@@ -145,7 +145,7 @@ def test_a_finding_is_marked_and_the_camera_comes_round_to_it(qtbot, ill):
     assert [row.property("marked") for row in ill.health.list.rows].index(True) == k
 
 
-def test_what_is_far_out_of_the_picture_is_brought_into_it(qtbot, ill):
+def test_health_brings_into_the_picture_what_is_far_out_of_it(qtbot, ill):
     view = ill.canvas.viewport
     view.look.along("front")
     view.look.zoom_at(QPointF(5, view.height() / 2), 8.0)
@@ -162,7 +162,7 @@ def test_what_is_far_out_of_the_picture_is_brought_into_it(qtbot, ill):
 
 
 @pytest.mark.parametrize("way", ["esc", "esc on the canvas", "click", "cross", "stroke", "mesh", "field"])
-def test_the_marks_go_with_the_list(qtbot, ill, way):
+def test_marks_go_with_the_list(qtbot, ill, way):
     view, mouse = ill.canvas.viewport, Mouse(ill.canvas.viewport)
     open_list(qtbot, ill)
     choose(qtbot, ill, "open borders")
@@ -200,7 +200,7 @@ def test_the_marks_go_with_the_list(qtbot, ill, way):
     assert plain(ill)
 
 
-def test_the_camera_is_free_while_the_list_is_open(qtbot, ill):
+def test_finding_list_leaves_the_camera_free_while_it_is_open(qtbot, ill):
     view, mouse = ill.canvas.viewport, Mouse(ill.canvas.viewport)
     open_list(qtbot, ill)
     shown = choose(qtbot, ill, "open borders")
@@ -212,7 +212,7 @@ def test_the_camera_is_free_while_the_list_is_open(qtbot, ill):
     assert np.array_equal(marked(ill), shown)
 
 
-def test_the_list_is_used_by_keys_alone(qtbot, ill):
+def test_finding_list_is_used_by_keys_alone(qtbot, ill):
     badge, rows = ill.health.badge, ill.health.list
     badge.setFocus()
     qtbot.keyClick(badge, Qt.Key.Key_Space)
@@ -256,7 +256,7 @@ def test_marks_move_with_the_mesh_and_outlast_a_change_of_paint(qtbot, ill):
     assert plain(ill)
 
 
-def test_both_sides_of_a_seam_are_marked_and_all_of_a_mesh_that_is_meant_as_a_whole(qtbot, window):
+def test_marks_show_both_sides_of_a_seam_and_all_of_a_mesh_that_is_meant_as_a_whole(qtbot, window):
     V, F = meshes.soup(*meshes.sphere(2))
     window.filing.show_mesh(Mesh(V * 1e-5, F[2:]))
     idle(qtbot, window)
@@ -270,7 +270,7 @@ def test_both_sides_of_a_seam_are_marked_and_all_of_a_mesh_that_is_meant_as_a_wh
 
 
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
-def test_the_list_leaves_room_for_what_it_shows(qtbot, ill, size):
+def test_finding_list_leaves_room_for_what_it_shows(qtbot, ill, size):
     ill.shell.resize(*size)
     work_off()
     open_list(qtbot, ill)
@@ -324,7 +324,7 @@ def stay_boxes(window):
     return [row.stay for row in window.health.list.rows if row.stay.isVisible()]
 
 
-def test_loose_parts_are_listed_below_their_finding_and_are_no_issues(qtbot, buttoned):
+def test_finding_list_has_loose_parts_below_their_finding_and_not_as_issues(qtbot, buttoned):
     issues = len(findings(buttoned))
     assert buttoned.health.badge.text() == f"{issues} issue"
     open_list(qtbot, buttoned)
@@ -340,7 +340,7 @@ def test_loose_parts_are_listed_below_their_finding_and_are_no_issues(qtbot, but
     assert not any(box.isChecked() for box in stay_boxes(buttoned))
 
 
-def test_a_part_can_be_left_where_it_is_and_undo_takes_it_along_again(qtbot, buttoned):
+def test_finding_row_lets_a_part_stay_where_it_is_until_undo_takes_it_along(qtbot, buttoned):
     large, small = buttoned.balls
     V = document(buttoned).mesh.V
     U = lift(qtbot, buttoned)
@@ -366,7 +366,7 @@ def test_a_part_can_be_left_where_it_is_and_undo_takes_it_along_again(qtbot, but
     assert np.array_equal(stayed[large.start :], V[large.start :])
 
 
-def test_a_part_that_is_painted_is_loose_no_more(qtbot, buttoned):
+def test_finding_list_calls_a_part_that_is_painted_loose_no_more(qtbot, buttoned):
     session, small = buttoned.session, buttoned.balls[1]
     session.gestures.begin()
     session.painting.paint(np.arange(small.start, small.stop), HANDLE)
@@ -375,7 +375,7 @@ def test_a_part_that_is_painted_is_loose_no_more(qtbot, buttoned):
     assert len(stay_boxes(buttoned)) == 1
 
 
-def test_before_anything_is_painted_the_largest_part_is_not_loose(qtbot, window):
+def test_finding_list_does_not_call_the_largest_part_loose_before_any_paint(qtbot, window):
     (V, F), (W, G) = meshes.sphere(2), meshes.sphere(1)
     window.filing.show_mesh(Mesh(np.vstack([V, W + 3.0]), np.vstack([F, G + len(V)])))
     idle(qtbot, window)
@@ -383,7 +383,7 @@ def test_before_anything_is_painted_the_largest_part_is_not_loose(qtbot, window)
     assert len(stay_boxes(window)) == 1
 
 
-def test_seams_are_welded_at_a_click(qtbot, window):
+def test_finding_row_welds_seams_at_a_click(qtbot, window):
     window.filing.show_mesh(Mesh(*halves(1e-5)))
     idle(qtbot, window)
     before = document(window).mesh

@@ -24,7 +24,7 @@ def show_area(qtbot, window):
     settle(qtbot, window.canvas.viewport)
 
 
-def test_a_notice_is_low_and_lets_clicks_through(qtbot, bottle):
+def test_notice_is_low_and_lets_clicks_through(qtbot, bottle):
     bottle.notice.fail("Something was not done; try again.")
     view, notice = bottle.canvas.viewport, bottle.notice
     assert notice.geometry().top() > view.height() / 2
@@ -39,7 +39,7 @@ def test_a_notice_is_low_and_lets_clicks_through(qtbot, bottle):
 
 
 @pytest.mark.parametrize("size", [(800, 640), (1024, 700), (1280, 800)])
-def test_a_notice_covers_nothing_else(qtbot, bottle, size):
+def test_notice_covers_nothing_else(qtbot, bottle, size):
     bottle.shell.resize(*size)
     show_area(qtbot, bottle)
     bottle.notice.fail("The mesh was not exported: the disk is full; free some space and try again.")
@@ -50,7 +50,7 @@ def test_a_notice_covers_nothing_else(qtbot, bottle, size):
     assert bottle.canvas.viewport.rect().contains(bottle.notice.geometry())
 
 
-def test_the_first_hint_leaves_when_a_handle_was_moved_in_any_way(qtbot, bottle):
+def test_next_step_takes_the_first_hint_away_when_a_handle_was_moved_in_any_way(qtbot, bottle):
     assert "ring" in bottle.invitation.text()
     typed(qtbot, bottle)
     assert bottle.invitation.isHidden()
@@ -58,7 +58,7 @@ def test_the_first_hint_leaves_when_a_handle_was_moved_in_any_way(qtbot, bottle)
     assert bottle.invitation.isHidden()
 
 
-def test_the_legend_is_not_over_the_bottle_in_a_small_window(qtbot, bottle):
+def test_legend_is_not_over_the_bottle_in_a_small_window(qtbot, bottle):
     bottle.shell.resize(1024, 700)
     bottle.invitation.say("")
     work_off()
@@ -69,7 +69,7 @@ def test_the_legend_is_not_over_the_bottle_in_a_small_window(qtbot, bottle):
     assert not any(room.contains(QPointF(x, y).toPoint()) for x, y in points)
 
 
-def test_the_legend_folds_and_comes_to_rest(qtbot, bottle):
+def test_legend_folds_and_comes_to_rest(qtbot, bottle):
     legend = bottle.looks.legend
     for width in (800, 900, 1024, 1100, 1280):
         bottle.shell.resize(width, 700)
@@ -85,7 +85,7 @@ def test_the_legend_folds_and_comes_to_rest(qtbot, bottle):
     assert {shown for _, shown in heights} == {False, True}
 
 
-def test_the_legend_is_dragged_away_and_put_back_by_a_double_click(qtbot, bottle):
+def test_legend_is_dragged_away_and_put_back_by_a_double_click(qtbot, bottle):
     show_area(qtbot, bottle)
     cards, view = bottle.looks.cards, bottle.canvas.viewport
     home, eye = cards.pos(), view.look.eye.key
@@ -106,7 +106,7 @@ def test_the_legend_is_dragged_away_and_put_back_by_a_double_click(qtbot, bottle
     assert cards.x() == home.x()
 
 
-def test_the_range_is_fitted_when_an_overlay_is_first_shown(qtbot, bottle):
+def test_heat_map_fits_the_range_when_an_overlay_is_first_shown(qtbot, bottle):
     typed(qtbot, bottle)
     heat, legend = bottle.looks.heat, bottle.looks.legend
     show_area(qtbot, bottle)

@@ -75,12 +75,12 @@ def middle_pixel(view):
 # What is shown
 
 
-def test_at_rest_everything_is_neutral(area):
+def test_heat_map_is_neutral_everywhere_at_rest(area):
     assert set(shades(area)) == {128}
     assert area.looks.legend.isVisible()
 
 
-def test_a_frame_is_measured_when_it_is_drawn_and_once(qtbot, area, monkeypatch):
+def test_heat_map_measures_a_frame_when_it_is_drawn_and_once(qtbot, area, monkeypatch):
     asked, measured = [], Deviation.area
     monkeypatch.setattr(Deviation, "area", lambda self, U: asked.append(len(U)) or measured(self, U))
     V = document(area).mesh.V
@@ -92,7 +92,7 @@ def test_a_frame_is_measured_when_it_is_drawn_and_once(qtbot, area, monkeypatch)
     assert len(asked) == 1, "the camera has moved, and not the shape"
 
 
-def test_an_overlay_that_is_off_measures_nothing_and_leaves_the_paint(qtbot, area, monkeypatch):
+def test_heat_map_measures_nothing_and_leaves_the_paint_while_it_is_off(qtbot, area, monkeypatch):
     area.actions_.looks.off.trigger()
     assert not area.looks.legend.isVisible()
     monkeypatch.setattr(Deviation, "area", lambda *_: pytest.fail("nobody asked"))
@@ -111,7 +111,9 @@ def test_an_overlay_that_is_off_measures_nothing_and_leaves_the_paint(qtbot, are
         (Measure.DISTANCE, Qt.Key.Key_5, "0.1 mm"),
     ],
 )
-def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, measure, key, expected):
+def test_deviation_reading_value_under_the_cursor_is_that_of_the_closed_form(
+    qtbot, globe, measure, key, expected
+):
     globe.shell.activateWindow()
     qtbot.waitUntil(globe.shell.isActiveWindow)
     globe.choose_unit(Unit.MILLIMETRE)
@@ -136,7 +138,7 @@ def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, mea
     assert legend.under_cursor.text() == "–"
 
 
-def test_contact_pressure_is_shown_of_what_is_kept_apart(qtbot, bottle):
+def test_heat_map_shows_the_contact_pressure_of_what_is_kept_apart(qtbot, bottle):
     bottle.session.settings.keep_apart(False)
     bottle.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
     idle(qtbot, bottle)
@@ -161,7 +163,7 @@ def test_contact_pressure_is_shown_of_what_is_kept_apart(qtbot, bottle):
     assert 0 < touched <= 4 * bottle.session.store.state.frame.contact.pairs
 
 
-def test_what_takes_longer_waits_until_the_shape_rests(qtbot, globe):
+def test_heat_map_waits_with_what_takes_longer_until_the_shape_rests(qtbot, globe):
     choose(qtbot, globe, Measure.DISTANCE)
     heat = globe.looks.heat
     heat.resting.setInterval(10**6)
@@ -176,7 +178,7 @@ def test_what_takes_longer_waits_until_the_shape_rests(qtbot, globe):
     assert not globe.looks.legend.note.isVisible()
 
 
-def test_another_mesh_is_compared_with_its_own_rest_shape(qtbot, area):
+def test_heat_map_compares_another_mesh_with_its_own_rest_shape(qtbot, area):
     area.session.files.open_sample("bottle")
     idle(qtbot, area)
     qtbot.waitUntil(
@@ -189,7 +191,7 @@ def test_another_mesh_is_compared_with_its_own_rest_shape(qtbot, area):
 
 
 @pytest.mark.parametrize("edges", [False, True])
-def test_the_colours_of_the_legend_are_those_on_the_shape(globe, edges):
+def test_legend_colors_are_those_on_the_shape(globe, edges):
     """A place painted in the colour of the legend looks as one that the overlay colours."""
     view, surface = globe.canvas.viewport, globe.canvas.surface
     n = len(surface.U)
@@ -208,7 +210,7 @@ def test_the_colours_of_the_legend_are_those_on_the_shape(globe, edges):
             surface.set_colors(np.tile([*FREE_COLOR, 255], (n, 1)).astype(np.uint8))
 
 
-def test_up_to_the_tolerance_there_is_no_colour(qtbot, area):
+def test_heat_map_has_no_color_up_to_the_tolerance(qtbot, area):
     view, V = area.canvas.viewport, document(area).mesh.V
     neutral = middle_pixel(view)
     answer(qtbot, area, 1.01 * V)
@@ -217,7 +219,7 @@ def test_up_to_the_tolerance_there_is_no_colour(qtbot, area):
     np.testing.assert_allclose(middle_pixel(view), neutral, atol=2)
 
 
-def test_paint_is_still_seen(qtbot, bottle):
+def test_heat_map_lets_paint_still_be_seen(qtbot, bottle):
     """Stripes of the paint, between which the colours are those of the scale."""
     choose(qtbot, bottle, Measure.AREA)
     view, held = bottle.canvas.viewport, document(bottle).labels == HANDLE
@@ -232,7 +234,7 @@ def test_paint_is_still_seen(qtbot, bottle):
 # The legend
 
 
-def test_the_range_is_typed_and_the_fit_is_a_click_away(qtbot, area):
+def test_legend_lets_the_range_be_typed_and_fitted_by_a_click(qtbot, area):
     legend, heat = area.looks.legend, area.looks.heat
     answer(qtbot, area, 1.3 * document(area).mesh.V)
     assert set(shades(area)) == {255}
@@ -250,7 +252,7 @@ def test_the_range_is_typed_and_the_fit_is_a_click_away(qtbot, area):
     assert [text for _, text in legend.bar.labels] == ["−4.76\u00a0%", "0\u00a0%", "+5\u00a0%"]
 
 
-def test_the_largest_local_area_change_is_one_number_in_panel_and_legend(qtbot, bottle):
+def test_legend_shows_the_largest_local_area_change_as_the_panel_does(qtbot, bottle):
     choose(qtbot, bottle, Measure.AREA)
     bottle.session.handles.move_by(TypedMotion.TWIST, "60deg", 0)
     idle(qtbot, bottle)
@@ -263,7 +265,7 @@ def test_the_largest_local_area_change_is_one_number_in_panel_and_legend(qtbot, 
     assert bottle.looks.heat.extremes.mark.text.endswith(legend.largest.text())
 
 
-def test_what_counts_for_no_change_is_never_in_the_strongest_colours(qtbot, area):
+def test_heat_map_never_has_what_counts_for_no_change_in_the_strongest_colors(qtbot, area):
     legend, heat = area.looks.legend, area.looks.heat
     answer(qtbot, area, 1.3 * document(area).mesh.V)
     for field, text in ((legend.neutral, "500"), (legend.reach, "0.01")):
@@ -277,7 +279,7 @@ def test_what_counts_for_no_change_is_never_in_the_strongest_colours(qtbot, area
         assert scale.color(0.4) == scale.measure.colors.color(0.5)
 
 
-def test_at_rest_there_is_nothing_to_fit(qtbot, area):
+def test_legend_has_nothing_to_fit_at_rest(qtbot, area):
     before, fit = area.looks.heat.scale, area.looks.legend.fit
     qtbot.waitUntil(fit.isEnabled)
     qtbot.mouseClick(fit, LEFT)
@@ -285,7 +287,7 @@ def test_at_rest_there_is_nothing_to_fit(qtbot, area):
 
 
 @pytest.mark.parametrize("unit", [1e-9, 1e4])
-def test_the_range_is_fitted_and_typed_on_a_mesh_of_any_size(qtbot, window, unit):
+def test_legend_fits_and_takes_the_range_on_a_mesh_of_any_size(qtbot, window, unit):
     V, F = sphere(2)
     window.filing.show_mesh(Mesh(unit * V, F))
     idle(qtbot, window)
@@ -300,7 +302,7 @@ def test_the_range_is_fitted_and_typed_on_a_mesh_of_any_size(qtbot, window, unit
     assert heat.scale.reach == pytest.approx(0.5 * unit), "Enter leaves the number that is shown"
 
 
-def test_the_legend_changes_the_overlay_and_switches_it_off(qtbot, area):
+def test_legend_changes_the_overlay_and_switches_it_off(qtbot, area):
     legend = area.looks.legend
     legend.choice.setFocus()
     qtbot.keyClick(legend.choice, Qt.Key.Key_Down)
@@ -312,7 +314,7 @@ def test_the_legend_changes_the_overlay_and_switches_it_off(qtbot, area):
 
 
 @pytest.mark.parametrize("measure", Measure)
-def test_the_legend_shows_the_scale_of_every_measure(qtbot, measure):
+def test_legend_shows_the_scale_of_every_measure(qtbot, measure):
     legend = Legend()
     qtbot.addWidget(legend)
     scale = usual(measure, 1.0)
@@ -321,7 +323,7 @@ def test_the_legend_shows_the_scale_of_every_measure(qtbot, measure):
     assert legend.reach.suffix() == measure.words.kind.suffix(Unit.MILLIMETRE) != ""
 
 
-def test_the_legend_is_beside_the_ways_to_choose_where_it_is_as_high(qtbot, window):
+def test_cards_are_beside_the_ways_to_choose_where_they_are_as_high(qtbot, window):
     window.session.files.open_with("box", lambda: opened(Mesh(*box())))
     idle(qtbot, window)
     window.tools.take(Tool.BASE)
@@ -340,7 +342,7 @@ def test_the_legend_is_beside_the_ways_to_choose_where_it_is_as_high(qtbot, wind
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (800, 640)])
-def test_the_legend_covers_nothing(qtbot, bottle, size):
+def test_legend_covers_nothing(qtbot, bottle, size):
     bottle.shell.resize(*size)
     choose(qtbot, bottle, Measure.AREA)
     legend, canvas = bottle.looks.cards, bottle.canvas.viewport
@@ -354,7 +356,7 @@ def test_the_legend_covers_nothing(qtbot, bottle, size):
     assert legend.geometry().bottom() == canvas.height() - 13
 
 
-def test_the_mouse_on_the_legend_is_not_on_the_canvas(qtbot, area):
+def test_legend_keeps_the_mouse_on_it_from_the_canvas(qtbot, area):
     eye = area.canvas.viewport.look.eye.key
     mouse = Mouse(area.looks.legend)
     mouse.drag((20, 60), (60, 80), (90, 120))
@@ -362,7 +364,7 @@ def test_the_mouse_on_the_legend_is_not_on_the_canvas(qtbot, area):
     assert area.canvas.viewport.look.eye.key == eye
 
 
-def test_overlay_and_range_are_remembered(qtbot, area, settings):
+def test_heat_map_remembers_overlay_and_range(qtbot, area, settings):
     area.looks.legend.scaled.emit(0.4, 0.02)
     other = Workbench(Shell(settings))
     show(qtbot, other.shell, other.canvas.viewport)
@@ -376,7 +378,7 @@ def test_overlay_and_range_are_remembered(qtbot, area, settings):
         work_off()
 
 
-def test_settings_that_nobody_can_read_are_as_none(qtbot, settings):
+def test_heat_map_takes_settings_that_nobody_can_read_as_none(qtbot, settings):
     settings.setValue("looks", ["overlay nonsense", "area many 3", "strain -1 0", "ghost"])
     other = Workbench(Shell(settings))
     try:
@@ -391,7 +393,7 @@ def test_settings_that_nobody_can_read_are_as_none(qtbot, settings):
 # The worst places
 
 
-def test_a_key_goes_to_the_worst_places_one_after_another(qtbot, area):
+def test_next_worst_goes_to_the_worst_places_one_after_another_by_a_key(qtbot, area):
     area.shell.activateWindow()
     qtbot.waitUntil(area.shell.isActiveWindow)
     V = document(area).mesh.V

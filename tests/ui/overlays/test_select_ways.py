@@ -23,7 +23,7 @@ SOME_STROKES = {"rabbit": slice(None), "seams": slice(6), "bare": slice(3, 6)}
 
 @pytest.mark.parametrize("way", Way)
 @pytest.mark.parametrize("name", MESHES)
-def test_a_stroke_paints_what_it_previews_and_is_one_step_of_undo(qtbot, theatre, name, way):
+def test_selector_paints_what_it_previews_as_one_step_of_undo(qtbot, theatre, name, way):
     scene = theatre.scene(qtbot, name)
     before, gesture = scene.document, None
     for tool, modifiers in STROKES[SOME_STROKES.get(name, slice(3))]:

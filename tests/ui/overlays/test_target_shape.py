@@ -65,7 +65,7 @@ def drawn(window):
     return sum(actor.GetVisibility() for actor in window.canvas.viewport.renderer.GetActors())
 
 
-def test_without_a_target_nothing_of_it_is_offered(globe):
+def test_targeting_offers_nothing_without_a_target(globe):
     assert shown(globe) == []
     assert not globe.panel.target.isVisible()
     assert not globe.actions_.file.clear_target.isEnabled()
@@ -74,7 +74,7 @@ def test_without_a_target_nothing_of_it_is_offered(globe):
     assert globe.looks.heat.measure is None, "a session may say so whose target is missing"
 
 
-def test_a_target_is_seen_measured_and_cleared(qtbot, globe, file, monkeypatch, tmp_path):
+def test_targeting_lets_a_target_be_seen_measured_and_cleared(qtbot, globe, file, monkeypatch, tmp_path):
     heat, section, looks = globe.looks.heat, globe.panel.target, globe.actions_.looks
     load(qtbot, globe, monkeypatch, file)
     assert heat.measure is CLOSEST, "what was loaded is shown"
@@ -124,7 +124,7 @@ def test_a_target_is_seen_measured_and_cleared(qtbot, globe, file, monkeypatch, 
     assert document(globe).target is None
 
 
-def test_only_the_closest_point_is_offered_for_other_triangles(qtbot, globe, tmp_path, monkeypatch):
+def test_targeting_offers_only_the_closest_point_for_other_triangles(qtbot, globe, tmp_path, monkeypatch):
     cube, path = Mesh(*box(2, 2, 2)), tmp_path / "cube.obj"
     save_mesh(cube, cube.V - 1.0, path)
     load(qtbot, globe, monkeypatch, path)
@@ -157,7 +157,7 @@ def test_only_the_closest_point_is_offered_for_other_triangles(qtbot, globe, tmp
     assert globe.actions_.file.clear_target.isEnabled()
 
 
-def test_a_target_that_cannot_be_read_changes_nothing(qtbot, globe, tmp_path, monkeypatch):
+def test_targeting_changes_nothing_for_a_target_that_cannot_be_read(qtbot, globe, tmp_path, monkeypatch):
     path = tmp_path / "points.obj"
     path.write_text("v 0 0 0\nv 1 0 0\n")
     load(qtbot, globe, monkeypatch, path)

@@ -21,7 +21,7 @@ def on_screen(window, point):
     return QPointF(*window.canvas.viewport.look.eye.project(np.asarray(point)[None])[0])
 
 
-def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):
+def test_typed_takes_the_size_of_a_brush_in_pixels_or_as_a_length(qtbot, bottle):
     brush, typed = bottle.canvas.painter.size, bottle.editing.typed.brush
     bottle.actions_.select.sizes[2].trigger()
     assert bottle.canvas.tool is Tool.HANDLE
@@ -41,7 +41,7 @@ def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):
 
 
 @pytest.mark.parametrize("text", ["0", "-3px", "large px", "3 apples", "60deg"])
-def test_a_brush_of_no_size_is_refused_in_a_sentence(qtbot, bottle, text):
+def test_typed_refuses_a_brush_of_no_size_in_a_sentence(qtbot, bottle, text):
     brush, typed = bottle.canvas.painter.size, bottle.editing.typed.brush
     before = brush.radius, brush.length
     bottle.actions_.select.sizes[2].trigger()
@@ -52,7 +52,7 @@ def test_a_brush_of_no_size_is_refused_in_a_sentence(qtbot, bottle, text):
     assert typed.said.text() != typed.help
 
 
-def test_a_typed_pivot_is_shown_while_it_is_typed_and_is_a_step_of_undo(qtbot, bottle):
+def test_type_pivot_shows_the_point_while_it_is_typed_and_is_a_step_of_undo(qtbot, bottle):
     session, typed = bottle.session, bottle.editing.typed.pivot
     before = session.store.state
     bottle.actions_.pose.pivots[1].trigger()
@@ -71,7 +71,7 @@ def test_a_typed_pivot_is_shown_while_it_is_typed_and_is_a_step_of_undo(qtbot, b
 
 
 @pytest.mark.parametrize("text", ["1, 2", "1, 2, 3, 4", "a, b, c"])
-def test_a_pivot_that_is_no_point_is_refused_in_a_sentence(qtbot, bottle, text):
+def test_type_pivot_refuses_what_is_no_point_in_a_sentence(qtbot, bottle, text):
     before, typed = bottle.session.store.state, bottle.editing.typed.pivot
     bottle.actions_.pose.pivots[1].trigger()
     entered(qtbot, typed, text)
@@ -79,14 +79,14 @@ def test_a_pivot_that_is_no_point_is_refused_in_a_sentence(qtbot, bottle, text):
     assert typed.said.text() != typed.help
 
 
-def test_one_card_at_a_time(bottle):
+def test_typed_shows_one_card_at_a_time(bottle):
     bottle.actions_.pose.pivots[1].trigger()
     bottle.actions_.select.numbers.trigger()
     assert bottle.editing.typed.pivot.isHidden()
     assert not bottle.editing.typed.vertices.isHidden()
 
 
-def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
+def test_pick_line_takes_the_line_of_a_bend_by_two_clicks(qtbot, bottle, mouse):
     session, motion = bottle.session, bottle.panel.handles.motion
     motion.choice.setCurrentIndex(motion.choice.findData("BEND_LINE"))
     motion.amount.setText("20deg")
@@ -118,7 +118,7 @@ def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
     assert len(bottle.canvas.picker.shown) == 0
 
 
-def test_escape_calls_a_line_off_after_its_first_click(bottle, mouse):
+def test_pick_line_is_called_off_by_escape_after_its_first_click(bottle, mouse):
     view = bottle.canvas.viewport
     bottle.editing.pick_line()
     at = on_screen(bottle, bottle.session.store.state.document.mesh.V.mean(axis=0))

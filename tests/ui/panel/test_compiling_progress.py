@@ -5,7 +5,7 @@ from PySide6.QtWidgets import QMainWindow
 from apd_viewer.ui.panel.compiling_progress import CompilingProgress
 
 
-def test_it_is_shown_while_something_is_left_to_compile(qtbot):
+def test_compiling_progress_is_shown_while_something_is_left_to_compile(qtbot):
     progress, window = CompilingProgress(), QMainWindow()
     window.setCentralWidget(progress)
     window.show()

@@ -40,7 +40,7 @@ def solving(qtbot):
     window.deleteLater()
 
 
-def test_it_comes_after_a_while_and_goes_at_the_end(solving):
+def test_convergence_progress_comes_after_a_while_and_goes_at_the_end(solving):
     progress = solving.progress
     solving.go_on(8)
     assert not progress.isVisible()
@@ -57,7 +57,7 @@ def test_it_comes_after_a_while_and_goes_at_the_end(solving):
     assert not progress.isVisible()
 
 
-def test_it_tells_no_time_while_kernels_compile(solving):
+def test_convergence_progress_tells_no_time_while_kernels_compile(solving):
     solving.go_on(38)
     assert solving.progress.isVisible()
     solving.compiles = True
@@ -68,7 +68,7 @@ def test_it_tells_no_time_while_kernels_compile(solving):
     assert solving.progress.isVisible()
 
 
-def test_another_motion_begins_anew(solving):
+def test_convergence_progress_begins_anew_for_another_motion(solving):
     solving.go_on(60)
     assert solving.progress.isVisible()
     solving.go_on(5)
@@ -76,14 +76,14 @@ def test_another_motion_begins_anew(solving):
     assert solving.progress.bar.value() == 0
 
 
-def test_there_is_no_number_while_it_is_not_known(solving):
+def test_convergence_progress_has_no_number_while_it_is_not_known(solving):
     solving.go_on(20, gap=1e6)
     solving.now += 50.0
     solving.progress.follow(replace(solving.frame, iteration=21, gap=None), solving=True)
     assert solving.progress.words.text().endswith("…")
 
 
-def test_the_window_shows_none_of_a_quick_motion(qtbot, bottle):
+def test_convergence_progress_is_not_shown_for_a_quick_motion(qtbot, bottle):
     bottle.session.handles.move_by(TypedMotion.TWIST, "1", 0)
     idle(qtbot, bottle)
     assert not bottle.status.progress.isVisible()

@@ -51,7 +51,7 @@ def report(qtbot, window, path):
     return PageParts(path.read_text(encoding="utf-8"))
 
 
-def test_a_lost_turn_is_said_until_it_is_undone(qtbot, without_contact, tmp_path):
+def test_handle_section_says_a_lost_turn_until_it_is_undone(qtbot, without_contact, tmp_path):
     window, lost = without_contact, without_contact.panel.handles.lost
     assert lost.isHidden()
     twist(qtbot, window, "400")

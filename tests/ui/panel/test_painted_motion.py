@@ -50,7 +50,7 @@ def twisted(qtbot, bottle):
     return bottle
 
 
-def test_a_new_handle_leaves_the_motion_of_the_first(qtbot, twisted, tmp_path):
+def test_handle_section_keeps_the_motion_of_the_first_handle_beside_a_new_one(qtbot, twisted, tmp_path):
     window, rest, shape = twisted, document(twisted).mesh.V, twisted.session.store.state.frame.U
     press(window, Qt.Key.Key_H, Qt.KeyboardModifier.ShiftModifier)
     stroke(qtbot, window, on_screen(window, front(window, 8.0)), half_width=12)
@@ -83,7 +83,7 @@ def test_a_new_handle_leaves_the_motion_of_the_first(qtbot, twisted, tmp_path):
     assert row(window) == "twisted +20.0°"
 
 
-def test_a_stroke_of_the_base_and_to_go_on_from_the_total(qtbot, twisted):
+def test_handle_section_keeps_the_total_motion_through_a_stroke_of_the_base(qtbot, twisted):
     press(twisted, Qt.Key.Key_B)
     stroke(qtbot, twisted, on_screen(twisted, front(twisted, 6.0)), half_width=15)
     idle(qtbot, twisted)
@@ -93,7 +93,7 @@ def test_a_stroke_of_the_base_and_to_go_on_from_the_total(qtbot, twisted):
     assert row(twisted) == "twisted +20.0°"
 
 
-def test_a_handle_dragged_after_a_stroke_counts_on(qtbot, twisted):
+def test_handle_section_counts_on_for_a_handle_dragged_after_a_stroke(qtbot, twisted):
     press(twisted, Qt.Key.Key_B)
     stroke(qtbot, twisted, on_screen(twisted, front(twisted, 6.0)), half_width=15)
     press(twisted, Qt.Key.Key_M)

@@ -45,7 +45,7 @@ def shown(window):
     return {name for name, field in fields.items() if field.isVisibleTo(window.shell)}
 
 
-def test_the_readings_are_those_of_the_frame(qtbot, bottle):
+def test_panel_readings_are_those_of_the_frame(qtbot, bottle):
     details = bottle.panel.handles.list.rows[0].details
     assert details.text() == "at rest"
     drag(qtbot, bottle, ring_grip(bottle, 1), (70, 0))
@@ -65,7 +65,7 @@ def test_the_readings_are_those_of_the_frame(qtbot, bottle):
     assert panel.handles.list.rows[0].reading.text() == f"{held:,} vertices"
 
 
-def test_the_paper_lets_the_handle_drift(qtbot, bottle):
+def test_panel_shows_the_drift_of_the_handle_that_the_paper_allows(qtbot, bottle):
     choose(bottle, "paper")
     drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12))
     idle(qtbot, bottle)
@@ -74,7 +74,7 @@ def test_the_paper_lets_the_handle_drift(qtbot, bottle):
     assert float(bottle.panel.handles.drift.text()) == pytest.approx(state.frame.handle_drift, rel=1e-3)
 
 
-def test_each_method_shows_the_settings_that_matter_for_it(bottle):
+def test_method_section_shows_the_settings_that_matter_for_each_method(bottle):
     always = {"stiffness"}
     for method, settings in (
         ("exact", {"target"}),
@@ -88,7 +88,7 @@ def test_each_method_shows_the_settings_that_matter_for_it(bottle):
         assert bottle.panel.method.stiffness.field.isEnabled()
 
 
-def test_contact_is_offered_by_methods_that_can_and_keeps_the_wall_s_thickness(qtbot, bottle):
+def test_method_section_offers_contact_where_it_can_and_keeps_the_wall_thickness(qtbot, bottle):
     box, thickness = bottle.panel.method.contact, bottle.panel.measures.thickness
     bottle.session.settings.keep_apart(False)
     for method, may in (("paper", False), ("sr-arap", False), ("local", True), ("exact", True)):
@@ -119,7 +119,7 @@ def test_contact_is_offered_by_methods_that_can_and_keeps_the_wall_s_thickness(q
     assert (document(bottle).contact, document(bottle).thickness) == (False, None)
 
 
-def test_a_wall_too_thick_for_contact_is_said_and_changes_nothing(qtbot, bottle):
+def test_keep_apart_says_that_a_wall_is_too_thick_and_changes_nothing(qtbot, bottle):
     box, thickness = bottle.panel.method.contact, bottle.panel.measures.thickness
     bottle.session.settings.keep_apart(True)
     before = document(bottle)
@@ -136,7 +136,7 @@ def test_a_wall_too_thick_for_contact_is_said_and_changes_nothing(qtbot, bottle)
     assert not box.isChecked()
 
 
-def test_a_twist_in_contact_ends_without_a_crossing(qtbot, bottle):
+def test_keep_apart_ends_a_twist_without_a_crossing(qtbot, bottle):
     found = []
     for on in (False, True):
         bottle.session.settings.keep_apart(on)
@@ -154,7 +154,7 @@ def test_a_twist_in_contact_ends_without_a_crossing(qtbot, bottle):
     assert found[1] == 0
 
 
-def test_a_thickness_with_a_unit_counts_once_the_unit_of_the_mesh_is_known(bottle):
+def test_size_section_counts_a_thickness_with_a_unit_once_that_of_the_mesh_is_known(bottle):
     thickness = bottle.panel.measures.thickness
     bottle.session.settings.keep_apart(True)
     thickness.setText("0.3mm")
@@ -171,7 +171,7 @@ def test_a_thickness_with_a_unit_counts_once_the_unit_of_the_mesh_is_known(bottl
     assert document(bottle) is before, "it is the same distance"
 
 
-def test_contact_is_read_where_the_volume_is(qtbot, bottle):
+def test_volume_section_reads_contact_too(qtbot, bottle):
     volume = bottle.panel.volume
     bottle.session.settings.keep_apart(True, 0.03)
     said = [label.text() for label in (volume.pairs, volume.least_gap, volume.share)]
@@ -188,7 +188,7 @@ def test_contact_is_read_where_the_volume_is(qtbot, bottle):
     idle(qtbot, bottle)
 
 
-def test_a_shape_that_crosses_is_kept_apart_once_contact_is_turned_on(qtbot, bottle):
+def test_keep_apart_takes_crossings_out_of_a_shape_once_contact_is_turned_on(qtbot, bottle):
     volume, box = bottle.panel.volume, bottle.panel.method.contact
     bottle.session.settings.keep_apart(False)
     bottle.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
@@ -204,7 +204,7 @@ def test_a_shape_that_crosses_is_kept_apart_once_contact_is_turned_on(qtbot, bot
     idle(qtbot, bottle)
 
 
-def test_a_ghost_shows_where_contact_has_not_let_the_handle_go(qtbot, bottle):
+def test_patch_ghost_shows_where_contact_has_not_let_the_handle_go(qtbot, bottle):
     drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12))
     idle(qtbot, bottle)
     state, ghost = bottle.session.store.state, bottle.preview.asked.patches
@@ -217,7 +217,7 @@ def test_a_ghost_shows_where_contact_has_not_let_the_handle_go(qtbot, bottle):
     assert len(ghost.shown) == 0
 
 
-def test_the_method_can_be_changed_while_a_pose_is_held(qtbot, bottle):
+def test_method_section_can_change_the_method_while_a_pose_is_held(qtbot, bottle):
     drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12), steps=20)
     idle(qtbot, bottle)
     exact = bottle.session.store.state
@@ -237,7 +237,7 @@ def test_the_method_can_be_changed_while_a_pose_is_held(qtbot, bottle):
     assert abs(bottle.session.store.state.frame.area_error) <= 0.0002
 
 
-def test_a_typed_target_is_asked_for_and_met(qtbot, bottle):
+def test_area_section_asks_for_a_typed_target_and_it_is_met(qtbot, bottle):
     field = bottle.panel.area.target.field
     field.setFocus()
     field.selectAll()
@@ -252,7 +252,7 @@ def test_a_typed_target_is_asked_for_and_met(qtbot, bottle):
     assert document(bottle).area == 100.0
 
 
-def test_another_mesh_begins_with_the_defaults(qtbot, bottle):
+def test_panel_begins_with_the_defaults_for_another_mesh(qtbot, bottle):
     panel, motion = bottle.panel, bottle.panel.handles.motion
     choose(bottle, "local")
     panel.method.stiffness.field.setValue(0.001)
@@ -277,7 +277,7 @@ def test_another_mesh_begins_with_the_defaults(qtbot, bottle):
     ("typed", "becomes"),
     [("-5", 100), ("1e9", 100), ("abc", 100), ("", 100), ("1.1e2", 110), ("99,5 %", 99.5)],
 )
-def test_what_is_no_percentage_is_put_back_by_escape(qtbot, bottle, typed, becomes):
+def test_percent_field_puts_back_by_escape_what_is_no_percentage(qtbot, bottle, typed, becomes):
     field = bottle.panel.area.target.field
     field.setFocus()
     field.selectAll()
@@ -290,7 +290,7 @@ def test_what_is_no_percentage_is_put_back_by_escape(qtbot, bottle, typed, becom
     assert field.text() == f"{becomes:.2f} %"
 
 
-def test_a_sweep_of_the_slider_is_one_step_of_undo_and_the_mesh_follows(qtbot, bottle):
+def test_dial_makes_a_sweep_of_the_slider_one_step_of_undo_and_the_mesh_follows(qtbot, bottle):
     slider, before = bottle.panel.area.target.slider, document(bottle)
     areas = set()
     mouse = Mouse(slider)
@@ -307,7 +307,7 @@ def test_a_sweep_of_the_slider_is_one_step_of_undo_and_the_mesh_follows(qtbot, b
     assert slider.value() == 100
 
 
-def test_a_sweep_can_be_given_up(qtbot, bottle):
+def test_dial_lets_a_sweep_be_given_up(qtbot, bottle):
     bottle.session.settings.set_tolerance(0.002)
     slider, before = bottle.panel.method.stiffness.slider, document(bottle)
     mouse = Mouse(slider)
@@ -324,7 +324,7 @@ def test_a_sweep_can_be_given_up(qtbot, bottle):
         assert bottle.session.gestures.history.next_undo == "Change tolerance"
 
 
-def test_a_double_click_returns_to_100_percent(bottle):
+def test_dial_returns_to_100_percent_by_a_double_click(bottle):
     bottle.session.settings.set_area(130.0)
     slider = bottle.panel.area.target.slider
     at = knob(slider, slider.value())
@@ -334,7 +334,7 @@ def test_a_double_click_returns_to_100_percent(bottle):
     assert document(bottle).area == 100.0
 
 
-def test_the_stiffness_goes_from_nothing_over_three_decades():
+def test_slider_scale_of_the_stiffness_goes_from_nothing_over_three_decades():
     assert DECADES.value_at(0) == 0.0
     assert DECADES.value_at(1) == 1e-4
     assert DECADES.value_at(DECADES.steps) == 0.1
@@ -342,7 +342,7 @@ def test_the_stiffness_goes_from_nothing_over_three_decades():
         assert round(DECADES.step_of(DECADES.value_at(step))) == step
 
 
-def test_the_stiffness_is_typed_or_stepped(qtbot, bottle):
+def test_dial_lets_the_stiffness_be_typed_or_stepped(qtbot, bottle):
     dial = bottle.panel.method.stiffness
     dial.field.setValue(0.0123)
     assert document(bottle).stiffness == 0.0123
@@ -351,7 +351,7 @@ def test_the_stiffness_is_typed_or_stepped(qtbot, bottle):
     assert document(bottle).stiffness > 0.0123
 
 
-def test_what_is_out_of_reach_is_said(qtbot, bottle):
+def test_area_section_says_what_is_out_of_reach(qtbot, bottle):
     session, panel = bottle.session, bottle.panel
     session.gestures.begin()
     pose = np.eye(4)
@@ -368,7 +368,7 @@ def test_what_is_out_of_reach_is_said(qtbot, bottle):
     qtbot.waitUntil(panel.area.unreached.isHidden, timeout=30_000)
 
 
-def test_contact_that_stops_a_handle_is_said_at_once(qtbot, bottle):
+def test_area_section_says_at_once_that_contact_stops_a_handle(qtbot, bottle):
     """Until it has converged there the shape may take minutes."""
     area, state = bottle.panel.area, bottle.session.store.state
     goes_on = replace(state.frame, settled=False, share_reached=0.6)
@@ -379,7 +379,7 @@ def test_contact_that_stops_a_handle_is_said_at_once(qtbot, bottle):
     assert area.unreached.text() == said
 
 
-def test_local_keeps_the_total_too_where_that_is_asked(qtbot, bottle):
+def test_area_section_lets_local_keep_the_total_too_where_that_is_asked(qtbot, bottle):
     choose(bottle, "local")
     area = bottle.panel.area
     assert not area.target.field.isEnabled()
@@ -392,7 +392,7 @@ def test_local_keeps_the_total_too_where_that_is_asked(qtbot, bottle):
     assert (document(bottle).area_stiffness, document(bottle).shear_stiffness) == (30.0, 0.2)
 
 
-def test_a_volume_is_kept_or_the_reason_why_not_is_said(qtbot, bottle):
+def test_volume_section_keeps_a_volume_or_says_the_reason_why_not(qtbot, bottle):
     volume = bottle.panel.volume
     volume.keep.click()
     assert document(bottle).volume == 100.0
@@ -407,7 +407,7 @@ def test_a_volume_is_kept_or_the_reason_why_not_is_said(qtbot, bottle):
     assert document(bottle).volume is None
 
 
-def test_an_open_surface_has_no_volume_to_keep(qtbot, window):
+def test_volume_section_has_no_volume_to_keep_of_an_open_surface(qtbot, window):
     V, F = meshes.sphere(2)
     window.filing.show_mesh(Mesh(V, F[3:]))
     idle(qtbot, window)
@@ -416,7 +416,7 @@ def test_an_open_surface_has_no_volume_to_keep(qtbot, window):
     assert not window.panel.volume.why_not.isHidden()
 
 
-def test_sections_fold_and_are_remembered(qtbot, bottle, settings):
+def test_panel_folds_sections_and_remembers_them(qtbot, bottle, settings):
     heading = bottle.panel.volume.heading
     qtbot.mouseClick(heading, Qt.MouseButton.LeftButton)
     assert not bottle.panel.volume.keep.isVisible()
@@ -427,7 +427,7 @@ def test_sections_fold_and_are_remembered(qtbot, bottle, settings):
 
 
 @pytest.mark.parametrize("method", ["exact", "local", "paper", "arap"])
-def test_nothing_is_cut_off_at_the_side(qtbot, bottle, method):
+def test_panel_cuts_off_nothing_at_the_side(qtbot, bottle, method):
     bottle.shell.resize(1280, 720)
     bottle.parts.add_region()
     bottle.parts.add_handle()
@@ -439,7 +439,7 @@ def test_nothing_is_cut_off_at_the_side(qtbot, bottle, method):
     assert {BASE, HANDLE} <= set(document(bottle).labels)
 
 
-def test_sr_arap_is_offered_and_deforms(qtbot, bottle):
+def test_method_section_offers_sr_arap_which_deforms(qtbot, bottle):
     choose(bottle, "sr-arap")
     drag(qtbot, bottle, ring_grip(bottle, 1), (40, 0))
     idle(qtbot, bottle)
@@ -448,7 +448,7 @@ def test_sr_arap_is_offered_and_deforms(qtbot, bottle):
     assert shown(bottle) == {"stiffness"}
 
 
-def test_convergence_is_folded_and_shows_what_applies(qtbot, bottle):
+def test_convergence_fields_are_folded_and_show_what_applies(qtbot, bottle):
     fields, shell = bottle.panel.method.convergence, bottle.shell
 
     def seen():
@@ -485,7 +485,7 @@ def test_convergence_is_folded_and_shows_what_applies(qtbot, bottle):
     assert fields.most.error.isVisible()
 
 
-def test_the_handles_are_seen_without_scrolling(qtbot, bottle):
+def test_handle_section_is_seen_without_scrolling(qtbot, bottle):
     bottle.shell.resize(1280, 800)
     work_off()
     shown = bottle.panel.handles.motion.visibleRegion().boundingRect()

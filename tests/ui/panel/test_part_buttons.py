@@ -20,7 +20,7 @@ def colors(window, label):
     return np.array(window.canvas.surface.arrays.rgba)[document(window).labels == label, :3]
 
 
-def test_a_hidden_handle_has_no_colour_and_holds_all_the_same(qtbot, bottle, row):
+def test_part_buttons_hide_the_color_of_a_handle_that_holds_all_the_same(qtbot, bottle, row):
     before = document(bottle)
     assert (colors(bottle, HANDLE) == HANDLE_COLORS[0]).all()
     qtbot.mouseClick(row.hide_part, LEFT)
@@ -33,7 +33,7 @@ def test_a_hidden_handle_has_no_colour_and_holds_all_the_same(qtbot, bottle, row
     assert (colors(bottle, HANDLE) == FREE_COLOR).all()
 
 
-def test_a_stroke_goes_round_a_locked_part_and_its_preview_too(qtbot, bottle, row):
+def test_strokes_go_round_a_locked_part_and_so_does_their_preview(qtbot, bottle, row):
     qtbot.mouseClick(row.lock_part, LEFT)
     held = document(bottle).labels == HANDLE
     edge = int(np.flatnonzero(held)[np.argmin(document(bottle).mesh.V[held, 1])])
@@ -46,7 +46,7 @@ def test_a_stroke_goes_round_a_locked_part_and_its_preview_too(qtbot, bottle, ro
     np.testing.assert_array_equal(document(bottle).labels == HANDLE, held)
 
 
-def test_a_stroke_with_a_locked_part_changes_nothing_and_says_why(qtbot, bottle, row):
+def test_strokes_with_a_locked_part_change_nothing_and_say_why(qtbot, bottle, row):
     qtbot.mouseClick(row.lock_part, LEFT)
     before = document(bottle)
     bottle.tools.take(Tool.HANDLE)
@@ -56,7 +56,7 @@ def test_a_stroke_with_a_locked_part_changes_nothing_and_says_why(qtbot, bottle,
     assert bottle.notice.text == "Handle 1 is locked; unlock it in the panel first."
 
 
-def test_clear_of_the_base_is_a_button_and_one_step(qtbot, bottle):
+def test_part_buttons_clear_the_base_in_one_step(qtbot, bottle):
     before, base = bottle.session.store.state, bottle.panel.paint.base
     qtbot.mouseClick(base.clear_part, LEFT)
     assert not (document(bottle).labels == BASE).any()
@@ -74,7 +74,7 @@ def test_clear_all_leaves_what_is_locked(qtbot, bottle, row):
     assert (document(bottle).labels == HANDLE).any()
 
 
-def test_keys_lock_and_hide_the_part_of_the_tool(qtbot, bottle):
+def test_part_commands_lock_and_hide_the_part_of_the_tool_by_keys(qtbot, bottle):
     bottle.shell.activateWindow()
     qtbot.waitUntil(bottle.shell.isActiveWindow, timeout=5_000)
     bottle.canvas.viewport.setFocus()
@@ -87,7 +87,7 @@ def test_keys_lock_and_hide_the_part_of_the_tool(qtbot, bottle):
     assert not document(bottle).base.locked
 
 
-def test_the_menu_clears_the_active_parts(qtbot, bottle):
+def test_part_commands_clear_the_active_parts_from_the_menu(qtbot, bottle):
     base, handle, _, all_of_it = bottle.actions_.select.clears
     handle.trigger()
     assert not (document(bottle).labels == HANDLE).any()

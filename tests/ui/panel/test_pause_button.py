@@ -17,7 +17,7 @@ def solving(qtbot, bottle):
     return bottle
 
 
-def test_the_button_stops_the_solver_and_lets_it_go_on(qtbot, solving):
+def test_pause_button_stops_the_solver_and_lets_it_go_on(qtbot, solving):
     pause, store = solving.status.pause, solving.session.store
     assert (pause.isVisible(), pause.text()) == (True, "Pause")
     qtbot.mouseClick(pause, LEFT)
@@ -35,7 +35,7 @@ def test_the_button_stops_the_solver_and_lets_it_go_on(qtbot, solving):
     assert not pause.isVisible()
 
 
-def test_space_in_the_view_does_the_same(qtbot, solving):
+def test_pause_or_resume_is_done_by_space_in_the_view(qtbot, solving):
     solving.shell.activateWindow()
     qtbot.waitUntil(solving.shell.isActiveWindow, timeout=5_000)
     view = solving.canvas.viewport
@@ -46,7 +46,7 @@ def test_space_in_the_view_does_the_same(qtbot, solving):
     assert solving.session.store.activity is Activity.REFINING
 
 
-def test_space_on_a_button_presses_the_button(qtbot, solving):
+def test_pause_or_resume_leaves_space_on_a_button_to_that_button(qtbot, solving):
     add = solving.panel.handles.add
     add.setFocus()
     before = len(solving.session.store.state.document.handles)

@@ -30,7 +30,7 @@ def bottle(new_bottle):
     return new_bottle
 
 
-def test_a_stopped_solver_is_said_until_it_is_restarted(qtbot, bottle):
+def test_notice_says_a_stopped_solver_until_it_is_restarted(qtbot, bottle):
     store, notice, button = bottle.session.store, bottle.notice, bottle.status.pause
     bottle.session.handles.move_by(TypedMotion.TWIST, "5", 0)
     idle(qtbot, bottle)

@@ -77,7 +77,7 @@ def number(text):
     return float(text.replace("−", "-").split()[0])
 
 
-def test_the_bottle_crushed_by_half_has_the_volume_of_the_mesh_that_is_exported(crushed, tmp_path):
+def test_volume_section_of_the_crushed_bottle_has_the_volume_of_the_exported_mesh(crushed, tmp_path):
     state, panel = crushed.session.store.state, crushed.panel
     save_mesh(state.document.mesh, state.frame.U, tmp_path / "crushed.off")
     other, rest = (
@@ -101,7 +101,7 @@ def test_the_bottle_crushed_by_half_has_the_volume_of_the_mesh_that_is_exported(
     )
 
 
-def test_where_it_passes_through_itself_is_flagged_counted_and_shown(qtbot, crushed):
+def test_crossings_button_flags_counts_and_shows_where_a_mesh_passes_through_itself(qtbot, crushed):
     button, health, state = crushed.panel.volume.crossings, crushed.health, crushed.session.store.state
     crossing = crossings(state.frame.U, state.document.mesh.F)
     assert len(crossing) > 20
@@ -118,7 +118,7 @@ def test_where_it_passes_through_itself_is_flagged_counted_and_shown(qtbot, crus
     assert health.badge.text() == "No issues"
 
 
-def test_what_crosses_at_rest_is_named_and_shown_while_contact_is_on(qtbot, window):
+def test_health_names_and_shows_what_crosses_at_rest_while_contact_is_on(qtbot, window):
     V, F = meshes.sphere(3)
     mesh = Mesh(np.vstack([V, V + [1.7, 0.03, 0.02]]), np.vstack([F, F + len(V)]))
     labels = np.where(mesh.V[:, 2] < -0.8, BASE, np.where(mesh.V[:, 2] > 0.8, HANDLE, FREE))
@@ -145,7 +145,7 @@ def test_what_crosses_at_rest_is_named_and_shown_while_contact_is_on(qtbot, wind
     qtbot.waitUntil(lambda: health.badge.text().split()[0] == str(count), timeout=30_000)
 
 
-def test_what_moves_has_no_readings_that_are_made_at_rest(qtbot, window):
+def test_size_section_has_no_readings_of_what_moves_that_are_made_at_rest(qtbot, window):
     coarse_bottle(qtbot, window)
     known(qtbot, window)
     room, button = window.panel.measures, window.panel.volume.crossings
@@ -172,7 +172,7 @@ def filled(U, F):
     return other.volume
 
 
-def test_an_open_bottle_is_measured_with_its_mouth_capped_and_says_so(qtbot, window):
+def test_volume_section_measures_an_open_bottle_with_its_mouth_capped_and_says_so(qtbot, window):
     mesh = coarse_bottle(qtbot, window, open_top=True)
     panel = window.panel.volume
     assert panel.change == "unchanged, capped"
@@ -192,7 +192,7 @@ def type_into(qtbot, field, text):
     qtbot.keyClick(field, Qt.Key.Key_Return)
 
 
-def test_a_wall_that_is_typed_weighs_area_times_thickness_times_density(qtbot, bottle):
+def test_size_section_weighs_a_typed_wall_as_area_times_thickness_times_density(qtbot, bottle):
     room = bottle.panel.measures
     room.folded = False
     type_into(qtbot, room.thickness, "0.3mm")
@@ -210,7 +210,7 @@ def test_a_wall_that_is_typed_weighs_area_times_thickness_times_density(qtbot, b
     assert "“thin” is unknown" in room.problem.text()
 
 
-def test_a_vessel_with_two_walls_weighs_its_material(qtbot, window):
+def test_size_section_weighs_the_material_of_a_vessel_with_two_walls(qtbot, window):
     V, F = meshes.cup(64)
     window.filing.show_mesh(Mesh(V, F))
     idle(qtbot, window)
@@ -227,7 +227,9 @@ def test_a_vessel_with_two_walls_weighs_its_material(qtbot, window):
     assert room.two_walls.isHidden()
 
 
-def test_the_wall_is_remembered_with_the_file_and_kept_in_sessions(qtbot, window, settings, tmp_path):
+def test_measuring_remembers_the_wall_with_the_file_and_keeps_it_in_sessions(
+    qtbot, window, settings, tmp_path
+):
     paths = [tmp_path / f"part, {name}.obj" for name in "ab"]
     for path in paths:
         save_mesh(Mesh(*meshes.sphere(2)), meshes.sphere(2)[0], path)
@@ -255,12 +257,12 @@ def test_the_wall_is_remembered_with_the_file_and_kept_in_sessions(qtbot, window
     assert document(window).mesh.path == paths[0]
 
 
-def test_settings_that_somebody_has_broken_say_nothing_of_walls(settings):
+def test_preferences_read_no_walls_from_settings_that_somebody_has_broken(settings):
     settings.setValue("walls", ["nonsense", "[1]", '["/a.obj", "1mm", "2"]'])
     assert list(Preferences(settings).walls.values()) == [Wall("1mm", "2")]
 
 
-def test_measuring_are_folded_away_at_first(bottle):
+def test_size_section_is_folded_away_at_first(bottle):
     assert bottle.panel.folded == ["Size and mass"]
     assert bottle.panel.measures.heading.isVisible()
     assert not bottle.panel.measures.mass.isVisible()

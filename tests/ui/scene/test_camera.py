@@ -21,13 +21,13 @@ def points(count=50):
     return np.random.default_rng(1).normal(size=(count, 3))
 
 
-def test_a_ray_runs_through_the_points_that_project_to_its_pixel(camera):
+def test_ray_runs_through_the_points_that_project_to_its_pixel(camera):
     for point, (x, y) in zip(points(), camera.project(points()), strict=True):
         origin, direction = camera.ray(x, y)
         np.testing.assert_allclose(direction, unit(point - origin), atol=1e-12)
 
 
-def test_the_focal_point_is_in_the_middle_and_up_is_up(camera):
+def test_project_puts_the_focal_point_in_the_middle_and_up_above_it(camera):
     np.testing.assert_allclose(camera.project(camera.focal[None]), [[400, 300]])
     above = camera.project((camera.focal + 0.1 * UP)[None])[0]
     assert above[0] == pytest.approx(400)
@@ -40,7 +40,7 @@ def test_world_per_pixel_is_the_length_of_a_pixel(camera):
 
 
 @pytest.mark.parametrize("factor", [0.3, 1.2, 7.0])
-def test_zoom_leaves_the_point_where_it_is(camera, factor):
+def test_zoomed_leaves_the_point_where_it_is(camera, factor):
     point = np.array([0.7, -0.4, 0.5])
     closer = camera.zoomed(point, factor)
     np.testing.assert_allclose(closer.project(point[None]), camera.project(point[None]), atol=1e-9)
@@ -48,12 +48,12 @@ def test_zoom_leaves_the_point_where_it_is(camera, factor):
     np.testing.assert_allclose(closer.axes, camera.axes, atol=1e-12)
 
 
-def test_pan_moves_the_focal_plane_with_the_cursor(camera):
+def test_panned_moves_the_focal_plane_with_the_cursor(camera):
     moved = camera.panned(30, -12).project(camera.focal[None])
     np.testing.assert_allclose(moved, [[430, 288]], atol=1e-9)
 
 
-def test_orbit_keeps_the_distance_and_the_horizon(camera):
+def test_orbited_keeps_the_distance_and_the_horizon(camera):
     turned = camera
     for step in ((40, 13), (-200, 90), (10, 700), (-35, 250)):
         turned = turned.orbited(*step)
@@ -63,7 +63,7 @@ def test_orbit_keeps_the_distance_and_the_horizon(camera):
 
 
 @pytest.mark.parametrize("upside_down", [False, True])
-def test_orbit_drags_the_near_side_along(camera, upside_down):
+def test_orbited_drags_the_near_side_along(camera, upside_down):
     if upside_down:
         camera = camera.orbited(0, 450)
         assert camera.axes[1] @ UP < 0
@@ -76,7 +76,7 @@ def test_orbit_drags_the_near_side_along(camera, upside_down):
     assert y > 0
 
 
-def test_frame_shows_all_and_wastes_little(camera):
+def test_framed_shows_all_and_wastes_little(camera):
     for cloud in (points(), points() * [5, 0.1, 1], points() * [0.1, 3, 0.1]):
         framed = camera.framed(cloud)
         xy = framed.project(cloud) - [400, 300]
@@ -84,7 +84,7 @@ def test_frame_shows_all_and_wastes_little(camera):
         np.testing.assert_allclose(framed.axes, camera.axes, atol=1e-12)
 
 
-def test_frame_takes_a_single_point(camera):
+def test_framed_takes_a_single_point(camera):
     framed = camera.framed(np.ones((1, 3)))
     np.testing.assert_allclose(framed.project(np.ones((1, 3))), [[400, 300]])
 
@@ -100,7 +100,7 @@ def test_frame_takes_a_single_point(camera):
         ("-top", (0, 1, 0), (0, 0, 1)),
     ],
 )
-def test_axis_views(camera, axis, forward, up):
+def test_placed_looks_along_the_axis_upright_from_the_same_distance(camera, axis, forward, up):
     placed = camera.placed(axis)
     np.testing.assert_allclose(placed.axes[2], forward, atol=1e-12)
     np.testing.assert_allclose(placed.axes[1], up, atol=1e-12)
@@ -112,7 +112,7 @@ def test_rotation_is_counter_clockwise_seen_from_the_tip():
     np.testing.assert_allclose(rotation(np.array([0.0, 0, 1]), np.pi / 2) @ [1, 0, 0], [0, 1, 0], atol=1e-15)
 
 
-def test_another_projection_shows_the_focal_plane_as_before(camera):
+def test_opened_shows_the_focal_plane_as_before_in_another_projection(camera):
     plane = camera.focal + points(20) @ camera.axes[:2].T @ camera.axes[:2]
     for angle in (PERSPECTIVE, ORTHOGRAPHIC):
         other = camera.opened(angle)
@@ -121,7 +121,7 @@ def test_another_projection_shows_the_focal_plane_as_before(camera):
         assert other.is_orthographic == (angle == ORTHOGRAPHIC)
 
 
-def test_lines_of_sight_are_parallel_without_perspective(camera):
+def test_opened_makes_lines_of_sight_parallel_without_perspective(camera):
     eye = camera.opened(ORTHOGRAPHIC)
     start = eye.focal + points(20) @ eye.axes[:2].T @ eye.axes[:2]
     behind = start + 0.5 * eye.span * eye.axes[2]
@@ -131,7 +131,7 @@ def test_lines_of_sight_are_parallel_without_perspective(camera):
 
 
 @pytest.mark.parametrize("up_axis", UpAxis)
-def test_every_up_axis_has_the_views_of_the_first(camera, up_axis):
+def test_up_axis_has_the_views_of_the_first_whichever_it_is(camera, up_axis):
     frame = up_axis.frame
     np.testing.assert_array_equal(frame @ frame.T, np.eye(3))
     assert np.linalg.det(frame) == pytest.approx(1)

@@ -39,7 +39,7 @@ def opened(qtbot, window, tmp_path):
 
 
 @pytest.mark.parametrize("up_axis", UpAxis)
-def test_the_chosen_axis_is_up_in_every_level_view(qtbot, bottle, up_axis):
+def test_camera_actions_have_the_chosen_axis_up_in_every_level_view(qtbot, bottle, up_axis):
     actions(bottle).up_axes[up_axis].trigger()
     U = bottle.canvas.surface.U
     above = np.vstack([camera(bottle).focal, camera(bottle).focal + 0.1 * up_axis.direction])
@@ -56,7 +56,7 @@ def test_the_chosen_axis_is_up_in_every_level_view(qtbot, bottle, up_axis):
     assert levels[0] == levels[1] == pytest.approx((U @ up_axis.direction).min() * up_axis.sign)
 
 
-def test_axis_views_show_the_whole_mesh(bottle):
+def test_camera_actions_show_the_whole_mesh_in_axis_views(bottle):
     view = bottle.canvas.viewport
     for axis, action in actions(bottle).directions.items():
         view.look.eye = view.look.eye.panned(400, 300).zoomed(view.look.eye.focal, 9.0)
@@ -67,7 +67,7 @@ def test_axis_views_show_the_whole_mesh(bottle):
         assert max(np.ptp(x) / view.width(), np.ptp(y) / view.height()) > 0.5, axis
 
 
-def test_an_axis_is_remembered_with_its_file(window, opened, settings):
+def test_up_axes_remember_an_axis_with_its_file(window, opened, settings):
     path = opened("tall.stl")
     assert camera(window).up_axis is UpAxis.PLUS_Y
     actions(window).up_axes[UpAxis.PLUS_Z].trigger()
@@ -84,7 +84,7 @@ def test_an_axis_is_remembered_with_its_file(window, opened, settings):
     ("name", "up_axis"),
     [("a.GLB", "+Y"), ("a.gltf", "+Y"), ("a.3mf", "+Z"), ("a.stl", "+Y"), ("a.obj", "+Y")],
 )
-def test_the_axis_of_a_format_is_assumed(settings, tmp_path, name, up_axis):
+def test_up_axes_assume_the_axis_of_a_format(settings, tmp_path, name, up_axis):
     V, F = meshes.box()
     axes = UpAxes(Preferences(settings))
     mesh = Mesh(V, F, tmp_path / name)
@@ -93,7 +93,7 @@ def test_the_axis_of_a_format_is_assumed(settings, tmp_path, name, up_axis):
     assert UpAxes(Preferences(settings)).of(Mesh(V, F, tmp_path / name)) is UpAxis.MINUS_X
 
 
-def test_the_mesh_stands_as_it_was_turned(bottle):
+def test_camera_actions_let_the_mesh_stand_as_it_was_turned(bottle):
     actions(bottle).directions["top"].trigger()
     actions(bottle).upright.trigger()
     assert camera(bottle).up_axis is UpAxis.MINUS_Z
@@ -101,7 +101,7 @@ def test_the_mesh_stands_as_it_was_turned(bottle):
     assert camera(bottle).axes[1] @ [0, 0, -1] > 0.9
 
 
-def test_a_session_keeps_axis_and_projection(qtbot, bottle, tmp_path):
+def test_mesh_view_keeps_axis_and_projection_in_a_session(qtbot, bottle, tmp_path):
     actions(bottle).up_axes[UpAxis.PLUS_X].trigger()
     actions(bottle).orthographic.trigger()
     kept = camera(bottle)
@@ -116,7 +116,7 @@ def test_a_session_keeps_axis_and_projection(qtbot, bottle, tmp_path):
     assert actions(bottle).orthographic.isChecked()
 
 
-def test_a_key_takes_the_perspective_away(qtbot, bottle, mouse):
+def test_camera_actions_take_the_perspective_away_by_a_key(qtbot, bottle, mouse):
     view = bottle.canvas.viewport
     bottle.shell.activateWindow()
     qtbot.waitUntil(bottle.shell.isActiveWindow)
@@ -139,7 +139,7 @@ def test_a_key_takes_the_perspective_away(qtbot, bottle, mouse):
     np.testing.assert_allclose(camera(bottle).position, before.position, rtol=1e-9)
 
 
-def test_without_perspective_the_mesh_is_drawn_and_painted(qtbot, bottle, mouse):
+def test_camera_actions_let_the_mesh_be_drawn_and_painted_without_perspective(qtbot, bottle, mouse):
     view = bottle.canvas.viewport
     actions(bottle).directions["front"].trigger()
     settle(qtbot, view)

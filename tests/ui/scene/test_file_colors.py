@@ -30,7 +30,7 @@ def shown(window):
     return window.canvas.surface.arrays.rgba[:, :3].copy()
 
 
-def test_colours_are_shown_under_the_paint_when_asked(qtbot, colored, settings):
+def test_coloring_shows_colors_of_the_file_under_the_paint_when_asked(qtbot, colored, settings):
     switch = colored.actions_.looks.switches["file_colors"]
     assert switch.isEnabled()
     paint = label_colors(document(colored).labels)[:, :3]
@@ -51,11 +51,11 @@ def test_colours_are_shown_under_the_paint_when_asked(qtbot, colored, settings):
     np.testing.assert_array_equal(shown(colored), paint)
 
 
-def test_without_colours_there_is_nothing_to_show(bottle):
+def test_look_actions_offer_no_file_colors_without_colors(bottle):
     assert not bottle.actions_.looks.switches["file_colors"].isEnabled()
 
 
-def test_colours_are_parsed_off_the_window_s_thread(colored, tmp_path):
+def test_mesh_has_its_colors_parsed_off_the_thread_of_the_window(colored, tmp_path):
     mesh = document(colored).mesh
     assert "colors" in vars(mesh)
     assert mesh.baked(mesh.V * 2.0).colors is mesh.colors

@@ -29,7 +29,7 @@ def brightness(qtbot, window):
     return float(picture[height // 2 - 5 : height // 2 + 5, width // 2 + 20 : width // 2 + 30, :3].mean())
 
 
-def test_a_file_with_normals_is_shaded_by_them(qtbot, window, tmp_path):
+def test_shading_is_by_the_normals_of_a_file_that_has_them(qtbot, window, tmp_path):
     shadings = window.actions_.view.shadings
     window.filing.open_path(sheet(tmp_path / "plain.obj", tilt=False))
     idle(qtbot, window)

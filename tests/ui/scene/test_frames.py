@@ -39,7 +39,9 @@ def answer(window, U):
     stage.show(stage.state.at(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
 
 
-def test_a_move_of_the_handle_draws_nothing_until_there_is_a_frame(qtbot, bottle, work, monkeypatch):
+def test_viewport_draws_nothing_for_a_move_of_the_handle_until_there_is_a_frame(
+    qtbot, bottle, work, monkeypatch
+):
     view = bottle.canvas.viewport
     settle(qtbot, view)
     monkeypatch.setattr(Worker, "ask", lambda *_: None)
@@ -58,7 +60,7 @@ def test_a_move_of_the_handle_draws_nothing_until_there_is_a_frame(qtbot, bottle
     mouse.release(at + [50.0, 0.0])
 
 
-def test_what_a_frame_leaves_as_it_is_is_not_looked_at_again(bottle, monkeypatch):
+def test_document_does_not_look_again_at_what_a_frame_leaves_as_it_is(bottle, monkeypatch):
     before = document(bottle)
     held = before.counts, before.centre(0), before.problem
     bincount, here = np.bincount, threading.get_ident()
@@ -78,7 +80,7 @@ def test_what_a_frame_leaves_as_it_is_is_not_looked_at_again(bottle, monkeypatch
     assert all(a is b for a, b in zip((now.counts, now.centre(0), now.problem), held, strict=True))
 
 
-def test_a_stroke_colours_what_it_paints_and_leaves_the_points(qtbot, bottle, work):
+def test_coloring_colors_what_a_stroke_paints_and_leaves_the_points(qtbot, bottle, work):
     bottle.tools.take(Tool.BASE)
     V, before = document(bottle).mesh.V, document(bottle).labels
     front = np.flatnonzero((V[:, 2] > 0.5) & (abs(V[:, 0]) < 0.3) & (before == FREE))
@@ -94,7 +96,7 @@ def test_a_stroke_colours_what_it_paints_and_leaves_the_points(qtbot, bottle, wo
     assert len(np.unique(rgba[document(bottle).labels == HANDLE], axis=0)) == 1
 
 
-def test_rays_share_the_boxes_of_a_shape(bottle, work):
+def test_surface_shares_the_boxes_of_a_shape_between_rays(bottle, work):
     bottle.tools.take(Tool.BASE)
     mouse, view = Mouse(bottle.canvas.viewport), bottle.canvas.viewport
     middle = np.array([view.width() / 2, view.height() / 2])
@@ -112,7 +114,7 @@ def test_rays_share_the_boxes_of_a_shape(bottle, work):
     )
 
 
-def test_the_box_that_the_camera_clips_at_is_that_of_the_shape(qtbot, bottle):
+def test_viewport_box_that_the_camera_clips_at_is_that_of_the_shape(qtbot, bottle):
     """VTK is not asked for it: that costs a look at all triangles for each frame."""
     view = bottle.canvas.viewport
     answer(bottle, document(bottle).mesh.V * [3.0, 1.0, 5.0])
@@ -124,7 +126,7 @@ def test_the_box_that_the_camera_clips_at_is_that_of_the_shape(qtbot, bottle):
     assert depth.max() <= far
 
 
-def test_a_mesh_is_made_ready_before_the_window_has_it(qtbot, bottle, monkeypatch):
+def test_show_state_takes_a_mesh_that_was_made_ready_before_the_window_has_it(qtbot, bottle, monkeypatch):
     """Nothing that only depends on the triangles is found out on the thread of the window."""
     monkeypatch.setattr(skins.Skin, "of", None)
     state = bottle.session.store.state

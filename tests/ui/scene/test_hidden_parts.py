@@ -14,7 +14,7 @@ from apd_viewer.ui.scene.coloring import colors_of, differing
 HIDDEN = PartFlags(hidden=True)
 
 
-def test_hidden_parts_look_erased_and_the_difference_is_all_that_is_coloured_anew():
+def test_colors_of_hidden_parts_look_erased_and_only_the_difference_is_colored_anew():
     before = with_next_region(document())
     before = before.painted_region(np.arange(6, 30), 1)
     for part in (Part(BASE), Part(HANDLE), Part(1, is_region=True)):
@@ -27,7 +27,7 @@ def test_hidden_parts_look_erased_and_the_difference_is_all_that_is_coloured_ane
         np.testing.assert_array_equal(differing(before, hidden), np.flatnonzero(differ))
 
 
-def test_a_hidden_handle_has_no_falloff_to_see():
+def test_colors_of_a_hidden_handle_show_no_falloff():
     before = document()
     before = before.with_handle(0, replace(before.handles[0], falloff=3.0))
     hidden = Part(HANDLE).flagged(before, HIDDEN)

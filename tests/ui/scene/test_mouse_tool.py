@@ -20,12 +20,12 @@ def draw(self, painter):
 
 @pytest.mark.parametrize("method", [pres, on_move, draw])
 @pytest.mark.parametrize("bases", [(MouseTool,), (MouseTool, QObject)])
-def test_a_method_that_nobody_would_call_is_refused(method, bases):
+def test_mouse_tool_refuses_a_method_that_nobody_would_call(method, bases):
     with pytest.raises(TypeError, match=method.__name__):
         type(QObject)("Misnamed", bases, {method.__name__: method})
 
 
-def test_what_overrides_or_takes_no_event_is_accepted(qapp):
+def test_mouse_tool_accepts_what_overrides_or_takes_no_event(qapp):
     class Tool(MouseTool, QObject):
         chosen = Signal(int)
 
@@ -50,7 +50,7 @@ def test_what_overrides_or_takes_no_event_is_accepted(qapp):
     assert not tool.cancel()
 
 
-def test_a_tool_of_a_tool_is_looked_at_too():
+def test_mouse_tool_looks_at_a_tool_of_a_tool_too():
     class Brush(MouseTool):
         pass
 

@@ -18,7 +18,7 @@ def painted(pointer, view):
     return np.frombuffer(image.constBits(), np.uint8).any()
 
 
-def test_a_place_is_marked_in_front_of_the_camera_and_not_behind_it(view, surface):
+def test_pointer_marks_a_place_in_front_of_the_camera_and_not_behind_it(view, surface):
     pointer = Pointer(view, surface)
     pointer.place = Place(0, np.array([1.0, 0.0, 0.0]))
     point, eye = surface.U[surface.skin.F[0, 0]], view.look.eye

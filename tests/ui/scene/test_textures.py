@@ -36,7 +36,7 @@ def opened(qtbot, window, path):
 
 
 @pytest.mark.parametrize("kind", ["obj", "glb"])
-def test_a_square_shows_its_colours_also_deformed(qtbot, window, tmp_path, kind):
+def test_texture_shows_its_colors_on_a_square_also_deformed(qtbot, window, tmp_path, kind):
     switch = opened(qtbot, window, FILES[kind](tmp_path))
     assert switch.isEnabled()
     assert np.ptp(seen(qtbot, window, PLACES).reshape(-1, 3), axis=0).max() < 0.1
@@ -48,7 +48,7 @@ def test_a_square_shows_its_colours_also_deformed(qtbot, window, tmp_path, kind)
     np.testing.assert_allclose(seen(qtbot, window, PLACES @ turn.T), expected(), atol=0.12)
 
 
-def test_paint_and_overlays_lie_over_it(qtbot, window, tmp_path):
+def test_texture_lies_under_paint_and_overlays(qtbot, window, tmp_path):
     switch = opened(qtbot, window, obj(tmp_path))
     switch.trigger()
     window.session.gestures.begin()
@@ -69,7 +69,7 @@ def test_paint_and_overlays_lie_over_it(qtbot, window, tmp_path):
     assert np.ptp(seen(qtbot, window, bare)) < 0.1
 
 
-def test_a_missing_image_is_told_and_the_switch_says_why(qtbot, window, tmp_path):
+def test_texture_with_a_missing_image_is_told_and_its_switch_says_why(qtbot, window, tmp_path):
     switch = opened(qtbot, window, obj(tmp_path, with_image=False))
     assert not switch.isEnabled()
     assert switch.toolTip() == "The file has no texture"

@@ -39,7 +39,7 @@ def test_emit_does_not_steal_references():
     assert abs(sys.getrefcount(True) - before) < 50
 
 
-def test_one_draw_a_paint(view, surface):
+def test_viewport_draws_once_a_paint(view, surface):
     ends = []
     tag = view.ren_win.AddObserver("EndEvent", lambda *_: ends.append(1))
     paint(view)
@@ -52,7 +52,7 @@ def test_one_draw_a_paint(view, surface):
     view.ren_win.RemoveObserver(tag)
 
 
-def test_a_camera_drag_draws_once_a_paint(view, surface, mouse):
+def test_navigation_draws_once_a_paint_in_a_camera_drag(view, surface, mouse):
     m = mouse(view)
     paint(view)
     m.press((5, 5))
@@ -63,13 +63,13 @@ def test_a_camera_drag_draws_once_a_paint(view, surface, mouse):
     m.release((60, 5))
 
 
-def test_an_overlay_that_changes_alone_costs_no_draw(view, surface):
+def test_overlay_costs_no_draw_when_it_changes_alone(view, surface):
     paint(view)
     view.overlay.update()
     assert paint(view) == 0
 
 
-def test_pre_draw_runs_before_each_draw(view, surface):
+def test_viewport_runs_pre_draw_before_each_draw(view, surface):
     calls = []
     view.pre_draw.append(lambda: calls.append(view.draws))
     before = view.draws
@@ -78,7 +78,7 @@ def test_pre_draw_runs_before_each_draw(view, surface):
     assert calls == [before]
 
 
-def test_own_projection_is_that_of_vtk(view, surface):
+def test_project_agrees_with_the_projection_of_vtk(view, surface):
     view.look.eye = view.look.eye.orbited(37, 21).panned(11, -8)
     view.renderer.ResetCameraClippingRange()
     camera = view.renderer.GetActiveCamera()
@@ -90,7 +90,7 @@ def test_own_projection_is_that_of_vtk(view, surface):
     np.testing.assert_allclose(view.look.eye.project(surface.U), expected, atol=1e-6)
 
 
-def test_what_is_picked_is_what_is_seen(view, surface):
+def test_hit_picks_what_is_seen(view, surface):
     """Colour one face, and find it on the screen where the ray finds it."""
     rgba = grey(len(surface.U))
     at = QPointF(260, 200)
@@ -111,7 +111,7 @@ def test_screenshot_shows_the_scene_as_it_is_now(view, surface):
     assert (before != after).any()
 
 
-def test_edges_and_shading_can_be_seen(view, surface):
+def test_surface_edges_and_shading_can_be_seen(view, surface):
     smooth = view.screenshot().copy()
     surface.shading = Shading.FLAT
     flat = view.screenshot().copy()
@@ -123,7 +123,7 @@ def test_edges_and_shading_can_be_seen(view, surface):
     assert (flat != edged).any()
 
 
-def test_painted_colours_stay_true_where_the_surface_faces_the_viewer(view, surface):
+def test_surface_keeps_painted_colors_true_where_it_faces_the_viewer(view, surface):
     for colour in ((0, 114, 178), (213, 94, 0), (0, 158, 115), (240, 228, 66)):
         rgba = grey(len(surface.U))
         rgba[:, :3] = colour
@@ -133,7 +133,7 @@ def test_painted_colours_stay_true_where_the_surface_faces_the_viewer(view, surf
         assert np.abs(seen - colour).max() <= 24
 
 
-def test_normals_follow_the_points(view, surface):
+def test_surface_normals_follow_the_points(view, surface):
     surface.set_points(surface.U * [1, 1, -1] + [0, 0, 3])
     mesh = surface.arrays.data
     np.testing.assert_allclose(mesh.points, surface.U, atol=1e-6)
@@ -141,7 +141,7 @@ def test_normals_follow_the_points(view, surface):
     assert (inward < -0.99).all()  # mirrored: the faces turn inside out, and the normals with them
 
 
-def test_positions_are_kept_as_they_are_given_and_written_by_nobody(view, surface):
+def test_set_points_keeps_positions_as_they_are_given_and_written_by_nobody(view, surface):
     U = 2.0 * surface.U
     surface.set_points(U)
     assert np.shares_memory(surface.U, U)
@@ -159,7 +159,7 @@ def test_shading_is_smooth_across_seams(view, surface):
     np.testing.assert_allclose(surface.normals, expected, atol=1e-6)
 
 
-def test_sharp_edges_are_shaded_and_coloured_like_the_sides_that_meet_there(view, surface):
+def test_surface_shades_and_colors_sharp_edges_like_the_sides_that_meet_there(view, surface):
     V, F = box(2, 2, 2)
     surface.set_mesh(Skin.of(F, len(V), V=V), V, grey(len(V)))
     view.look.home()
@@ -186,7 +186,7 @@ def test_sharp_edges_are_shaded_and_coloured_like_the_sides_that_meet_there(view
         assert (np.abs(hit.normal).max() < 1.0 - 1e-6) == bent
 
 
-def test_another_mesh_replaces_the_first(view, surface):
+def test_set_mesh_replaces_the_first_mesh_by_another(view, surface):
     F, U = np.array([[0, 1, 2]]), np.eye(3)
     surface.set_mesh(Skin.of(F, 3), U, grey(3))
     assert len(surface.U) == 3
@@ -194,7 +194,7 @@ def test_another_mesh_replaces_the_first(view, surface):
     view.screenshot()
 
 
-def test_frame_and_axis_views(view, surface):
+def test_look_frames_the_points_in_an_axis_view(view, surface):
     view.look.along("top")
     view.look.frame(surface.U)
     np.testing.assert_allclose(view.look.eye.axes[2], [0, -1, 0], atol=1e-12)
@@ -203,7 +203,7 @@ def test_frame_and_axis_views(view, surface):
     assert (xy < [view.width(), view.height()]).all()
 
 
-def test_a_resized_view_keeps_in_frame_what_was_until_the_camera_moves(qtbot, view, surface):
+def test_look_keeps_in_a_resized_view_what_was_in_frame_until_the_camera_moves(qtbot, view, surface):
     def reach():
         half = np.array([view.width(), view.height()]) / 2
         return np.abs(view.look.eye.project(surface.U) / half - 1).max()
@@ -229,7 +229,9 @@ def test_a_resized_view_keeps_in_frame_what_was_until_the_camera_moves(qtbot, vi
         (Qt.MouseButton.RightButton, Qt.KeyboardModifier.ControlModifier, "zoom"),
     ],
 )
-def test_camera_drags(view, surface, mouse, button, modifiers, kind):
+def test_navigation_orbits_pans_or_zooms_by_button_and_modifier(
+    view, surface, mouse, button, modifiers, kind
+):
     before = view.look.eye
     mouse(view).drag((300, 200), (330, 240), button=button, modifiers=modifiers)
     after = view.look.eye
@@ -238,7 +240,7 @@ def test_camera_drags(view, surface, mouse, button, modifiers, kind):
     assert (kind == "zoom") == (abs(after.distance - before.distance) > 1e-6)
 
 
-def test_wheel_zooms_to_the_surface_under_the_cursor(view, surface, mouse):
+def test_navigation_wheel_zooms_to_the_surface_under_the_cursor(view, surface, mouse):
     at = QPointF(250, 180)
     point, distance = surface.point_under(at), view.look.eye.distance
     for _ in range(60):
@@ -251,7 +253,7 @@ def test_wheel_zooms_to_the_surface_under_the_cursor(view, surface, mouse):
     assert view.look.eye.distance < 100 * distance
 
 
-def test_wheel_zooms_beside_the_surface_too(view, surface, mouse):
+def test_navigation_wheel_zooms_beside_the_surface_too(view, surface, mouse):
     before = view.look.eye.distance
     mouse(view).wheel((3, 3), 1)
     assert view.look.eye.distance < before
@@ -274,7 +276,7 @@ class Recorder:
         return call
 
 
-def test_tools_are_asked_in_order_and_the_taker_keeps_the_mouse(view, surface, mouse):
+def test_mouse_dispatcher_asks_tools_in_order_and_the_taker_keeps_the_mouse(view, surface, mouse):
     first, second, third = Recorder(), Recorder(("press",)), Recorder()
     view.tools[:] = [first, second, third]
     before = view.look.eye.key
@@ -290,7 +292,7 @@ def test_tools_are_asked_in_order_and_the_taker_keeps_the_mouse(view, surface, m
     assert view.look.eye.key == before
 
 
-def test_a_hover_that_a_tool_takes_leaves_the_tools_behind_it(view, mouse):
+def test_mouse_dispatcher_leaves_the_tools_behind_one_that_takes_a_hover(view, mouse):
     front, back = Recorder(("move",)), Recorder()
     view.tools[:] = [front, back]
     mouse(view).move((50, 50))
@@ -298,7 +300,7 @@ def test_a_hover_that_a_tool_takes_leaves_the_tools_behind_it(view, mouse):
     assert back.calls == ["leave"]
 
 
-def test_a_lost_release_ends_the_drag(view, mouse):
+def test_mouse_dispatcher_ends_the_drag_after_a_lost_release(view, mouse):
     tool = Recorder(("press",))
     view.tools[:] = [tool]
     m = mouse(view)
@@ -308,7 +310,7 @@ def test_a_lost_release_ends_the_drag(view, mouse):
     assert tool.calls == ["press", "release"]
 
 
-def test_escape_cancels_and_the_rest_of_the_drag_is_nobodys(view, surface, mouse):
+def test_mouse_dispatcher_cancels_on_escape_and_gives_the_rest_of_the_drag_to_nobody(view, surface, mouse):
     tool = Recorder(("press", "cancel"))
     view.tools[:] = [tool]
     before = view.look.eye.key
@@ -320,7 +322,7 @@ def test_escape_cancels_and_the_rest_of_the_drag_is_nobodys(view, surface, mouse
     assert view.look.eye.key == before
 
 
-def test_vtk_has_no_keys(view, surface):
+def test_viewport_gives_vtk_no_keys(view, surface):
     before, draws = view.look.eye.key, paint(view) or view.draws
     for key in "wsqrpfi3ejtv":
         QTest.keyClick(view, key)
@@ -330,7 +332,7 @@ def test_vtk_has_no_keys(view, surface):
     assert view.isVisible()
 
 
-def test_the_theme_sets_the_background(view):
+def test_set_theme_sets_the_background(view):
     view.set_theme("#202428", "#101214")
     assert view.dark
     assert view.screenshot()[2, 2].max() < 60
@@ -339,7 +341,7 @@ def test_the_theme_sets_the_background(view):
     assert view.screenshot()[2, 2].min() == 255
 
 
-def test_a_resting_view_is_drawn_once_more_with_smooth_edges(qtbot, view, surface):
+def test_antialiasing_draws_a_resting_view_once_more_with_smooth_edges(qtbot, view, surface):
     if not view.antialiasing.software:
         pytest.skip("only a software renderer draws once more at rest; a GPU smooths every frame")
     before = view.draws
@@ -350,7 +352,7 @@ def test_a_resting_view_is_drawn_once_more_with_smooth_edges(qtbot, view, surfac
     assert view.draws == before + 2
 
 
-def test_closing_leaves_nothing_alive(qtbot, ball):
+def test_viewport_close_leaves_nothing_alive(qtbot, ball):
     F, U = ball
     remains = []
     for _ in range(5):
@@ -373,7 +375,7 @@ def test_closing_leaves_nothing_alive(qtbot, ball):
     assert [r() for r in remains if r() is not None] == []
 
 
-def test_a_closed_view_takes_late_calls(qtbot, ball):
+def test_viewport_takes_late_calls_after_closing(qtbot, ball):
     F, U = ball
     window = QMainWindow()
     view = Viewport(window)
@@ -395,6 +397,6 @@ def test_a_closed_view_takes_late_calls(qtbot, ball):
     work_off()
 
 
-def test_centre_of_the_view_is_the_focal_point(view, surface):
+def test_ray_of_the_middle_of_the_view_runs_through_the_focal_point(view, surface):
     origin, direction = view.look.eye.ray(view.width() / 2, view.height() / 2)
     np.testing.assert_allclose(np.cross(view.look.eye.focal - origin, direction), 0, atol=1e-9)

@@ -47,7 +47,7 @@ def facing(view, surface, ids):
     return np.einsum("ij,ij->i", surface.U[ids], to_camera / np.linalg.norm(to_camera, axis=1)[:, None])
 
 
-def test_a_dab_covers_what_lies_within_the_radius(view, surface, painter, heard, mouse):
+def test_painter_covers_what_lies_within_the_radius_of_a_dab(view, surface, painter, heard, mouse):
     at = centre(view)
     mouse(view).drag(at, at)
     hit = surface.hit(at)
@@ -58,7 +58,9 @@ def test_a_dab_covers_what_lies_within_the_radius(view, surface, painter, heard,
     np.testing.assert_array_equal(np.sort(heard.ids), within)
 
 
-def test_a_stroke_leaves_the_camera_and_names_each_vertex_once(view, surface, painter, heard, mouse):
+def test_painter_leaves_the_camera_and_names_each_vertex_of_a_stroke_once(
+    view, surface, painter, heard, mouse
+):
     before, at = view.look.eye.key, centre(view)
     mouse(view).drag(*(at + QPointF(3 * i, i) for i in range(30)))
     assert view.look.eye.key == before
@@ -66,7 +68,7 @@ def test_a_stroke_leaves_the_camera_and_names_each_vertex_once(view, surface, pa
     assert len(np.unique(heard.ids)) == len(heard.ids)
 
 
-def test_a_fast_stroke_covers_what_a_slow_one_does(view, surface, painter, mouse):
+def test_painter_covers_in_a_fast_stroke_what_it_does_in_a_slow_one(view, surface, painter, mouse):
     start, way = QPointF(200, 180), QPointF(240, 120)
     slow = Heard(painter)
     mouse(view).drag(*(start + way * (i / 200) for i in range(201)))
@@ -78,13 +80,13 @@ def test_a_fast_stroke_covers_what_a_slow_one_does(view, surface, painter, mouse
     assert len(slow ^ fast) <= 0.04 * len(slow)
 
 
-def test_a_stroke_over_the_rim_stays_on_the_near_side(view, surface, painter, heard, mouse):
+def test_painter_stays_on_the_near_side_in_a_stroke_over_the_rim(view, surface, painter, heard, mouse):
     mouse(view).drag((320, 240), (320, 2), (320, 478), (630, 240), (10, 240))
     assert len(heard.ids) > 200
     assert facing(view, surface, heard.ids).min() > -0.35  # a brush on the rim reaches a little around it
 
 
-def test_a_stroke_does_not_touch_what_it_leaps_over(qtbot, view, painter, surface, mouse):
+def test_painter_does_not_touch_what_a_stroke_leaps_over(qtbot, view, painter, surface, mouse):
     """Two plates, one far behind the other: between them the stroke leaves the surface."""
     steps = np.linspace(-1, 1, 41)
     X, Y = np.meshgrid(steps, steps)
@@ -107,12 +109,12 @@ def test_a_stroke_does_not_touch_what_it_leaps_over(qtbot, view, painter, surfac
     assert view.look.eye.project(behind)[:, 0].min() > edge - painter.size.radius - 2
 
 
-def test_alt_erases(view, painter, heard, mouse):
+def test_painter_erases_with_alt(view, painter, heard, mouse):
     mouse(view).drag(centre(view), centre(view), modifiers=ALT)
     assert heard.words == ["remove", "ended"]
 
 
-def test_a_press_on_the_background_moves_the_camera(view, painter, heard, mouse):
+def test_painter_lets_a_press_on_the_background_move_the_camera(view, painter, heard, mouse):
     before = view.look.eye.key
     mouse(view).drag((4, 4), (40, 60))
     assert heard.words == []
@@ -122,14 +124,16 @@ def test_a_press_on_the_background_moves_the_camera(view, painter, heard, mouse)
 @pytest.mark.parametrize(
     ("button", "modifiers"), [(Qt.MouseButton.RightButton, ALT & ~ALT), (Qt.MouseButton.LeftButton, SHIFT)]
 )
-def test_other_drags_on_the_surface_move_the_camera(view, painter, heard, mouse, button, modifiers):
+def test_painter_lets_other_drags_on_the_surface_move_the_camera(
+    view, painter, heard, mouse, button, modifiers
+):
     before = view.look.eye.key
     mouse(view).drag((320, 240), (350, 250), button=button, modifiers=modifiers)
     assert heard.words == []
     assert view.look.eye.key != before
 
 
-def test_a_brush_that_is_put_away_does_nothing(view, painter, heard, mouse):
+def test_painter_does_nothing_when_it_is_put_away(view, painter, heard, mouse):
     painter.enabled = False
     mouse(view).drag(centre(view), centre(view))
     mouse(view).wheel(centre(view), 1)
@@ -137,7 +141,7 @@ def test_a_brush_that_is_put_away_does_nothing(view, painter, heard, mouse):
     assert painter.size.radius == 24
 
 
-def test_escape_takes_the_stroke_back(view, painter, heard, mouse):
+def test_painter_takes_the_stroke_back_on_escape(view, painter, heard, mouse):
     m, at = mouse(view), centre(view)
     m.press(at)
     QTest.keyClick(view, Qt.Key.Key_Escape)
@@ -148,13 +152,13 @@ def test_escape_takes_the_stroke_back(view, painter, heard, mouse):
     assert len(heard.ids) == count
 
 
-def test_putting_the_brush_away_cancels_a_stroke(view, painter, heard, mouse):
+def test_painter_cancels_a_stroke_when_it_is_put_away(view, painter, heard, mouse):
     mouse(view).press(centre(view))
     painter.enabled = False
     assert heard.words == ["add", "cancelled"]
 
 
-def test_the_wheel_changes_the_radius_within_limits(view, painter, mouse):
+def test_brush_size_radius_is_changed_by_the_wheel_within_limits(view, painter, mouse):
     heard, before = [], view.look.eye.key
     painter.size.changed.connect(lambda: heard.append(painter.size.radius))
     mouse(view).wheel(centre(view), 1)
@@ -168,14 +172,14 @@ def test_the_wheel_changes_the_radius_within_limits(view, painter, mouse):
     assert view.look.eye.key == before
 
 
-def test_control_and_the_wheel_zoom(view, painter, mouse):
+def test_painter_lets_control_and_the_wheel_zoom(view, painter, mouse):
     before = view.look.eye.distance
     mouse(view).wheel(centre(view), 1, CONTROL)
     assert painter.size.radius == 24
     assert view.look.eye.distance < before
 
 
-def test_the_ring_shows_where_the_brush_lies(view, painter, mouse):
+def test_painter_shows_by_its_ring_where_the_brush_lies(view, painter, mouse):
     empty = view.overlay.grab().toImage()
     m = mouse(view)
     m.move(centre(view))
@@ -188,7 +192,7 @@ def test_the_ring_shows_where_the_brush_lies(view, painter, mouse):
     assert view.overlay.grab().toImage() == empty
 
 
-def test_the_ring_follows_the_surface_under_a_resting_cursor(view, surface, painter, mouse):
+def test_painter_ring_follows_the_surface_under_a_resting_cursor(view, surface, painter, mouse):
     mouse(view).move(centre(view))
     before = view.overlay.grab().toImage()
     surface.set_points(surface.U + 5.0)
@@ -198,7 +202,7 @@ def test_the_ring_follows_the_surface_under_a_resting_cursor(view, surface, pain
     assert view.overlay.grab().toImage() == after, "there is nothing under the cursor"
 
 
-def test_hovering_draws_no_scene_and_nothing_at_all_off_the_surface(view, painter, mouse):
+def test_painter_draws_no_scene_while_hovering(view, painter, mouse):
     QApplication.processEvents()
     view.antialiasing.still.stop()
     draws, m = view.draws, mouse(view)
@@ -208,7 +212,7 @@ def test_hovering_draws_no_scene_and_nothing_at_all_off_the_surface(view, painte
     assert view.draws == draws
 
 
-def test_covered_vertices_are_those_of_the_deformed_mesh(view, surface, painter, heard, mouse):
+def test_painter_covers_vertices_of_the_deformed_mesh(view, surface, painter, heard, mouse):
     surface.set_points(surface.U * [1, 1, 0.2])
     mouse(view).drag(centre(view), centre(view))
     hit = surface.hit(centre(view))
@@ -217,7 +221,7 @@ def test_covered_vertices_are_those_of_the_deformed_mesh(view, surface, painter,
     assert reach <= painter.size.radius * view.look.eye.world_per_pixel(hit.point) * 1.001
 
 
-def test_a_stroke_crosses_seams(view, surface, painter, mouse):
+def test_painter_crosses_seams_in_a_stroke(view, surface, painter, mouse):
     F, U = surface.skin.F.copy(), surface.U.copy()
     whole = Heard(painter)
     mouse(view).drag(centre(view), centre(view))
@@ -230,7 +234,7 @@ def test_a_stroke_crosses_seams(view, surface, painter, mouse):
     np.testing.assert_array_equal(np.sort(loose.ids), np.sort(first[whole]))
 
 
-def test_a_brush_with_a_length_is_as_large_on_the_mesh_however_near_it_is(view, surface, painter, mouse):
+def test_brush_size_length_is_as_large_on_the_mesh_however_near_it_is(view, surface, painter, mouse):
     painter.size.length = 0.2
     counts = []
     for _ in range(2):
@@ -244,7 +248,7 @@ def test_a_brush_with_a_length_is_as_large_on_the_mesh_however_near_it_is(view, 
     assert counts[0] == counts[1] > 10
 
 
-def test_a_stroke_with_a_small_length_leaves_no_gap(view, surface, painter, heard, mouse):
+def test_painter_leaves_no_gap_in_a_stroke_with_a_small_length(view, surface, painter, heard, mouse):
     painter.size.length = 0.05
     start, end = centre(view) - QPointF(60, 0), centre(view) + QPointF(60, 0)
     mouse(view).drag(start, end)
@@ -254,7 +258,7 @@ def test_a_stroke_with_a_small_length_leaves_no_gap(view, surface, painter, hear
     assert set(np.flatnonzero(away <= 0.045)) <= set(heard.ids) <= set(np.flatnonzero(away <= 0.0501))
 
 
-def test_the_wheel_scales_a_length_and_pixels_put_it_aside(view, painter, mouse):
+def test_brush_size_length_is_scaled_by_the_wheel_and_put_aside_by_pixels(view, painter, mouse):
     painter.size.length = 0.2
     mouse(view).wheel(centre(view), 1)
     assert painter.size.length == pytest.approx(0.2 * 1.12)

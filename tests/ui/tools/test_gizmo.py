@@ -43,7 +43,7 @@ def nearest_turn(frame, i):
 
 @pytest.mark.parametrize("direction", ALONG_AXES + ASKEW)
 @pytest.mark.parametrize("i", range(3))
-def test_an_arrow_follows_the_cursor_from_every_side(direction, i):
+def test_along_axis_lets_an_arrow_follow_the_cursor_from_every_side(direction, i):
     frame = frame_from(direction)
     if not frame.usable(ARROWS[i]):
         return
@@ -57,7 +57,7 @@ def test_an_arrow_follows_the_cursor_from_every_side(direction, i):
 
 @pytest.mark.parametrize("slope", [0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.6])
 @pytest.mark.parametrize("i", range(3))
-def test_an_arrow_near_the_line_of_sight_does_not_run_away(slope, i):
+def test_along_axis_does_not_let_an_arrow_near_the_line_of_sight_run_away(slope, i):
     towards = np.eye(3)[i] + slope * np.eye(3)[(i + 1) % 3]
     frame = frame_from(towards)
     if not frame.usable(ARROWS[i]):
@@ -72,7 +72,7 @@ def test_an_arrow_near_the_line_of_sight_does_not_run_away(slope, i):
 @pytest.mark.parametrize("direction", ASKEW)
 @pytest.mark.parametrize("i", range(3))
 @pytest.mark.parametrize("angle", [0.5, -0.3])
-def test_a_ring_follows_the_cursor_from_every_side(direction, i, angle):
+def test_turn_lets_a_ring_follow_the_cursor_from_every_side(direction, i, angle):
     frame = frame_from(direction)
     turn = nearest_turn(frame, i)
     drag = dragged(frame, RINGS[i], on_ring(frame, i, turn), on_ring(frame, i, turn + angle))
@@ -81,7 +81,7 @@ def test_a_ring_follows_the_cursor_from_every_side(direction, i, angle):
 
 @pytest.mark.parametrize("direction", ALONG_AXES)
 @pytest.mark.parametrize("i", range(3))
-def test_a_ring_seen_from_the_side_turns_the_way_the_cursor_goes(direction, i):
+def test_turn_goes_the_way_of_the_cursor_for_a_ring_seen_from_the_side(direction, i):
     frame = frame_from(direction)
     turn = nearest_turn(frame, i)
     drag = dragged(frame, RINGS[i], on_ring(frame, i, turn), on_ring(frame, i, turn + 0.3))
@@ -92,7 +92,7 @@ def test_a_ring_seen_from_the_side_turns_the_way_the_cursor_goes(direction, i):
 
 @pytest.mark.parametrize("direction", ASKEW)
 @pytest.mark.parametrize("i", range(3))
-def test_a_square_moves_in_its_plane_with_the_cursor(direction, i):
+def test_in_plane_moves_a_square_in_its_plane_with_the_cursor(direction, i):
     frame = frame_from(direction)
     offset = 0.2 * frame.axes[(i + 1) % 3] - 0.1 * frame.axes[(i + 2) % 3]
     start, end = frame.camera.project(np.array([CENTRE, CENTRE + offset]))
@@ -101,7 +101,7 @@ def test_a_square_moves_in_its_plane_with_the_cursor(direction, i):
     np.testing.assert_array_equal(drag.pose[:3, :3], POSE[:3, :3])
 
 
-def test_the_dot_moves_in_the_plane_of_the_picture():
+def test_in_plane_moves_the_dot_in_the_plane_of_the_picture():
     frame = frame_from((0.5, 0.4, 1))
     start = frame.camera.project(CENTRE[None])[0]
     end = start + np.array([50, -20])
@@ -111,7 +111,7 @@ def test_the_dot_moves_in_the_plane_of_the_picture():
     np.testing.assert_allclose(frame.camera.project((CENTRE + moved)[None])[0], end)
 
 
-def test_a_rotation_is_rigid_about_the_pivot_and_does_not_drift():
+def test_drag_turns_rigidly_about_the_pivot_and_does_not_drift():
     frame = frame_from((0.5, 0.4, 1))
     drag = begin("ry", frame, POSE, *on_ring(frame, 1, 0.4))
     for turn in np.linspace(0.4, 0.4 + 4 * np.pi, 300):
@@ -124,7 +124,7 @@ def test_a_rotation_is_rigid_about_the_pivot_and_does_not_drift():
     np.testing.assert_allclose((half @ body)[:3], CENTRE, atol=1e-12)
 
 
-def test_snapping_turns_by_fifteen_degrees_and_moves_by_round_lengths():
+def test_drag_snaps_to_fifteen_degrees_and_to_round_lengths():
     frame = frame_from((0.5, 0.4, 1))
     drag = dragged(frame, "ry", on_ring(frame, 1, 0.2), on_ring(frame, 1, 0.2 + np.deg2rad(50)), snap=True)
     np.testing.assert_allclose(drag.pose, rotated(POSE, CENTRE, UP, np.deg2rad(45)), atol=1e-12)
@@ -135,7 +135,7 @@ def test_snapping_turns_by_fifteen_degrees_and_moves_by_round_lengths():
     assert moved / step == pytest.approx(round(0.337 / step))
 
 
-def test_a_drag_is_said_in_words():
+def test_drag_text_says_in_words_how_far_it_went():
     frame = frame_from((0, 0, 1))
     start, end = frame.camera.project(np.array([CENTRE, CENTRE - 0.25 * UP]))
     assert dragged(frame, "y", start, end).text == "Δy −0.250"
@@ -147,22 +147,22 @@ def test_a_drag_is_said_in_words():
     ("length", "step"),
     [(1.0, 1), (1.3, 1), (1.6, 2), (4, 5), (8, 10), (0.031, 0.02), (0.04, 0.05), (700, 500)],
 )
-def test_nice_steps(length, step):
+def test_nice_step_is_a_round_number_near_the_length(length, step):
     assert nice_step(length) == pytest.approx(step)
 
 
-def test_a_snapped_number():
+def test_snapped_gives_the_nearest_multiple_of_the_step():
     assert snapped(0.37, 0.25) == 0.25
 
 
-def test_a_cursor_past_the_horizon_of_a_plane_moves_nothing():
+def test_in_plane_moves_nothing_for_a_cursor_past_the_horizon_of_the_plane():
     frame = frame_from((1, 0.3, 0))  # the floor seen flatly; high up in the picture is sky
     start = frame.camera.project(CENTRE[None])[0]
     assert dragged(frame, "zx", start, (400, -3000)).pose == pytest.approx(POSE)
 
 
 @pytest.mark.parametrize("direction", ASKEW)
-def test_each_handle_is_found_where_it_is_drawn(direction):
+def test_handle_at_finds_each_handle_where_it_is_drawn(direction):
     frame = frame_from(direction)
     assert frame.handle_at(*frame.on_screen(np.zeros((1, 3)))[0]) == "centre"
     for i in range(3):
@@ -172,12 +172,12 @@ def test_each_handle_is_found_where_it_is_drawn(direction):
     assert frame.handle_at(5, 5) is None
 
 
-def test_arrows_along_the_view_and_squares_from_the_side_are_not_taken():
+def test_usable_refuses_arrows_along_the_view_and_squares_from_the_side():
     frame = frame_from((0, 0, 1))
     assert [frame.usable(h) for h in (*ARROWS, *SQUARES)] == [True, True, False, False, False, True]
 
 
-def test_nothing_is_found_behind_the_camera():
+def test_handle_at_finds_nothing_behind_the_camera():
     frame = frame_from((0, 0, 1))
     behind = GizmoFrame(frame.camera, 2 * frame.camera.position - CENTRE, np.eye(3))
     assert behind.handle_at(400, 300) is None
@@ -217,7 +217,7 @@ def over_ring(gizmo, angle):
     return [on_ring(gizmo.frame, 1, t) for t in np.linspace(turn, turn + angle, 12)]
 
 
-def test_dragging_an_arrow_moves_along_its_axis_and_leaves_the_camera(view, gizmo, mouse):
+def test_gizmo_moves_along_the_axis_of_a_dragged_arrow_and_leaves_the_camera(view, gizmo, mouse):
     heard, before, start = Heard(gizmo), view.look.eye.key, at_arrow(gizmo, 1)
     end = start + QPointF(0, -60)
     mouse(view).drag(start, start + QPointF(0, -20), end)
@@ -233,7 +233,7 @@ def test_dragging_an_arrow_moves_along_its_axis_and_leaves_the_camera(view, gizm
     np.testing.assert_array_equal(gizmo.pose, pose)
 
 
-def test_dragging_a_ring_turns_about_the_pivot(view, gizmo, mouse):
+def test_gizmo_turns_about_the_pivot_when_a_ring_is_dragged(view, gizmo, mouse):
     heard = Heard(gizmo)
     mouse(view).drag(*over_ring(gizmo, np.deg2rad(55)))
     pose, pivot = heard.poses[-1], np.array([0.1, 0.2, 0.0])
@@ -244,13 +244,13 @@ def test_dragging_a_ring_turns_about_the_pivot(view, gizmo, mouse):
     assert heard.hints[-1] == ""
 
 
-def test_control_snaps_while_dragging(view, gizmo, mouse):
+def test_gizmo_snaps_while_dragging_with_control(view, gizmo, mouse):
     heard = Heard(gizmo)
     mouse(view).drag(*over_ring(gizmo, np.deg2rad(55)), modifiers=Qt.KeyboardModifier.ControlModifier)
     assert heard.hints[-2] == "+60.0°"
 
 
-def test_escape_goes_back(view, gizmo, mouse):
+def test_gizmo_goes_back_on_escape(view, gizmo, mouse):
     heard, m, start = Heard(gizmo), mouse(view), at_arrow(gizmo, 1)
     m.press(start)
     m.move(start + QPointF(0, -40))
@@ -262,7 +262,7 @@ def test_escape_goes_back(view, gizmo, mouse):
     np.testing.assert_array_equal(gizmo.pose, np.eye(4))
 
 
-def test_a_click_is_no_drag(view, gizmo, mouse):
+def test_gizmo_takes_a_click_for_no_drag(view, gizmo, mouse):
     heard, start = Heard(gizmo), at_arrow(gizmo, 1)
     mouse(view).drag(start, start + QPointF(1, 0))
     assert heard.words == []
@@ -270,20 +270,20 @@ def test_a_click_is_no_drag(view, gizmo, mouse):
     assert not view.mouse.cancel()
 
 
-def test_a_press_beside_the_gizmo_moves_the_camera(view, gizmo, mouse):
+def test_gizmo_lets_a_press_beside_it_move_the_camera(view, gizmo, mouse):
     heard, before = Heard(gizmo), view.look.eye.key
     mouse(view).drag((5, 5), (60, 40))
     assert heard.words == []
     assert view.look.eye.key != before
 
 
-def test_the_right_button_on_a_handle_moves_the_camera(view, gizmo, mouse):
+def test_gizmo_lets_the_right_button_on_a_handle_move_the_camera(view, gizmo, mouse):
     before, start = view.look.eye.key, at_arrow(gizmo, 1)
     mouse(view).drag(start, start + QPointF(0, 30), button=Qt.MouseButton.RightButton)
     assert view.look.eye.key != before
 
 
-def test_hover_shows_what_a_press_takes(view, gizmo, mouse):
+def test_gizmo_shows_under_the_cursor_what_a_press_takes(view, gizmo, mouse):
     m = mouse(view)
     m.move(at_arrow(gizmo, 1))
     assert view.cursor().shape() == Qt.CursorShape.OpenHandCursor
@@ -296,7 +296,7 @@ def test_hover_shows_what_a_press_takes(view, gizmo, mouse):
     assert view.overlay.grab().toImage() != lit
 
 
-def test_the_pose_of_a_drag_is_the_drags_own(view, gizmo, mouse):
+def test_gizmo_keeps_the_pose_of_a_drag_whatever_is_placed_meanwhile(view, gizmo, mouse):
     heard, m, start = Heard(gizmo), mouse(view), at_arrow(gizmo, 1)
     m.press(start)
     m.move(start + QPointF(0, -30))
@@ -306,7 +306,7 @@ def test_the_pose_of_a_drag_is_the_drags_own(view, gizmo, mouse):
     np.testing.assert_array_equal(heard.poses[-1][:3, :3], np.eye(3))
 
 
-def test_hiding_cancels_and_hidden_handles_are_not_taken(view, gizmo, mouse):
+def test_gizmo_cancels_a_drag_when_hidden_and_is_not_taken_while_hidden(view, gizmo, mouse):
     heard, m, start = Heard(gizmo), mouse(view), at_arrow(gizmo, 1)
     m.press(start)
     m.move(start + QPointF(0, -30))
@@ -316,7 +316,7 @@ def test_hiding_cancels_and_hidden_handles_are_not_taken(view, gizmo, mouse):
     assert heard.words == ["began", "cancelled"]
 
 
-def test_local_axes_turn_with_the_pose(view, gizmo, mouse):
+def test_gizmo_axes_along_the_handle_turn_with_its_pose(view, gizmo, mouse):
     gizmo.along = Along.HANDLE
     gizmo.place(POSE, np.zeros(3))
     np.testing.assert_allclose(gizmo.frame.axes, POSE[:3, :3].T)
@@ -330,7 +330,7 @@ def test_local_axes_turn_with_the_pose(view, gizmo, mouse):
     assert moved @ POSE[:3, 0] > 0
 
 
-def test_the_gizmo_has_the_same_size_at_every_distance(view, gizmo):
+def test_gizmo_has_the_same_size_at_every_distance(view, gizmo):
     def length():
         ends = gizmo.frame.on_screen([[0, 0, 0], [0, 110, 0]])
         return np.linalg.norm(ends[1] - ends[0])

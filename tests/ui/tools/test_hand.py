@@ -40,7 +40,7 @@ def on_ring(window, i, turn):
     return QPointF(*frame.camera.project(place[None])[0])
 
 
-def test_a_typed_twist_is_the_ring_dragged_and_the_matrix(qtbot, bottle, mouse):
+def test_motion_field_twist_is_the_same_as_the_ring_dragged_and_the_matrix(qtbot, bottle, mouse):
     by_matrix = read_transform(resource("bottle-twist-60.def"))
     held, mesh = bottle.session.store.state.document.constraints(), bottle.session.store.state.document.mesh
     targets = mesh.V[held.fixed].copy()
@@ -73,7 +73,7 @@ def test_a_typed_twist_is_the_ring_dragged_and_the_matrix(qtbot, bottle, mouse):
 
 
 @pytest.mark.parametrize("axis", ["front", "side", "top", "-front", "-side", "-top"])
-def test_every_arrow_and_ring_moves_the_way_the_cursor_goes(bottle, mouse, axis):
+def test_gizmo_arrows_and_rings_move_the_way_the_cursor_goes(bottle, mouse, axis):
     view = bottle.canvas.viewport
     view.look.along(axis)
     bottle.canvas.frame_mesh()
@@ -115,7 +115,7 @@ def points_of_the_body(frame, i, at):
 
 
 @pytest.mark.parametrize(("text", "words"), [("5 parsec", "parsec"), ("", "."), ("3mm", "length")])
-def test_what_is_wrong_with_what_was_typed_is_said_under_it(qtbot, bottle, text, words):
+def test_motion_field_says_beneath_what_is_wrong_with_what_was_typed(qtbot, bottle, text, words):
     before = bottle.session.store.state
     typed(qtbot, bottle, "TWIST", text)
     field = bottle.panel.handles.motion
@@ -127,7 +127,7 @@ def test_what_is_wrong_with_what_was_typed_is_said_under_it(qtbot, bottle, text,
     assert bottle.session.store.state is not before
 
 
-def test_ctrl_m_goes_to_where_a_motion_is_typed(qtbot, bottle):
+def test_motion_field_gets_the_focus_by_ctrl_m(qtbot, bottle):
     bottle.panel.handles.folded = True
     bottle.actions_.pose.typed.trigger()
     field = bottle.panel.handles.motion.amount
@@ -142,7 +142,7 @@ def painted_at(window, place):
     return None if hit is None else window.session.store.state.document.labels[surface.skin.F[hit.face]].max()
 
 
-def test_the_painted_patch_is_dragged_in_the_plane_of_the_picture(qtbot, bottle, mouse):
+def test_gizmo_is_dragged_by_the_painted_patch_in_the_plane_of_the_picture(qtbot, bottle, mouse):
     view, canvas = bottle.canvas.viewport, bottle.canvas
     eye = view.look.eye
     document = bottle.session.store.state.document
@@ -166,7 +166,7 @@ def test_the_painted_patch_is_dragged_in_the_plane_of_the_picture(qtbot, bottle,
     assert re.fullmatch(r"Move [\d.]+ \(Handle 1\)", title), title
 
 
-def test_a_press_beside_the_patch_moves_the_camera(bottle, mouse):
+def test_canvas_lets_a_press_beside_the_patch_move_the_camera(bottle, mouse):
     view = bottle.canvas.viewport
     before, eye = bottle.session.store.state, view.look.eye
     at = view.look.eye.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
@@ -175,7 +175,7 @@ def test_a_press_beside_the_patch_moves_the_camera(bottle, mouse):
     assert view.look.eye.key != eye.key
 
 
-def test_the_corner_scales_about_the_centre(bottle, mouse):
+def test_gizmo_scales_about_the_center_by_its_corner(bottle, mouse):
     gizmo = bottle.canvas.gizmo
     frame = gizmo.frame
     corner, middle = frame.corner, frame.middle
@@ -186,7 +186,7 @@ def test_the_corner_scales_about_the_centre(bottle, mouse):
     assert pose(bottle)[0, 0] == pytest.approx(0.15, rel=0.02), "no handle is scaled to nothing"
 
 
-def test_arrow_keys_nudge_in_the_picture_and_nowhere_else(qtbot, bottle):
+def test_nudge_moves_in_the_picture_by_arrow_keys_and_nowhere_else(qtbot, bottle):
     view = bottle.canvas.viewport
     bottle.shell.activateWindow()
     view.setFocus()
@@ -207,7 +207,7 @@ def test_arrow_keys_nudge_in_the_picture_and_nowhere_else(qtbot, bottle):
     np.testing.assert_allclose(pose(bottle), np.eye(4), atol=1e-12)
 
 
-def test_the_axes_of_the_gizmo_are_those_that_were_chosen(bottle):
+def test_gizmo_axes_are_those_that_were_chosen(bottle):
     gizmo, along = bottle.canvas.gizmo, bottle.actions_.pose.along
     bottle.session.handles.move_by(TypedMotion.TURN_X, "30", 0)
     along[Along.HANDLE].trigger()
@@ -221,7 +221,7 @@ def test_the_axes_of_the_gizmo_are_those_that_were_chosen(bottle):
     assert [action.isChecked() for action in along.values()] == [True, False, False]
 
 
-def test_a_handle_is_put_back_by_its_button(qtbot, bottle):
+def test_handle_section_puts_a_handle_back_by_its_button(qtbot, bottle):
     back = bottle.panel.handles.back
     assert not back.isEnabled()
     bottle.session.handles.move_by(TypedMotion.TWIST, "20", 0)
@@ -231,7 +231,7 @@ def test_a_handle_is_put_back_by_its_button(qtbot, bottle):
     assert not back.isEnabled()
 
 
-def test_a_click_in_the_history_goes_there(qtbot, bottle):
+def test_history_list_goes_to_the_step_that_is_clicked(qtbot, bottle):
     states = [bottle.session.store.state]
     for angle in ("10", "20"):
         bottle.session.handles.move_by(TypedMotion.TWIST, angle, 0)
@@ -250,7 +250,7 @@ def test_a_click_in_the_history_goes_there(qtbot, bottle):
         assert steps.item(k).font().bold()
 
 
-def test_a_picked_pivot_is_what_rings_turn_about_and_a_step_of_undo(bottle, mouse):
+def test_pick_pivot_makes_rings_turn_about_the_point_and_is_a_step_of_undo(bottle, mouse):
     view, session = bottle.canvas.viewport, bottle.session
     before = session.store.state
     at = view.look.eye.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
@@ -274,7 +274,7 @@ def test_a_picked_pivot_is_what_rings_turn_about_and_a_step_of_undo(bottle, mous
     assert session.store.state is before
 
 
-def test_escape_calls_the_picking_of_a_pivot_off(bottle, mouse):
+def test_pick_pivot_is_called_off_by_escape(bottle, mouse):
     view = bottle.canvas.viewport
     before = bottle.session.store.state
     bottle.actions_.pose.pivots[0].trigger()
@@ -284,7 +284,7 @@ def test_escape_calls_the_picking_of_a_pivot_off(bottle, mouse):
     assert bottle.session.store.state is before
 
 
-def test_baking_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbot, bottle):
+def test_bake_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbot, bottle):
     session, view = bottle.session, bottle.canvas.viewport
     bottle.tools.take(Tool.BASE)
     session.handles.move_by(TypedMotion.BEND_Z, "20deg", 0)
@@ -303,7 +303,7 @@ def test_baking_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbo
     assert bottle.looks.heat.mesh is before.document.mesh
 
 
-def test_a_ring_dragged_around_more_than_once_is_remembered_and_undone_at_once(qtbot, bottle, mouse):
+def test_gizmo_remembers_a_ring_dragged_round_more_than_once_as_one_step(qtbot, bottle, mouse):
     at_rest = bottle.session.store.state
     frame = bottle.canvas.gizmo.frame
     near = np.arctan2(*frame.facing[[0, 2]])

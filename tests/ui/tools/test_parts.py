@@ -37,7 +37,7 @@ def two(qtbot, bottle):
 # Regions
 
 
-def test_the_first_stroke_makes_a_region_and_alt_erases(qtbot, bottle):
+def test_region_section_gets_a_region_by_the_first_stroke_and_alt_erases_it(qtbot, bottle):
     assert not bottle.panel.regions.empty.isHidden()
     region_at(qtbot, bottle, 8.0)
     assert [region.name for region in document(bottle).regions] == ["Region 1"]
@@ -55,7 +55,7 @@ def test_the_first_stroke_makes_a_region_and_alt_erases(qtbot, bottle):
     assert bottle.session.gestures.history.next_undo is None
 
 
-def test_two_regions_are_painted_each_in_turn(qtbot, bottle):
+def test_region_section_lets_two_regions_be_painted_each_in_turn(qtbot, bottle):
     region_at(qtbot, bottle, 8.0)
     bottle.panel.regions.add.click()
     assert bottle.parts.region == 1
@@ -67,7 +67,7 @@ def test_two_regions_are_painted_each_in_turn(qtbot, bottle):
     assert (document(bottle).member == 2).any()
 
 
-def test_a_region_is_seen_on_the_mesh_and_hides_no_paint(qtbot, bottle):
+def test_label_colors_show_a_region_on_the_mesh_and_hide_no_paint(qtbot, bottle):
     labels = np.array([BASE, FREE, HANDLE, HANDLE + 1], dtype=np.uint8)
     plain, covered = label_colors(labels), label_colors(labels, np.ones(4, dtype=np.uint8))
     region = np.array([*REGION_COLORS[0], 255])
@@ -81,7 +81,7 @@ def test_a_region_is_seen_on_the_mesh_and_hides_no_paint(qtbot, bottle):
     assert np.array_equal(mesh_colors, label_colors(document(bottle).labels, document(bottle).member))
 
 
-def test_the_eraser_takes_paint_first_and_then_the_region(qtbot, bottle):
+def test_strokes_erase_paint_first_and_then_the_region(qtbot, bottle):
     region_at(qtbot, bottle, 8.0)
     bottle.tools.take(Tool.BASE)
     at = on_screen(bottle, front(bottle, 8.0))
@@ -97,7 +97,7 @@ def test_the_eraser_takes_paint_first_and_then_the_region(qtbot, bottle):
     assert document(bottle).member[middle] == 0
 
 
-def test_a_region_keeps_its_area(qtbot, bottle):
+def test_keep_holds_the_area_of_a_region(qtbot, bottle):
     region_at(qtbot, bottle, 8.0, half_width=25)
     details = bottle.panel.regions.list.rows[0].details
     details.box.click()
@@ -117,7 +117,7 @@ def test_a_region_keeps_its_area(qtbot, bottle):
 # Names
 
 
-def test_a_name_is_edited_in_place(qtbot, bottle):
+def test_named_row_lets_its_name_be_edited_in_place(qtbot, bottle):
     region_at(qtbot, bottle, 8.0)
     row = bottle.panel.regions.list.rows[0]
     Mouse(row).double_click((60, 8))
@@ -137,7 +137,7 @@ def test_a_name_is_edited_in_place(qtbot, bottle):
 # Handles
 
 
-def test_two_handles_have_each_its_pose(qtbot, two):
+def test_gizmo_gives_each_of_two_handles_its_pose(qtbot, two):
     held = [document(two).labels == HANDLE + k for k in range(2)]
     assert held[1].sum() > 20
     assert two.parts.handle == 1
@@ -155,7 +155,7 @@ def test_two_handles_have_each_its_pose(qtbot, two):
     assert np.allclose(two.session.store.state.frame.U[held[0]], grip[held[0]])
 
 
-def test_a_press_on_the_dot_makes_the_other_handle_active(qtbot, two):
+def test_pivots_make_the_other_handle_active_by_a_press_on_its_dot(qtbot, two):
     view = two.canvas.viewport
     dots = two.canvas.pivots.pivots
     assert [pivot.name for pivot in dots] == ["Handle 1"]
@@ -174,7 +174,7 @@ def test_a_press_on_the_dot_makes_the_other_handle_active(qtbot, two):
     assert np.array_equal(document(two).handles[1].pose, np.eye(4))
 
 
-def test_a_press_on_the_paint_of_a_handle_takes_it_and_a_drag_moves_it(qtbot, two):
+def test_pivots_take_a_handle_by_a_press_on_its_paint_and_move_it_by_a_drag(qtbot, two):
     view, mouse = two.canvas.viewport, Mouse(two.canvas.viewport)
     labels, U = document(two).labels, two.session.store.state.frame.U
     cap = np.flatnonzero((labels == HANDLE) & (U[:, 2] > 0.5))
@@ -204,7 +204,7 @@ def test_a_press_on_the_paint_of_a_handle_takes_it_and_a_drag_moves_it(qtbot, tw
     assert np.array_equal(document(two).handles[0].pose, pose), "Esc puts it back"
 
 
-def test_handles_are_added_stepped_through_and_removed(qtbot, two):
+def test_handle_section_adds_steps_through_and_removes_handles(qtbot, two):
     row = two.panel.handles.list.rows[1]
     two.actions_.pose.parts[1].trigger()
     assert two.parts.handle == 0
@@ -221,14 +221,14 @@ def test_handles_are_added_stepped_through_and_removed(qtbot, two):
     assert len(two.panel.handles.list.rows) == 2
 
 
-def test_an_unpainted_handle_asks_to_be_painted(bottle):
+def test_add_handle_asks_for_the_new_handle_to_be_painted(bottle):
     bottle.actions_.pose.parts[0].trigger()
     assert "Handle 2" in bottle.invitation.text()
     assert bottle.canvas.painter.color.getRgb()[:3] == HANDLE_COLORS[1]
     assert not bottle.canvas.gizmo.visible
 
 
-def test_escape_takes_the_drag_of_the_second_handle_back(qtbot, two):
+def test_gizmo_takes_the_drag_of_the_second_handle_back_on_escape(qtbot, two):
     before = document(two)
     mouse, at = Mouse(two.canvas.viewport), arrow_grip(two, 0)
     mouse.move(at)

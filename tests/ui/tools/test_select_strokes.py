@@ -61,7 +61,7 @@ def held(scene, label=HANDLE):
 
 @pytest.mark.parametrize("modifiers", [NONE, CONTROL])
 @pytest.mark.parametrize("way", Way)
-def test_escape_in_the_middle_of_a_stroke_changes_nothing(qtbot, scene, way, modifiers):
+def test_selector_changes_nothing_by_escape_in_the_middle_of_a_stroke(qtbot, scene, way, modifiers):
     steps = scene.steps
     gesture, mouse = begun(scene, way, modifiers)
     qtbot.keyClick(scene.view, ESCAPE)
@@ -87,7 +87,7 @@ INTERRUPTIONS = {
 
 @pytest.mark.parametrize("action", INTERRUPTIONS)
 @pytest.mark.parametrize("way", [Way.BOX, Way.POLYGON, Way.FILL, Way.SLAB])
-def test_what_comes_between_gives_the_stroke_up_and_is_all_that_happens(scene, way, action):
+def test_selector_gives_the_stroke_up_for_what_comes_between_which_is_all_that_happens(scene, way, action):
     steps = scene.steps
     gesture, mouse = begun(scene, way)
     INTERRUPTIONS[action](scene.window.actions_).trigger()
@@ -101,7 +101,7 @@ def test_what_comes_between_gives_the_stroke_up_and_is_all_that_happens(scene, w
 
 @pytest.mark.parametrize("subdivisions", [1, 4])
 @pytest.mark.parametrize("way", Way)
-def test_another_mesh_gives_the_stroke_up_whatever_its_size(qtbot, scene, way, subdivisions):
+def test_selector_gives_the_stroke_up_for_another_mesh_whatever_its_size(qtbot, scene, way, subdivisions):
     gesture, mouse = begun(scene, way)
     scene.window.session.files.open_mesh(Mesh(*meshes.sphere(subdivisions)))
     idle(qtbot, scene.window)
@@ -115,7 +115,7 @@ def test_another_mesh_gives_the_stroke_up_whatever_its_size(qtbot, scene, way, s
     assert (scene.document.labels == FREE).all()
 
 
-def test_a_stroke_goes_on_while_the_cursor_is_outside(scene):
+def test_selector_goes_on_with_a_stroke_while_the_cursor_is_outside(scene):
     for way in (Way.BOX, Way.LASSO, Way.SLAB, Way.POLYGON):
         gesture, mouse = begun(scene, way)
         scene.leave()
@@ -130,7 +130,7 @@ def test_a_stroke_goes_on_while_the_cursor_is_outside(scene):
 
 @pytest.mark.parametrize("modifiers", [NONE, ALT, CONTROL])
 @pytest.mark.parametrize("way", [Way.BOX, Way.LASSO, Way.SLAB])
-def test_a_click_without_a_drag_changes_nothing(scene, way, modifiers):
+def test_selector_changes_nothing_by_a_click_without_a_drag(scene, way, modifiers):
     scene.take(Tool.HANDLE, way)
     mouse, at, steps = Mouse(scene.view), Gesture(scene.window, Way.FILL).press, scene.steps
     mouse.drag(at, at, modifiers=modifiers)
@@ -143,7 +143,7 @@ def test_a_click_without_a_drag_changes_nothing(scene, way, modifiers):
 
 
 @pytest.mark.parametrize("tool", [Tool.BASE, Tool.HANDLE, Tool.REGION, Tool.ERASE])
-def test_a_box_around_nothing_changes_nothing(bare, tool):
+def test_outline_selector_changes_nothing_by_a_box_around_nothing(bare, tool):
     bare.take(tool, Way.BOX)
     steps = bare.steps
     for modifiers in (NONE, ALT, CONTROL):
@@ -152,7 +152,7 @@ def test_a_box_around_nothing_changes_nothing(bare, tool):
     assert bare.steps == steps
 
 
-def test_what_is_replaced_by_nothing_is_gone(scene):
+def test_outline_selector_takes_away_what_is_replaced_by_nothing(scene):
     scene.take(Tool.HANDLE, Way.BOX)
     before = scene.document.labels
     Mouse(scene.view).drag((2, 2), (9, 9), modifiers=CONTROL)
@@ -163,7 +163,7 @@ def test_what_is_replaced_by_nothing_is_gone(scene):
 
 @pytest.mark.parametrize("tool", [Tool.HANDLE, Tool.REGION])
 @pytest.mark.parametrize("way", [Way.BRUSH, Way.BOX, Way.POLYGON, Way.FILL])
-def test_what_is_replaced_by_itself_is_no_step(scene, way, tool):
+def test_selector_makes_no_step_of_what_is_replaced_by_itself(scene, way, tool):
     scene.take(tool, way)
     gesture = Gesture(scene.window, way)
     gesture.end(gesture.begin(scene.view, CONTROL))
@@ -175,7 +175,7 @@ def test_what_is_replaced_by_itself_is_no_step(scene, way, tool):
 
 
 @pytest.mark.parametrize("way", [Way.BRUSH, *TOUCHES, Way.SLAB])
-def test_a_press_beside_the_mesh_moves_the_camera(scene, way):
+def test_selector_lets_a_press_beside_the_mesh_move_the_camera(scene, way):
     scene.take(Tool.HANDLE, way)
     at, mouse = off_the_mesh(scene), Mouse(scene.view)
     mouse.move(at)
@@ -186,7 +186,7 @@ def test_a_press_beside_the_mesh_moves_the_camera(scene, way):
 
 
 @pytest.mark.parametrize("way", TOUCHES)
-def test_a_click_that_ends_beside_the_mesh_changes_nothing(scene, way):
+def test_click_selector_changes_nothing_by_a_click_that_ends_beside_the_mesh(scene, way):
     _, mouse = begun(scene, way)
     mouse.move(off_the_mesh(scene))
     scene.assert_nothing_is_previewed()
@@ -194,7 +194,7 @@ def test_a_click_that_ends_beside_the_mesh_changes_nothing(scene, way):
     assert scene.document is scene.state.document
 
 
-def test_tools_that_paint_nothing_preview_nothing(scene):
+def test_click_selector_previews_nothing_for_tools_that_paint_nothing(scene):
     at = Gesture(scene.window, Way.FILL).press
     for way in TOUCHES:
         for tool in (Tool.ORBIT, Tool.MOVE):
@@ -207,7 +207,7 @@ def test_tools_that_paint_nothing_preview_nothing(scene):
 
 
 @pytest.mark.parametrize("end", ["double click", "first corner", "near the first corner", RETURN, ENTER])
-def test_a_polygon_is_ended_by(qtbot, scene, end):
+def test_outline_selector_ends_a_polygon_by_double_click_first_corner_or_return(qtbot, scene, end):
     gesture, mouse = begun(scene, Way.POLYGON)
     if end == "double click":
         gesture.end(mouse)
@@ -226,7 +226,9 @@ def test_a_polygon_is_ended_by(qtbot, scene, end):
 
 @pytest.mark.parametrize("modifiers", [NONE, CONTROL])
 @pytest.mark.parametrize("corners", [1, 2])
-def test_a_polygon_of_less_than_three_corners_encloses_nothing(qtbot, scene, corners, modifiers):
+def test_outline_selector_encloses_nothing_by_a_polygon_of_less_than_three_corners(
+    qtbot, scene, corners, modifiers
+):
     scene.take(Tool.HANDLE, Way.POLYGON)
     mouse, at = Mouse(scene.view), np.array(Gesture(scene.window, Way.FILL).press)
     for end in ("Return", "first corner"):
@@ -241,7 +243,7 @@ def test_a_polygon_of_less_than_three_corners_encloses_nothing(qtbot, scene, cor
     assert scene.document is scene.state.document
 
 
-def test_a_polygon_lets_the_camera_move_between_its_clicks(qtbot, scene):
+def test_outline_selector_lets_the_camera_move_between_clicks_of_a_polygon(qtbot, scene):
     scene.take(Tool.HANDLE, Way.POLYGON)
     mouse, middle = Mouse(scene.view), centre(scene.view)
     at = np.array([middle.x(), middle.y()])
@@ -266,7 +268,7 @@ def test_a_polygon_lets_the_camera_move_between_its_clicks(qtbot, scene):
 
 @pytest.mark.parametrize("name", ["rabbit", "cup", "seams", "pieces", "bent"])
 @pytest.mark.parametrize("way", OUTLINES)
-def test_through_takes_what_is_hidden_too(qtbot, theatre, name, way):
+def test_outline_selector_through_takes_what_is_hidden_too(qtbot, theatre, name, way):
     scene = theatre.scene(qtbot, name)
     gesture, mouse = begun(scene, way)
     through = Gesture(scene.window, way, through=True)
@@ -292,7 +294,7 @@ def looking_into_the_cup(scene):
     return np.mean(scene.view.look.eye.project(V[deep & sight.vertices(np.flatnonzero(sight.seen))]), axis=0)
 
 
-def test_a_brush_inside_a_cup_leaves_its_outside_alone(cup):
+def test_painter_inside_a_cup_leaves_its_outside_alone(cup):
     cup.canvas.painter.size.radius = 50.0
     cup.take(Tool.BASE, Way.BRUSH)
     at = looking_into_the_cup(cup)
@@ -305,7 +307,7 @@ def test_a_brush_inside_a_cup_leaves_its_outside_alone(cup):
     assert not (held(cup, BASE) & outside_of_cup(cup)).any()
 
 
-def test_a_fill_inside_a_cup_ends_at_its_rim(cup):
+def test_click_selector_ends_a_fill_inside_a_cup_at_its_rim(cup):
     cup.take(Tool.BASE, Way.FILL)
     at = looking_into_the_cup(cup)
     Mouse(cup.view).drag(at, at, modifiers=CONTROL)
@@ -319,7 +321,7 @@ def on_the_wall(scene):
 
 
 @pytest.mark.parametrize("way", OUTLINES)
-def test_from_above_the_outside_of_a_cup_is_not_seen(qtbot, cup, way):
+def test_outline_selector_from_above_does_not_see_the_outside_of_a_cup(qtbot, cup, way):
     cup.view.look.along("top")
     cup.take(Tool.BASE, way)
     low, high = np.array([3, 3]), np.array([cup.view.width(), cup.view.height()]) - 3
@@ -340,7 +342,7 @@ def test_from_above_the_outside_of_a_cup_is_not_seen(qtbot, cup, way):
 # The wheel, and the camera
 
 
-def test_the_wheel_changes_the_crease_of_a_fill_and_what_is_previewed(scene):
+def test_click_selector_crease_and_preview_of_a_fill_are_changed_by_the_wheel(scene):
     scene.take(Tool.HANDLE, Way.FILL)
     gesture, mouse = Gesture(scene.window, Way.FILL), Mouse(scene.view)
     fill, heard = scene.canvas.ways[Way.FILL], []
@@ -364,7 +366,7 @@ def test_the_wheel_changes_the_crease_of_a_fill_and_what_is_previewed(scene):
     assert fill.crease == 6
 
 
-def test_the_wheel_turns_the_planes_but_not_in_the_middle_of_a_drag(scene):
+def test_slab_selector_turns_its_planes_by_the_wheel_but_not_in_the_middle_of_a_drag(scene):
     scene.take(Tool.HANDLE, Way.SLAB)
     slab, heard = scene.canvas.ways[Way.SLAB], []
     slab.axis_changed.connect(heard.append)
@@ -383,7 +385,7 @@ def test_the_wheel_turns_the_planes_but_not_in_the_middle_of_a_drag(scene):
 
 
 @pytest.mark.parametrize("way", Way)
-def test_control_and_the_wheel_zoom_and_without_control_where_there_is_nothing_to_set(scene, way):
+def test_selector_lets_the_wheel_zoom_with_control_and_without_where_it_sets_nothing(scene, way):
     scene.take(Tool.HANDLE, way)
     mouse, at = Mouse(scene.view), Gesture(scene.window, way).press
     crease, axis = scene.canvas.ways[Way.FILL].crease, scene.canvas.ways[Way.SLAB].axis
@@ -397,7 +399,7 @@ def test_control_and_the_wheel_zoom_and_without_control_where_there_is_nothing_t
 
 
 @pytest.mark.parametrize("way", Way)
-def test_other_drags_move_the_camera_while_a_tool_is_in_hand(scene, way):
+def test_selector_lets_other_drags_move_the_camera_while_a_tool_is_in_hand(scene, way):
     scene.take(Tool.HANDLE, way)
     at, mouse = Gesture(scene.window, way).press, Mouse(scene.view)
     for button, modifiers in ((MIDDLE, NONE), (RIGHT, NONE), (LEFT, SHIFT)):
@@ -410,7 +412,7 @@ def test_other_drags_move_the_camera_while_a_tool_is_in_hand(scene, way):
 
 
 @pytest.mark.parametrize("way", TOUCHES)
-def test_the_preview_follows_the_camera_under_a_resting_cursor(qtbot, scene, way):
+def test_click_selector_preview_follows_the_camera_under_a_resting_cursor(qtbot, scene, way):
     scene.take(Tool.HANDLE, way)
     at = off_the_mesh(scene)
     Mouse(scene.view).move(at)
@@ -430,7 +432,7 @@ def test_the_preview_follows_the_camera_under_a_resting_cursor(qtbot, scene, way
 # The preview and what else changes colours
 
 
-def test_undo_under_a_preview_leaves_no_trace(scene):
+def test_click_selector_preview_leaves_no_trace_after_undo(scene):
     gesture = Gesture(scene.window, Way.FILL)
     scene.take(Tool.BASE, Way.FILL)
     gesture.end(gesture.begin(scene.view))
@@ -441,7 +443,7 @@ def test_undo_under_a_preview_leaves_no_trace(scene):
     scene.assert_nothing_is_previewed()
 
 
-def test_a_preview_gives_marks_their_colour_back(scene):
+def test_coloring_gives_marks_their_color_back_after_a_preview(scene):
     gesture = Gesture(scene.window, Way.FILL)
     marked = np.flatnonzero(gesture.chosen)[::2]
     scene.canvas.coloring.mark(marked)
@@ -455,7 +457,7 @@ def test_a_preview_gives_marks_their_colour_back(scene):
     scene.assert_nothing_is_previewed()
 
 
-def test_the_planes_and_the_outline_are_drawn_and_gone_after_the_stroke(scene):
+def test_selector_draws_planes_and_outline_that_are_gone_after_the_stroke(scene):
     for way in (Way.BOX, Way.LASSO, Way.POLYGON, Way.SLAB):
         scene.take(Tool.HANDLE, way)
         scene.leave()
