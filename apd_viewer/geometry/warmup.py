@@ -15,13 +15,19 @@ from typing import Any
 from numba import types
 from numba.core import event
 
-from apd_viewer.geometry.analysis import area_change, deviation, double_wall, extremes
+from apd_viewer.geometry.analysis import area_change, defects, deviation, double_wall, extremes
+from apd_viewer.geometry.linalg import atomic_access
 from apd_viewer.geometry.linalg.kernels import KERNELS
-from apd_viewer.geometry.picking import surface_index
+from apd_viewer.geometry.measuring import sections
+from apd_viewer.geometry.mesh import region_areas
+from apd_viewer.geometry.picking import surface_index, vertex_sets
 from apd_viewer.geometry.solver import deformation
 
-# They import all modules with kernels.
-_IMPORTERS = area_change, deformation, deviation, double_wall, extremes, surface_index
+# Together they import all modules with kernels.
+_IMPORTERS = (
+    *(area_change, atomic_access, defects, deformation, deviation, double_wall, extremes),
+    *(region_areas, sections, surface_index, vertex_sets),
+)
 # Sections of the table that a first drag needs, and other processes can compile beside the window.
 PARTS = ("drag", "contact", "factor")
 _TABLE = Path(__file__).with_name("kernels.txt")
@@ -29,12 +35,12 @@ _ROOM = __name__.rpartition(".")[0]
 _ROW = re.compile(r"([\w.]+)\((.*)\)")
 
 
-def warm_up(*sections: str, enough: Callable[[], bool] = lambda: False) -> None:
+def warm_up(*names: str, enough: Callable[[], bool] = lambda: False) -> None:
     """Compile the kernels of some sections of the table, of all if none is named.
 
     All take about 100 s, or 0.5 s from the cache. Between two of them ``enough()`` may end it.
     """
-    for section in sections or kernel_table():
+    for section in names or kernel_table():
         for row in kernel_table()[section]:
             if enough():
                 return
