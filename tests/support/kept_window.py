@@ -20,10 +20,17 @@ from apd_viewer.ui.workbench import Workbench
 
 
 def open_window(qtbot, settings):
-    """A window, shown, without a mesh."""
+    """A window, shown and active, without a mesh."""
     window = Workbench(Shell(settings))
     show(qtbot, window.shell, window.canvas.viewport)
+    activate(qtbot, window)
     return window
+
+
+def activate(qtbot, window):
+    """Have the keys go to a window, though another one may be open."""
+    window.shell.activateWindow()
+    qtbot.waitUntil(window.shell.isActiveWindow)
 
 
 def close_window(qtbot, window):
@@ -69,8 +76,7 @@ class KeptWindow:
             self._layout, self._size = window.shell.saveState(), window.shell.size()
             checkable = (*window.shell.findChildren(QAbstractButton), *window.shell.findChildren(QAction))
             self._checked = {each: each.isChecked() for each in checkable if each.isCheckable()}
-        self._window.shell.activateWindow()
-        qtbot.waitUntil(self._window.shell.isActiveWindow)
+        activate(qtbot, self._window)
         if (keys := self._window.shell.focusWidget()) is not None:
             keys.clearFocus()
         return self._window

@@ -4,7 +4,7 @@ import time
 
 from numba import njit
 
-from apd_viewer.geometry.picking import surface_index
+from apd_viewer.geometry import warmup
 from apd_viewer.session.processes.compilation import CompilersBeside
 from apd_viewer.ui.background_imports import BackgroundImports
 
@@ -12,12 +12,12 @@ from apd_viewer.ui.background_imports import BackgroundImports
 def test_background_imports_join_waits_for_no_more_than_the_kernel_being_compiled(qtbot, monkeypatch):
     compiled, others = [], []
 
-    def compile_many():
+    def compile_many(*_):
         for _ in range(200):
             njit(lambda x: x + 1)(1)
             compiled.append(time.monotonic())
 
-    monkeypatch.setattr(surface_index, "warm_up", compile_many)
+    monkeypatch.setattr(warmup, "warm_up", compile_many)
     monkeypatch.setattr(CompilersBeside, "start", lambda _: others.append("started"))
     monkeypatch.setattr(CompilersBeside, "end", lambda _: others.append("ended"))
     imports = BackgroundImports()

@@ -97,6 +97,7 @@ OF_THEIR_OWN = {
     "figures/shapes.py",
     "files/storage/atomic_file.py",
     "geometry/linalg/kernels.py",
+    "geometry/warmup.py",
     "language.py",
     "ui/sharing/report_controller.py",
     "ui/widgets/icons.py",

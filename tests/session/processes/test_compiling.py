@@ -47,7 +47,7 @@ def test_compilation_tells_all_last_and_once(monkeypatch):
     told, stopped = [], []
 
     def listening(tell):
-        monkeypatch.setattr(compilation, "warm_up", lambda _: [tell(share) for share in (0.5, 1.0, 1.0)])
+        monkeypatch.setattr(compilation, "warm_up", lambda **_: [tell(share) for share in (0.5, 1.0, 1.0)])
         return lambda: stopped.append(len(told))
 
     monkeypatch.setattr(compilation, "tell_of_compiling", listening)
