@@ -182,7 +182,9 @@ sys.exit(main([]))
 """
 
 
-@pytest.mark.parametrize("library", ["numba", "cholespy", "pyvistaqt"])
+@pytest.mark.parametrize(
+    "library", ["numba", *(pytest.param(name, marks=pytest.mark.night) for name in ("cholespy", "pyvistaqt"))]
+)
 def test_main_tells_in_a_sentence_of_a_library_missing_behind_the_first_picture(library):
     done = subprocess.run(
         [sys.executable, "-c", MISSING.format(library)],
@@ -219,9 +221,9 @@ sys.exit(main(sys.argv[1:]))
     ("name", "said"),
     [
         ("gone.obj", "There is no file .*gone.obj"),
-        ("empty.stl", "empty.stl is empty"),
-        ("session", "session is not a supported file type"),
-        ("cut.apd", "cut.apd is not a valid session"),
+        pytest.param("empty.stl", "empty.stl is empty", marks=pytest.mark.night),
+        pytest.param("session", "session is not a supported file type", marks=pytest.mark.night),
+        pytest.param("cut.apd", "cut.apd is not a valid session", marks=pytest.mark.night),
     ],
 )
 def test_workbench_says_what_is_wrong_with_a_file_that_was_clicked(name, said, tmp_path):
@@ -279,7 +281,9 @@ sys.exit(main([]))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-@pytest.mark.parametrize(("name", "status"), [("SIGTERM", 143), ("SIGHUP", 129)])
+@pytest.mark.parametrize(
+    ("name", "status"), [("SIGTERM", 143), pytest.param("SIGHUP", 129, marks=pytest.mark.night)]
+)
 def test_workbench_ended_by_a_signal_leaves_unsaved_work_and_no_scratch(name, status, tmp_path):
     own = tmp_path / "tmp"
     own.mkdir()
