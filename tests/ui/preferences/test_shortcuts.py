@@ -14,6 +14,12 @@ CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModi
 
 
 @pytest.fixture
+def window(kept_window):
+    """The window of all tests of this file."""
+    return kept_window
+
+
+@pytest.fixture
 def active(qtbot, window):
     """A window that has the keys."""
     window.shell.activateWindow()
@@ -357,10 +363,8 @@ def test_shortcut_sheet_is_used_by_keys_alone(qtbot, active, sheet):
 @pytest.mark.parametrize(
     "lines",
     [
-        ["frame nonsense"],
-        ["gone Ctrl+K"],
+        ["frame nonsense", "gone Ctrl+K", "edges"],
         ["frame B"],
-        ["frame"],
         "frame K",
         ["take:BASE H", "take:HANDLE H"],
     ],
