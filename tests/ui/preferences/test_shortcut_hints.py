@@ -40,12 +40,12 @@ def paint(window, label, ids):
 
 
 @pytest.fixture
-def ball(qtbot, window):
+def ball(qtbot, kept_window):
     """A ball with nothing painted, and with a finding."""
     V, F = meshes.sphere(2)
-    window.session.files.open_mesh(Mesh(np.vstack([V, 3 * np.ones(3)]), F))
-    idle(qtbot, window)
-    return window
+    kept_window.session.files.open_mesh(Mesh(np.vstack([V, 3 * np.ones(3)]), F))
+    idle(qtbot, kept_window)
+    return kept_window
 
 
 def test_shortcut_hints_name_no_keys_that_an_action_had(ball):

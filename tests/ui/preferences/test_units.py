@@ -21,6 +21,12 @@ MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
 
 
 @pytest.fixture
+def window(kept_window):
+    """The window of all tests of this file."""
+    return kept_window
+
+
+@pytest.fixture
 def files(tmp_path):
     """Three files of the user's."""
     paths = [tmp_path / f"part {name}.obj" for name in "abc"]
