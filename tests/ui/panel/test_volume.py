@@ -26,6 +26,12 @@ from apd_viewer.ui.preferences.preferences import Preferences
 CM = Unit.CENTIMETRE
 
 
+@pytest.fixture
+def window(kept_window):
+    """The window of all tests of this file."""
+    return kept_window
+
+
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
     monkeypatch.setattr(shape_checker, "AT_FIRST", 0.0)
