@@ -22,7 +22,7 @@ def actions(window):
 
 
 @pytest.fixture
-def opened(qtbot, window, tmp_path):
+def opened(qtbot, kept_window, tmp_path):
     """Opens a tall box, in a file of a format, from disk."""
 
     def open_as(name):
@@ -31,8 +31,8 @@ def opened(qtbot, window, tmp_path):
         mesh = Mesh(V * [1.0, 2.0, 3.0], F)
         if not path.exists():
             save_mesh(mesh, mesh.V, path)
-        window.filing.open_path(path)
-        idle(qtbot, window)
+        kept_window.filing.open_path(path)
+        idle(qtbot, kept_window)
         return path
 
     return open_as
@@ -67,17 +67,17 @@ def test_camera_actions_show_the_whole_mesh_in_axis_views(bottle):
         assert max(np.ptp(x) / view.width(), np.ptp(y) / view.height()) > 0.5, axis
 
 
-def test_up_axes_remember_an_axis_with_its_file(window, opened, settings):
+def test_up_axes_remember_an_axis_with_its_file(kept_window, opened, settings):
     path = opened("tall.stl")
-    assert camera(window).up_axis is UpAxis.PLUS_Y
-    actions(window).up_axes[UpAxis.PLUS_Z].trigger()
+    assert camera(kept_window).up_axis is UpAxis.PLUS_Y
+    actions(kept_window).up_axes[UpAxis.PLUS_Z].trigger()
     assert Preferences(settings).up_axes == {path.resolve(): UpAxis.PLUS_Z}
     opened("other.stl")
-    assert camera(window).up_axis is UpAxis.PLUS_Y
-    assert actions(window).up_axes[UpAxis.PLUS_Y].isChecked()
+    assert camera(kept_window).up_axis is UpAxis.PLUS_Y
+    assert actions(kept_window).up_axes[UpAxis.PLUS_Y].isChecked()
     opened("tall.stl")
-    assert camera(window).up_axis is UpAxis.PLUS_Z
-    assert actions(window).up_axes[UpAxis.PLUS_Z].isChecked()
+    assert camera(kept_window).up_axis is UpAxis.PLUS_Z
+    assert actions(kept_window).up_axes[UpAxis.PLUS_Z].isChecked()
 
 
 @pytest.mark.parametrize(

@@ -11,19 +11,19 @@ from apd_viewer.presentation.scales import Measure
 
 
 @pytest.fixture
-def colored(qtbot, window, tmp_path):
+def colored(qtbot, kept_window, tmp_path):
     """A ball with colours, in a file, and a painted base."""
     V, F = sphere(2)
     rows = [f"v {x} {y} {z} {abs(x)} {abs(y)} 0.25" for x, y, z in V]
     rows += [f"f {i} {j} {k}" for i, j, k in F + 1]
     path = tmp_path / "ball.obj"
     path.write_text("\n".join(rows) + "\n", encoding="utf-8")
-    window.filing.open_path(path)
-    idle(qtbot, window)
-    window.session.gestures.begin()
-    window.session.painting.paint(np.arange(20), BASE)
-    window.session.painting.end_stroke("Paint")
-    return window
+    kept_window.filing.open_path(path)
+    idle(qtbot, kept_window)
+    kept_window.session.gestures.begin()
+    kept_window.session.painting.paint(np.arange(20), BASE)
+    kept_window.session.painting.end_stroke("Paint")
+    return kept_window
 
 
 def shown(window):

@@ -12,6 +12,12 @@ from apd_viewer.presentation.scales import Measure
 PLACES = np.array([[[0.5, 1.5, 0.0], [1.5, 1.5, 0.0]], [[0.5, 0.5, 0.0], [1.5, 0.5, 0.0]]])
 
 
+@pytest.fixture
+def window(kept_window):
+    """The window of all tests of this file."""
+    return kept_window
+
+
 def seen(qtbot, window, places):
     """Colours on the screen at places (..., 3), without their brightness."""
     view = window.canvas.viewport
