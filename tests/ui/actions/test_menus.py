@@ -9,6 +9,12 @@ from PySide6.QtWidgets import QApplication
 SCHEMES = Qt.ColorScheme.Light, Qt.ColorScheme.Dark
 
 
+@pytest.fixture
+def window(kept_window):
+    """The window of all tests of this file."""
+    return kept_window
+
+
 def opened(qtbot, window, title):
     """The menu of the bar with a title, opened by its own key."""
     action = next(a for a in window.shell.menuBar().actions() if a.text() == title)
