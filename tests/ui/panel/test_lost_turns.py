@@ -23,15 +23,15 @@ def at_once(monkeypatch):
 
 
 @pytest.fixture
-def without_contact(qtbot, window, tmp_path):
-    """A window on a coarse bottle whose walls pass through each other."""
+def without_contact(qtbot, kept_window, tmp_path):
+    """A kept_window on a coarse bottle whose walls pass through each other."""
     V, F, labels = sample_bottle(edge=3.0)
     save_mesh(Mesh(V, F), V, tmp_path / "bottle.obj")
     state = opened(open_mesh(tmp_path / "bottle.obj"), labels.astype("uint8"))
     state = state.at(dataclasses.replace(state.document, contact=False))
-    window.session.files.open_with("bottle", lambda: state)
-    idle(qtbot, window)
-    return window
+    kept_window.session.files.open_with("bottle", lambda: state)
+    idle(qtbot, kept_window)
+    return kept_window
 
 
 def twist(qtbot, window, text):

@@ -20,21 +20,21 @@ def stroke(session, ids, label):
 
 
 @pytest.fixture
-def winged(qtbot, window):
+def winged(qtbot, kept_window):
     """A drawn-out sphere with its base below and a handle at the right, the viewport with the keys."""
     V, F = sphere(3)
     V = V * [2.0, 1.0, 1.0]
-    window.session.files.open_mesh(Mesh(V, F))
-    idle(qtbot, window)
-    stroke(window.session, V[:, 1] < -0.7, BASE)
-    stroke(window.session, V[:, 0] > 1.4, HANDLE)
-    window.tools.take(Tool.MOVE)
-    window.canvas.viewport.look.along("front")
-    window.canvas.frame_mesh()
-    window.shell.activateWindow()
-    qtbot.waitUntil(window.shell.isActiveWindow)
-    window.canvas.viewport.setFocus()
-    return window
+    kept_window.session.files.open_mesh(Mesh(V, F))
+    idle(qtbot, kept_window)
+    stroke(kept_window.session, V[:, 1] < -0.7, BASE)
+    stroke(kept_window.session, V[:, 0] > 1.4, HANDLE)
+    kept_window.tools.take(Tool.MOVE)
+    kept_window.canvas.viewport.look.along("front")
+    kept_window.canvas.frame_mesh()
+    kept_window.shell.activateWindow()
+    qtbot.waitUntil(kept_window.shell.isActiveWindow)
+    kept_window.canvas.viewport.setFocus()
+    return kept_window
 
 
 def test_symmetry_controller_paints_the_partner_which_follows_the_mouse(qtbot, winged):
