@@ -36,6 +36,12 @@ OTHER = {  # a value besides the default, as the page writes it
 }
 
 
+@pytest.fixture
+def window(kept_window):
+    """The window of all tests of this file."""
+    return kept_window
+
+
 @pytest.fixture(autouse=True)
 def chosen_language(tmp_path, monkeypatch):
     """The file that keeps the language, in a folder of the test."""
