@@ -51,6 +51,12 @@ SIGN = f"<img src={PIPE}>"
 DIALOGS = "SweepDialog", "AnimationDialog", "PressDialog", "PlanDialog", "ComparisonWindow"
 
 
+@pytest.fixture
+def window(kept_window):
+    """The window of all tests of this file."""
+    return kept_window
+
+
 class Looker:
     """Looks at all widgets that there are, and notes where they show the name."""
 
