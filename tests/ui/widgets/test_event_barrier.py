@@ -8,12 +8,6 @@ from PySide6.QtTest import QTest
 from apd_viewer.ui.tools.toolbox import Tool, Way
 
 
-@pytest.fixture
-def bottle(new_bottle):
-    """A window of each test's own: its events are caught."""
-    return new_bottle
-
-
 def number_card(window):
     window.actions_.select.numbers.trigger()
     return window.editing.typed.vertices
