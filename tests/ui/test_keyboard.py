@@ -158,10 +158,10 @@ def test_theme_lets_what_has_the_keys_be_seen_in_light_and_dark(qtbot, scene):
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_docks_have_buttons_that_are_seen_in_light_and_dark(qtbot, window, scheme):
-    window.actions_.view.schemes[scheme].trigger()
+def test_docks_have_buttons_that_are_seen_in_light_and_dark(qtbot, kept_window, scheme):
+    kept_window.actions_.view.schemes[scheme].trigger()
     work_off()
-    buttons = window.docks["readings"].findChildren(
+    buttons = kept_window.docks["readings"].findChildren(
         QAbstractButton, options=Qt.FindChildOption.FindDirectChildrenOnly
     )
     assert len(buttons) == 2

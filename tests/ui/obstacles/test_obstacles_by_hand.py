@@ -424,17 +424,17 @@ def test_obstacle_scene_outlines_where_an_obstacle_should_be_that_contact_stops(
         window.actions_.undo.trigger()
 
 
-def test_next_step_knows_that_obstacles_suffice(qtbot, window):
-    window.filing.show_mesh(Mesh(*sphere(2)))
-    idle(qtbot, window)
-    window.tools.take(Tool.BASE)
-    assert "base" in window.invitation.text()
-    window.actions_.obstacles.floor.trigger()
-    assert "obstacle" in window.invitation.text()
-    window.parts.choose_obstacle(None)
-    assert window.invitation.text() == "Click an obstacle to move it"
-    window.tools.take(Tool.BASE)
-    assert "base" in window.invitation.text()
+def test_next_step_knows_that_obstacles_suffice(qtbot, kept_window):
+    kept_window.filing.show_mesh(Mesh(*sphere(2)))
+    idle(qtbot, kept_window)
+    kept_window.tools.take(Tool.BASE)
+    assert "base" in kept_window.invitation.text()
+    kept_window.actions_.obstacles.floor.trigger()
+    assert "obstacle" in kept_window.invitation.text()
+    kept_window.parts.choose_obstacle(None)
+    assert kept_window.invitation.text() == "Click an obstacle to move it"
+    kept_window.tools.take(Tool.BASE)
+    assert "base" in kept_window.invitation.text()
 
 
 def test_obstacle_controller_dents_the_bottle_with_a_pushed_sphere_that_feels_a_load(qtbot, held):

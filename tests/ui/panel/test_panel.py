@@ -407,13 +407,13 @@ def test_volume_section_keeps_a_volume_or_says_the_reason_why_not(qtbot, bottle)
     assert document(bottle).volume is None
 
 
-def test_volume_section_has_no_volume_to_keep_of_an_open_surface(qtbot, window):
+def test_volume_section_has_no_volume_to_keep_of_an_open_surface(qtbot, kept_window):
     V, F = meshes.sphere(2)
-    window.filing.show_mesh(Mesh(V, F[3:]))
-    idle(qtbot, window)
-    assert not window.panel.volume.keep.isEnabled()
-    assert "Only a closed surface" in window.panel.volume.why_not.text()
-    assert not window.panel.volume.why_not.isHidden()
+    kept_window.filing.show_mesh(Mesh(V, F[3:]))
+    idle(qtbot, kept_window)
+    assert not kept_window.panel.volume.keep.isEnabled()
+    assert "Only a closed surface" in kept_window.panel.volume.why_not.text()
+    assert not kept_window.panel.volume.why_not.isHidden()
 
 
 def test_panel_folds_sections_and_remembers_them(qtbot, bottle, settings):
