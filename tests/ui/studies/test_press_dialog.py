@@ -29,6 +29,12 @@ from apd_viewer.ui.widgets import fit_to_screen
 
 
 @pytest.fixture
+def window(kept_window):
+    """The window of all tests of the file."""
+    return kept_window
+
+
+@pytest.fixture
 def asked(window, qtbot, tmp_path, monkeypatch):
     """Open the dialog of a mesh; and the options that it would run the command with."""
     dialogs = []
