@@ -13,6 +13,12 @@ from apd_viewer.session.model.motions import TypedMotion
 
 
 @pytest.fixture
+def window(kept_window):
+    """The window of all tests of the file."""
+    return kept_window
+
+
+@pytest.fixture
 def bar(qtbot, window):
     """A window on a bar, its handle moved twice."""
     open_bar(qtbot, window)
