@@ -22,6 +22,12 @@ from apd_viewer.ui.sharing.pictures import Wish
 SIZE = QSize(400, 300)
 
 
+@pytest.fixture
+def window(kept_window):
+    """The window of all tests of the file."""
+    return kept_window
+
+
 def pixels(image):
     """(h, w, 4) uint8, colours not weighted by what they cover."""
     image = image.convertToFormat(QImage.Format.Format_RGBA8888)
