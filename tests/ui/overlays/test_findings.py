@@ -28,12 +28,12 @@ def damaged():
 
 
 @pytest.fixture
-def ill(qtbot, window):
+def ill(qtbot, kept_window):
     """A window on the damaged sphere."""
-    window.filing.show_mesh(damaged())
-    idle(qtbot, window)
+    kept_window.filing.show_mesh(damaged())
+    idle(qtbot, kept_window)
     work_off()
-    return window
+    return kept_window
 
 
 def findings(window):
@@ -102,32 +102,32 @@ def test_badge_counts_what_the_list_says(qtbot, ill):
     assert not ill.health.list.isVisible()
 
 
-def test_health_tells_a_single_finding_as_it_is(qtbot, window):
+def test_health_tells_a_single_finding_as_it_is(qtbot, kept_window):
     V, F = meshes.sphere(2)
-    window.filing.show_mesh(Mesh(V, F[3:]))
-    idle(qtbot, window)
-    assert window.notice.text == findings(window)[0].sentence
-    assert window.health.badge.text() == "1 issue"
+    kept_window.filing.show_mesh(Mesh(V, F[3:]))
+    idle(qtbot, kept_window)
+    assert kept_window.notice.text == findings(kept_window)[0].sentence
+    assert kept_window.health.badge.text() == "1 issue"
 
 
-def test_health_tells_what_is_strange_about_the_file_before_the_rest(qtbot, window, tmp_path):
+def test_health_tells_what_is_strange_about_the_file_before_the_rest(qtbot, kept_window, tmp_path):
     path = tmp_path / "a.stl"
     path.write_bytes(binary_stl(*meshes.box(1, 1, 1)) + b"more")
-    window.filing.open_path(path)
-    idle(qtbot, window)
+    kept_window.filing.open_path(path)
+    idle(qtbot, kept_window)
     said = "4 bytes after the last face that the file declares were not read."
-    assert window.notice.text.startswith(f"{said} The mesh check has found issues;")
-    assert window.health.badge.text() == "2 issues"
-    open_list(qtbot, window)
-    assert window.health.list.rows[0].accessibleName() == said
+    assert kept_window.notice.text.startswith(f"{said} The mesh check has found issues;")
+    assert kept_window.health.badge.text() == "2 issues"
+    open_list(qtbot, kept_window)
+    assert kept_window.health.list.rows[0].accessibleName() == said
 
 
-def test_open_path_tells_a_file_without_a_mesh_for_what_it_is(qtbot, window, tmp_path):
+def test_open_path_tells_a_file_without_a_mesh_for_what_it_is(qtbot, kept_window, tmp_path):
     path = tmp_path / "a.obj"
     path.write_text("<!DOCTYPE html><html><body>Not found</body></html>")
-    window.filing.open_path(path)
-    qtbot.waitUntil(lambda: window.notice.isVisible())
-    assert window.notice.text == "a.obj holds a web page and no mesh; download the mesh itself."
+    kept_window.filing.open_path(path)
+    qtbot.waitUntil(lambda: kept_window.notice.isVisible())
+    assert kept_window.notice.text == "a.obj holds a web page and no mesh; download the mesh itself."
 
 
 def test_health_marks_a_finding_and_brings_the_camera_round_to_it(qtbot, ill):
@@ -256,17 +256,17 @@ def test_marks_move_with_the_mesh_and_outlast_a_change_of_paint(qtbot, ill):
     assert plain(ill)
 
 
-def test_marks_show_both_sides_of_a_seam_and_all_of_a_mesh_that_is_meant_as_a_whole(qtbot, window):
+def test_marks_show_both_sides_of_a_seam_and_all_of_a_mesh_that_is_meant_as_a_whole(qtbot, kept_window):
     V, F = meshes.soup(*meshes.sphere(2))
-    window.filing.show_mesh(Mesh(V * 1e-5, F[2:]))
-    idle(qtbot, window)
-    open_list(qtbot, window)
-    border = choose(qtbot, window, "open borders")
-    weld = document(window).mesh.weld
-    assert set(marked(window)) == set(np.flatnonzero(np.isin(weld.inverse, weld.inverse[border])))
-    assert len(marked(window)) > len(border)
-    assert not len(choose(qtbot, window, "tiny"))
-    assert len(marked(window)) == len(V)
+    kept_window.filing.show_mesh(Mesh(V * 1e-5, F[2:]))
+    idle(qtbot, kept_window)
+    open_list(qtbot, kept_window)
+    border = choose(qtbot, kept_window, "open borders")
+    weld = document(kept_window).mesh.weld
+    assert set(marked(kept_window)) == set(np.flatnonzero(np.isin(weld.inverse, weld.inverse[border])))
+    assert len(marked(kept_window)) > len(border)
+    assert not len(choose(qtbot, kept_window, "tiny"))
+    assert len(marked(kept_window)) == len(V)
 
 
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
@@ -289,24 +289,24 @@ def test_finding_list_leaves_room_for_what_it_shows(qtbot, ill, size):
 
 
 @pytest.fixture
-def buttoned(qtbot, window):
+def buttoned(qtbot, kept_window):
     """A painted sphere with two loose balls beside it, a larger and a smaller one, its handle in hand."""
     (V, F), (W, G), (X, H) = meshes.sphere(3), meshes.sphere(1), meshes.sphere(0)
     V = np.vstack([V, 0.1 * W + [1.2, 0.0, 0.0], 0.1 * X + [0.0, 0.0, 1.2]])
     F = np.vstack([F, G + F.max() + 1, H + F.max() + 1 + len(W)])
     labels = np.full(len(V), FREE)
     labels[V[:, 1] < -0.8], labels[V[:, 1] > 0.8] = BASE, HANDLE
-    window.filing.show_mesh(Mesh(V, F))
-    idle(qtbot, window)
-    session = window.session
+    kept_window.filing.show_mesh(Mesh(V, F))
+    idle(qtbot, kept_window)
+    session = kept_window.session
     session.gestures.begin()
     for label in (BASE, HANDLE):
         session.painting.paint(np.flatnonzero(labels == label), label)
     session.painting.end_stroke("Paint")
-    idle(qtbot, window)
+    idle(qtbot, kept_window)
     sizes = len(W), len(X)
-    window.balls = slice(len(V) - sum(sizes), len(V) - sizes[1]), slice(len(V) - sizes[1], len(V))
-    return window
+    kept_window.balls = slice(len(V) - sum(sizes), len(V) - sizes[1]), slice(len(V) - sizes[1], len(V))
+    return kept_window
 
 
 def lift(qtbot, window):
@@ -375,27 +375,27 @@ def test_finding_list_calls_a_part_that_is_painted_loose_no_more(qtbot, buttoned
     assert len(stay_boxes(buttoned)) == 1
 
 
-def test_finding_list_does_not_call_the_largest_part_loose_before_any_paint(qtbot, window):
+def test_finding_list_does_not_call_the_largest_part_loose_before_any_paint(qtbot, kept_window):
     (V, F), (W, G) = meshes.sphere(2), meshes.sphere(1)
-    window.filing.show_mesh(Mesh(np.vstack([V, W + 3.0]), np.vstack([F, G + len(V)])))
-    idle(qtbot, window)
-    open_list(qtbot, window)
-    assert len(stay_boxes(window)) == 1
+    kept_window.filing.show_mesh(Mesh(np.vstack([V, W + 3.0]), np.vstack([F, G + len(V)])))
+    idle(qtbot, kept_window)
+    open_list(qtbot, kept_window)
+    assert len(stay_boxes(kept_window)) == 1
 
 
-def test_finding_row_welds_seams_at_a_click(qtbot, window):
-    window.filing.show_mesh(Mesh(*halves(1e-5)))
-    idle(qtbot, window)
-    before = document(window).mesh
-    open_list(qtbot, window)
-    weld = window.health.list.rows[number(window, SEAMS)].weld
-    assert [row.weld.isVisible() for row in window.health.list.rows].count(True) == 1
+def test_finding_row_welds_seams_at_a_click(qtbot, kept_window):
+    kept_window.filing.show_mesh(Mesh(*halves(1e-5)))
+    idle(qtbot, kept_window)
+    before = document(kept_window).mesh
+    open_list(qtbot, kept_window)
+    weld = kept_window.health.list.rows[number(kept_window, SEAMS)].weld
+    assert [row.weld.isVisible() for row in kept_window.health.list.rows].count(True) == 1
     qtbot.mouseClick(weld, LEFT)
-    qtbot.waitUntil(lambda: document(window).mesh.has_welded_seams)
-    idle(qtbot, window)
-    assert SEAMS not in [finding.kind for finding in findings(window)]
-    assert window.health.badge.text() == f"{len(findings(window))} issues"
-    assert document(window).mesh.V is before.V
-    window.actions_.undo.trigger()
-    assert document(window).mesh is before
-    assert SEAMS in [finding.kind for finding in findings(window)]
+    qtbot.waitUntil(lambda: document(kept_window).mesh.has_welded_seams)
+    idle(qtbot, kept_window)
+    assert SEAMS not in [finding.kind for finding in findings(kept_window)]
+    assert kept_window.health.badge.text() == f"{len(findings(kept_window))} issues"
+    assert document(kept_window).mesh.V is before.V
+    kept_window.actions_.undo.trigger()
+    assert document(kept_window).mesh is before
+    assert SEAMS in [finding.kind for finding in findings(kept_window)]
