@@ -31,6 +31,12 @@ BENT[:3, :3] = rotation((0, 1, 0), 0.6)
 BENT[:3, 3] = [1.5, 1.0, 6.2] - BENT[:3, :3] @ [1.0, 1.0, 6.0]
 
 
+@pytest.fixture
+def window(kept_window):
+    """The window of all tests of the file."""
+    return kept_window
+
+
 def paint_ends(window):
     base, handle = ends(document(window).mesh.V)
     for ids, label in ((base, BASE), (handle, HANDLE)):
