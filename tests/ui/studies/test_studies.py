@@ -21,6 +21,12 @@ from apd_viewer.ui.widgets.figure_list import FigureView
 
 
 @pytest.fixture
+def window(kept_window):
+    """The window of all tests of the file."""
+    return kept_window
+
+
+@pytest.fixture
 def bar(qtbot, window):
     """A window on a bar, painted."""
     open_bar(qtbot, window)
