@@ -21,6 +21,12 @@ SHIFT = Qt.KeyboardModifier.ShiftModifier
 
 
 @pytest.fixture
+def window(kept_window):
+    """The window of all tests of the file."""
+    return kept_window
+
+
+@pytest.fixture
 def globe(qtbot, window):
     """A window on a sphere of radius one, seen from the front, that has the keys."""
     window.filing.show_mesh(Mesh(*sphere(3)))
