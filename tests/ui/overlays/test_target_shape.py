@@ -19,6 +19,12 @@ CLOSEST, VERTEX = Measure.TARGET_DISTANCE, Measure.TARGET_DISPLACEMENT
 
 
 @pytest.fixture
+def window(kept_window):
+    """The window of all tests of the file."""
+    return kept_window
+
+
+@pytest.fixture
 def globe(qtbot, window):
     """A window on a sphere of radius one, in millimetres."""
     window.filing.show_mesh(Mesh(*sphere(3)))
