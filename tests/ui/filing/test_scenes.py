@@ -17,6 +17,12 @@ CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 
 
 @pytest.fixture
+def window(kept_window):
+    """The window of all tests of the file."""
+    return kept_window
+
+
+@pytest.fixture
 def instanced(tmp_path):
     """A box and its mirror image, which are one mesh."""
     scene = GltfScene()
