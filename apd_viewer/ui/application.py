@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import LANGUAGE, show_numbers, tr
-from apd_viewer.session.jobs.freed_memory import keep_freed_memory
+from apd_viewer.session.jobs.freed_memory import keep_freed_memory, share_freed_memory
 
 # pyvistaqt takes the first binding that it finds, and PyQt5 comes first.
 os.environ["QT_API"] = "pyside6"
@@ -80,6 +80,7 @@ def make_application(argv: list[str]) -> QApplication:
     if isinstance(existing, QApplication):
         return existing
     keep_freed_memory()
+    share_freed_memory()
     # A viewport that Qt moves to another window keeps its context, and with it all that VTK drew.
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
     QSurfaceFormat.setDefaultFormat(_surface_format())

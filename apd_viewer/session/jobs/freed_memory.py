@@ -8,6 +8,7 @@ from typing import Any
 
 # Parameters of mallopt and their values in bytes.
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = (-1, 1 << 28), (-3, 1 << 25)
+_MOST_ARENAS = (-8, 1)
 
 
 def keep_freed_memory() -> None:
@@ -19,6 +20,16 @@ def keep_freed_memory() -> None:
     if mallopt := _of_glibc("mallopt"):
         for option in (_TRIM_THRESHOLD, _MMAP_THRESHOLD):
             mallopt(*option)
+
+
+def share_freed_memory() -> None:
+    """Let each thread use what others have freed, on glibc; call it before threads are started.
+
+    By default they have arenas of their own: of a window that opened 20 files in turn, 100 MiB lay free in
+    those of the threads that read, a few more after every file.
+    """
+    if mallopt := _of_glibc("mallopt"):
+        mallopt(*_MOST_ARENAS)
 
 
 def give_back_freed_memory() -> None:

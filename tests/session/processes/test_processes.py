@@ -37,6 +37,32 @@ def test_keep_freed_memory_leaves_what_is_freed_there_for_the_next_frame():
     assert faults("leave") > 10_000, "it is not this that glibc does by itself"
 
 
+ARENAS = """
+import ctypes, sys, threading
+from apd_viewer.session.jobs.freed_memory import share_freed_memory
+if sys.argv[1] == "share":
+    share_freed_memory()
+libc = ctypes.CDLL(None)
+libc.malloc.restype = libc.fopen.restype = ctypes.c_void_p
+threads = [threading.Thread(target=lambda: libc.malloc(ctypes.c_size_t(1000))) for _ in range(3)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+file = ctypes.c_void_p(libc.fopen(sys.argv[2].encode(), b"w"))
+libc.malloc_info(0, file)
+libc.fclose(file)
+"""
+
+
+@pytest.mark.skipif(not GLIBC, reason="other C libraries have no such setting")
+@pytest.mark.parametrize(("way", "is_shared"), [("share", True), ("leave", False)])
+def test_share_freed_memory_gives_all_threads_one_arena(way, is_shared, tmp_path):
+    file = tmp_path / "arenas.xml"
+    subprocess.run([sys.executable, "-c", ARENAS, way, str(file)], check=True)
+    assert (file.read_text().count("<heap nr=") == 1) == is_shared
+
+
 GIVEN_BACK = """
 import numpy as np
 from apd_viewer.session.jobs.freed_memory import give_back_freed_memory, keep_freed_memory
