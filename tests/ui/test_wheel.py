@@ -211,8 +211,8 @@ def test_wheel_changes_nothing_over_the_controls_of_a_dialog(qtbot, bottle, name
     dialog.close()
 
 
-def test_wheel_changes_nothing_over_the_results_of_a_study(qtbot, kept_window):
-    kept_window.docks["study"].show()
-    qtbot.waitUntil(kept_window.case_studies.panel.isVisible)
+def test_wheel_changes_nothing_over_the_results_of_a_study(qtbot, window):
+    window.docks["study"].show()
+    qtbot.waitUntil(window.case_studies.panel.isVisible)
     for used in (False, True):
-        check(qtbot, kept_window.shell, used=used)
+        check(qtbot, window.shell, used=used)
