@@ -7,6 +7,7 @@ import meshes
 import numpy as np
 import pytest
 from driving import Mouse, document, drag, follow, idle, ring_grip, work_off
+from kept_window import at_rest
 from PySide6.QtCore import QPoint, QPointF, Qt
 
 from apd_viewer.geometry.analysis.self_intersections import crossings
@@ -14,6 +15,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.readings import NOTHING, verdict
 from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.store import Activity
 from apd_viewer.ui.widgets.slider import DECADES, PERCENT
@@ -43,6 +45,14 @@ def shown(window):
         "stiffness": section.stiffness,
     }
     return {name for name, field in fields.items() if field.isVisibleTo(window.shell)}
+
+
+@pytest.fixture
+def coarse(qtbot, kept_window):
+    """The window of all tests of this file on a bottle of half as many vertices, for long twists."""
+    V, F, labels = meshes.sample_bottle(edge=3.0)
+    kept_window.session.files.open_with("bottle", lambda: opened(Mesh(V, F), labels.astype(np.uint8)))
+    return at_rest(qtbot, kept_window)
 
 
 def test_panel_readings_are_those_of_the_frame(qtbot, bottle):
@@ -136,20 +146,20 @@ def test_keep_apart_says_that_a_wall_is_too_thick_and_changes_nothing(qtbot, bot
     assert not box.isChecked()
 
 
-def test_keep_apart_ends_a_twist_without_a_crossing(qtbot, bottle):
+def test_keep_apart_ends_a_twist_without_a_crossing(qtbot, coarse):
     found = []
     for on in (False, True):
-        bottle.session.settings.keep_apart(on)
-        bottle.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
-        idle(qtbot, bottle)
-        state = bottle.session.store.state
+        coarse.session.settings.keep_apart(on)
+        coarse.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
+        idle(qtbot, coarse)
+        state = coarse.session.store.state
         found.append(len(crossings(state.frame.U, state.document.mesh.joined_F)))
         assert state.frame.share_reached == 1.0
-        assert bottle.panel.volume.pairs.isVisible() is on
-        assert not on or bottle.panel.volume.share.text() == "100 %"
-        bottle.session.gestures.undo()
-        idle(qtbot, bottle)
-        assert not on or bottle.panel.volume.share.text() == NOTHING, "nothing has moved"
+        assert coarse.panel.volume.pairs.isVisible() is on
+        assert not on or coarse.panel.volume.share.text() == "100 %"
+        coarse.session.gestures.undo()
+        idle(qtbot, coarse)
+        assert not on or coarse.panel.volume.share.text() == NOTHING, "nothing has moved"
     assert found[0] > 0
     assert found[1] == 0
 
@@ -188,20 +198,20 @@ def test_volume_section_reads_contact_too(qtbot, bottle):
     idle(qtbot, bottle)
 
 
-def test_keep_apart_takes_crossings_out_of_a_shape_once_contact_is_turned_on(qtbot, bottle):
-    volume, box = bottle.panel.volume, bottle.panel.method.contact
-    bottle.session.settings.keep_apart(False)
-    bottle.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
-    idle(qtbot, bottle)
-    state = bottle.session.store.state
+def test_keep_apart_takes_crossings_out_of_a_shape_once_contact_is_turned_on(qtbot, coarse):
+    volume, box = coarse.panel.volume, coarse.panel.method.contact
+    coarse.session.settings.keep_apart(False)
+    coarse.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
+    idle(qtbot, coarse)
+    state = coarse.session.store.state
     assert len(crossings(state.frame.U, state.document.mesh.joined_F))
     assert volume.crossings.text() != "no self-intersections"
-    bottle.panel.ensureWidgetVisible(box)
+    coarse.panel.ensureWidgetVisible(box)
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
-    qtbot.waitUntil(lambda: bottle.session.store.state.frame.contact is not None, timeout=30_000)
-    assert bottle.session.store.activity is Activity.REFINING
+    qtbot.waitUntil(lambda: coarse.session.store.state.frame.contact is not None, timeout=30_000)
+    assert coarse.session.store.activity is Activity.REFINING
     assert volume.crossings.text() == "no self-intersections", "while it solves"
-    idle(qtbot, bottle)
+    idle(qtbot, coarse)
 
 
 def test_patch_ghost_shows_where_contact_has_not_let_the_handle_go(qtbot, bottle):
