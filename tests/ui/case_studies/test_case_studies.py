@@ -287,21 +287,42 @@ def test_case_studies_open_refuses_a_folder_without_a_study(bar, tmp_path):
     assert "holds no study" in bar.notice.text
 
 
-def test_case_studies_run_failed_cases_again_by_a_click_and_no_others(qtbot, bar, results, studied):
-    before = {path: path.stat().st_mtime_ns for path in studied.rglob("*.case")}
+@pytest.fixture
+def failed(qtbot, bar, results, studied):
+    """The key of a case of which the folder and the panel say that it failed."""
     assert not results.retry.isVisible()
+    told = "update cases set status = ?, sentence = ? where key = ?"
     with closing(sqlite3.connect(studied / DATABASE)) as base:
-        base.execute("update cases set status = 'failed', sentence = 'It diverged.' where rowid = 3")
+        [key] = base.execute("select key from cases order by rowid limit 1 offset 2").fetchone()
+        base.execute(told, ("failed", "It diverged.", key))
         base.commit()
-        [key] = base.execute("select key from cases where rowid = 3").fetchone()
     bar.case_studies.open(studied)  # or it would seem to be run elsewhere just now
     qtbot.waitUntil(results.retry.isVisible, timeout=10_000)
+    yield key
+    with closing(sqlite3.connect(studied / DATABASE)) as base:
+        base.execute(told, ("done", "", key))
+        base.commit()
+
+
+def test_case_studies_ask_for_failed_cases_again_by_a_click(bar, results, failed, studied, monkeypatch):
+    asked, command = [], bar.case_studies.run.command
+    monkeypatch.setattr(command, "start", asked.append)
     assert not results.go_on.isVisible()
+    click(results.retry)
+    command.ended.emit("")
+    [words] = asked
+    assert words[:2] == ["study", str(studied / PLAN)]
+    assert "--retry-failed" in words
+
+
+@pytest.mark.night
+def test_case_studies_run_failed_cases_again_by_a_click_and_no_others(qtbot, results, failed, studied):
+    before = {path: path.stat().st_mtime_ns for path in studied.rglob("*.case")}
     click(results.retry)
     qtbot.waitUntil(lambda: "failed" not in results.words.text(), timeout=60_000)
     qtbot.waitUntil(lambda: [row.status for row in results.model.rows] == ["done"] * CASES, timeout=60_000)
     changed = [path.stem for path, when in before.items() if path.stat().st_mtime_ns != when]
-    assert changed == [key]
+    assert changed == [failed]
     assert not results.retry.isVisible()
 
 
