@@ -1,6 +1,6 @@
 """A window that tests use one after the other, each as if it had just been opened."""
 
-from driving import idle, settle, show
+from driving import Mouse, idle, settle, show
 from meshes import box
 from PySide6.QtGui import QAction, QGuiApplication
 from PySide6.QtWidgets import QAbstractButton, QApplication
@@ -136,6 +136,7 @@ class KeptWindow:
             if isValid(each) and each.isChecked() != on:
                 each.setChecked(on)
         window.looks.heat.scales.clear()
+        Mouse(window.looks.legend).double_click((0, 0))  # puts the cards back
         window.actions_.looks.off.trigger()
         window.looks.cut.slider.setValue(window.looks.cut.slider.maximum() // 2)
         window.canvas.painter.size.radius = USUAL

@@ -27,6 +27,12 @@ ALT = Qt.KeyboardModifier.AltModifier
 
 
 @pytest.fixture
+def window(kept_window):
+    """The window of all tests of the file."""
+    return kept_window
+
+
+@pytest.fixture
 def globe(qtbot, window):
     """A window on a sphere of radius one, with nothing painted."""
     window.filing.show_mesh(Mesh(*sphere(3)))
