@@ -169,17 +169,17 @@ def test_plots_compute_nothing_while_nobody_looks_and_once_for_a_picture_otherwi
     assert {change() for change in changes} == {None}, "no shape is kept that nobody looks at"
 
 
-def test_plots_are_shown_and_hidden_by_a_key(qtbot, window):
-    window.shell.activateWindow()
-    qtbot.waitUntil(window.shell.isActiveWindow)
-    (action,) = [a for a in window.docks.toggles if a.text() == "Plots"]
-    qtbot.keyClick(window.canvas.viewport, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
-    qtbot.waitUntil(window.docks["plots"].isVisible)
+def test_plots_are_shown_and_hidden_by_a_key(qtbot, kept_window):
+    kept_window.shell.activateWindow()
+    qtbot.waitUntil(kept_window.shell.isActiveWindow)
+    (action,) = [a for a in kept_window.docks.toggles if a.text() == "Plots"]
+    qtbot.keyClick(kept_window.canvas.viewport, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
+    qtbot.waitUntil(kept_window.docks["plots"].isVisible)
     assert action.isChecked()
-    menus = window.shell.menuBar().findChildren(QMenu)
+    menus = kept_window.shell.menuBar().findChildren(QMenu)
     assert any(action in menu.actions() for menu in menus)
-    qtbot.keyClick(window.canvas.viewport, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
-    qtbot.waitUntil(lambda: not window.docks["plots"].isVisible())
+    qtbot.keyClick(kept_window.canvas.viewport, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
+    qtbot.waitUntil(lambda: not kept_window.docks["plots"].isVisible())
 
 
 def test_plots_say_where_they_are_empty_what_will_be_there(qtbot, window):
@@ -194,26 +194,26 @@ def invitation(plots):
     return next(label for label in plots.findChildren(QLabel) if label.text().startswith("Choose above"))
 
 
-def test_plots_remember_what_was_chosen(qtbot, window):
-    plots = window.plots
+def test_plots_remember_what_was_chosen(qtbot, kept_window):
+    plots = kept_window.plots
     assert [name for name, view in plots.views.items() if not view.isHidden()] == ["error", "area", "local"]
     plots.choices["energy"].click()
     for name in ("error", "area"):
         plots.choices[name].click()
-    again = Plots(window.memory, window.notice, window.session)
+    again = Plots(kept_window.memory, kept_window.notice, kept_window.session)
     qtbot.addWidget(again)
     assert [name for name, view in again.views.items() if not view.isHidden()] == ["energy", "local"]
     for button in again.choices.values():
         button.setChecked(False)
     assert not invitation(again).isHidden()
-    none = Plots(window.memory, window.notice, window.session)
+    none = Plots(kept_window.memory, kept_window.notice, kept_window.session)
     qtbot.addWidget(none)
     assert not invitation(none).isHidden(), "nothing is a choice too"
 
 
 @pytest.mark.parametrize("size", [(348, 500), (348, 180), (560, 560), (740, 200), (1230, 220)])
-def test_plots_give_what_chooses_and_the_charts_room_of_their_own(qtbot, window, size):
-    plots = Plots(window.memory, window.notice, window.session)
+def test_plots_give_what_chooses_and_the_charts_room_of_their_own(qtbot, kept_window, size):
+    plots = Plots(kept_window.memory, kept_window.notice, kept_window.session)
     qtbot.addWidget(plots)
     for button in plots.choices.values():
         button.setChecked(True)
