@@ -1,8 +1,11 @@
 """The dialog that presses a mesh between plates: in a real window, with a real process."""
 
 import csv
+import io
 import json
 import re
+import shutil
+from contextlib import redirect_stdout
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +17,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QFileDialog
 from study_driving import click, finish
 
+from apd_viewer.__main__ import main
 from apd_viewer.commands.press import press_parser
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.goals.percentage import percentage
@@ -72,6 +76,27 @@ def ball(qtbot, window):
     dialog.steps.setValue(2)
     dialog.to.setValue(80)
     return dialog
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """What the command writes of the small ball, and what it says."""
+    folder, said = tmp_path_factory.mktemp("press"), io.StringIO()
+    mesh, results = Mesh(*sphere(2)), folder / "results"
+    save_mesh(mesh, mesh.V, folder / "mesh.obj")
+    results.mkdir()
+    files = {"-o": "pressed.obj", "--curve": "curve.csv", "--figure": "press.png", "--report": "report.json"}
+    options = [word for option, name in files.items() for word in (option, str(results / name))]
+    with redirect_stdout(said):
+        main(["press", str(folder / "mesh.obj"), "--to", "80%", "--steps", "2", *options])
+    return results, said.getvalue()
+
+
+def end_run(dialog, written, scratch):
+    """Have the dialog find what a command has written."""
+    dialog.run.scratch = scratch
+    shutil.copytree(written[0], dialog.run.results)
+    dialog.run.command.ended.emit(written[1])
 
 
 def texts(choice):
@@ -222,18 +247,15 @@ def test_press_dialog_draws_a_press_and_saves_it_in_the_format_of_the_mesh(
 
 
 def test_press_dialog_opens_the_pressed_mesh_in_the_window_once_saved(
-    qtbot, window, ball, tmp_path, monkeypatch
+    qtbot, window, ball, written, tmp_path, monkeypatch
 ):
     """It asks about unsaved work, keeps the unit and can be undone."""
     window.choose_unit(Unit.CENTIMETRE)
     ball.close()
     window.actions_.pose.press.trigger()
     dialog = window.studies.dialogs["press"]
-    dialog.to.setValue(80)
-    dialog.steps.setValue(2)
     assert dialog.run.open_mesh.isHidden()
-    click(dialog.run.start)
-    finish(qtbot, dialog)
+    end_run(dialog, written, tmp_path / "scratch")
     assert dialog.run.open_mesh.isHidden()
     dialog.run.save_in(tmp_path)
     finish(qtbot, dialog)
@@ -261,12 +283,13 @@ def test_press_dialog_opens_the_pressed_mesh_in_the_window_once_saved(
     assert document(window).mesh is before
 
 
-def test_study_dialog_lets_the_figure_give_way_on_a_low_screen_and_not_the_fields(qtbot, ball, monkeypatch):
+def test_study_dialog_lets_the_figure_give_way_on_a_low_screen_and_not_the_fields(
+    qtbot, ball, written, tmp_path, monkeypatch
+):
     low = QSize(1280, 760)
     for module in (study_dialog, fit_to_screen):
         monkeypatch.setattr(module, "largest_on_screen", lambda _: low)
-    click(ball.run.start)
-    finish(qtbot, ball)
+    end_run(ball, written, tmp_path / "scratch")
     qtbot.waitUntil(lambda: ball.height() <= low.height())
     height = ball.figure.height()
     for field in (ball.to, ball.wall.thickness, ball.wall.young, ball.wall.radius):
@@ -276,9 +299,10 @@ def test_study_dialog_lets_the_figure_give_way_on_a_low_screen_and_not_the_field
     assert ball.figure.minimumHeight() < height < natural
 
 
-def test_press_dialog_has_the_window_tell_of_a_pressed_mesh_that_is_gone(qtbot, window, ball, tmp_path):
-    click(ball.run.start)
-    finish(qtbot, ball)
+def test_press_dialog_has_the_window_tell_of_a_pressed_mesh_that_is_gone(
+    qtbot, window, ball, written, tmp_path
+):
+    end_run(ball, written, tmp_path / "scratch")
     ball.run.save_in(tmp_path)
     finish(qtbot, ball)
     (tmp_path / "mesh-press" / "pressed.obj").unlink()
