@@ -302,15 +302,15 @@ def test_percent_field_puts_back_by_escape_what_is_no_percentage(qtbot, bottle, 
 
 def test_dial_makes_a_sweep_of_the_slider_one_step_of_undo_and_the_mesh_follows(qtbot, bottle):
     slider, before = bottle.panel.area.target.slider, document(bottle)
-    areas = set()
+    volumes = set()
     mouse = Mouse(slider)
     mouse.press(knob(slider, 100))
     for step in range(102, 122, 2):
         follow(qtbot, bottle, lambda step=step: mouse.move(knob(slider, step)))
-        areas.add(round(bottle.session.store.state.frame.area_error, 6))
+        volumes.add(round(bottle.session.store.state.frame.volume, 6))
     mouse.release(knob(slider, 120))
     assert document(bottle).area == pytest.approx(110.0, abs=0.6)
-    assert len(areas) > 2
+    assert len(volumes) > 2
     bottle.actions_.undo.trigger()
     assert document(bottle) is before
     assert bottle.session.gestures.history.next_undo is None
