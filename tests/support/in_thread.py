@@ -31,6 +31,7 @@ class Compiler:
         while share < 1.0:
             share = self._shares.get()
             tell(Message(0, Compiling(share)))
+        self._shares.put(share)  # for a solver that was started anew meanwhile
 
 
 class InThread(ChildProcess):
