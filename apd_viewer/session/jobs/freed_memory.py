@@ -23,10 +23,10 @@ def keep_freed_memory() -> None:
 
 
 def share_freed_memory() -> None:
-    """Let each thread use what others have freed, on glibc; call it before threads are started.
+    """Let each thread use what others have freed, on glibc.
 
-    By default they have arenas of their own: of a window that opened 20 files in turn, 100 MiB lay free in
-    those of the threads that read, a few more after every file.
+    Call it before threads are started. By default they have arenas of their own: of a window that opened 20
+    files in turn, 100 MiB lay free in those of the threads that read, a few more after every file.
     """
     if mallopt := _of_glibc("mallopt"):
         mallopt(*_MOST_ARENAS)
