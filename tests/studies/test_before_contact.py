@@ -56,4 +56,4 @@ def test_study_goes_on_from_half_done_to_what_it_would_have_given(old, capsys):
     for old_row, row in zip(before, now, strict=True):
         assert row["key"] != old_row["key"], "rows of different programs are never mixed"
         for name in READINGS:
-            assert float(row[name]) == pytest.approx(float(old_row[name]), rel=1e-6, abs=1e-9), name
+            assert float(row[name]) == pytest.approx(float(old_row[name]), rel=1e-4, abs=1e-9), name

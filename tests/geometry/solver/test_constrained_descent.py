@@ -179,7 +179,7 @@ def test_deform_tells_what_is_out_of_reach_in_a_sentence(mesh, move):
     assert np.array_equal(result.U[fixed], targets)
     reached = f"{100 * result.area / result.area_rest:.4g} %"
     words = f"Out of reach in this pose: the area is at {reached} instead of 10 %"
-    assert result.warnings[-1].startswith(words)
+    assert any(warning.startswith(words) for warning in result.warnings)
     assert 0.1 < result.area / result.area_rest < 1.2
     assert np.abs(result.U).max() <= 2 * np.abs(targets).max() + 10
 
