@@ -29,28 +29,34 @@ def pytest_configure(config):
 
 
 class Watch(event.Listener):
-    """Notes in a worker which kernels are called that are not in the table, and by which test."""
+    """Notes in a worker which kernels are called that are not in the table, and by which test.
+
+    Those that have to be compiled are apart from those that a file is found of: an earlier run may have made
+    it, or a kernel around it that is in the table.
+    """
 
     def __init__(self, output):
-        self.found = output["kernels"] = {}
+        self.compiled = output["compiled"] = {}
+        self.loaded = output["loaded"] = {}
         self.compiling = 0
         self.known = {each for rows in kernel_table().values() for each in rows}
         event.register("numba:compile", self)
         load = KernelCache.load_overload
 
         def noted(cache, types, target):
-            self.note(cache, types)
-            return load(cache, types, target)
+            kernel = load(cache, types, target)
+            self.note(cache, types, self.compiled if kernel is None else self.loaded)
+            return kernel
 
         KernelCache.load_overload = noted
 
-    def note(self, cache, types):
+    def note(self, cache, types, found):
         """Note a kernel that is no part of another."""
         if self.compiling or not cache.function.__module__.startswith(geometry.__name__):
             return
         called = row(cache.function, types)
         if called not in self.known:
-            self.found.setdefault(called, os.environ.get("PYTEST_CURRENT_TEST", "").partition(" ")[0])
+            found.setdefault(called, os.environ.get("PYTEST_CURRENT_TEST", "").partition(" ")[0])
 
     def on_start(self, _):
         self.compiling += 1
@@ -63,7 +69,7 @@ class Judge:
     """Has the kernels compiled before the workers start, and tells at the end what they compiled."""
 
     def __init__(self):
-        self.found = {}
+        self.compiled, self.loaded = {}, {}
 
     def pytest_sessionstart(self, session):
         reporter = session.config.pluginmanager.get_plugin("terminalreporter")
@@ -77,24 +83,28 @@ class Judge:
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_testnodedown(self, node):
-        self.found.update(getattr(node, "workeroutput", {}).get("kernels", {}))
+        output = getattr(node, "workeroutput", {})
+        self.compiled.update(output.get("compiled", {}))
+        self.loaded.update(output.get("loaded", {}))
 
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session):
-        self.compiled = sorted(kernel_files() - self.before)
-        if self.found:  # what only a process of a test has compiled is told, and is no failure yet
+        self.files = sorted(kernel_files() - self.before)
+        if self.compiled or self.files:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
     def pytest_terminal_summary(self, terminalreporter):
         say = terminalreporter.write_line
-        if self.found:
-            terminalreporter.section("kernels missing in apd_viewer/geometry/kernels.txt", red=True)
-        for called, test in sorted(self.found.items()):
+        if self.compiled or self.files:
+            terminalreporter.section("compiled, as apd_viewer/geometry/kernels.txt lacks them", red=True)
+        for called, test in sorted(self.compiled.items()):
             say(f"{called}\n    by {test}")
-        if self.compiled:
-            terminalreporter.section("kernels compiled by this run", red=True)
-        for file in self.compiled:
+        for file in self.files:  # of kernels within those too, and of what a process of a test has compiled
             say(str(file))
+        if self.loaded:
+            terminalreporter.section("loaded, though apd_viewer/geometry/kernels.txt lacks them")
+        for called, test in sorted(self.loaded.items()):
+            say(f"{called}\n    by {test}")
 
 
 def kernel_files():

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-# Numba compiles for the processor that it is told; its cache tells them apart.
+# Numba compiles for the processor that it is told.
 PLAIN = {"NUMBA_CPU_NAME": "x86-64", "NUMBA_CPU_FEATURES": ""}
 CHECK = """
 from numba.core.registry import cpu_target
@@ -19,9 +19,10 @@ print(cpu_target.target_context.codegen().magic_tuple())
 """
 
 
+@pytest.mark.night
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="needs an x86-64 processor")
-def test_supernodal_factor_needs_no_wide_vectors():
-    environment = {**os.environ, **PLAIN, "NUMBA_NUM_THREADS": "1"}
+def test_supernodal_factor_needs_no_wide_vectors(tmp_path):
+    environment = {**os.environ, **PLAIN, "NUMBA_NUM_THREADS": "1", "NUMBA_CACHE_DIR": str(tmp_path)}
     run = subprocess.run(
         [sys.executable, "-c", CHECK],
         env=environment,
