@@ -24,11 +24,6 @@ class ColorMap:
 
     knots: tuple[tuple[int, int, int], ...]
 
-    def color(self, t: float) -> tuple[int, int, int]:
-        """RGB at ``t`` from 0 to 1, clamped."""
-        red, green, blue = self.colors(np.array([t]))[0].tolist()
-        return red, green, blue
-
     def colors(self, t: np.ndarray) -> np.ndarray:
         """RGB (k, 3) uint8 at each ``t`` (k,) from 0 to 1, clamped."""
         at, knots = np.linspace(0.0, 1.0, len(self.knots)), np.array(self.knots, dtype=float)

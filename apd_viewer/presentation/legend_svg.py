@@ -5,6 +5,8 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -26,9 +28,10 @@ def legend_svg(
     ``name`` is that of the colours in the drawing; a page must have it only once.
     """
     wide, low = WIDTH - 2 * _LEFT, _TOP + _BAR
+    offsets = np.linspace(0.0, 1.0, _STOPS)
     stops = "".join(
-        f'<stop offset="{k / (_STOPS - 1):.5f}" stop-color="rgb{scale.color(k / (_STOPS - 1))}"/>'
-        for k in range(_STOPS)
+        f'<stop offset="{offset:.5f}" stop-color="rgb({red}, {green}, {blue})"/>'
+        for offset, (red, green, blue) in zip(offsets, scale.colors(offsets), strict=True)
     )
     places = [(scale.place(value), scale.written(value, unit)) for value in scale.marks]
     figures = "".join(

@@ -258,10 +258,11 @@ class Scale:
         share = min(max(value / self.end, -1.0), 1.0)
         return 0.5 + 0.5 * share if self.measure.is_signed else max(share, 0.0)
 
-    def color(self, place: float) -> tuple[int, int, int]:
-        """RGB at a place of the scale from 0 to 1, as on the shape."""
-        neutral = self.measure.is_signed and abs(place - 0.5) < 0.5 * self.neutral_share
-        return self.measure.colors.color(0.5 if neutral else place)
+    def colors(self, places: np.ndarray) -> np.ndarray:
+        """RGB (k, 3) uint8 at ``places`` (k,) of the scale from 0 to 1, as on the shape."""
+        if self.measure.is_signed:
+            places = np.where(np.abs(places - 0.5) < 0.5 * self.neutral_share, 0.5, places)
+        return self.measure.colors.colors(places)
 
     def changes(self, values: np.ndarray) -> np.ndarray:
         """Displayed changes of values: of ratios 0.1 for 10 %."""

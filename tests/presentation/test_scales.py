@@ -52,21 +52,21 @@ def seen(rgb, sight):
 @pytest.mark.parametrize("sight", SIGHTS)
 def test_color_maps_let_everybody_tell_loss_and_gain_apart(sight):
     t = np.linspace(0, 1, 101)
-    lab = seen([DIVERGING.color(x) for x in t], sight)
+    lab = seen(DIVERGING.colors(t), sight)
     far = np.abs(t - 0.5) > 0.12
     assert np.linalg.norm(lab - lab[::-1], axis=1)[far].min() > 0.06
     light = lab[:, 0]
     assert (np.diff(light[:50]) > 0).all(), "from the ends to the middle it only gets lighter"
     assert (np.diff(light[51:]) < 0).all()
-    sequence = seen([SEQUENTIAL.color(x) for x in t], sight)[:, 0]
+    sequence = seen(SEQUENTIAL.colors(t), sight)[:, 0]
     assert (np.diff(sequence) < 0).all()
 
 
 def test_color_maps_have_a_neutral_middle_and_ends_that_are_nobody_s_paint():
-    middle = DIVERGING.color(0.5)
+    first, middle, last = DIVERGING.colors(np.array([0.0, 0.5, 1.0])).astype(int)
     assert max(middle) - min(middle) <= 6
     for paint in (BASE_COLOR, *HANDLE_COLORS[:2]):
-        for end in (DIVERGING.color(0), DIVERGING.color(1)):
+        for end in (first, last):
             assert np.linalg.norm(seen([paint], "all") - seen([end], "all")) > 0.15
 
 
@@ -81,8 +81,9 @@ def test_scale_of_a_ratio_has_ends_that_are_one_over_each_other():
     assert scale.place(0.0) == 0.5
     assert scale.place(-np.inf) == 0.0
     assert scale.written(-np.inf, Unit.NONE) == "−100\u00a0%"
-    assert scale.color(0.5 + 0.4 * scale.neutral_share) == DIVERGING.color(0.5)
-    assert scale.color(0.5 + 0.6 * scale.neutral_share) != DIVERGING.color(0.5)
+    middle, near, far = scale.colors(0.5 + np.array([0.0, 0.4, 0.6]) * scale.neutral_share).tolist()
+    assert middle == near == DIVERGING.colors(np.array([0.5]))[0].tolist()
+    assert far != middle
 
 
 @pytest.mark.parametrize(("value", "expected"), [(0.13, 0.2), (0.2, 0.2), (21.0, 50.0), (7e-5, 1e-4)])

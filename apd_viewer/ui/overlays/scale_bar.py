@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtGui import QImage, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from apd_viewer.language import tr
@@ -105,7 +106,5 @@ class ScaleBar(QWidget):
 
 def colors_along(scale: Scale) -> QImage:
     """The colours of a scale from one end to the other, a pixel high."""
-    colors = QImage(_STEPS, 1, QImage.Format.Format_RGB32)
-    for k in range(_STEPS):
-        colors.setPixelColor(k, 0, QColor(*scale.color(k / (_STEPS - 1))))
-    return colors
+    colors = scale.colors(np.linspace(0.0, 1.0, _STEPS))
+    return QImage(colors.tobytes(), _STEPS, 1, colors.nbytes, QImage.Format.Format_RGB888).copy()
