@@ -5,6 +5,7 @@ import random
 from itertools import groupby
 
 os.environ["APD_VIEWER_LANGUAGE"] = "en"  # what the tests expect, wherever they are run
+os.environ.setdefault("LP_NUM_THREADS", "0")  # pictures drawn by the processor: each worker has one core
 
 import pytest
 from hypothesis import settings
