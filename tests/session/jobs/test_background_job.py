@@ -64,6 +64,13 @@ def finish(session: Driven) -> None:
 # Opening
 
 
+def opening(session, path):
+    """Open a file, and the thread that opens it; the solver may start threads meanwhile."""
+    session.files.open(path)
+    (thread,) = (thread for thread in threading.enumerate() if thread.name == session.jobs.current.title)
+    return thread
+
+
 def test_files_open_works_in_the_background_and_can_be_undone(session, cube_file, gate):
     session.settings.set_method("arap")
     before = session.store.state
@@ -117,8 +124,7 @@ def test_files_open_tells_of_a_defect_and_changes_nothing(session, cube_file, mo
 
 def test_jobs_cancel_keeps_an_opening_from_ever_arriving(session, cube_file, gate):
     before = session.store.state
-    session.files.open(cube_file)
-    thread = next(thread for thread in threading.enumerate() if thread.name == "Opening cube.obj")
+    thread = opening(session, cube_file)
     session.jobs.cancel()
     assert session.jobs.current is None
     gate.set()
@@ -246,14 +252,6 @@ def test_session_close_waits_for_a_file_that_is_written_although_that_was_cancel
     session.jobs.cancel()
     session.close()
     assert (tmp_path / "out.obj").exists()
-
-
-def opening(session, path):
-    """Open a file, and the thread that opens it."""
-    others = set(threading.enumerate())
-    session.files.open(path)
-    (thread,) = set(threading.enumerate()) - others
-    return thread
 
 
 def test_session_close_does_not_wait_for_a_file_that_is_opened(session, cube_file, gate):
