@@ -2,10 +2,14 @@
 
 import os
 import random
+import sys
 from itertools import groupby
 
 os.environ["APD_VIEWER_LANGUAGE"] = "en"  # what the tests expect, wherever they are run
 os.environ.setdefault("LP_NUM_THREADS", "0")  # pictures drawn by the processor: each worker has one core
+# What Python has compiled is kept, or each process that tests start would compile all modules anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 import pytest
 from hypothesis import settings
