@@ -7,9 +7,6 @@ from itertools import groupby
 
 os.environ["APD_VIEWER_LANGUAGE"] = "en"  # what the tests expect, wherever they are run
 os.environ.setdefault("LP_NUM_THREADS", "0")  # pictures drawn by the processor: each worker has one core
-# What Python has compiled is kept, or each process that tests start would compile all modules anew.
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-sys.dont_write_bytecode = False
 
 import pytest
 from hypothesis import settings
@@ -17,6 +14,10 @@ from in_thread import InThread
 
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.processes import process_client, shape_checker
+
+# What Python has compiled is kept, or each process that tests start would compile all modules anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 pytest_plugins = ["kernel_watch", "night_tests"]
 
