@@ -41,25 +41,28 @@ class Module:
         return ast.parse(self.text)
 
     @cached_property
+    def nodes(self) -> list[ast.AST]:
+        return list(ast.walk(self.tree))
+
+    @cached_property
     def lines(self) -> list[str]:
         return self.text.splitlines()
 
     @cached_property
     def functions(self) -> list[Function]:
-        return [node for node in ast.walk(self.tree) if isinstance(node, Function)]
+        return [node for node in self.nodes if isinstance(node, Function)]
 
     @cached_property
     def classes(self) -> list[ast.ClassDef]:
-        return [node for node in ast.walk(self.tree) if isinstance(node, ast.ClassDef)]
+        return [node for node in self.nodes if isinstance(node, ast.ClassDef)]
 
     @cached_property
     def docstrings(self) -> list[tuple[int, str]]:
         """Line and first line of each docstring."""
         found = []
         for node in (self.tree, *self.classes, *self.functions):
-            if ast.get_docstring(node):
-                constant = node.body[0].value
-                found.append((constant.lineno, ast.get_docstring(node).splitlines()[0]))
+            if text := ast.get_docstring(node):
+                found.append((node.body[0].value.lineno, text.splitlines()[0]))
         return found
 
 
@@ -80,7 +83,7 @@ def folder_sizes(found: list[Module]) -> Counter[str]:
 
 def body(function: Function) -> list[ast.stmt]:
     """Statements of a function without its docstring."""
-    return function.body[1:] if ast.get_docstring(function) is not None else function.body
+    return function.body[1:] if ast.get_docstring(function, clean=False) is not None else function.body
 
 
 def body_lengths(found: list[Module]) -> list[int]:
@@ -135,7 +138,7 @@ def method_comparisons(found: list[Module]) -> list[str]:
     """Comparisons with the name of a method outside the table of methods."""
     said = []
     for module in found:
-        for node in ast.walk(module.tree):
+        for node in module.nodes:
             if isinstance(node, ast.Compare) and module.where != METHOD_TABLE:
                 sides = [x for side in (node.left, *node.comparators) for x in ast.walk(side)]
                 if any(isinstance(side, ast.Constant) and side.value in METHODS for side in sides):
@@ -158,7 +161,7 @@ def private_names(found: list[Module]) -> list[str]:
     """Uses of names with an underscore that belong to somebody else: attributes, imports, and patches."""
     said = []
     for module in found:
-        for node in ast.walk(module.tree):
+        for node in module.nodes:
             names = [name for name in _names_of_others(node) if PRIVATE.fullmatch(name)]
             said += [f"{module.where}:{node.lineno} {name}" for name in names if name not in NOT_PRIVATE]
     return said
@@ -185,6 +188,11 @@ def _snake(name: str) -> str:
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower().strip("_")
 
 
+def called(call: ast.Call) -> str:
+    """Name of what is called, without what precedes its last dot."""
+    return getattr(call.func, "attr", getattr(call.func, "id", ""))
+
+
 def _names_of_others(node: ast.AST) -> list[str]:
     """Names that a node takes from elsewhere, without what precedes their last dot."""
     if isinstance(node, ast.Attribute):
@@ -192,7 +200,7 @@ def _names_of_others(node: ast.AST) -> list[str]:
         return [] if is_own else [node.attr]
     if isinstance(node, ast.ImportFrom):
         return [part for alias in node.names for part in (alias.name, *(node.module or "").split("."))]
-    if isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in REACHES:
+    if isinstance(node, ast.Call) and called(node) in REACHES:
         texts = [argument.value for argument in node.args if isinstance(argument, ast.Constant)]
         return [text.split(".")[-1] for text in texts if isinstance(text, str)]
     return []

@@ -9,6 +9,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from structure import called
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "apd_viewer"
@@ -170,10 +171,7 @@ def imports(name, path, known):
             module = ".".join([*start, *([node.module] if node.module else [])])
             dotted = {f"{module}.{alias.name}" for alias in node.names}
             found |= {d if d in known else module for d in dotted}
-        elif isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in (
-            "__import__",
-            "import_module",
-        ):
+        elif isinstance(node, ast.Call) and called(node) in ("__import__", "import_module"):
             found.add("an import that hides in a call")
     return found
 
