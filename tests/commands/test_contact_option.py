@@ -128,6 +128,7 @@ def test_passing_warnings_say_by_each_way_what_was_lost_without_contact(turn, ca
     assert lost in studied("--set", "contact=no", turn=turn)["sentence"]
 
 
+@pytest.mark.night
 def test_contact_option_gives_another_volume_when_turned_off():
     kept = deformed()[0]["volume_capped"]
     for unwound in (deformed("--no-contact")[0]["volume_capped"], swept("--no-contact")[0]):
