@@ -63,7 +63,7 @@ def killed_writers(kills: int, folder: Path, name: str, seed: int = 0) -> Counte
             writer.stdin.write("write\n")
             writer.stdin.flush()
             child = int(writer.stdout.readline())
-            time.sleep(chance.uniform(0.0, 0.4))
+            time.sleep(chance.uniform(0.0, 0.15))
             if kill % 2:
                 _wait_for_scratch_file(folder)
             os.kill(child, signal.SIGKILL)
