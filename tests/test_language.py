@@ -215,11 +215,12 @@ def test_main_says_in_the_language_what_is_wrong(spoken):
 @pytest.mark.parametrize(
     ("words", "left"),
     [
-        (["deform"], {"MESH", "-o/--output", "--output/-o", "-o"}),
+        pytest.param(["deform"], {"MESH", "-o/--output", "--output/-o", "-o"}, marks=pytest.mark.night),
         pytest.param(["info"], {"MESH"}, marks=pytest.mark.night),
         pytest.param(["info", "a.obj", "--reference"], {"--reference"}, marks=pytest.mark.night),
         pytest.param(["info", "a.obj", "--no"], {"--no"}, marks=pytest.mark.night),
-        (["paper", "--log-level", "loud"], {"--log-level", "loud", "debug", "info", "warning", "error"}),
+        (["thumbnail"], {"FILE", "OUT.png"}),
+        (["desktop", "--log-level", "loud"], {"--log-level", "loud", "debug", "info", "warning", "error"}),
         (["thumbnail", "a.obj", "b.png", "--size", "many"], {"--size", "many", "int", "_size"}),
     ],
 )
