@@ -52,6 +52,7 @@ def test_examples_say_what_comes_of_them(name, compiled, tmp_path, monkeypatch):
     assert doctest.DocTestRunner().run(found).failed == 0
 
 
+@pytest.mark.night
 def test_view_has_an_example_that_opens_the_window_and_returns_when_it_is_closed(tmp_path):
     shutil.copy(ROOT / "resources" / "bottle.obj", tmp_path)
     home = {"HOME": str(tmp_path), "XDG_CONFIG_HOME": str(tmp_path / "config")}
