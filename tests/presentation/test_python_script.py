@@ -84,8 +84,9 @@ def test_python_script_repeats_regions(session, tmp_path, monkeypatch):
 
 
 def test_python_script_repeats_turns_of_more_than_half(session, tmp_path, monkeypatch):
+    session.settings.keep_apart(False)
     session.gestures.begin()
-    for angle in np.linspace(0.3, 4.0, 14):
+    for angle in np.linspace(0.3, 3.5, 6):
         for k in (0, 1):
             session.handles.drag(pose(angle), k)
     session.gestures.end("Move handles")
