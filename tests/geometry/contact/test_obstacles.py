@@ -91,7 +91,7 @@ def test_contact_lets_no_way_lead_into_an_obstacle(seed):
     V, shifts = V.copy(), np.zeros((3, 3))
     contact.enter(V)
     gone = refused = 0
-    for _ in range(60):
+    for _ in range(25):
         W = V + rng.normal(size=3) * 0.05 + 0.02 * np.sin(3 * V @ rng.normal(size=(3, 3)))
         ahead = shifts + 0.03 * rng.normal(size=(3, 3))
         contact.send_obstacles(ahead)

@@ -127,7 +127,7 @@ def test_history_counts_the_regions_that_entries_keep():
 
 def test_held_counts_all_that_a_mesh_keeps_of_its_file(tmp_path):
     """What a state makes the process hand out is what it counts, whatever its mesh came from."""
-    V, F = box(24, 24, 24)
+    V, F = box(16, 16, 16)
     for suffix in (".obj", ".off", ".ply", ".stl", ".glb"):
         path = tmp_path / f"box{suffix}"
         save_mesh(Mesh(V, F), V, path)
