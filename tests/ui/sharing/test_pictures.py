@@ -215,7 +215,7 @@ def test_pictures_have_a_legend_in_the_colors_of_the_overlay(qtbot, still):
     assert (corner[:, :, 3] == 255).mean() > 0.7
     for color in heat.scale.colors(np.array([0.1, 0.5, 0.9])):
         away = np.abs(corner[:, :, :3] - color.astype(float)).max(axis=2)
-        assert away.min() <= 6, place
+        assert away.min() <= 6, color
     assert (pixels(pictures.taken(Wish(size, True, legend=False)))[-20, 20] == 0).all()
 
 
