@@ -24,6 +24,7 @@ from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.multilevel import make_ready
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
+from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.targets import targets_of
@@ -113,6 +114,7 @@ class Solver:
         for factor in self._factors:
             factor.close()
         self._factors = []
+        give_back_freed_memory()  # too scattered for the next one: the process would grow with each
 
     def _fail(self, order: Order, message: str) -> None:
         self._drop()
