@@ -35,9 +35,8 @@ else
 	@echo "See out/bottle.obj (the mesh), out/bottle.png (a picture) and out/report.json (the measurements)."
 endif
 
-# pytest-xvfb starts its own X displays, but Qt would still prefer that of a Wayland session. Without bytecode
-# each worker rewrites the assertions of all tests, and each process of a test compiles the package.
-environment = env -u WAYLAND_DISPLAY -u PYTHONDONTWRITEBYTECODE XDG_SESSION_TYPE=x11
+# pytest-xvfb starts its own X displays, but Qt would still prefer that of a Wayland session.
+environment = env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11
 
 workers = -n auto --maxprocesses 4 --dist worksteal
 
