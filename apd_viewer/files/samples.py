@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -58,9 +59,14 @@ SAMPLES = {
 
 def resource(name: str) -> Path:
     """Path of a file in ``resources``, installed or in a checkout."""
+    return _resources() / name
+
+
+@cache
+def _resources() -> Path:
     package = Path(__file__).resolve().parents[1]
     inside = package / "resources"
-    return (inside if inside.is_dir() else package.parent / "resources") / name
+    return inside if inside.is_dir() else package.parent / "resources"
 
 
 def open_sample(name: str) -> tuple[Mesh, np.ndarray]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QIcon, QIconEngine, QPainter, QPixmap
 from PySide6.QtSvg import QSvgRenderer
@@ -48,8 +50,12 @@ class _LineIcon(QIconEngine):
 
 def icon(name: str, theme: Theme) -> QIcon:
     """The icon ``name`` of ``resources/icons`` in the colours of ``theme``."""
-    svg = resource(f"icons/{name}.svg").read_text(encoding="utf-8")
-    return QIcon(_LineIcon(svg, theme))
+    return QIcon(_LineIcon(_drawing(name), theme))
+
+
+@cache
+def _drawing(name: str) -> str:
+    return resource(f"icons/{name}.svg").read_text(encoding="utf-8")
 
 
 def application_icon() -> QIcon:
