@@ -19,6 +19,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.session.model.state import opened
+from apd_viewer.ui.appearance import antialiasing
 from apd_viewer.ui.application import HARMLESS, make_application
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import Answer
@@ -39,6 +40,12 @@ def qapp_cls():
     """What pytest-qt calls to make the application."""
     yield make_application
     gc.enable()  # GuiThreadGC had taken it over
+
+
+@pytest.fixture(autouse=True)
+def smooth_frames(monkeypatch):
+    """A view at rest is not drawn once more, with smooth edges, unless the test is about that."""
+    monkeypatch.setattr(antialiasing, "STILL", 10**6)
 
 
 @pytest.fixture

@@ -11,6 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMainWindow
 
 from apd_viewer.geometry.picking.surface_index import Skin
+from apd_viewer.ui.appearance.antialiasing import STILL
 from apd_viewer.ui.appearance.shading import Shading
 from apd_viewer.ui.scene.camera import MARGIN
 from apd_viewer.ui.scene.surface import Surface
@@ -344,6 +345,7 @@ def test_set_theme_sets_the_background(view):
 def test_antialiasing_draws_a_resting_view_once_more_with_smooth_edges(qtbot, view, surface):
     if not view.antialiasing.software:
         pytest.skip("only a software renderer draws once more at rest; a GPU smooths every frame")
+    view.antialiasing.still.setInterval(STILL)
     before = view.draws
     view.update()
     qtbot.waitUntil(lambda: view.draws == before + 2, timeout=2000)
