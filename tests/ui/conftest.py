@@ -167,14 +167,15 @@ def folder(tmp_path):
 
 
 @pytest.fixture
-def started(qtbot, folder, settings, unasked):
-    """Starts a window on the bottle that keeps what is done in the folder, and closes it at last."""
-    windows = []
+def started(qtbot, folder, settings, unasked, painted_bottle):
+    """Starts a window on a bottle in no file that keeps what is done in the folder, and closes it at last."""
+    windows, document = [], painted_bottle.document
 
     def start():
         shell = Shell(settings)
-        shell.requests.open_sample("bottle")
         window = Workbench(shell, folder)
+        mesh = Mesh(document.mesh.V, document.mesh.F)
+        window.session.files.open_with("bottle", lambda: opened(mesh, document.labels))
         show(qtbot, shell, window.canvas.viewport)
         idle(qtbot, window)
         windows.append(window)

@@ -23,12 +23,6 @@ CHANGES = {
 }
 
 
-@pytest.fixture
-def bottle(new_bottle):
-    """A window of each test's own: it is closed."""
-    return new_bottle
-
-
 def paint(session):
     free = np.flatnonzero(session.store.state.document.labels == FREE)
     session.gestures.begin()
