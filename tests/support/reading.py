@@ -10,10 +10,12 @@ import re
 import subprocess
 import sys
 import time
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 from finished_study import write_study
+from in_thread import InThread
 from PySide6.QtCore import QEvent, QSettings, Qt
 from PySide6.QtGui import QKeyEvent, QPainter
 from PySide6.QtWidgets import (
@@ -25,6 +27,7 @@ from PySide6.QtWidgets import (
     QListWidget,
     QMessageBox,
 )
+from walked_dialogs import dialogs
 
 from apd_viewer.files.known_file import Fate
 from apd_viewer.files.mesh_writing import save_mesh
@@ -33,6 +36,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import View
+from apd_viewer.session.processes import process_client
 from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.store import Activity
@@ -59,6 +63,12 @@ def is_cut(widget):
     return widget.width() < widget.sizeHint().width() or aside
 
 
+@cache
+def told(kind):
+    """The properties with words that a class of widgets or actions has."""
+    return [name for name in PROPERTIES if hasattr(kind, name)]
+
+
 class Reader:
     """Notes what is said, and where it was said first."""
 
@@ -82,8 +92,8 @@ class Reader:
         """All texts of all widgets and actions, seen or not, for what is hidden now is shown some time."""
         self.scene = scene
         for thing in things or self._everything():
-            for name in PROPERTIES:
-                value = getattr(thing, name, "")
+            for name in told(type(thing)):
+                value = getattr(thing, name)
                 value = value() if callable(value) else value
                 if isinstance(value, str):
                     self.note(value, f"{name} of a {type(thing).__name__}")
@@ -133,6 +143,7 @@ class Driver:
     def __init__(self, folder, size):
         from apd_viewer.ui.shell import Shell
 
+        process_client.start_process = InThread  # a process would compile at leisure, for nobody
         self.application = make_application([])
         self.reader = Reader()
         self.folder = folder
@@ -266,6 +277,8 @@ def many_cases(driver):
         driver.scene("a study of another quantity")
     dialog.design.setCurrentIndex(dialog.design.findData("grid"))
     driver.scene("a study by a grid")
+    for name, row in dialog.varied.rows.items():
+        row.check.setChecked(name == "twist")  # or there would be 46,875 cases
     dialog.varied.rows["twist"].high.setText("?")
     dialog.begin()
     driver.scene("an end that is none", dialog.words)
@@ -481,7 +494,7 @@ def handouts(driver):
 def main():
     folder = Path(sys.argv[1])
     driver = Driver(folder, map(int, os.environ.get("SIZE", "1280x720").split("x")))
-    for act in (start, settings, comparing, many_cases, parts, mistakes, help_, files):
+    for act in (start, settings, comparing, many_cases, parts, dialogs, mistakes, help_, files):
         act(driver)
     keys = {
         key.toString(form)

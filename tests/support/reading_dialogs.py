@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from PySide6.QtGui import QKeySequence
 from reading import Driver
+from walked_dialogs import dialogs
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.measuring.kinds import Kind
@@ -74,30 +75,6 @@ def panel(driver):
         window.docks[name].hide()
     window.health.open()
     driver.scene("mesh check")
-
-
-def dialogs(driver):
-    """The settings, and the dialogs of studies."""
-    window = driver.window
-    window.settings_page.open()
-    show(driver, "settings", window.settings_page.dialog)
-    for name in ("sweep", "animate", "press", "paper"):
-        getattr(window.studies, name)()
-        show(driver, name, window.studies.dialogs[name])
-    window.case_studies.design()
-    for row in window.case_studies.dialog.varied.rows.values():
-        row.check.setChecked(True)
-    show(driver, "study", window.case_studies.dialog)
-    window.help.open_sheet()
-    driver.scene("shortcuts")
-    window.help.close()
-
-
-def show(driver, name, dialog):
-    dialog.move(60, 30)
-    driver.scene(name)
-    dialog.close()
-    driver.wait()
 
 
 def menus(driver):
