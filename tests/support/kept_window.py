@@ -110,7 +110,7 @@ class KeptWindow:
         window.recovery.close_all()
         window.case_studies.close()
         for top in QApplication.topLevelWidgets():
-            if top.isVisible() and top is not window.shell:
+            if top.isVisible() and not isinstance(top, Shell):
                 top.close()
 
     def _forget_mesh(self):

@@ -9,16 +9,16 @@ import time
 import numpy as np
 import pytest
 from answering import Person
-from driving import drag, idle, ring_grip, show, work_off
+from driving import idle, work_off
+from kept_window import KeptWindow
 from PySide6.QtCore import QSettings, Qt
 from PySide6.QtWidgets import QFileDialog
 
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import Answer
-from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.workbench import Workbench
 
 ASK = unsaved_question.ask_before_leaving
 SLOW = 20_000  # ms; nothing here should come near it
@@ -39,26 +39,38 @@ def path(tmp_path, painted_bottle):
     return tmp_path / "work" / "two.apd"
 
 
+@pytest.fixture(scope="module")
+def pair(qapp, tmp_path_factory):
+    """Two windows with settings of their own, for all tests of this file."""
+    folder = tmp_path_factory.mktemp("settings")
+    places = [str(folder / f"{k}.ini") for k in range(2)]
+    pair = [KeptWindow(QSettings(place, QSettings.Format.IniFormat)) for place in places]
+    with pytest.MonkeyPatch.context() as patch:
+        yield pair
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+        for kept in pair:
+            kept.close()
+
+
 @pytest.fixture
-def open_window(qtbot, path, tmp_path, monkeypatch):
-    """Opens windows on the session."""
-    windows = []
+def open_window(qtbot, path, pair, monkeypatch):
+    """Opens the session in a window, and then in another one."""
+    used = []
 
     def open_window():
-        settings = QSettings(str(tmp_path / f"{len(windows)}.ini"), QSettings.Format.IniFormat)
-        window = Workbench(Shell(settings), tmp_path / "recovery")
-        windows.append(window)
-        show(qtbot, window.shell, window.canvas.viewport)
-        window.filing.open_path(path)
-        idle(qtbot, window)
-        return window
+        used.append(pair[len(used)])
+        return opened(qtbot, used[-1].opened(qtbot), path)
 
     yield open_window
     monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
-    for window in windows:
-        window.shell.close()
-        window.shell.deleteLater()
-    work_off()
+    for kept in used:
+        kept.reset(qtbot)
+
+
+def opened(qtbot, window, path):
+    window.filing.open_path(path)
+    idle(qtbot, window)
+    return window
 
 
 @pytest.fixture
@@ -71,8 +83,8 @@ def person(monkeypatch):
     assert left == [], "a question was not asked"
 
 
-def pull(qtbot, window, by=(25, 0)):
-    drag(qtbot, window, ring_grip(window, 1), by, steps=4)
+def twist(qtbot, window, degrees=20):
+    window.session.handles.move_by(TypedMotion.TWIST, str(degrees), 0)
     idle(qtbot, window)
 
 
@@ -95,8 +107,8 @@ def shape(path):
 def clash(qtbot, open_window, path):
     """Two windows with different work, of which the first has been saved."""
     first, second = open_window(), open_window()
-    pull(qtbot, first, (25, 0))
-    pull(qtbot, second, (-25, 5))
+    twist(qtbot, first, 20)
+    twist(qtbot, second, -15)
     save(qtbot, first)
     assert np.array_equal(shape(path), first.session.store.state.frame.U)
     assert not first.session.saved_work.unsaved
@@ -114,7 +126,15 @@ def saved(qtbot, person, window):
 QUESTION = "“two.apd” has been changed by another window or program. Overwrite it?"
 
 
-@pytest.mark.parametrize("answer", ["Cancel", Qt.Key.Key_Escape, Qt.Key.Key_Return, "Save as…"])
+@pytest.mark.parametrize(
+    "answer",
+    [
+        pytest.param("Cancel", marks=pytest.mark.night),
+        Qt.Key.Key_Escape,
+        Qt.Key.Key_Return,
+        pytest.param("Save as…", marks=pytest.mark.night),
+    ],
+)
 def test_save_asks_the_second_window_which_loses_nothing_by_a_key(qtbot, open_window, path, person, answer):
     first, second = clash(qtbot, open_window, path)
     before, U = path.read_bytes(), second.session.store.state.frame.U
@@ -163,7 +183,9 @@ def test_decision_to_reload_shows_the_file_and_undo_brings_the_work_back(qtbot, 
     assert person.asked == [QUESTION] * 2, "what the other window saved is not lost by this way either"
 
 
-def test_decision_is_for_what_was_there_and_not_for_what_came_later(qtbot, open_window, path, person):
+def test_decision_is_for_what_was_there_and_not_for_what_came_later(
+    qtbot, open_window, path, person, monkeypatch
+):
     _, second = clash(qtbot, open_window, path)
     person.will("Overwrite", "Cancel")
     third = path.read_bytes() + b"\0"
@@ -174,7 +196,7 @@ def test_decision_is_for_what_was_there_and_not_for_what_came_later(qtbot, open_
             path.write_bytes(third)
         replaced(*args)
 
-    second.session.files.save = slow
+    monkeypatch.setattr(second.session.files, "save", slow)
     saved(qtbot, person, second)
     assert person.asked == [QUESTION] * 2
     assert path.read_bytes() == third
@@ -196,7 +218,7 @@ def test_may_leave_asks_both_questions_and_closes_once_it_is_safe(qtbot, open_wi
 
 def test_save_asks_about_another_process_as_about_another_window(qtbot, open_window, path, person):
     window = open_window()
-    pull(qtbot, window)
+    twist(qtbot, window)
     subprocess.run([sys.executable, "-c", OTHER, str(path)], check=True)
     other = path.read_bytes()
     person.will(Qt.Key.Key_Escape)
@@ -214,7 +236,7 @@ def test_save_asks_nobody_about_a_touch_or_the_same_again(qtbot, open_window, pa
     come_to(qtbot, window)
     assert not window.shell.isWindowModified()
     for k in range(3):
-        pull(qtbot, window, (10, k))
+        twist(qtbot, window, 5 + k)
         save(qtbot, window)
         os.utime(path, (0, 0))
     assert not window.session.saved_work.unsaved
@@ -224,16 +246,16 @@ def test_save_asks_nobody_about_a_touch_or_the_same_again(qtbot, open_window, pa
 # A file that goes
 
 
-@pytest.mark.parametrize("folder", [False, True], ids=["file", "folder"])
+@pytest.mark.parametrize("folder_too", [False, True], ids=["file", "folder"])
 def test_saved_work_that_has_gone_is_unsaved_in_title_recovery_and_question(
-    qtbot, open_window, path, person, tmp_path, folder
+    qtbot, started, path, person, tmp_path, monkeypatch, folder_too
 ):
-    window = open_window()
-    pull(qtbot, window)
+    window = opened(qtbot, started(), path)
+    twist(qtbot, window)
     save(qtbot, window)
     qtbot.waitUntil(lambda: list((tmp_path / "recovery").glob("*.apd")) == [], timeout=SLOW)
     path.unlink()
-    if folder:
+    if folder_too:
         path.parent.rmdir()
     come_to(qtbot, window)
     assert window.shell.isWindowModified()
@@ -244,9 +266,11 @@ def test_saved_work_that_has_gone_is_unsaved_in_title_recovery_and_question(
     assert np.array_equal(shape(kept), U)
     person.target = tmp_path / "elsewhere.apd"
     person.will(Answer.SAVE)
-    window.shell.close()
-    qtbot.waitUntil(lambda: window.shell.is_closed, timeout=SLOW)
-    assert np.array_equal(shape(person.target if folder else path), U)
+    with monkeypatch.context() as patch:
+        patch.setattr(unsaved_question, "ask_before_leaving", ASK)
+        window.shell.close()
+        qtbot.waitUntil(lambda: window.shell.is_closed, timeout=SLOW)
+    assert np.array_equal(shape(person.target if folder_too else path), U)
 
 
 def test_may_leave_finds_by_closing_alone_that_the_file_has_gone(qtbot, open_window, path, person):
