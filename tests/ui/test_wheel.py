@@ -92,9 +92,8 @@ def full(qtbot, bottle):
     return bottle
 
 
-@pytest.mark.parametrize("used", [False, True])
 @pytest.mark.parametrize("method", ["local", "paper"])
-def test_wheel_changes_nothing_over_the_controls_of_the_window(qtbot, full, method, used):
+def test_wheel_changes_nothing_over_the_controls_of_the_window(qtbot, full, method):
     full.session.settings.set_method(method)
     full.session.settings.set_volume(100.0)
     idle(qtbot, full)
@@ -103,7 +102,8 @@ def test_wheel_changes_nothing_over_the_controls_of_the_window(qtbot, full, meth
         if full.panel.isAncestorOf(widget):
             full.panel.ensureWidgetVisible(widget)
 
-    found = check(qtbot, full.shell, lambda: document(full), reveal, used)
+    for used in (False, True):
+        found = check(qtbot, full.shell, lambda: document(full), reveal, used)
     kinds = {kind for kind in CONTROLS for widget in found if isinstance(widget, kind)}
     assert kinds == set(CONTROLS), "the test is blind"
     assert len([w for w in found if full.panel.isAncestorOf(w)]) > 10
@@ -198,15 +198,15 @@ def test_wheel_tests_leave_no_dialog_out():
     assert own == DIALOGS.keys() - {"ComparisonWindow"}
 
 
-@pytest.mark.parametrize("used", [False, True])
 @pytest.mark.parametrize("name", DIALOGS)
-def test_wheel_changes_nothing_over_the_controls_of_a_dialog(qtbot, bottle, name, used):
+def test_wheel_changes_nothing_over_the_controls_of_a_dialog(qtbot, bottle, name):
     dialog = DIALOGS[name](bottle)
     assert type(dialog).__name__ == name
     qtbot.waitExposed(dialog)
     dialog.setFocus()
     idle(qtbot, bottle)
-    found = check(qtbot, dialog, lambda: document(bottle), used=used)
+    for used in (False, True):
+        found = check(qtbot, dialog, lambda: document(bottle), used=used)
     assert found or name == "PaperDialog", "the test is blind"
     dialog.close()
 
