@@ -58,6 +58,14 @@ def test_file_requests_open_the_last_wish_at_the_start(qtbot, early):
     assert not window.notice.text
 
 
+def test_file_requests_say_what_is_wrong_with_a_file_that_was_clicked(qtbot, early, tmp_path):
+    early.requests.open_path(tmp_path / "gone.obj")
+    window = Workbench(early)
+    idle(qtbot, window)
+    assert re.match("There is no file .*gone.obj", window.notice.text)
+    assert window.session.store.state is None
+
+
 def test_shell_lets_nothing_break_before_the_start(qtbot, early):
     for action in early.chrome.bar.actions()[1:]:  # the first opens a dialog
         action.trigger()
@@ -217,13 +225,14 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@pytest.mark.night
 @pytest.mark.parametrize(
     ("name", "said"),
     [
         ("gone.obj", "There is no file .*gone.obj"),
-        pytest.param("empty.stl", "empty.stl is empty", marks=pytest.mark.night),
-        pytest.param("session", "session is not a supported file type", marks=pytest.mark.night),
-        pytest.param("cut.apd", "cut.apd is not a valid session", marks=pytest.mark.night),
+        ("empty.stl", "empty.stl is empty"),
+        ("session", "session is not a supported file type"),
+        ("cut.apd", "cut.apd is not a valid session"),
     ],
 )
 def test_workbench_says_what_is_wrong_with_a_file_that_was_clicked(name, said, tmp_path):
