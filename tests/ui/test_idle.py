@@ -16,7 +16,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.motions import TypedMotion
 
-GESTURES = 20
+GESTURES = 5
 
 
 @pytest.fixture
