@@ -10,9 +10,11 @@ import queue
 import socket
 import threading
 from collections.abc import Callable
+from typing import Any
 
 from apd_viewer.session.processes.child_process import ChildProcess
-from apd_viewer.session.processes.messages import Compiling, Message
+from apd_viewer.session.processes.messages import Compiling, Message, Order
+from apd_viewer.session.processes.solver import Solver
 from apd_viewer.session.processes.solver_main import Teller, serve
 
 NAME = "process"
@@ -32,6 +34,26 @@ class Compiler:
             share = self._shares.get()
             tell(Message(0, Compiling(share)))
         self._shares.put(share)  # for a solver that was started anew meanwhile
+
+
+class LateSolver(Solver):
+    """Prepares for a mesh only once it is to move: most tests of a window move none.
+
+    Then it answers first what it has left, so that it goes on as any other.
+    """
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self._left: Order | None = None
+
+    def answer(self, order: Order) -> None:
+        if not (order.request.iterate or order.request.with_cost):
+            self._left = order
+            return
+        left, self._left = self._left, None
+        if left is not None:
+            super().answer(left)
+        super().answer(order)
 
 
 class InThread(ChildProcess):

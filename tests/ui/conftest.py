@@ -8,6 +8,7 @@ import pytest
 import trimesh
 from choosing import Theatre
 from driving import Mouse, grey, idle, settle, show
+from in_thread import LateSolver
 from kept_window import KeptWindow, at_rest, bottle_in, close_window, open_window
 from meshes import sample_bottle
 from PySide6.QtCore import QSettings
@@ -19,6 +20,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.session.model.state import opened
+from apd_viewer.session.processes import solver_main
 from apd_viewer.ui.appearance import antialiasing
 from apd_viewer.ui.application import HARMLESS, make_application
 from apd_viewer.ui.filing import unsaved_question
@@ -46,6 +48,12 @@ def qapp_cls():
 def smooth_frames(monkeypatch):
     """A view at rest is not drawn once more, with smooth edges, unless the test is about that."""
     monkeypatch.setattr(antialiasing, "STILL", 10**6)
+
+
+@pytest.fixture(autouse=True)
+def solver_prepares_late(monkeypatch):
+    """The solver that is a thread prepares nothing ahead."""
+    monkeypatch.setattr(solver_main, "Solver", LateSolver)
 
 
 @pytest.fixture

@@ -84,7 +84,7 @@ class Solver:
         while (order := self._orders.wait()) is not None:
             self._tell(Message(order.number, OrderStage.TURNED_TO))
             try:
-                self._answer(order)
+                self.answer(order)
             except InputError as error:
                 self._fail(order, str(error))
             except Exception as error:
@@ -97,6 +97,30 @@ class Solver:
             if not done and not self._orders.waiting:
                 done = self._rested(at_leisure)
         self._drop()
+
+    def answer(self, order: Order) -> None:
+        """Tell what an order asks for, or prepare for the next one."""
+        request = order.request
+        if self._rest is not None and self._rest[0] is not request.document.mesh:
+            self._drop()
+            self._rest = self._tray = None
+        if request.document.problem:
+            # During painting; an undeformable mesh is refused at the first request.
+            if request.with_cost:  # who compares methods waits for an answer
+                raise InputError(request.document.problem)
+            with contextlib.suppress(InputError):
+                make_ready(self._rest_of(order))
+            return
+        if request.with_cost and not self._warm:
+            warm_up()  # otherwise the first method would pay for all
+            self._warm = True
+        self._rest_of(order)
+        started = time.perf_counter()
+        solver = self._prepared(order)
+        if request.iterate:
+            self._iterate(order, solver, started)
+        else:
+            self._have_factored()
 
     @property
     def factoring(self) -> bool:
@@ -121,29 +145,6 @@ class Solver:
         request = order.request
         reply = Reply(request.document, request.generation, None, finished=True, failure=message)
         self._tell(Message(order.number, reply))
-
-    def _answer(self, order: Order) -> None:
-        request = order.request
-        if self._rest is not None and self._rest[0] is not request.document.mesh:
-            self._drop()
-            self._rest = self._tray = None
-        if request.document.problem:
-            # During painting; an undeformable mesh is refused at the first request.
-            if request.with_cost:  # who compares methods waits for an answer
-                raise InputError(request.document.problem)
-            with contextlib.suppress(InputError):
-                make_ready(self._rest_of(order))
-            return
-        if request.with_cost and not self._warm:
-            warm_up()  # otherwise the first method would pay for all
-            self._warm = True
-        self._rest_of(order)
-        started = time.perf_counter()
-        solver = self._prepared(order)
-        if request.iterate:
-            self._iterate(order, solver, started)
-        else:
-            self._have_factored()
 
     def _iterate(self, order: Order, solver: Deformation, started: float) -> None:
         tray, cost, walk = self._tray_of(order), None, self._walk
