@@ -29,8 +29,9 @@ def open_window(qtbot, settings):
 
 def activate(qtbot, window):
     """Have the keys go to a window, though another one may be open."""
-    window.shell.activateWindow()
-    qtbot.waitUntil(window.shell.isActiveWindow)
+    if not window.shell.isActiveWindow():
+        window.shell.activateWindow()
+        qtbot.waitUntil(window.shell.isActiveWindow)
 
 
 def close_window(qtbot, window):
@@ -76,6 +77,7 @@ class KeptWindow:
             self._layout, self._size = window.shell.saveState(), window.shell.size()
             checkable = (*window.shell.findChildren(QAbstractButton), *window.shell.findChildren(QAction))
             self._checked = {each: each.isChecked() for each in checkable if each.isCheckable()}
+        self._window.shell.setUpdatesEnabled(True)
         activate(qtbot, self._window)
         if (keys := self._window.shell.focusWidget()) is not None:
             keys.clearFocus()
@@ -87,6 +89,7 @@ class KeptWindow:
             self._window.shell.deleteLater()
             self._window = None
             return
+        self._window.shell.setUpdatesEnabled(False)  # it is drawn with what the next test opens
         self._close_all()
         QApplication.processEvents()  # what was to come next comes now
         idle(qtbot, self._window)
