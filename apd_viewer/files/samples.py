@@ -57,6 +57,7 @@ SAMPLES = {
 }
 
 
+@cache
 def resource(name: str) -> Path:
     """Path of a file in ``resources``, installed or in a checkout."""
     return _resources() / name

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -105,10 +106,10 @@ class Handle:
         """The handle moved on to ``pose`` (4, 4), by the shortest rotation."""
         return self.at(pose, extended(self.waypoints, self.pose, pose))
 
-    @property
+    @cached_property
     def rotation(self) -> np.ndarray:
-        """Total rotation since it was gripped, (3,): unit axis times angle, radians."""
-        return rotation_vector(self.waypoints, self.pose)
+        """Total rotation since it was gripped, (3,): unit axis times angle, radians; read-only."""
+        return frozen(rotation_vector(self.waypoints, self.pose))
 
     @property
     def winds(self) -> bool:

@@ -174,7 +174,8 @@ class Filing:
         self._window.setWindowTitle(
             title.format(mesh=in_title(mesh.name), session=in_title(session.name if session else ""))
         )
-        self._window.setWindowModified(self._session.saved_work.unsaved)
+        if self._window.isWindowModified() != (unsaved := self._session.saved_work.unsaved):
+            self._window.setWindowModified(unsaved)  # Qt would tell the screen again what it knows
 
     def leave_for(self, go: Callable[[], object], closes: bool = False) -> None:
         """Do ``go()`` unless unsaved work is to stay; if it is to be saved, afterwards."""

@@ -148,7 +148,8 @@ class Shortcuts:
     def reset_all(self) -> None:
         """Give all actions their standard keys."""
         for entry in self.entries:
-            entry.keys = entry.standard
+            if entry.is_changed:
+                entry.keys = entry.standard
         self._remember()
 
     def _remember(self) -> None:

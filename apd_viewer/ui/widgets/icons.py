@@ -18,12 +18,13 @@ _PARTS = {"baseColor": BASE_COLOR, "handleColor": HANDLE_COLORS[0], "regionColor
 
 
 class _LineIcon(QIconEngine):
-    """SVG icon painted afresh, sharp at every scale factor."""
+    """SVG icon, sharp at every scale factor; buttons ask for the same picture whenever they are painted."""
 
     def __init__(self, svg: str, theme: Theme) -> None:
         super().__init__()
         self._svg = svg
         self._theme = theme
+        self._pictures: dict[tuple[int, int, QIcon.Mode, QIcon.State], QPixmap] = {}
 
     def paint(self, painter: QPainter, rect: object, mode: QIcon.Mode, state: QIcon.State) -> None:
         theme, svg = self._theme, self._svg
@@ -35,6 +36,12 @@ class _LineIcon(QIconEngine):
         renderer.render(painter, QRectF(rect))
 
     def pixmap(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:
+        key = *size.toTuple(), mode, state
+        if key not in self._pictures:
+            self._pictures[key] = self._drawn(size, mode, state)
+        return self._pictures[key]
+
+    def _drawn(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:
         pixmap = QPixmap(size)
         if pixmap.isNull():  # a button not laid out yet
             return pixmap
