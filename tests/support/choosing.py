@@ -1,6 +1,7 @@
 """Choosing vertices in every way on a real window, and a look at every vertex and triangle beside it."""
 
 from collections import defaultdict
+from typing import Any
 
 import meshes
 import numpy as np
@@ -73,7 +74,7 @@ class Sight:
         Of the places, as shown.
     """
 
-    _seen: dict[tuple, np.ndarray] = {}  # noqa: RUF012 - it is slow, and the same views come again
+    _found: dict[tuple, Any] = {}  # noqa: RUF012 - it is slow, and the same views come again
 
     def __init__(self, window):
         state, self.eye = window.session.store.state, window.canvas.viewport.look.eye
@@ -82,10 +83,26 @@ class Sight:
         self.place = place.ravel()
         self.F, self.U = self.place[mesh.F], state.frame.U[first]
         self.screen = window.canvas.viewport.look.eye.project(self.U)
-        self.ring = defaultdict(set)
+        self.surface = self.F.tobytes()
+
+    def _once(self, name, find, *key):
+        """What is found for a key, and found again without a search."""
+        whole = name, *key
+        if whole not in self._found:
+            self._found[whole] = find()
+        return self._found[whole]
+
+    @property
+    def ring(self):
+        """The places beside each."""
+        return self._once("ring", self._find_ring, self.surface)
+
+    def _find_ring(self):
+        ring = defaultdict(set)
         for corners in self.F.tolist():
             for v in corners:
-                self.ring[v] |= set(corners) - {v}
+                ring[v] |= set(corners) - {v}
+        return ring
 
     def vertices(self, places):
         """The vertices at places, (n,) bool array."""
@@ -94,12 +111,12 @@ class Sight:
     @property
     def seen(self):
         """Whether no triangle is in the way to a place, (p,) bool array."""
-        key = self.U.tobytes(), self.eye.key
-        if key not in self._seen:
-            far = meets(self.eye.position, self.U - self.eye.position, *self.U[self.F].swapaxes(0, 1))
-            own = (self.F[None] == np.arange(len(self.U))[:, None, None]).any(axis=2)
-            self._seen[key] = ~((far < 1 - 1e-6) & ~own).any(axis=1)
-        return self._seen[key]
+        return self._once("seen", self._find_seen, self.U.tobytes(), self.eye.key)
+
+    def _find_seen(self):
+        far = meets(self.eye.position, self.U - self.eye.position, *self.U[self.F].swapaxes(0, 1))
+        own = (self.F[None] == np.arange(len(self.U))[:, None, None]).any(axis=2)
+        return ~((far < 1 - 1e-6) & ~own).any(axis=1)
 
     def hit(self, at):
         """Triangle and point (3,) that are seen at a position on the screen; None where there is nothing."""
@@ -124,6 +141,9 @@ class Sight:
 
     @property
     def faces_of_edges(self):
+        return self._once("faces", self._find_faces, self.surface)
+
+    def _find_faces(self):
         found = defaultdict(list)
         for t, corners in enumerate(self.F.tolist()):
             for c in range(3):
@@ -148,6 +168,9 @@ class Sight:
     @property
     def loops(self):
         """The loops of the border, each a set of places."""
+        return self._once("loops", self._find_loops, self.surface)
+
+    def _find_loops(self):
         beside = defaultdict(set)
         for edge, faces in self.faces_of_edges.items():
             if len(faces) == 1:
@@ -170,6 +193,24 @@ class Sight:
             return set()
         assert len(near) == 1 or near[0][0] < near[1][0], "the click leaves no doubt which one is nearest"
         return set(near[0][1])
+
+    def aim(self, middle):
+        """The middle of the seen triangle that is nearest to a border, or else to the middle."""
+        key = self.surface, self.U.tobytes(), self.eye.key, tuple(middle)
+        return self._once("aim", lambda: self._find_aim(middle), *key)
+
+    def _find_aim(self, middle):
+        border = list(set().union(*self.loops))
+        centres = self.U[self.F].mean(axis=1)
+        screen = self.screen[self.F].mean(axis=1)
+        far = np.linalg.norm(screen - middle, axis=1)
+        if border:
+            far = np.abs(centres[:, None] - self.U[border]).sum(axis=2).min(axis=1)
+        for face in np.argsort(far):
+            hit = self.hit(screen[face])
+            if hit is not None and hit[0] == face:
+                return screen[face]
+        raise AssertionError("no triangle is seen")
 
     def slab(self, start, end, axis):
         """Between where a drag begins and where it ends on the plane through the axis that faces it most."""
@@ -209,7 +250,8 @@ class Gesture:
         sight, self.way = Sight(window), way
         low, high = sight.screen.min(axis=0), sight.screen.max(axis=0)
         middle, size = 0.5 * (low + high), high - low
-        aim = self._aim(sight, middle)
+        if way not in OUTLINES:
+            aim = sight.aim(middle)
         if way is Way.BOX:
             self.press, end = middle - (0.31, 0.22) * size, middle + (0.27, 0.33) * size
             self.moves = [middle, end]
@@ -239,21 +281,6 @@ class Gesture:
         if way in OUTLINES:
             places = sight.within(corners, through)
         self.chosen = sight.vertices(places)
-
-    @staticmethod
-    def _aim(sight, middle):
-        """The middle of the seen triangle that is nearest to a border, or else to the middle."""
-        border = list(set().union(*sight.loops))
-        centres = sight.U[sight.F].mean(axis=1)
-        screen = sight.screen[sight.F].mean(axis=1)
-        far = np.linalg.norm(screen - middle, axis=1)
-        if border:
-            far = np.abs(centres[:, None] - sight.U[border]).sum(axis=2).min(axis=1)
-        for face in np.argsort(far):
-            hit = sight.hit(screen[face])
-            if hit is not None and hit[0] == face:
-                return screen[face]
-        raise AssertionError("no triangle is seen")
 
     def begin(self, view, modifiers=NONE):
         """All of it but the release, the double click of a polygon or the press of a click."""
@@ -338,6 +365,13 @@ class Scene:
         self.canvas.ways[Way.SLAB].axis = 1
         self.canvas.painter.size.radius = 60.0
         self.take(tool, way)
+        self.window.shell.setUpdatesEnabled(False)  # what is drawn is looked at by few
+
+    def draw(self):
+        """Bring to the screen what has changed."""
+        self.window.shell.setUpdatesEnabled(True)
+        work_off()
+        self.window.shell.setUpdatesEnabled(False)
 
     def take(self, tool, way):
         self.window.tools.choose_way(way)
@@ -433,6 +467,7 @@ class Theatre:
         if not self.window.shell.isVisible():
             show(qtbot, self.window.shell, self.window.canvas.viewport)
         if self._scene is None or self._scene.name != name:
+            self.window.shell.setUpdatesEnabled(True)
             self._scene = Scene(qtbot, self.window, name)
         self._scene.reset(qtbot)
         return self._scene

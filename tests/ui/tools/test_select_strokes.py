@@ -4,7 +4,7 @@ import meshes
 import numpy as np
 import pytest
 from choosing import ALT, CONTROL, NONE, OUTLINES, TOUCHES, Gesture, Sight
-from driving import LEFT, Mouse, centre, idle, work_off
+from driving import LEFT, Mouse, centre, idle
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtWidgets import QApplication
 
@@ -254,7 +254,7 @@ def test_outline_selector_lets_the_camera_move_between_clicks_of_a_polygon(qtbot
     mouse.drag(at, at + (60, 10), button=RIGHT)
     mouse.move(corners[2])
     mouse.wheel(corners[2], 1)
-    work_off()  # it is drawn
+    scene.draw()
     sight = Sight(scene.window)
     chosen = sight.vertices(sight.within(corners))
     assert chosen.any()
@@ -275,7 +275,7 @@ def test_outline_selector_through_takes_what_is_hidden_too(qtbot, theatre, name,
     assert (through.chosen > gesture.chosen).any()
     assert (through.chosen >= gesture.chosen).all()
     scene.window.actions_.select.through.trigger()
-    work_off()  # it is drawn
+    scene.draw()
     np.testing.assert_array_equal(scene.previewed, through.chosen, "though the mouse has not moved")
     gesture.end(mouse)
     np.testing.assert_array_equal(held(scene), (scene.state.document.labels == HANDLE) | through.chosen)
@@ -418,7 +418,7 @@ def test_click_selector_preview_follows_the_camera_under_a_resting_cursor(qtbot,
     Mouse(scene.view).move(at)
     scene.assert_nothing_is_previewed()
     scene.view.look.zoom_at(centre(scene.view), 6.0)
-    work_off()  # it is drawn
+    scene.draw()
     sight = Sight(scene.window)
     face = sight.hit(at)[0]
     places = {
