@@ -51,29 +51,36 @@ def handle_of(bar, shapes):
     return shapes[:, bar.session.store.state.document.labels == 2].mean(axis=1)
 
 
-@pytest.mark.parametrize(("motion", "way"), [(0, [0.5, 0.5, 0.0]), (1, [0.0, 0.5, 0.0])])
-def test_animation_dialog_exports_the_whole_motion_and_the_last_step(
-    motion, way, qtbot, bar, dialog, answer, tmp_path
-):
-    """The last step begins where the one before had ended."""
+def check_export(qtbot, bar, dialog, path, motion, way):
+    """Export a motion and see the handle go its way."""
     state = bar.session.store.state
-    assert dialog.motion.itemText(0) == "current motion of the handles"
-    assert bar.session.gestures.history.next_undo in dialog.motion.itemText(1)
     dialog.motion.setCurrentIndex(motion)
     dialog.format.setCurrentIndex(dialog.format.findData(".pc2"))
-    answer(tmp_path / "a.pc2")
     click(dialog.run.start)
     assert dialog.run.cancel.isVisible()
     finish(qtbot, dialog)
     assert dialog.run.words.text() == "Exported a.pc2."
-    shapes = read_pc2(tmp_path / "a.pc2")
-    places = handle_of(bar, shapes)
+    places = handle_of(bar, read_pc2(path))
     np.testing.assert_allclose(places - places[0], np.outer([0, 0.5, 1], way), atol=1e-6)
     end = state.frame.U[state.document.labels == 2].mean(axis=0)
     np.testing.assert_allclose(places[-1], end, atol=1e-6)
 
 
-def test_animation_dialog_exports_a_series_with_its_folder(qtbot, dialog, answer, tmp_path):
+def test_animation_dialog_exports_the_whole_motion(qtbot, bar, dialog, answer, tmp_path):
+    answer(tmp_path / "a.pc2")
+    assert dialog.motion.itemText(0) == "current motion of the handles"
+    check_export(qtbot, bar, dialog, tmp_path / "a.pc2", 0, [0.5, 0.5, 0.0])
+
+
+def test_animation_dialog_exports_the_last_step_from_where_the_one_before_had_ended(
+    qtbot, here, bar, dialog, answer, tmp_path
+):
+    answer(tmp_path / "a.pc2")
+    assert bar.session.gestures.history.next_undo in dialog.motion.itemText(1)
+    check_export(qtbot, bar, dialog, tmp_path / "a.pc2", 1, [0.0, 0.5, 0.0])
+
+
+def test_animation_dialog_exports_a_series_with_its_folder(qtbot, here, dialog, answer, tmp_path):
     dialog.format.setCurrentIndex(dialog.format.findData(".pvd"))
     (tmp_path / "out").mkdir()
     answer(tmp_path / "out" / "a.pvd")

@@ -458,7 +458,7 @@ def test_press_dialog_hands_the_targets_of_the_document_to_the_command(asked):
     assert options(ask(*sphere(2), method="local", hold_area=True)).area == "100.0%"
 
 
-def test_press_dialog_presses_the_current_shape_where_it_is_asked_for(qtbot, window, ball, asked):
+def test_press_dialog_presses_the_current_shape_where_it_is_asked_for(qtbot, here, window, ball, asked):
     """A session with the shape goes to the command; at rest there is nothing to begin from."""
     assert not ball.from_current.isEnabled()
     state = window.session.store.state
