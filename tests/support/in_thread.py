@@ -47,11 +47,12 @@ class LateSolver(Solver):
         self._left: Order | None = None
 
     def answer(self, order: Order) -> None:
+        self.turn_to(order.request.document.mesh)
         if not (order.request.iterate or order.request.with_cost):
             self._left = order
             return
         left, self._left = self._left, None
-        if left is not None:
+        if left is not None and left.request.document.mesh is order.request.document.mesh:
             super().answer(left)
         super().answer(order)
 

@@ -101,9 +101,7 @@ class Solver:
     def answer(self, order: Order) -> None:
         """Tell what an order asks for, or prepare for the next one."""
         request = order.request
-        if self._rest is not None and self._rest[0] is not request.document.mesh:
-            self._drop()
-            self._rest = self._tray = None
+        self.turn_to(request.document.mesh)
         if request.document.problem:
             # During painting; an undeformable mesh is refused at the first request.
             if request.with_cost:  # who compares methods waits for an answer
@@ -121,6 +119,12 @@ class Solver:
             self._iterate(order, solver, started)
         else:
             self._have_factored()
+
+    def turn_to(self, mesh: Mesh) -> None:
+        """Forget what is prepared for another mesh."""
+        if self._rest is not None and self._rest[0] is not mesh:
+            self._drop()
+            self._rest = self._tray = None
 
     @property
     def factoring(self) -> bool:
