@@ -175,7 +175,7 @@ def stroke(qtbot, window, middle, half_width=30):
     QApplication.processEvents()
 
 
-def drag(qtbot, window, start, way, steps=12):
+def drag(qtbot, window, start, way, steps=5):
     """Drag with the left button in small steps, each of which the shape follows."""
     mouse = Mouse(window.canvas.viewport)
     start, way = np.asarray(start, float), np.asarray(way, float)

@@ -156,6 +156,14 @@ def bottle(qtbot, kept_window, painted_bottle):
 
 
 @pytest.fixture
+def coarse(qtbot, kept_window):
+    """The window of all tests of a file on a bottle of half as many vertices, painted, for long ways."""
+    V, F, labels = sample_bottle(edge=3.0)
+    kept_window.session.files.open_with("bottle", lambda: opened(Mesh(V, F), labels.astype(np.uint8)))
+    return at_rest(qtbot, kept_window)
+
+
+@pytest.fixture
 def new_bottle(qtbot, window, painted_bottle):
     """A window of the test's own on the bottle, painted."""
     return bottle_in(qtbot, window, painted_bottle)

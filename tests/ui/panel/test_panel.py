@@ -7,7 +7,6 @@ import meshes
 import numpy as np
 import pytest
 from driving import Mouse, document, drag, follow, idle, ring_grip, work_off
-from kept_window import at_rest
 from PySide6.QtCore import QPoint, QPointF, Qt
 
 from apd_viewer.geometry.analysis.self_intersections import crossings
@@ -15,7 +14,6 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.readings import NOTHING, verdict
 from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.model.state import opened
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.store import Activity
 from apd_viewer.ui.widgets.slider import DECADES, PERCENT
@@ -48,11 +46,9 @@ def shown(window):
 
 
 @pytest.fixture
-def coarse(qtbot, kept_window):
-    """The window of all tests of this file on a bottle of half as many vertices, for long twists."""
-    V, F, labels = meshes.sample_bottle(edge=3.0)
-    kept_window.session.files.open_with("bottle", lambda: opened(Mesh(V, F), labels.astype(np.uint8)))
-    return at_rest(qtbot, kept_window)
+def bottle(coarse):
+    """The bottle that is solved soonest."""
+    return coarse
 
 
 def test_panel_readings_are_those_of_the_frame(qtbot, bottle):
@@ -228,7 +224,7 @@ def test_patch_ghost_shows_where_contact_has_not_let_the_handle_go(qtbot, bottle
 
 
 def test_method_section_can_change_the_method_while_a_pose_is_held(qtbot, bottle):
-    drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12), steps=20)
+    drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12), steps=4)
     idle(qtbot, bottle)
     exact = bottle.session.store.state
     assert exact.document.handles[0].pose[0, 0] < 0.999
@@ -363,6 +359,7 @@ def test_dial_lets_the_stiffness_be_typed_or_stepped(qtbot, bottle):
 
 def test_area_section_says_what_is_out_of_reach(qtbot, bottle):
     session, panel = bottle.session, bottle.panel
+    session.settings.keep_apart(False)
     session.gestures.begin()
     pose = np.eye(4)
     pose[1, 3] = 14.0

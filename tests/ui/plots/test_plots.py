@@ -21,12 +21,6 @@ from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
 
 @pytest.fixture
-def bottle(new_bottle):
-    """A window of each test's own: its plots are loaded and watched."""
-    return new_bottle
-
-
-@pytest.fixture
 def plotted(qtbot, bottle):
     """The bottle with all plots in sight."""
     bottle.docks["plots"].show()
@@ -42,7 +36,7 @@ def loaded(qtbot, window):
     qtbot.waitUntil(lambda: "plots" not in [thread.name for thread in threading.enumerate()], timeout=60_000)
 
 
-def twist(qtbot, window):
+def twist(qtbot, window, steps=3):
     frames = []
     show = window.canvas.show_state
 
@@ -51,7 +45,7 @@ def twist(qtbot, window):
         show(old, new, handle, region)
 
     window.canvas.show_state = seen
-    drag(qtbot, window, ring_grip(window, 1), (40, 0))
+    drag(qtbot, window, ring_grip(window, 1), (40, 0), steps)
     idle(qtbot, window)
     window.canvas.show_state = show
     return frames
@@ -91,7 +85,7 @@ def watched(plots):
 def test_plots_have_curves_of_what_was_shown_on_the_way(qtbot, plotted):
     plotted.session.settings.set_method("paper")
     idle(qtbot, plotted)
-    frames = twist(qtbot, plotted)
+    frames = twist(qtbot, plotted, 12)
     mesh = plotted.session.store.state.document.mesh
     V, F = mesh.V, mesh.F
     rest_area, rest_volume = areas(V, F).sum(), volume(V, F)
@@ -138,8 +132,9 @@ def test_local_change_has_the_histogram_of_the_triangles(qtbot, plotted):
 
 
 def test_plots_compute_nothing_while_nobody_looks_and_once_for_a_picture_otherwise(
-    qtbot, bottle, monkeypatch
+    qtbot, new_bottle, monkeypatch
 ):
+    bottle = new_bottle
     changes, compute = [], plots_module.local_change
 
     def noted(*given):
