@@ -108,7 +108,7 @@ class Handle:
 
     @cached_property
     def rotation(self) -> np.ndarray:
-        """Total rotation since it was gripped, (3,): unit axis times angle, radians; read-only."""
+        """Total rotation since it was gripped, (3,): unit axis times angle, radians."""
         return frozen(rotation_vector(self.waypoints, self.pose))
 
     @property

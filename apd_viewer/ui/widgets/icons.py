@@ -18,7 +18,7 @@ _PARTS = {"baseColor": BASE_COLOR, "handleColor": HANDLE_COLORS[0], "regionColor
 
 
 class _LineIcon(QIconEngine):
-    """SVG icon, sharp at every scale factor; buttons ask for the same picture whenever they are painted."""
+    """SVG icon, sharp at every scale factor, of which pictures are kept."""
 
     def __init__(self, svg: str, theme: Theme) -> None:
         super().__init__()
