@@ -24,7 +24,7 @@ from apd_viewer.ui.case_studies.study_run import RUN, StudyRun
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import Answer
 
-CASES = 24  # quick ones, but more than are done before a click
+CASES = 12  # quick ones, but more than are done before a click
 CONTROL = Qt.KeyboardModifier.ControlModifier
 
 

@@ -16,7 +16,7 @@ from apd_viewer.ui.case_studies.result_columns import shown_columns
 from apd_viewer.ui.case_studies.results_panel import ResultsPanel
 from apd_viewer.ui.plots import scatter_view
 
-FEW, MANY = 1000, 4000
+FEW, MANY = 500, 2000
 # Four times the rows may take about four times as long; what is quadratic takes sixteen times.
 MOST = 9.0
 
@@ -124,7 +124,7 @@ def test_choose_takes_a_row_without_looking_at_the_others(panels, monkeypatch):
 
 def test_results_view_keeps_rows_chosen_where_all_get_other_places(panels):
     panel = panels[FEW]
-    chosen = [3, 4, 5, 90, 700]
+    chosen = [3, 4, 5, 90, 400]
     panel.table.choose(chosen)
     heard = []
     panel.table.chosen.connect(lambda: heard.append(1))
@@ -133,7 +133,7 @@ def test_results_view_keeps_rows_chosen_where_all_get_other_places(panels):
         assert sorted(panel.table.rows) == chosen
     assert not heard, "nobody has chosen anything"
     panel.table.toggle(4)
-    assert sorted(panel.table.rows) == [3, 5, 90, 700]
+    assert sorted(panel.table.rows) == [3, 5, 90, 400]
     assert heard
 
 

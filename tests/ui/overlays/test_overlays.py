@@ -144,29 +144,29 @@ def test_deviation_reading_value_under_the_cursor_is_that_of_the_closed_form(
     assert legend.under_cursor.text() == "–"
 
 
-def test_heat_map_shows_the_contact_pressure_of_what_is_kept_apart(qtbot, bottle):
-    bottle.session.settings.keep_apart(False)
-    bottle.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
-    idle(qtbot, bottle)
-    bottle.shell.activateWindow()
-    qtbot.waitUntil(bottle.shell.isActiveWindow)
-    qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_9, ALT)
-    heat = bottle.looks.heat
+def test_heat_map_shows_the_contact_pressure_of_what_is_kept_apart(qtbot, coarse):
+    coarse.session.settings.keep_apart(False)
+    coarse.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
+    idle(qtbot, coarse)
+    coarse.shell.activateWindow()
+    qtbot.waitUntil(coarse.shell.isActiveWindow)
+    qtbot.keyClick(coarse.canvas.viewport, Qt.Key.Key_9, ALT)
+    heat = coarse.looks.heat
     assert heat.measure is Measure.CONTACT
     qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     assert np.isnan(heat.reading.values).all(), "contact is off"
-    assert "turn on Contact" in bottle.looks.legend.note.text()
-    bottle.session.settings.keep_apart(True, 0.03)
-    idle(qtbot, bottle)
+    assert "turn on Contact" in coarse.looks.legend.note.text()
+    coarse.session.settings.keep_apart(True, 0.03)
+    idle(qtbot, coarse)
     # The values of the shape before stay in the colours until those of this one are there.
     qtbot.waitUntil(lambda: set(heat.reading.values) == {0.0}, timeout=60_000)  # nothing touches yet
-    assert "percent" in bottle.looks.legend.note.text()
-    bottle.session.handles.move_by(TypedMotion.TWIST, "130deg", 0)
-    idle(qtbot, bottle)
+    assert "percent" in coarse.looks.legend.note.text()
+    coarse.session.handles.move_by(TypedMotion.TWIST, "130deg", 0)
+    idle(qtbot, coarse)
     qtbot.waitUntil(lambda: heat.reading.values.max() == 1.0, timeout=60_000)
-    settle(qtbot, bottle.canvas.viewport)
+    settle(qtbot, coarse.canvas.viewport)
     touched = np.count_nonzero(heat.reading.values)
-    assert 0 < touched <= 4 * bottle.session.store.state.frame.contact.pairs
+    assert 0 < touched <= 4 * coarse.session.store.state.frame.contact.pairs
 
 
 def test_heat_map_waits_with_what_takes_longer_until_the_shape_rests(qtbot, globe):
@@ -259,17 +259,17 @@ def test_legend_lets_the_range_be_typed_and_fitted_by_a_click(qtbot, area):
     assert [text for _, text in legend.bar.labels] == ["−4.76\u00a0%", "0\u00a0%", "+5\u00a0%"]
 
 
-def test_legend_shows_the_largest_local_area_change_as_the_panel_does(qtbot, bottle):
-    choose(qtbot, bottle, Measure.AREA)
-    bottle.session.handles.move_by(TypedMotion.TWIST, "60deg", 0)
-    idle(qtbot, bottle)
-    legend, panel = bottle.looks.legend, bottle.panel.area
-    settle(qtbot, bottle.canvas.viewport)
-    bottle.looks.heat.reading.read()
+def test_legend_shows_the_largest_local_area_change_as_the_panel_does(qtbot, coarse):
+    choose(qtbot, coarse, Measure.AREA)
+    coarse.session.handles.move_by(TypedMotion.TWIST, "60deg", 0)
+    idle(qtbot, coarse)
+    legend, panel = coarse.looks.legend, coarse.panel.area
+    settle(qtbot, coarse.canvas.viewport)
+    coarse.looks.heat.reading.read()
     said = legend.largest.text().replace("\u00a0", " ").lstrip("+−")
     assert said == panel.local_change.text() != "0 %"
-    bottle.looks.heat.next_worst()
-    assert bottle.looks.heat.extremes.mark.text.endswith(legend.largest.text())
+    coarse.looks.heat.next_worst()
+    assert coarse.looks.heat.extremes.mark.text.endswith(legend.largest.text())
 
 
 def test_heat_map_never_has_what_counts_for_no_change_in_the_strongest_colors(qtbot, area):

@@ -60,7 +60,7 @@ def passing(mesh, labels):
 
 
 def coarse_bottle(qtbot, window, open_top=False):
-    V, F, labels = meshes.sample_bottle(2.2)
+    V, F, labels = meshes.sample_bottle(3.0)
     if open_top:
         F = F[(V[F][:, :, 1] < V[:, 1].max() - 1e-6).any(axis=1)]
     mesh = Mesh(V, F)

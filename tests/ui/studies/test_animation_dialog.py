@@ -104,6 +104,7 @@ def test_animation_dialog_writes_nothing_when_cancelled(qtbot, dialog, answer, t
     assert "nothing was written" in dialog.run.words.text()
 
 
+@pytest.mark.night
 def test_animation_dialog_leaves_nothing_when_cancelled_while_it_writes(
     qtbot, dialog, answer, tmp_path, monkeypatch
 ):
