@@ -168,14 +168,13 @@ class Filing:
         state, session = self._session.store.state, self._session.saved_work.path
         if state is None:
             return
-        mesh = state.document.mesh
+        mesh, unsaved = state.document.mesh, self._session.saved_work.unsaved
         title = tr("{session}[*] – {mesh} – APD Viewer") if session else tr("{mesh}[*] – APD Viewer")
         self._window.setWindowFilePath(str(session or mesh.path or ""))
-        self._window.setWindowTitle(
-            title.format(mesh=in_title(mesh.name), session=in_title(session.name if session else ""))
-        )
-        if self._window.isWindowModified() != (unsaved := self._session.saved_work.unsaved):
-            self._window.setWindowModified(unsaved)  # Qt would tell the screen again what it knows
+        names = {"mesh": in_title(mesh.name), "session": in_title(session.name if session else "")}
+        self._window.setWindowTitle(title.format(**names))
+        if self._window.isWindowModified() != unsaved:  # Qt tells the screen again what it knows
+            self._window.setWindowModified(unsaved)
 
     def leave_for(self, go: Callable[[], object], closes: bool = False) -> None:
         """Do ``go()`` unless unsaved work is to stay; if it is to be saved, afterwards."""
