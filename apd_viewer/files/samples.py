@@ -60,14 +60,9 @@ SAMPLES = {
 @cache
 def resource(name: str) -> Path:
     """Path of a file in ``resources``, installed or in a checkout."""
-    return _resources() / name
-
-
-@cache
-def _resources() -> Path:
     package = Path(__file__).resolve().parents[1]
     inside = package / "resources"
-    return inside if inside.is_dir() else package.parent / "resources"
+    return (inside if inside.is_dir() else package.parent / "resources") / name
 
 
 def open_sample(name: str) -> tuple[Mesh, np.ndarray]:

@@ -25,7 +25,7 @@ def test_resource_finds_what_is_in_an_installed_package(tmp_path, monkeypatch):
     (package / "resources").mkdir()
     (tmp_path / "site-packages" / "resources").mkdir()  # another package's
     monkeypatch.setattr(samples, "__file__", str(package / "files" / "samples.py"))
-    assert resource("bottle.obj") == package / "resources" / "bottle.obj"
+    assert resource.__wrapped__("bottle.obj") == package / "resources" / "bottle.obj"
 
 
 def test_resource_looks_where_the_wheel_puts_resources():
