@@ -91,7 +91,8 @@ def test_contact_lets_no_way_lead_into_an_obstacle(seed):
     V, shifts = V.copy(), np.zeros((3, 3))
     contact.enter(V)
     gone = refused = 0
-    for _ in range(25):
+    while gone <= 5 or refused <= 5:
+        assert gone + refused < 60
         W = V + rng.normal(size=3) * 0.05 + 0.02 * np.sin(3 * V @ rng.normal(size=(3, 3)))
         ahead = shifts + 0.03 * rng.normal(size=(3, 3))
         contact.send_obstacles(ahead)
@@ -111,8 +112,6 @@ def test_contact_lets_no_way_lead_into_an_obstacle(seed):
         contact.gradient(V)
         near = [nearest(o, s, V, F)[1] for o, s in zip(KINDS.values(), shifts, strict=True)]
         assert contact.touching >= sum((found < REACH).sum() for found in near) > -1
-    assert gone > 5
-    assert refused > 5
 
 
 def test_carried_along_takes_what_is_pushed_along():
