@@ -182,7 +182,7 @@ def test_autosave_no_longer_keeps_work_that_is_safe(session, folder, tmp_path, s
 
 def test_autosave_leaves_nothing_after_a_clean_end(session, folder):
     check_kept(folder, session)
-    assert len(list(folder.iterdir())) == 2
+    session.until(lambda: len(list(folder.iterdir())) == 2)  # one more while it is written
     session.close()
     assert list(folder.iterdir()) == []
 
