@@ -107,7 +107,8 @@ def looked_at(site: Path) -> list[str]:
     handler = partial(_Handler, findings, directory=str(site))
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
-    with tempfile.TemporaryDirectory() as profile:
+    # Its processes may write a moment longer than it runs.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         command = [
             browser() or "chromium",
             "--headless=new",
