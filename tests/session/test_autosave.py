@@ -83,6 +83,7 @@ def check_kept(folder: Path, session: Driven) -> None:
         try:
             found, view = open_session(kept(folder) or folder)
             check_equal(found, session.store.state)
+            assert not list(folder.glob(".*.part*")), "it is being written once more"
         except (AssertionError, InputError):
             if time.monotonic() - since > SLOW:
                 raise
