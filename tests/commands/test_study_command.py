@@ -125,7 +125,7 @@ def test_study_says_what_cannot_be_run(bar, capsys, monkeypatch):
     assert "unknown column “colour”" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal to interrupt a group of processes")
+@pytest.mark.skipif(sys.platform == "win32", reason="os.killpg, by which a terminal is imitated, is of POSIX")
 def test_study_finishes_what_runs_after_an_interrupt_and_ends_at_once_after_a_second(bar):
     plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=9)
 
@@ -156,7 +156,9 @@ def test_study_finishes_what_runs_after_an_interrupt_and_ends_at_once_after_a_se
     assert once < twice < 399
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems list their sockets otherwise")
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="reads the sockets that Linux lists in /proc/net"
+)
 @pytest.mark.parametrize("option", [pytest.param("--processes", marks=pytest.mark.night), "--workers"])
 def test_study_has_processes_to_which_nobody_else_can_speak(bar, option):
     """Whoever reaches a worker by a socket can have it run anything as the user."""

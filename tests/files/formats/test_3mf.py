@@ -79,12 +79,12 @@ def test_read_3mf_does_not_unpack_an_archive_that_bursts(tmp_path):
         open_mesh(tmp_path / "a.3mf")
 
 
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no named pipes in folders")
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 @pytest.mark.parametrize("entity", ['SYSTEM "{secret}"', 'SYSTEM "file://{secret}"', '"1"'])
 def test_read_3mf_refuses_entities_of_a_part(tmp_path, encoding, entity):
     secret = tmp_path / "secret"
-    os.mkfifo(secret)  # whoever opens it waits for ever
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(secret)  # whoever opens it waits for ever
     model = f'<?xml version="1.0" encoding="{encoding}"?><!DOCTYPE model [<!ENTITY a {entity}>]>'
     model = model.format(secret=secret) + "<model><resources>&a;</resources></model>"
     with zipfile.ZipFile(tmp_path / "a.3mf", "w") as archive:

@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
+from symbolic_links import needs_links
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing
@@ -147,7 +148,7 @@ def test_replacing_does_not_mix_two_writers_at_once(path):
     assert list(path.parent.iterdir()) == [path]
 
 
-@pytest.mark.skipif(os.name != "posix", reason="Windows lets only administrators make symbolic links")
+@needs_links
 def test_replacing_lets_a_link_stay_a_link_and_replaces_its_file(tmp_path):
     (tmp_path / "folder").mkdir()
     real, link = tmp_path / "folder" / "real.txt", tmp_path / "link.txt"

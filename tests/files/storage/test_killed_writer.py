@@ -85,7 +85,9 @@ def _wait_for_scratch_file(folder: Path) -> None:
         pass
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="forks with threads running, safe on Linux alone")
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="forks, which Windows cannot and libraries of macOS do not survive"
+)
 def test_save_mesh_leaves_the_old_file_or_the_new_one_when_the_writer_is_killed(tmp_path):
     found = killed_writers(KILLS, tmp_path, "a mesh.ply")
     # Otherwise nothing was being written when it was killed.

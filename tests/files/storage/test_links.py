@@ -1,12 +1,15 @@
 """Links in a circle are refused in a sentence, and stay where they are."""
 
 import pytest
+from symbolic_links import needs_links
 
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.storage.links import followed, leads_in_a_circle
+
+pytestmark = needs_links
 
 
 @pytest.fixture
