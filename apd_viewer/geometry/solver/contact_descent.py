@@ -328,9 +328,8 @@ class ContactDescent:
 
     def _step_freely(self) -> None:
         """Take the next shape of the inner solver, if the way is free."""
-        if self._ahead < 1.0 and self.share == self._ahead and self._steps >= _STEPS:
-            self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
-            self._inner.aim(self.path.at(self._ahead))
+        if self._steps >= _STEPS:
+            self._aim_on()
         self._steps += 1
         self._inner.step()
         W = self._inner.U
@@ -340,11 +339,19 @@ class ContactDescent:
         if self.contact.leads_to(W, shifts):
             self._U, self.share, self.held, self._refused = W, self._ahead, self._inner.held, 0
             self.shifts = shifts
+            if not self._inner.ready:  # a preview that gets no better, though its handle is on its way
+                self._aim_on()
             return
         self._refused += self.contact.examined
         if self._refused >= _PATIENCE or self._inner.converged:
             self._touch()
             self.step()
+
+    def _aim_on(self) -> None:
+        """Aim at the next part of the path, if this one is behind."""
+        if self._ahead < 1.0 and self.share == self._ahead:
+            self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
+            self._inner.aim(self.path.at(self._ahead))
 
     def _touch(self) -> None:
         """Descend in contact from the last shape."""

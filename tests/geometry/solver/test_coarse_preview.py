@@ -203,7 +203,20 @@ def test_expected_end_is_not_foretold_while_the_coarse_surface_converges(factor)
     assert solver.step().seconds_left is None
 
 
-@pytest.mark.parametrize(("angle", "is_foretold"), [(0.02, True), (0.3, False)])
+@pytest.mark.parametrize("method", ["exact", "local", "arap"])
+@pytest.mark.parametrize("angle", [0.3, 1.0])
+def test_preview_goes_the_whole_way_of_the_handle_with_contact(factor, method, angle):
+    """Each part of the way is gone as soon as the coarse surface has come to rest at the last."""
+    solver = Deformation(V, F, FIXED, method=method, stiffness=1e-3, factored=factor, contact=True)
+    solver.aim(targets(angle, (0, 0, 0)))
+    until_the_coarse_one_is_done(solver)
+    frame = solver.frame()
+    assert frame.share_reached == 1.0
+    assert np.array_equal(frame.U[FIXED], targets(angle, (0, 0, 0)))
+    assert not frame.settled
+
+
+@pytest.mark.parametrize(("angle", "is_foretold"), [(0.02, True), (2.0, False)])
 def test_expected_end_is_foretold_with_contact_once_the_held_vertices_have_arrived(
     factor, angle, is_foretold
 ):

@@ -268,9 +268,8 @@ def test_far_factor_that_is_needed_goes_on_whatever_the_pose(factoring, processe
     assert children_of(processes) == before
 
 
-# Of arap the preview now and then stops short of the handle, by contact, until the factor is ready.
 @linux
-@pytest.mark.parametrize("method", ["exact", "local", pytest.param("arap", marks=pytest.mark.night)])
+@pytest.mark.parametrize("method", ["exact", "local", "arap"])
 def test_solver_lets_the_shape_follow_the_hand_while_it_is_factored(factoring, method):
     factoring.settings.set_method(method)
     factoring.gestures.begin()
