@@ -34,6 +34,7 @@ from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.workbench import Workbench
 
 FILES = 20
+PAUSE = 3.0  # s; after two the solver gives freed memory back
 SUFFIXES = ".obj", ".off", ".ply", ".stl", ".glb"
 
 
@@ -91,6 +92,7 @@ class Table:
                 self.line(f"{title} {k + 1:,}")
 
     def line(self, title):
+        time.sleep(PAUSE)
         QApplication.processEvents()
         gc.collect()
         out, free = handed_out()

@@ -32,6 +32,7 @@ SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks into /proc")
 ROOT = Path(__file__).parents[3]
 BYTES_AN_EVENT = 6_000  # at most; the shape of the bar alone has 1,500
+SPARE = 4 << 20  # bytes; at least so many lie free after a drag of 5,000 vertices
 RESTART = 10.0  # s; a new solver process takes 1.3 to 2.1 s where nothing else wants the cores
 
 
@@ -499,6 +500,20 @@ def test_session_takes_no_more_memory_with_the_events_of_a_drag(session, process
     session.gestures.end("Move handle")
     for before, after in zip(*sizes, strict=True):
         assert after - before < BYTES_AN_EVENT * events
+
+
+@linux
+@pytest.mark.night
+def test_solver_gives_the_memory_of_a_drag_back_in_a_pause(empty, processes, monkeypatch):
+    monkeypatch.setattr(process_client, "ChildProcess", ChildProcess)  # only such a one keeps freed memory
+    empty.show_now(Mesh(*box(30, 30, 30)))
+    empty.paint_ends()
+    empty.drag(pose(0.1))
+    empty.until(lambda: empty.store.compiled == 1.0, 60.0)
+    empty.drag(pose(0.2))
+    empty.settle()
+    before = resident(processes[-1].pid)
+    empty.until(lambda: before - resident(processes[-1].pid) > SPARE, 10.0)
 
 
 def test_solver_factors_the_last_painted_labels(session):

@@ -5,6 +5,9 @@ import subprocess
 import sys
 
 import pytest
+from driven_session import BENT
+
+from apd_viewer.session.processes import solver
 
 # More than glibc keeps by itself, in pieces that it does not map one by one.
 CHURN = """
@@ -82,3 +85,12 @@ print(kept - resident())
 def test_give_back_freed_memory_gives_kept_memory_back():
     done = subprocess.run([sys.executable, "-c", GIVEN_BACK], capture_output=True, text=True, check=True)
     assert int(done.stdout) >= 15 * (1 << 22), "the arrays have 64 MiB"
+
+
+def test_solver_gives_freed_memory_back_in_a_pause(session, monkeypatch):
+    given = []
+    monkeypatch.setattr(solver, "give_back_freed_memory", lambda: given.append("all"))
+    session.drag(BENT)
+    session.settle()
+    assert not given, "the frames of the next gesture can use it"
+    session.until(lambda: given)
