@@ -305,13 +305,14 @@ class ContactDescent:
         self.path = HeldPath(self.held, self._targets, self._handle_of, ends)
         ends = np.array([self._places, self.destination])
         self._whole = HeldPath(self._at_rest, self._targets, self._handle_of, ends).length
-        self.share = self._ahead = 0.0 if self.path.length else 1.0
+        self.share = 0.0 if self.path.length else 1.0
         self._part = _PART * self._size / max(self.path.length, _PART * self._size)
-        self._steps, self._refused = _STEPS, 0
+        self._ahead = max(self.share, self._part)
+        self._steps = self._refused = 0
         if self._touching:
             self._touching.follow(self.path, self.share)
         else:
-            self._inner.aim(self.path.at(self.share))
+            self._inner.aim(self.path.at(self._ahead))
 
     def step(self) -> None:
         """Step to a shape with a free way to it; see :meth:`restart`."""
@@ -328,30 +329,25 @@ class ContactDescent:
 
     def _step_freely(self) -> None:
         """Take the next shape of the inner solver, if the way is free."""
-        if self._steps >= _STEPS:
-            self._aim_on()
         self._steps += 1
         self._inner.step()
-        W = self._inner.U
-        if W is self._U and (self.path.moves_held or self.share == self._ahead):
+        W, shifts = self._inner.U, self.path.shift(self._ahead)
+        stands = W is self._U and (self.path.moves_held or self.share == self._ahead)
+        if stands or self.contact.leads_to(W, shifts):
+            if not stands:
+                self._U, self.share, self.held, self._refused = W, self._ahead, self._inner.held, 0
+                self.shifts = shifts
+            # Without the factor a preview may get no better than it is, before so many steps.
+            if self.share == self._ahead < 1.0 and (self._steps >= _STEPS or not self._inner.ready):
+                self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
+                self._inner.aim(self.path.at(self._ahead))
             return
-        shifts = self.path.shift(self._ahead)
-        if self.contact.leads_to(W, shifts):
-            self._U, self.share, self.held, self._refused = W, self._ahead, self._inner.held, 0
-            self.shifts = shifts
-            if not self._inner.ready:  # a preview that gets no better, though its handle is on its way
-                self._aim_on()
+        if not self.elastic.factor.ready:  # which contact would wait for
             return
         self._refused += self.contact.examined
         if self._refused >= _PATIENCE or self._inner.converged:
             self._touch()
             self.step()
-
-    def _aim_on(self) -> None:
-        """Aim at the next part of the path, if this one is behind."""
-        if self._ahead < 1.0 and self.share == self._ahead:
-            self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
-            self._inner.aim(self.path.at(self._ahead))
 
     def _touch(self) -> None:
         """Descend in contact from the last shape."""

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from meshes import rotation, tube
+from meshes import box, rotation, tube
 from remote_factor_double import Elsewhere
 
 from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals
@@ -214,6 +214,20 @@ def test_preview_goes_the_whole_way_of_the_handle_with_contact(factor, method, a
     assert frame.share_reached == 1.0
     assert np.array_equal(frame.U[FIXED], targets(angle, (0, 0, 0)))
     assert not frame.settled
+
+
+def test_preview_that_contact_refuses_is_followed_by_others_without_the_factor(factor):
+    """Contact itself cannot do without it: it would answer nobody for as long as that takes."""
+    box_, faces = box(20, 20, 40)
+    fixed, top = np.flatnonzero(np.isin(box_[:, 2], (0, 40))), box_[:, 2] == 40
+    solver = Deformation(box_, faces, fixed, factored=factor, contact=True)
+    for k in range(1, 11):
+        asked = box_.copy()
+        asked[top] = (asked[top] - (1, 1, 6)) @ rotation((0, 1, 0), 0.05 * k).T + (1, 1, 6)
+        solver.aim(asked[fixed])
+        solver.iterate()
+    until_the_coarse_one_is_done(solver)
+    assert solver.frame().share_reached == 1.0
 
 
 @pytest.mark.parametrize(("angle", "is_foretold"), [(0.02, True), (2.0, False)])

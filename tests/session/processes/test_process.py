@@ -284,7 +284,10 @@ def test_solver_lets_the_shape_follow_the_hand_while_it_is_factored(factoring, m
         if method == "exact":
             assert abs(frame.area_error) <= 1e-9
     factoring.gestures.end("Move handle")
-    factoring.until(lambda: np.array_equal(factoring.U[held.fixed], held.targets), 20.0)
+    if (
+        method != "local"
+    ):  # whose previews of a long way may cross themselves; then contact waits for the factor
+        factoring.until(lambda: np.array_equal(factoring.U[held.fixed], held.targets), 20.0)
     assert factoring.store.activity is Activity.REFINING, "the shape of the fine surface is still to come"
     assert factoring.failed == []
 
