@@ -120,19 +120,19 @@ def test_case_studies_run_stop_and_continue_a_study(qtbot, bar, dialog, studied)
     panel = cases.panel
     assert cases.dialog is None
     assert bar.docks["study"].isVisible()
-    qtbot.waitUntil(lambda: (panel.status.share or 0.0) > 0.0, timeout=60_000)
+    qtbot.waitUntil(lambda: (panel.status.share or 0.0) > 0.0, timeout=180_000)
     assert panel.bar.isVisible()
     assert listening([os.getpid(), *tree_of(cases.run.command.number)]) == []
     click(panel.stop)
     assert panel.stop.text() == "Stop now"
-    qtbot.waitUntil(lambda: not cases.run.running, timeout=60_000)
+    qtbot.waitUntil(lambda: not cases.run.running, timeout=180_000)
     assert "the finished cases are kept" in panel.words.text()
     qtbot.waitUntil(panel.go_on.isVisible, timeout=10_000)
     assert not panel.stop.isVisible()
     before = {path: path.stat().st_mtime_ns for path in studied.rglob("*.case")}
     assert 1 <= len(before) < CASES
     click(panel.go_on)
-    qtbot.waitUntil(lambda: finished(bar, CASES), timeout=60_000)
+    qtbot.waitUntil(lambda: finished(bar, CASES), timeout=180_000)
     assert {path: path.stat().st_mtime_ns for path in before} == before
     assert f"{CASES} of {CASES} done" in panel.words.text()
     assert not panel.bar.isVisible()
@@ -319,8 +319,8 @@ def test_case_studies_ask_for_failed_cases_again_by_a_click(bar, results, failed
 def test_case_studies_run_failed_cases_again_by_a_click_and_no_others(qtbot, results, failed, studied):
     before = {path: path.stat().st_mtime_ns for path in studied.rglob("*.case")}
     click(results.retry)
-    qtbot.waitUntil(lambda: "failed" not in results.words.text(), timeout=60_000)
-    qtbot.waitUntil(lambda: [row.status for row in results.model.rows] == ["done"] * CASES, timeout=60_000)
+    qtbot.waitUntil(lambda: "failed" not in results.words.text(), timeout=180_000)
+    qtbot.waitUntil(lambda: [row.status for row in results.model.rows] == ["done"] * CASES, timeout=180_000)
     changed = [path.stem for path, when in before.items() if path.stat().st_mtime_ns != when]
     assert changed == [failed]
     assert not results.retry.isVisible()
