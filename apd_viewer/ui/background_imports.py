@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import threading
 from typing import TYPE_CHECKING
 
@@ -10,10 +9,6 @@ from PySide6.QtCore import QObject, Signal
 
 if TYPE_CHECKING:
     from apd_viewer.session.processes.compilation import CompilersBeside
-
-
-class _GivenUpError(Exception):
-    """The window was closed while kernels were compiled."""
 
 
 class BackgroundImports(QObject):
@@ -61,20 +56,13 @@ class BackgroundImports(QObject):
             from apd_viewer.geometry.warmup import tell_of_compiling, warm_up
             from apd_viewer.session.processes import compilation  # noqa: F401
 
-            stop = tell_of_compiling(self._hear)
-            with contextlib.suppress(_GivenUpError):
-                warm_up("window")
+            stop = tell_of_compiling(lambda _: self._compiles.emit())
+            warm_up("window", enough=lambda: self._given_up)
             stop()
         except (ImportError, OSError) as error:
             self.error = error
         finally:
             self.loaded.emit()
-
-    def _hear(self, _: float) -> None:
-        """Hear of a kernel that was compiled, on the thread."""
-        if self._given_up:
-            raise _GivenUpError
-        self._compiles.emit()
 
     def _compile_beside(self) -> None:
         """Have the kernels of a first drag compiled too, as nothing is cached yet."""
