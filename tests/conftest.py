@@ -1,5 +1,6 @@
 """What all rooms' tests share. pytest puts this folder on sys.path, so ``from meshes import box`` works."""
 
+import gc
 import os
 import random
 import sys
@@ -49,6 +50,15 @@ def pytest_collection_modifyitems(config, items):
 def logs(tmp_path_factory):
     """No test writes to the user's own log; nor do the processes that it starts."""
     os.environ["APD_VIEWER_LOGS"] = str(tmp_path_factory.mktemp("logs"))
+
+
+@pytest.fixture(scope="session")
+def qapp_cls():
+    """What pytest-qt calls to make the application, whichever test is the first to need one."""
+    from apd_viewer.ui.application import make_application  # most tests need no Qt
+
+    yield make_application
+    gc.enable()  # GuiThreadGC had taken it over
 
 
 @pytest.fixture(autouse=True)

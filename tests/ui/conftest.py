@@ -1,6 +1,5 @@
 """A real application, a real mouse, and windows that leave nothing behind."""
 
-import gc
 import os
 
 import numpy as np
@@ -22,7 +21,7 @@ from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.processes import solver_main
 from apd_viewer.ui.appearance import antialiasing
-from apd_viewer.ui.application import HARMLESS, make_application
+from apd_viewer.ui.application import HARMLESS
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import Answer
 from apd_viewer.ui.scene.surface import Surface
@@ -35,13 +34,6 @@ def pytest_configure(config):
     config.addinivalue_line("qt_log_ignore", HARMLESS)
     if os.environ.get("QT_QPA_PLATFORM") == "offscreen":  # all but the pixels works without OpenGL
         config.addinivalue_line("qt_log_ignore", "QOpenGLWidget")
-
-
-@pytest.fixture(scope="session")
-def qapp_cls():
-    """What pytest-qt calls to make the application."""
-    yield make_application
-    gc.enable()  # GuiThreadGC had taken it over
 
 
 @pytest.fixture(autouse=True)
