@@ -100,7 +100,7 @@ docs: .venv/.tools ## build the site into build/docs; links between pages are ch
 	@echo "See build/docs/index.html."
 
 wheel: docs ## build a wheel of this system, with the manual and compiled kernels in it, into dist
-	@.ci/step "Compiling the kernels (about 100 s)" .venv/bin/python resources/installer/kernels.py
+	@.ci/step "Compiling the kernels (about 2 minutes)" .venv/bin/python resources/installer/kernels.py
 	@.ci/step "Building the wheel" .venv/bin/python -m pip wheel --quiet --no-deps -w dist .
 	@echo "See dist."
 
@@ -142,7 +142,7 @@ clean: ## remove the environment and all caches, but not out/
 	@touch $@
 
 .venv/.compiled: .venv/.installed
-	@.ci/step "Compiling the kernels, so that nothing waits for it later (about 100 s)" \
+	@.ci/step "Compiling the kernels, so that nothing waits for it later (about 2 minutes)" \
 	    .venv/bin/python -c 'from apd_viewer.geometry.warmup import warm_up; warm_up()'
 	@touch $@
 

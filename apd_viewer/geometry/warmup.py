@@ -38,13 +38,13 @@ _ROW = re.compile(r"([\w.]+)\((.*)\)")
 def warm_up(*names: str, enough: Callable[[], bool] = lambda: False) -> None:
     """Compile the kernels of some sections of the table, of all if none is named.
 
-    All take about 100 s, or 0.5 s from the cache. Between two of them ``enough()`` may end it.
+    All take about two minutes, or 1.5 s from the cache. Between two of them ``enough()`` may end it.
     """
     for section in names or kernel_table():
         for row in kernel_table()[section]:
             if enough():
                 return
-            kernel, arguments = _read(row)
+            kernel, arguments = kernel_of(row)
             kernel.compile(arguments)
 
 
@@ -71,7 +71,7 @@ def kernel_table() -> dict[str, list[str]]:
 
 
 @cache
-def _read(row: str) -> tuple[Any, tuple[types.Type, ...]]:
+def kernel_of(row: str) -> tuple[Any, tuple[types.Type, ...]]:
     """Kernel of a row, and the types of its arguments."""
     found = _ROW.fullmatch(row)
     assert found is not None, row
@@ -84,7 +84,7 @@ def _const(array: types.Array) -> types.Array:
 
 
 def _share_ready() -> float:
-    read = [_read(row) for rows in kernel_table().values() for row in rows]
+    read = [kernel_of(row) for rows in kernel_table().values() for row in rows]
     return sum(arguments in kernel.overloads for kernel, arguments in read) / len(read)
 
 

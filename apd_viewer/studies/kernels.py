@@ -22,7 +22,7 @@ from pathlib import Path
 from apd_viewer.files.storage.lock import take
 
 _PACKAGE = Path(__file__).parents[1]
-_LONGEST = 600.0  # s; compiling takes about 100 s
+_LONGEST = 600.0  # s; compiling takes about two minutes
 _PAUSE = 0.2  # s
 _PROGRAM = "from apd_viewer.geometry.warmup import warm_up; warm_up()"
 
