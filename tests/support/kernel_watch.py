@@ -79,7 +79,7 @@ class Judge:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
         commands = [[sys.executable, __file__, str(k)] for k in range(PROCESSES)]
         processes = [subprocess.Popen(command, env=environment) for command in commands]
-        assert not any([process.wait() for process in processes]), "a kernel cannot be compiled"
+        assert [process.wait() for process in processes] == [0] * PROCESSES, "a kernel cannot be compiled"
         self.before = kernel_files()
 
     @pytest.hookimpl(optionalhook=True)
