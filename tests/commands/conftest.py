@@ -3,6 +3,8 @@
 import subprocess
 
 import pytest
+from immediate import Here
+from study_work import computed
 
 
 @pytest.fixture
@@ -14,3 +16,15 @@ def without_opengl(monkeypatch):
             super().__init__([command[0], "-c", "import os; os.abort()"], **how)
 
     monkeypatch.setattr(subprocess, "Popen", Aborted)
+
+
+@pytest.fixture
+def cases_run_here(monkeypatch):
+    """The cases of a study need no process, which takes longer to start than they take."""
+    monkeypatch.setattr("apd_viewer.commands.studies.study.LocalPool", lambda _: Here(computed))
+
+
+@pytest.fixture
+def undrawn_sweeps(monkeypatch):
+    """Sweeps without their figures, which take longer than all else."""
+    monkeypatch.setattr("apd_viewer.figures.sweeps.draw_sweep", lambda *_, **__: None)

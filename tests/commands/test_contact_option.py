@@ -21,6 +21,8 @@ from apd_viewer.session.posing.motion_step import MotionStep
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.replay import replay
 
+pytestmark = pytest.mark.usefixtures("undrawn_sweeps", "cases_run_here")
+
 V, F = tube(10, 9)
 BASE, HANDLE = ends(V)
 TURN = 240  # degrees: without contact the tube unwinds by passing through itself

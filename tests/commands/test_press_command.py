@@ -26,7 +26,7 @@ from apd_viewer.session.storage.session_file import save_session
 
 @pytest.fixture
 def ball(tmp_path):
-    V, F = sphere(2)
+    V, F = sphere(1)
     save_mesh(Mesh(V, F), V, tmp_path / "ball.off")
     return tmp_path / "ball.off"
 
@@ -365,9 +365,10 @@ def test_press_leaves_nothing_when_interrupted(ball, press, tmp_path, monkeypatc
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_press_writes_what_remains_of_creases(ball, press, tmp_path):
+def test_press_writes_what_remains_of_creases(press, tmp_path):
     """The plates open until they no longer touch; without creases all springs back."""
-    volumes = {}
+    volumes, (V, F), ball = {}, sphere(2), tmp_path / "fine.off"
+    save_mesh(Mesh(V, F), V, ball)
     for radius in (None, 4.0):
         words = "--axis", "z", "--to", "60%", "--steps", 2, "--stiffness", 0.002, "--release"
         curve, report = tmp_path / "c.csv", tmp_path / "r.json"

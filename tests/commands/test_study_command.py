@@ -70,6 +70,7 @@ def test_study_is_planned_run_and_gone_on_with(bar, capsys):
     assert {path: path.stat().st_mtime_ns for path in bar.rglob("*")} == before
 
 
+@pytest.mark.usefixtures("cases_run_here")
 def test_study_counts_a_failed_case_which_may_be_tried_again(bar, capsys):
     words = ["study", plan_of(bar, ["twist 30"]), "-o", str(bar / "out")]
     assert main([*words, "--processes", "1", "--limit", "1e-9"]) == 0
@@ -83,6 +84,7 @@ def test_study_counts_a_failed_case_which_may_be_tried_again(bar, capsys):
         assert capsys.readouterr().out.splitlines()[: len(said)] == said
 
 
+@pytest.mark.usefixtures("cases_run_here")
 def test_study_computes_a_damaged_result_again_and_keeps_the_others(bar, capsys):
     """As after a fault of a disk, which leaves the size as it is."""
     words = ["study", plan_of(bar, ["twist 30", "push 10%"]), "-o", str(bar / "out"), "--processes", "1"]

@@ -16,7 +16,6 @@ from PIL import Image
 
 from apd_viewer.__main__ import main
 from apd_viewer.commands import sweep as sweep_command
-from apd_viewer.figures import sweeps
 from apd_viewer.figures.films import write_film
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
@@ -60,9 +59,8 @@ def drawn_sweep(tmp_path, capsys):
 
 
 @pytest.fixture
-def sweep(drawn_sweep, monkeypatch):
-    """Run the command without its figures, which take longer than all else."""
-    monkeypatch.setattr(sweeps, "draw_sweep", lambda *_, **__: None)
+def sweep(drawn_sweep, undrawn_sweeps):
+    """Run the command without its figures."""
     return drawn_sweep
 
 
