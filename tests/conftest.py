@@ -46,6 +46,12 @@ def pytest_collection_modifyitems(config, items):
         items[:] = [test for tests in files for test in chance.sample(tests, len(tests))]
 
 
+def pytest_collection_finish():
+    """Look no more through what is there to the end, in which no garbage is to be found."""
+    gc.collect()
+    gc.freeze()
+
+
 @pytest.fixture(scope="session", autouse=True)
 def logs(tmp_path_factory):
     """No test writes to the user's own log; nor do the processes that it starts."""
