@@ -7,12 +7,15 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import Future
 
 import pytest
+from immediate import Here
 from lacking import lack
 from listening import listening
 from painted_meshes import write_bar
 from process_tree import tree_of
+from study_work import quick
 
 from apd_viewer.__main__ import main
 
@@ -127,6 +130,52 @@ def test_study_says_what_cannot_be_run(bar, capsys, monkeypatch):
     assert "unknown column “colour”" in capsys.readouterr().err
 
 
+class OneByOne(Here):
+    """Runs a case while the runner asks how many are running."""
+
+    def __init__(self, work):
+        super().__init__(work)
+        self.held = None
+
+    def room(self):
+        return int(self.held is None)
+
+    def start(self, task):
+        self.held = Future(), task
+        return self.held[0]
+
+    def running(self):
+        if self.held is not None:
+            future, task = self.held
+            future.set_result(self.work(task))
+            self.held = None
+        return 0
+
+
+@pytest.mark.parametrize(("times", "done"), [(1, 2), (2, 1)])
+def test_study_finishes_the_running_case_at_an_interrupt_and_ends_at_once_at_a_second(
+    times, done, bar, monkeypatch, capsys
+):
+    """Signals come while the second of three cases runs."""
+    cases = iter(range(3))
+
+    def interrupted(task):
+        for _ in range(times if next(cases) == 1 else 0):
+            signal.raise_signal(signal.SIGINT)
+        return quick(task)
+
+    monkeypatch.setattr("apd_viewer.commands.studies.study.LocalPool", lambda _: OneByOne(interrupted))
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(SystemExit, match="130"):
+        main(["study", plan_of(bar, ["twist 1", "twist 2", "twist 3"]), "-o", str(bar / "out")])
+    said = capsys.readouterr()
+    assert f"{done} done, {3 - done} not done yet" in said.out
+    assert "the same command goes on" in said.err
+    assert [row["status"] for row in rows_of(bar / "out")].count("done") == done
+    assert signal.getsignal(signal.SIGINT) == before
+
+
+@pytest.mark.night
 @pytest.mark.skipif(sys.platform == "win32", reason="os.killpg, by which a terminal is imitated, is of POSIX")
 def test_study_finishes_what_runs_after_an_interrupt_and_ends_at_once_after_a_second(bar):
     plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=9)
