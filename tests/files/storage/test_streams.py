@@ -138,7 +138,7 @@ def output_of(words, **streams):
     return done.stdout
 
 
-@pytest.mark.parametrize("to_file", [False, True])
+@pytest.mark.parametrize("to_file", [pytest.param(False, marks=pytest.mark.night), True])
 def test_volumes_writes_a_report_on_the_standard_output_with_what_else_is_printed(bar, tmp_path, to_file):
     mesh, kept = tmp_path / "bar.obj", tmp_path / "kept.txt"
     save_mesh(bar, bar.V, mesh)
