@@ -6,6 +6,7 @@ import subprocess
 import sys
 import textwrap
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -159,11 +160,18 @@ def modules(root):
     }
 
 
+@cache
+def nodes(path):
+    """The nodes of a file's syntax tree that may import something."""
+    found = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    return [node for node in found if isinstance(node, ast.Import | ast.ImportFrom | ast.Call)]
+
+
 def imports(name, path, known):
     """Dotted names that a module imports, at any indentation; submodules before names in modules."""
     found = set()
     package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes(path):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -395,6 +403,12 @@ HEADLESS = """
         apd_viewer.save_mesh(mesh, result.U, folder / f"out.{suffix}")
         apd_viewer.open_mesh(folder / f"out.{suffix}")
     assert apd_viewer.__main__.main(["info", str(folder / "a.obj")]) == 0
+    from apd_viewer.session.model.state import opened
+    from apd_viewer.session.model.view import View
+    from apd_viewer.session.storage.session_file import save_session
+    save_session(folder / "a.apd", opened(mesh, mesh.V[:, 2].astype("uint8")), View())
+    words = "replay", folder / "a.apd", "-o", folder / "again.obj"
+    assert apd_viewer.__main__.main([str(word) for word in words]) == 0
     assert not screen(), f"working loads {screen()}"
     import apd_viewer.ui.application
     assert screen() == ["PySide6"], "the test is blind"

@@ -161,6 +161,7 @@ def texts(tmp_path, monkeypatch):
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
     monkeypatch.setattr(script, "LANGUAGES", tmp_path)
+    monkeypatch.setattr(script, "template", cache(script.template))  # the sources stay as they are
     return script
 
 
