@@ -76,6 +76,7 @@ def test_site_has_every_format_on_its_page():
     assert re.findall(r"`(\.\w+)`", generated_pages.WRITERS["formats"]()) == list(FORMATS)
 
 
+@pytest.mark.night
 def test_site_has_an_anchor_of_its_own_for_every_menu_entry(keys):
     assert {"File", "Edit", "Tools", "Select", "Handle", "View", "Help"} == {entry.menu for entry in keys}
     anchors = [of_action(entry.name).anchor for entry in keys]
@@ -83,6 +84,7 @@ def test_site_has_an_anchor_of_its_own_for_every_menu_entry(keys):
     assert len(set(anchors)) == len(anchors)
 
 
+@pytest.mark.night
 def test_site_names_the_keys_of_the_window_in_its_pages(keys):
     """A menu entry in bold type with keys behind it: ``**Menu > Entry** (`Ctrl+X`)``."""
     pattern = r"\*\*(?:\w+ > )+([^*>]+)\*\*\s+\(`([^`]+)`\)"
@@ -106,6 +108,7 @@ def test_site_names_in_its_tutorial_what_the_window_shows():
     assert [words for words in said if words.lower() not in texts] == []
 
 
+@pytest.mark.night
 def test_site_lists_every_control_once_with_a_sentence():
     found = window_facts.controls()
     assert len(found) > 150
@@ -120,12 +123,14 @@ def test_site_lists_every_control_once_with_a_sentence():
     assert [row for row in rows if not row.title or len(row.sentence) < 8] == []
 
 
+@pytest.mark.night
 def test_site_leads_from_menu_entries_to_the_pages_about_them(keys):
     entry = next(entry for entry in keys if entry.name == "bake")
     assert "[Undo, and begin from a new rest shape](../howto/undo.md)" in keys_page.keys_page()
     assert keys_page.page_about(entry).name == "undo.md"
 
 
+@pytest.mark.night
 @pytest.mark.parametrize(
     ("name", "page"),
     [("open", "open.md"), ("settings", "settings.md"), ("way:SLAB", "choose.md"), ("cut", "look.md")],
