@@ -19,7 +19,7 @@ from apd_viewer.studies.results import read_results
 from apd_viewer.studies.study import Study
 from apd_viewer.studies.worker import CaseAnswer
 
-ROWS = [{"motion": f"twist {angle}deg", "# who": "=me"} for angle in range(1, 25)]
+ROWS = [{"motion": f"twist {angle}deg", "# who": "=me"} for angle in range(1, 13)]
 TABLES = "results.csv", "curves.csv"
 
 
