@@ -22,7 +22,7 @@ STIFF = PressOptions(stiffness=0.001)
 
 @cache
 def ball():
-    return RestMesh(*sphere(3))
+    return RestMesh(*sphere(2))
 
 
 def to_rest(pressing, share):

@@ -94,8 +94,9 @@ def test_contact_descent_has_no_frame_of_a_twist_beyond_touching_cross_itself(as
     V, F, fixed, cap = bottle()
     solver = Deformation(V, F, fixed, handle=cap, contact=True, **asked)
     targets = bottle_at(TWIST)
-    frame, count = settle(solver, targets, most=120)
-    assert frame.converged or count == 119
+    most = 120 if "volume" in asked else 70
+    frame, count = settle(solver, targets, most)
+    assert frame.converged or count == most - 1
     assert frame.share_reached == 1.0
     assert np.array_equal(frame.U[fixed], targets)
     if "volume" in asked:

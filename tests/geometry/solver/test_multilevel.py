@@ -17,7 +17,7 @@ from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.multilevel import Multilevel, make_ready, multilevel
 from apd_viewer.geometry.solver.restarts import Restarts
 
-TUBE = tube(80, 120, height=4.0)
+TUBE = tube(60, 90, height=4.0)
 
 
 def ends_of(V, share=0.1):

@@ -111,14 +111,14 @@ def test_deformation_between_two_plates_is_a_press():
     """With nothing held: the same loads, and no turn of the whole."""
     V, F = tube(16, 16)
     rest = RestMesh(V, F)
-    press = PlatePress(rest, X, 1.6, 4, options=PressOptions(stiffness=0.001))
+    press = PlatePress(rest, X, 1.6, 2, options=PressOptions(stiffness=0.001))
     steps, way = list(press.steps()), press.way
     places = rest.centre + np.outer([way.low, way.high], X)
     plates = [plate(place, side * X, rest.diagonal) for place, side in zip(places, (1.0, -1.0), strict=True)]
     solver = Deformation(V, F, [], obstacles=plates, **STIFF)
     whole = 0.5 * press.way.length
     for k, step in enumerate(steps[1:], start=1):
-        solver.aim(NOBODY, shifts=k / 4 * whole * np.array([X, -X]))
+        solver.aim(NOBODY, shifts=k / 2 * whole * np.array([X, -X]))
         frame = settle(solver, plates)
         assert frame.converged
         assert -frame.loads[0, 0] == pytest.approx(step.load_low, rel=0.01)
