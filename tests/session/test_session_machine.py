@@ -464,7 +464,7 @@ class Use(RuleBasedStateMachine):
 
 
 class TestUse(Use.TestCase):
-    settings = settings(max_examples=25, stateful_step_count=30, deadline=None)
+    settings = settings(max_examples=15, stateful_step_count=30, deadline=None)
 
 
 @pytest.mark.night

@@ -27,13 +27,14 @@ def twisted_tube(degrees: int) -> Document:
 
 
 def walked(document: Document) -> Walk:
-    """A walk to its end, every shape on the way looked at."""
+    """A walk to its end, every third shape on the way and the last one looked at."""
     solver = deformation_of(document, document.constraints())
     walk = Walk(solver, document)
-    for _ in range(3000):
+    for count in range(3000):
         walk.iterate()
-        assert len(crossings(walk.frame().U, document.mesh.joined_F)) == 0
-        if walk.arrived and solver.settled:
+        done = walk.arrived and solver.settled
+        assert (count % 3 and not done) or len(crossings(walk.frame().U, document.mesh.joined_F)) == 0
+        if done:
             break
     return walk
 
