@@ -18,6 +18,7 @@ from apd_viewer.geometry.linalg.threads import parallel
 # Larger patches are fewer, and more of what is searched is in vain.
 _VERTICES_PER_PATCH = 12
 _SWEEPS = 6  # of Lloyd's algorithm
+_WORTH_THREADS = 5000  # points: threads for fewer take longer to start than they save
 _PORTION = 512
 
 
@@ -93,13 +94,16 @@ class Patches:
 def _clustered(X: np.ndarray) -> np.ndarray:
     """Cluster of every point by Lloyd's algorithm, numbered from zero."""
     count = max(1, len(X) // _VERTICES_PER_PATCH)
+    if count == 1:
+        return np.zeros(len(X), np.int64)
+    workers = -1 if len(X) > _WORTH_THREADS else 1
     centres = X[np.random.default_rng(0).choice(len(X), count, replace=False)]
     for _ in range(_SWEEPS):
-        own = KDTree(centres).query(X, workers=-1)[1]
+        own = KDTree(centres).query(X, workers=workers)[1]
         size = np.bincount(own, minlength=len(centres))
         sums = np.column_stack([np.bincount(own, x, minlength=len(centres)) for x in X.T])
         centres = sums[size > 0] / size[size > 0][:, None]
-    own = KDTree(centres).query(X, workers=-1)[1]
+    own = KDTree(centres).query(X, workers=workers)[1]
     return np.unique(own, return_inverse=True)[1].ravel()
 
 
