@@ -50,6 +50,7 @@ def pytest_collection_finish():
     """Look no more through what is there to the end, in which no garbage is to be found."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(10_000)
 
 
 @pytest.fixture(scope="session", autouse=True)
