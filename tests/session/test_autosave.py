@@ -659,7 +659,7 @@ def _lost(folder: Path, killed: float, kill: int) -> float:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="kills forks of a process")
-@pytest.mark.parametrize("kills", [2, pytest.param(8, marks=pytest.mark.night)])
+@pytest.mark.parametrize("kills", [1, pytest.param(8, marks=pytest.mark.night)])
 def test_autosave_leaves_of_a_killed_program_what_was_done_soon_before(compiled, tmp_path, kills):
     killed_programs(kills, tmp_path)
 

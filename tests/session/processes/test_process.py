@@ -399,7 +399,7 @@ ORPHAN = """
     from apd_viewer.geometry.mesh.mesh import Mesh
     print("begun", flush=True)
     session = Driven()
-    session.show_now(Mesh(*box(20, 20, 40)))
+    session.show_now(Mesh(*box({size})))
     session.paint_ends()
     session.settings.set_tolerance(1e-12)
     session.settings.set_method("paper")
@@ -414,11 +414,11 @@ ORPHAN = """
 
 def script(tmp_path, wait: bool) -> list[str]:
     """A user's script, without a guard, and a folder to start it in with a trap in it."""
-    paths = [str(ROOT), str(ROOT / "tests" / "support")]
+    paths, size = [str(ROOT), str(ROOT / "tests" / "support")], "20, 20, 40" if wait else "2, 2, 6"
     (tmp_path / "numpy.py").write_text("raise SystemExit('not this one')")
     (tmp_path / "scripts").mkdir()
     path = tmp_path / "scripts" / "script.py"
-    path.write_text(textwrap.dedent(ORPHAN.format(paths=paths, wait=wait)))
+    path.write_text(textwrap.dedent(ORPHAN.format(paths=paths, wait=wait, size=size)))
     return [sys.executable, "-W", "error", str(path)]
 
 
