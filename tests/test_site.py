@@ -124,6 +124,14 @@ def test_site_lists_every_control_once_with_a_sentence():
 
 
 @pytest.mark.night
+def test_site_says_something_at_each_place_of_the_window():
+    pages = [generated_pages.WRITERS[page]() for page in ("keys", "window", "settings")]
+    said = [row for page in pages for row in page.splitlines() if "{#" in row]
+    assert len(said) > 300
+    assert [row for row in said if len(row.strip("| ").rsplit(" | ", 1)[-1]) < 8] == []
+
+
+@pytest.mark.night
 def test_site_leads_from_menu_entries_to_the_pages_about_them(keys):
     entry = next(entry for entry in keys if entry.name == "bake")
     assert "[Undo, and begin from a new rest shape](../howto/undo.md)" in keys_page.keys_page()

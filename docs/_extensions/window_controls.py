@@ -1,11 +1,23 @@
-"""What each control of the window is called and does, from its own texts."""
+"""What each menu entry and control of the window is called and does, from its own texts."""
 
 from __future__ import annotations
 
 from window_tour import widgets
 
 from apd_viewer.ui.help.control_texts import texts_of
+from apd_viewer.ui.help.menu_entries import menu_entries
 from apd_viewer.ui.help.places import is_named, path_of
+from apd_viewer.ui.workbench import Workbench
+
+
+def listed(window: Workbench) -> list[tuple[str, ...]]:
+    """Menu, name, title, keys and tip of each menu entry, in the order of the menus."""
+    entries = {entry.action: entry for entry in window.actions_.entries}
+    return [
+        (found.menu, entry.name, found.full(entry.title), entry.keys, entry.tip)
+        for found in menu_entries(window.shell.menuBar())
+        if (entry := entries.get(found.action)) is not None
+    ]
 
 
 def described() -> list[tuple[str, str, str]]:

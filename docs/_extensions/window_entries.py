@@ -12,12 +12,11 @@ from pathlib import Path
 from PySide6.QtCore import QSettings
 
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.help.menu_entries import menu_entries
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.workbench import Workbench
 
 sys.path.insert(0, str(Path(__file__).parent))
-from window_controls import described
+from window_controls import described, listed
 from window_tour import show_all
 
 _PATIENCE = 120  # s
@@ -36,14 +35,8 @@ def wait(done):
         time.sleep(0.01)
 
 
-entries = {entry.action: entry for entry in window.actions_.entries}
-rows = [
-    (found.menu, entry.name, found.full(entry.title), entry.keys, entry.tip)
-    for found in menu_entries(window.shell.menuBar())
-    if (entry := entries.get(found.action)) is not None
-]
 show_all(window, wait)
-print(json.dumps({"entries": rows, "controls": described()}), flush=True)
+print(json.dumps({"entries": listed(window), "controls": described()}), flush=True)
 window.comparing.close()
 window.session.close()
 os._exit(0)  # nothing is kept, and a window without pixels is not taken down in order

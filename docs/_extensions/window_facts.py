@@ -34,16 +34,16 @@ class Control(NamedTuple):
 
 def entries() -> list[Entry]:
     """All menu entries."""
-    return [Entry(*row) for row in _facts()["entries"]]
+    return [Entry(*row) for row in facts()["entries"]]
 
 
 def controls() -> list[Control]:
     """All controls of the window and its dialogs."""
-    return [Control(tuple(path.split("/")), title, tip) for path, title, tip in _facts()["controls"]]
+    return [Control(tuple(path.split("/")), title, tip) for path, title, tip in facts()["controls"]]
 
 
 @cache
-def _facts() -> dict[str, list[list[str]]]:
+def facts() -> dict[str, list[list[str]]]:
     """Findings of a process of its own."""
     environment = os.environ | {"QT_QPA_PLATFORM": "offscreen", "APD_VIEWER_LANGUAGE": "en"}
     with tempfile.TemporaryDirectory() as folder:
@@ -55,5 +55,5 @@ def _facts() -> dict[str, list[list[str]]]:
             capture_output=True,
             text=True,
         )
-    facts: dict[str, list[list[str]]] = json.loads(done.stdout.splitlines()[-1])
-    return facts
+    found: dict[str, list[list[str]]] = json.loads(done.stdout.splitlines()[-1])
+    return found
