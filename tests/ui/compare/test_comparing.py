@@ -8,8 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from driving import LEFT, NONE, Mouse, centre, document, idle
+from kept_window import KeptWindow
 from meshes import box, ends, rotation
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSettings, Qt
 from PySide6.QtGui import QImage
 
 import apd_viewer
@@ -20,7 +21,8 @@ from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.presentation.method_readings import columns
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.compare.method_table import OutcomeTable
-from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.filing import file_dialogs, unsaved_question
+from apd_viewer.ui.filing.unsaved_question import Answer
 
 CTRL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
 SETTLED = 30_000
@@ -46,9 +48,18 @@ def paint_ends(window):
 
 
 @pytest.fixture
-def bar(qtbot, window, compiled, monkeypatch):
-    """A window on a bar that is bent, without contact."""
+def ready(compiled, monkeypatch):
+    """The solver has its kernels."""
     monkeypatch.setattr("apd_viewer.session.processes.solver.warm_up", lambda: None)
+
+
+@pytest.fixture
+def bar(qtbot, window, ready):
+    """A window on a bar that is bent, without contact."""
+    return bent(qtbot, window)
+
+
+def bent(qtbot, window):
     window.filing.show_mesh(Mesh(*box(2, 2, 6)))
     idle(qtbot, window)
     window.session.settings.keep_apart(False)
@@ -68,6 +79,29 @@ def opened(qtbot, window):
 @pytest.fixture
 def side(qtbot, bar):
     """The methods compared, all having settled and been measured."""
+    return settled(qtbot, bar)
+
+
+@pytest.fixture(scope="module")
+def another(qapp, tmp_path_factory):
+    """A second window, with settings of its own."""
+    place = tmp_path_factory.mktemp("settings") / "settings.ini"
+    kept = KeptWindow(QSettings(str(place), QSettings.Format.IniFormat))
+    with pytest.MonkeyPatch.context() as patch:
+        yield kept
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+        kept.close()
+
+
+@pytest.fixture
+def compared(qtbot, another, unasked, ready):
+    """The same, for tests that leave the methods and their shapes alone; with the main window."""
+    main = another.opened(qtbot)
+    side = main.comparing.window or settled(qtbot, bent(qtbot, main))
+    return main, side
+
+
+def settled(qtbot, bar):
     side = opened(qtbot, bar)
     qtbot.waitUntil(lambda: all(view.said[0] == "converged" for view in side.views.values()), timeout=SETTLED)
     qtbot.waitUntil(lambda: all(view.values is not None for view in side.views.values()), timeout=SETTLED)
@@ -106,7 +140,8 @@ def alone(window, method):
     return apd_viewer.deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles, **given)
 
 
-def test_outcome_table_says_what_each_method_comes_to_alone(bar, side):
+def test_outcome_table_says_what_each_method_comes_to_alone(compared):
+    bar, side = compared
     found = cells(side)
     assert list(found) == ["ARAP", "Paper (Li & Hui)", "Exact", "Local"]
     for method, line in zip(side.views, found.values(), strict=True):
@@ -132,14 +167,8 @@ def test_method_readings_write_errors_with_the_digits_that_count(painted_bottle,
     assert written["Area error"]({"area_miss": value}) == text + "\u00a0%"
 
 
-@pytest.mark.parametrize(("target", "said"), [(100.0, "100"), (97.25, "97.25"), (1000.0, "1000")])
-def test_columns_say_that_the_error_is_that_of_what_is_asked_for(bar, target, said):
-    bar.session.settings.set_area(target)
-    titles = {column.title: column.tip for column in columns(bar.session.store.state, Unit.NONE)}
-    assert titles["Area error"] == f"Deviation of the area from its target of {said} %"
-
-
-def test_linked_views_turn_all_when_one_is_turned(qtbot, side):
+def test_linked_views_turn_all_when_one_is_turned(qtbot, compared):
+    _, side = compared
     views = [view.viewport for view in side.views.values()]
     sizes = {(view.width(), view.height()) for view in views}
     assert max(w for w, _ in sizes) - min(w for w, _ in sizes) <= 1
@@ -163,7 +192,8 @@ def test_linked_views_turn_all_when_one_is_turned(qtbot, side):
         assert (at < [view.width(), view.height()]).all()
 
 
-def test_shared_scale_gives_equal_values_equal_colors_in_all_views(qtbot, side):
+def test_shared_scale_gives_equal_values_equal_colors_in_all_views(qtbot, compared):
+    _, side = compared
     side.legend.reach.setValue(4.0)
     assert side.legend.scale.reach == 0.04
     colors = {}
@@ -185,7 +215,8 @@ def test_shared_scale_gives_equal_values_equal_colors_in_all_views(qtbot, side):
     assert largest <= side.legend.scale.reach < 2.51 * largest
 
 
-def test_linked_views_read_the_place_under_the_cursor_on_every_shape(side):
+def test_linked_views_read_the_place_under_the_cursor_on_every_shape(compared):
+    _, side = compared
     view = side.views["exact"]
     at = view.viewport.look.eye.project(view.surface.U.mean(axis=0)[None])[0]
     Mouse(view.viewport).move(at, NONE)
@@ -200,25 +231,12 @@ def test_linked_views_read_the_place_under_the_cursor_on_every_shape(side):
     assert {other.read for other in side.views.values()} == {""}
 
 
-def test_comparison_window_compares_two_at_least_and_remembers_the_choice(qtbot, bar, side):
-    for method in ("local", "paper"):
-        qtbot.mouseClick(side.checks[method], LEFT)
-    assert side.chosen == ["arap", "exact"]
-    assert [method for method, check in side.checks.items() if not check.isEnabled()] == ["arap", "exact"]
-    qtbot.mouseClick(side.checks["arap"], LEFT)
-    assert side.chosen == ["arap", "exact"]
-    assert list(cells(side)) == ["ARAP", "Exact"]
-    assert [view.isVisible() for view in side.views.values()] == [True, False, True, False]
-    side.close()
-    again = opened(qtbot, bar)
-    assert again.chosen == ["arap", "exact"]
-
-
 def asked(monkeypatch, path):
     monkeypatch.setattr(file_dialogs.QFileDialog, "getSaveFileName", lambda *_: (str(path or ""), ""))
 
 
-def test_write_table_writes_to_the_last_digit(qtbot, bar, side, monkeypatch, tmp_path):
+def test_write_table_writes_to_the_last_digit(qtbot, compared, monkeypatch, tmp_path):
+    bar, side = compared
     asked(monkeypatch, tmp_path / "methods")
     qtbot.mouseClick(side.save_table, LEFT)
     assert side.status.text() == "Saved methods.csv."
@@ -238,7 +256,10 @@ def test_write_table_writes_to_the_last_digit(qtbot, bar, side, monkeypatch, tmp
         assert float(line["area_rest"]) == bar.session.store.state.inspection.area
 
 
-def test_write_picture_draws_all_shapes_and_leaves_the_views_as_they_were(qtbot, side, monkeypatch, tmp_path):
+def test_write_picture_draws_all_shapes_and_leaves_the_views_as_they_were(
+    qtbot, compared, monkeypatch, tmp_path
+):
+    _, side = compared
     view = side.views["exact"].viewport
     before = view.screenshot(return_img=True)
     asked(monkeypatch, tmp_path / "methods.png")
@@ -255,13 +276,37 @@ def test_write_picture_draws_all_shapes_and_leaves_the_views_as_they_were(qtbot,
     assert (pixels[2, 2] == 255).all()
 
 
-def test_comparison_window_says_in_one_sentence_what_cannot_be_written(qtbot, side, monkeypatch, tmp_path):
+def test_comparison_window_says_in_one_sentence_what_cannot_be_written(
+    qtbot, compared, monkeypatch, tmp_path
+):
+    _, side = compared
     for button, suffix in ((side.save_table, ".csv"), (side.save_picture, ".png")):
         asked(monkeypatch, tmp_path / "nowhere" / f"x{suffix}")
         qtbot.mouseClick(button, LEFT)
         assert side.status.text().endswith("choose another location. Nothing was changed.")
         assert side.status.property("warn")
     assert list(tmp_path.rglob("x*")) == []
+
+
+@pytest.mark.parametrize(("target", "said"), [(100.0, "100"), (97.25, "97.25"), (1000.0, "1000")])
+def test_columns_say_that_the_error_is_that_of_what_is_asked_for(bar, target, said):
+    bar.session.settings.set_area(target)
+    titles = {column.title: column.tip for column in columns(bar.session.store.state, Unit.NONE)}
+    assert titles["Area error"] == f"Deviation of the area from its target of {said} %"
+
+
+def test_comparison_window_compares_two_at_least_and_remembers_the_choice(qtbot, bar, side):
+    for method in ("local", "paper"):
+        qtbot.mouseClick(side.checks[method], LEFT)
+    assert side.chosen == ["arap", "exact"]
+    assert [method for method, check in side.checks.items() if not check.isEnabled()] == ["arap", "exact"]
+    qtbot.mouseClick(side.checks["arap"], LEFT)
+    assert side.chosen == ["arap", "exact"]
+    assert list(cells(side)) == ["ARAP", "Exact"]
+    assert [view.isVisible() for view in side.views.values()] == [True, False, True, False]
+    side.close()
+    again = opened(qtbot, bar)
+    assert again.chosen == ["arap", "exact"]
 
 
 def endless(monkeypatch):
