@@ -10,6 +10,7 @@ from process_tree import text_of, tree_of
 
 from apd_viewer.session.model.motions import TypedMotion
 
+MAIN = "solver_main import main"  # in what a process of the solver runs
 SOON = 15_000  # ms; it is said after 5 s
 
 pytestmark = [
@@ -19,9 +20,9 @@ pytestmark = [
 
 
 def solvers():
-    """Numbers of the processes that solve."""
+    """Numbers of the processes that solve; the nursery of other tests, which imports the same, is none."""
     found = tree_of(os.getpid())[1:]
-    return [number for number in found if "solver_main" in text_of(Path(f"/proc/{number}/cmdline"))]
+    return [number for number in found if MAIN in text_of(Path(f"/proc/{number}/cmdline"))]
 
 
 @pytest.fixture
