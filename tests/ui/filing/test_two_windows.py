@@ -11,9 +11,15 @@ import pytest
 from answering import Person
 from driving import idle, work_off
 from kept_window import KeptWindow
+from meshes import box, ends
 from PySide6.QtCore import QSettings, Qt
 from PySide6.QtWidgets import QFileDialog
 
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.session.model import state
 from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import open_session, save_session
@@ -31,11 +37,23 @@ save_session(sys.argv[1], state, view, embed=True)
 """
 
 
+@pytest.fixture(scope="module")
+def bar(tmp_path_factory):
+    """State of a bar with painted ends, from a file: quick to twist."""
+    V, F = box(2, 2, 5)
+    path = tmp_path_factory.mktemp("bar") / "bar.obj"
+    save_mesh(Mesh(V, F), V, path)
+    labels = np.full(len(V), FREE, np.uint8)
+    for ids, label in zip(ends(V), (BASE, HANDLE), strict=True):
+        labels[ids] = label
+    return state.opened(open_mesh(path), labels)
+
+
 @pytest.fixture
-def path(tmp_path, painted_bottle):
+def path(tmp_path, bar):
     """A session in a folder of its own."""
     (tmp_path / "work").mkdir()
-    save_session(tmp_path / "work" / "two.apd", painted_bottle, View())
+    save_session(tmp_path / "work" / "two.apd", bar, View())
     return tmp_path / "work" / "two.apd"
 
 
