@@ -30,7 +30,7 @@ CONTROL = Qt.KeyboardModifier.ControlModifier
 
 @pytest.fixture(scope="module")
 def studied(home):
-    """Folder of the study that the first of the tests of results has run."""
+    """Folder of the study that the first of the tests of results runs."""
     return home / "mesh-study"
 
 
@@ -110,12 +110,18 @@ def test_plan_dialog_leaves_a_folder_in_use_alone(dialog, home):
     assert [path.read_bytes() for path in taken.iterdir()] == [b"of somebody"]
 
 
-def test_case_studies_run_stop_and_continue_a_study(qtbot, bar, dialog, studied):
+def begin(dialog, folder):
+    """Have a study of so many cases run, by one process."""
     dialog.design.setCurrentIndex(dialog.design.findData("grid"))
     dialog.samples.setValue(CASES)
     dialog.steps.setValue(2)
     dialog.engine.processes.setValue(1)
+    dialog.folder.setText(str(folder))
     click(dialog.start)
+
+
+def test_case_studies_run_a_study(qtbot, bar, dialog, studied):
+    begin(dialog, studied)
     cases = bar.case_studies
     panel = cases.panel
     assert cases.dialog is None
@@ -123,21 +129,57 @@ def test_case_studies_run_stop_and_continue_a_study(qtbot, bar, dialog, studied)
     qtbot.waitUntil(lambda: (panel.status.share or 0.0) > 0.0, timeout=180_000)
     assert panel.bar.isVisible()
     assert listening([os.getpid(), *tree_of(cases.run.command.number)]) == []
+    qtbot.waitUntil(lambda: finished(bar, CASES), timeout=180_000)
+    assert f"{CASES} of {CASES} done" in panel.words.text()
+    assert not panel.bar.isVisible()
+    with (studied / PLAN).open(encoding="utf-8") as stream:
+        assert [line["to"] for line in csv.DictReader(stream)][:: CASES - 1] == ["10%", "100%"]
+
+
+def test_case_studies_stop_a_study_at_its_next_case_and_have_it_go_on(qtbot, bar, dialog, home, monkeypatch):
+    """The command is in its process by night; that it ends and goes on so is tested with the command."""
+    panel, command = bar.case_studies.panel, bar.case_studies.run.command
+    started, ended, interrupted = [], [], []
+    monkeypatch.setattr(type(command), "running", property(lambda _: len(started) > len(ended)))
+    monkeypatch.setattr(command, "start", started.append)
+    monkeypatch.setattr(command, "interrupt", lambda: interrupted.append(1) or True)
+    begin(dialog, home / "stopped")
+    said = {"finished": 3, "running": 1, "failed": 0, "rate": 1.0, "seconds_left": 9.0}
+    command.reported.emit({"cases": CASES} | said)
+    click(panel.stop)
+    assert panel.stop.text() == "Stop now"
+    assert interrupted == [1]
+    ended.append(1)
+    command.failed.emit("Interrupted.")
+    assert "the finished cases are kept" in panel.words.text()
+    qtbot.waitUntil(panel.go_on.isVisible, timeout=10_000)
+    assert not panel.stop.isVisible()
+    click(panel.go_on)
+    assert started == [started[0]] * 2, "the same command goes on"
+    ended.append(1)
+    command.ended.emit("")
+
+
+@pytest.mark.night
+def test_case_studies_run_stop_and_continue_a_study(qtbot, bar, dialog, home):
+    folder = home / "continued"
+    begin(dialog, folder)
+    cases = bar.case_studies
+    panel = cases.panel
+    qtbot.waitUntil(lambda: (panel.status.share or 0.0) > 0.0, timeout=180_000)
     click(panel.stop)
     assert panel.stop.text() == "Stop now"
     qtbot.waitUntil(lambda: not cases.run.running, timeout=180_000)
     assert "the finished cases are kept" in panel.words.text()
     qtbot.waitUntil(panel.go_on.isVisible, timeout=10_000)
     assert not panel.stop.isVisible()
-    before = {path: path.stat().st_mtime_ns for path in studied.rglob("*.case")}
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*.case")}
     assert 1 <= len(before) < CASES
     click(panel.go_on)
     qtbot.waitUntil(lambda: finished(bar, CASES), timeout=180_000)
     assert {path: path.stat().st_mtime_ns for path in before} == before
     assert f"{CASES} of {CASES} done" in panel.words.text()
     assert not panel.bar.isVisible()
-    with (studied / PLAN).open(encoding="utf-8") as stream:
-        assert [line["to"] for line in csv.DictReader(stream)][:: CASES - 1] == ["10%", "100%"]
 
 
 def test_case_studies_ask_about_a_scheduler_that_a_folder_names(bar, studied, monkeypatch):
