@@ -10,8 +10,9 @@ import queue
 import socket
 import threading
 from collections.abc import Callable
-from typing import Any
+from typing import Any, BinaryIO
 
+from apd_viewer.session.processes import shape_check_main
 from apd_viewer.session.processes.child_process import ChildProcess
 from apd_viewer.session.processes.messages import Compiling, Message, Order
 from apd_viewer.session.processes.solver import Solver
@@ -69,7 +70,18 @@ class InThread(ChildProcess):
         self.start()
 
     def _spawned(self) -> "ServingThread":
-        return ServingThread(self._compiler)
+        return ServingThread(self._serve_orders)
+
+    def _serve_orders(self, source: BinaryIO, sink: BinaryIO) -> None:
+        tell = Teller(sink)
+        serve(source, tell, at_leisure=lambda _: self._compiler(tell))
+
+
+class CheckInThread(ChildProcess):
+    """Checks shapes like the process for it; once killed it ends after the check that it is at."""
+
+    def _spawned(self) -> "ServingThread":
+        return ServingThread(shape_check_main.serve)
 
 
 class ServingThread:
@@ -77,24 +89,23 @@ class ServingThread:
 
     stderr = None
 
-    def __init__(self, compiler: Callable[[Teller], object]) -> None:
+    def __init__(self, serve: Callable[[BinaryIO, BinaryIO], object]) -> None:
         self.pid = os.getpid()
-        self._compiler = compiler
+        self._serve = serve
         ours, theirs = socket.socketpair()
         self._socket = ours
         self.stdin, self.stdout = ours.makefile("wb"), ours.makefile("rb")
-        self._thread = threading.Thread(target=self._serve, args=(theirs,), name=NAME)
+        self._thread = threading.Thread(target=self._run, args=(theirs,), name=NAME)
         self._thread.start()
 
-    def _serve(self, connection: socket.socket) -> None:
+    def _run(self, connection: socket.socket) -> None:
         with (
             contextlib.suppress(OSError),  # an answer that nobody hears stays in the file
             connection,
             connection.makefile("rb") as source,
             connection.makefile("wb") as sink,
         ):
-            tell = Teller(sink)
-            serve(source, tell, at_leisure=lambda _: self._compiler(tell))
+            self._serve(source, sink)
             connection.shutdown(socket.SHUT_RDWR)
 
     def kill(self) -> None:

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from choosing import Theatre
 from driving import Mouse, grey, idle, settle, show
-from in_thread import LateSolver
+from in_thread import CheckInThread, LateSolver
 from kept_window import KeptWindow, at_rest, bottle_in, close_window, open_window
 from meshes import sample_bottle
 from PySide6.QtCore import QSettings
@@ -19,7 +19,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.session.model.state import opened
-from apd_viewer.session.processes import solver_main
+from apd_viewer.session.processes import shape_checker, solver_main
 from apd_viewer.ui.appearance import antialiasing
 from apd_viewer.ui.application import HARMLESS
 from apd_viewer.ui.filing import unsaved_question
@@ -46,6 +46,12 @@ def smooth_frames(monkeypatch):
 def solver_prepares_late(monkeypatch):
     """The solver that is a thread prepares nothing ahead."""
     monkeypatch.setattr(solver_main, "Solver", LateSolver)
+
+
+@pytest.fixture(autouse=True)
+def checks_in_a_thread(monkeypatch):
+    """Shapes are checked by a thread; a process would load its libraries for each report."""
+    monkeypatch.setattr(shape_checker, "ChildProcess", CheckInThread)
 
 
 @pytest.fixture
