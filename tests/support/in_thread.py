@@ -12,7 +12,6 @@ import threading
 from collections.abc import Callable
 from typing import Any, BinaryIO
 
-from apd_viewer.session.processes import shape_check_main
 from apd_viewer.session.processes.child_process import ChildProcess
 from apd_viewer.session.processes.messages import Compiling, Message, Order
 from apd_viewer.session.processes.solver import Solver
@@ -77,11 +76,15 @@ class InThread(ChildProcess):
         serve(source, tell, at_leisure=lambda _: self._compiler(tell))
 
 
-class CheckInThread(ChildProcess):
-    """Checks shapes like the process for it; once killed it ends after the check that it is at."""
+class ServedInThread(ChildProcess):
+    """Serves as the process of a ``serve`` would; once killed it ends after the answer that it is at."""
+
+    def __init__(self, serve: Callable[[BinaryIO, BinaryIO], object], title: str, script: str) -> None:
+        super().__init__(title, script)
+        self._serve = serve
 
     def _spawned(self) -> "ServingThread":
-        return ServingThread(shape_check_main.serve)
+        return ServingThread(self._serve)
 
 
 class ServingThread:

@@ -1,13 +1,14 @@
 """A real application, a real mouse, and windows that leave nothing behind."""
 
 import os
+from functools import partial
 
 import numpy as np
 import pytest
 import trimesh
 from choosing import Theatre
 from driving import Mouse, grey, idle, settle, show
-from in_thread import CheckInThread, LateSolver
+from in_thread import LateSolver, ServedInThread
 from kept_window import KeptWindow, at_rest, bottle_in, close_window, open_window
 from meshes import sample_bottle
 from PySide6.QtCore import QSettings
@@ -19,7 +20,13 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.session.model.state import opened
-from apd_viewer.session.processes import shape_checker, solver_main
+from apd_viewer.session.processes import (
+    geodesic_finder,
+    geodesic_main,
+    shape_check_main,
+    shape_checker,
+    solver_main,
+)
 from apd_viewer.ui.appearance import antialiasing
 from apd_viewer.ui.application import HARMLESS
 from apd_viewer.ui.filing import unsaved_question
@@ -49,9 +56,10 @@ def solver_prepares_late(monkeypatch):
 
 
 @pytest.fixture(autouse=True)
-def checks_in_a_thread(monkeypatch):
-    """Shapes are checked by a thread; a process would load its libraries for each report."""
-    monkeypatch.setattr(shape_checker, "ChildProcess", CheckInThread)
+def found_by_threads(monkeypatch):
+    """Threads check shapes and find geodesics; processes would load their libraries for each report."""
+    for client, main in ((shape_checker, shape_check_main), (geodesic_finder, geodesic_main)):
+        monkeypatch.setattr(client, "ChildProcess", partial(ServedInThread, main.serve))
 
 
 @pytest.fixture

@@ -52,7 +52,7 @@ def file(tmp_path, monkeypatch):
     monkeypatch.setattr(Path, "home", lambda: tmp_path / "somebody")
     path = tmp_path / "somebody" / "&lt;b&gt; 'mesh'.obj"
     path.parent.mkdir()
-    V, F, _ = meshes.sample_bottle(2.2)
+    V, F, _ = meshes.sample_bottle(3.0)
     save_mesh(Mesh(V, F), V, path)
     return path
 
@@ -60,7 +60,7 @@ def file(tmp_path, monkeypatch):
 @pytest.fixture
 def twisted(qtbot, window, file):
     """The bottle in centimetres, twisted, at rest and checked, with a name that means harm."""
-    labels = frozen(meshes.sample_bottle(2.2)[2].astype(np.uint8))
+    labels = frozen(meshes.sample_bottle(3.0)[2].astype(np.uint8))
     window.session.files.open_with("bottle", lambda: opened(open_mesh(file), labels))
     idle(qtbot, window)
     window.panel.area.unit.chosen.emit(Unit.CENTIMETRE)
