@@ -38,7 +38,7 @@ endif
 # pytest-xvfb starts its own X displays, but Qt would still prefer that of a Wayland session.
 environment = env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11
 
-workers = -n auto --maxprocesses 4 --dist worksteal
+workers = -n auto --dist worksteal
 
 test: lint programs ## set up what is missing, then run every check of the day: ruff, mypy, pytest
 	@.ci/step "pytest" $(environment) .venv/bin/pytest $(workers)

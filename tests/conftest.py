@@ -33,6 +33,11 @@ def pytest_addoption(parser):
     parser.addoption("--shuffle", metavar="SEED", help="run files, and the tests of each, in a random order")
 
 
+def pytest_xdist_auto_num_workers():
+    """One more than there are cores, as some tests wait; four at most, each with a gigabyte."""
+    return min((os.cpu_count() or 1) + 1, 4)
+
+
 def pytest_report_header(config):
     return f"shuffled with seed {config.getoption('shuffle')}" if config.getoption("shuffle") else None
 

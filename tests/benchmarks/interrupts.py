@@ -242,19 +242,20 @@ def commands_tried(parts, count, rng, folder):
 def begin():
     """Try the parts that are asked for."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("parts", nargs="*", default=PARTS, choices=PARTS)
+    parser.add_argument("parts", nargs="*", default="all", choices=[*PARTS, "all"])
     parser.add_argument("--count", type=int)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
+    parts = PARTS if "all" in options.parts else options.parts
     rng = np.random.default_rng(options.seed)
     signal.signal(signal.SIGINT, signal.default_int_handler)  # also where started in the background
     with tempfile.TemporaryDirectory() as made:
-        commands_tried(options.parts, options.count, rng, Path(made))
+        commands_tried(parts, options.count, rng, Path(made))
     # No kernel may run in this process before: GNU's OpenMP ends those that fork after it.
     before = shape(30)
-    if "steps" in options.parts:
+    if "steps" in parts:
         say("steps", steps(options.count or 200, rng))
-    if "kernel" in options.parts:
+    if "kernel" in parts:
         say("kernel", kernels(options.count or 1000, rng))
     print("fixed case:", "the same bits" if shape(30) == before else "BROKEN: other bits")
 
