@@ -337,17 +337,16 @@ class ContactDescent:
             if not stands:
                 self._U, self.share, self.held, self._refused = W, self._ahead, self._inner.held, 0
                 self.shifts = shifts
-            # Without the factor a preview may get no better than it is, before so many steps.
-            if self.share == self._ahead < 1.0 and (self._steps >= _STEPS or not self._inner.ready):
-                self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
-                self._inner.aim(self.path.at(self._ahead))
-            return
-        if not self.elastic.factor.ready:  # which contact would wait for
-            return
-        self._refused += self.contact.examined
-        if self._refused >= _PATIENCE or self._inner.converged:
-            self._touch()
-            self.step()
+        elif self.elastic.factor.ready:  # which contact would wait for
+            self._refused += self.contact.examined
+            if self._refused >= _PATIENCE or self._inner.converged:
+                self._touch()
+                self.step()
+                return
+        # Without the factor a preview may get no better than it is, before so many steps.
+        if self.share == self._ahead < 1.0 and (self._steps >= _STEPS or not self._inner.ready):
+            self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
+            self._inner.aim(self.path.at(self._ahead))
 
     def _touch(self) -> None:
         """Descend in contact from the last shape."""

@@ -274,20 +274,16 @@ def test_far_factor_that_is_needed_goes_on_whatever_the_pose(factoring, processe
 def test_solver_lets_the_shape_follow_the_hand_while_it_is_factored(factoring, method):
     factoring.settings.set_method(method)
     factoring.gestures.begin()
-    held = None
     for k in range(10):
         factoring.handles.drag(pose(0.05 * k + 0.05))
-        held = factoring.store.state.document.constraints()
         next_frame(factoring, 20.0)
         frame = factoring.store.state.frame
         assert not frame.settled
         if method == "exact":
             assert abs(frame.area_error) <= 1e-9
     factoring.gestures.end("Move handle")
-    if (
-        method != "local"
-    ):  # whose previews of a long way may cross themselves; then contact waits for the factor
-        factoring.until(lambda: np.array_equal(factoring.U[held.fixed], held.targets), 20.0)
+    # A preview that crosses itself contact takes none of, so the last part of a long way may wait.
+    factoring.until(lambda: factoring.store.state.frame.share_reached > 0.5, 20.0)
     assert factoring.store.activity is Activity.REFINING, "the shape of the fine surface is still to come"
     assert factoring.failed == []
 
