@@ -139,8 +139,8 @@ def test_kernel_signals_let_out_of_a_contact_kernel_what_a_handler_raises():
     beyond = np.full(len(between), 0.01)
     expected, rng = search.near(V, between, beyond)[0], np.random.default_rng(1)
     for _ in range(100):
-        signal.setitimer(signal.ITIMER_REAL, rng.uniform(1e-4, 0.01))
         with pytest.raises(StoppedError):  # noqa: PT012
+            signal.setitimer(signal.ITIMER_REAL, rng.uniform(1e-4, 0.01))
             while True:
                 search.near(V, between, beyond)
     found = search.near(V, between, beyond)[0]
@@ -152,8 +152,8 @@ def test_kernel_signals_let_a_kernel_be_compiled_to_its_end():
     def kernel(n):
         return np.arange(n).sum() + np.ones(n).sum()
 
-    signal.setitimer(signal.ITIMER_REAL, 0.02)
-    with pytest.raises(StoppedError):
+    with pytest.raises(StoppedError):  # noqa: PT012
+        signal.setitimer(signal.ITIMER_REAL, 0.02)
         kernel(4)
     assert len(kernel.signatures) == 1
     assert kernel(4) == 10.0
