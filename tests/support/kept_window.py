@@ -18,10 +18,14 @@ from apd_viewer.ui.tools.brush_size import USUAL
 from apd_viewer.ui.tools.toolbox import FIRST_TOOL
 from apd_viewer.ui.workbench import Workbench
 
+# Smaller than that of the first start: pictures drawn by the processor cost tests a third of their time.
+SIZE, FIRST_SIZE = (960, 680), (1280, 800)
+
 
 def open_window(qtbot, settings):
     """A window, shown and active, without a mesh."""
     window = Workbench(Shell(settings))
+    window.shell.resize(*SIZE)
     show(qtbot, window.shell, window.canvas.viewport)
     activate(qtbot, window)
     return window
@@ -32,6 +36,12 @@ def activate(qtbot, window):
     if not window.shell.isActiveWindow():
         window.shell.activateWindow()
         qtbot.waitUntil(window.shell.isActiveWindow)
+
+
+def widened(qtbot, window):
+    """The window as large as at a first start."""
+    window.shell.resize(*FIRST_SIZE)
+    return at_rest(qtbot, window)
 
 
 def close_window(qtbot, window):

@@ -6,6 +6,7 @@ import meshes
 import numpy as np
 import pytest
 from driving import LEFT, Mouse, arrow_grip, document, drag, idle, ring_grip, show, work_off
+from kept_window import widened
 from PySide6.QtCore import QPoint, QRect, QSize, Qt
 
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -302,6 +303,7 @@ def test_tour_card_stays_within_the_window_beside_what_it_speaks_of(qtbot, toure
 
 
 def test_tour_card_follows_what_it_points_at(qtbot, toured):
+    widened(qtbot, toured)
     go_to(qtbot, toured, 1)
     before = card(toured).pos()
     view = toured.canvas.viewport

@@ -6,6 +6,7 @@ import threading
 import numpy as np
 import pytest
 from driving import Mouse, arrow_grip, document, idle, on_screen, settle, stroke, work_off
+from kept_window import widened
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.picking import surface_index as skins
@@ -81,6 +82,8 @@ def test_document_does_not_look_again_at_what_a_frame_leaves_as_it_is(bottle, mo
 
 
 def test_coloring_colors_what_a_stroke_paints_and_leaves_the_points(qtbot, bottle, work):
+    widened(qtbot, bottle)
+    work.clear()
     bottle.tools.take(Tool.BASE)
     V, before = document(bottle).mesh.V, document(bottle).labels
     front = np.flatnonzero((V[:, 2] > 0.5) & (abs(V[:, 0]) < 0.3) & (before == FREE))

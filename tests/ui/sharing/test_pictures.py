@@ -3,7 +3,8 @@
 import meshes
 import numpy as np
 import pytest
-from driving import idle, settle
+from driving import idle
+from kept_window import widened
 from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QColor, QGuiApplication, QImage, QPainter
 from PySide6.QtTest import QTest
@@ -56,9 +57,7 @@ def still(qtbot, window):
     V, F, labels = meshes.sample_bottle(2.2)
     state = opened(Mesh(V, F), frozen(labels.astype(np.uint8)))
     window.session.files.open_with("bottle", lambda: state)
-    idle(qtbot, window)
-    settle(qtbot, window.canvas.viewport)
-    return window
+    return widened(qtbot, window)
 
 
 def test_scene_picture_has_the_colors_of_the_screen_and_empty_corners(still):

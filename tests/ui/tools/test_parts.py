@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from driving import Mouse, arrow_grip, document, drag, on_screen, stroke, work_off
+from kept_window import widened
 from PySide6.QtCore import Qt
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -98,7 +99,7 @@ def test_strokes_erase_paint_first_and_then_the_region(qtbot, bottle):
 
 
 def test_keep_holds_the_area_of_a_region(qtbot, bottle):
-    region_at(qtbot, bottle, 8.0, half_width=25)
+    region_at(qtbot, widened(qtbot, bottle), 8.0, half_width=25)
     details = bottle.panel.regions.list.rows[0].details
     details.box.click()
     assert document(bottle).regions[0].area == 100.0
