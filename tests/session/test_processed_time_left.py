@@ -44,4 +44,4 @@ def test_forecast_knows_the_time_left_before_half_of_the_way_to_the_minimum(empt
     end = said[-1][0]
     left = next(left for now, left in said if now >= 0.45 * end)
     assert left is not None
-    assert 0.5 <= left / (0.55 * end) <= 2.5  # beside other tests, whose pace changes on the way
+    assert 0.4 <= left / (0.55 * end) <= 2.5  # beside other tests, whose pace changes on the way
