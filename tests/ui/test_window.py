@@ -584,7 +584,7 @@ def test_workbench_leaves_nothing_behind(qtbot, settings, monkeypatch, count):
         work_off()
     assert len(workers) == count
     assert [ref() for ref in alive + workers if ref() is not None] == []
-    assert shells() == others
+    assert [each for each in shells() if each not in others] == []  # one of those may be gone by now
 
 
 def test_gizmo_ends_its_drag_when_another_mesh_opens(qtbot, bottle):
