@@ -123,7 +123,7 @@ def test_known_file_is_the_same_again_when_its_content_comes_back(path):
     assert known.look() is Fate.SAME
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 def test_known_file_does_not_wait_for_a_pipe(path):
     put_pipe(path)
     done = threading.Event()

@@ -101,7 +101,7 @@ def replaced(path, name, *words):
 def folder(tmp_path):
     """Folder of meshes beside one whose files they must not reach, with links to that."""
     if os.name == "nt":
-        pytest.skip("one of the links leads to /dev/zero, which Windows has not")
+        pytest.skip("one of the links leads to /dev/zero, which Windows lacks")
     inside, outside = tmp_path / "inside", tmp_path / "outside"
     for each in (inside, inside / "sub", outside):
         each.mkdir()
