@@ -14,7 +14,7 @@ quick test night pictures: packages += xvfb xauth
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test night night-suite night-extras quick lint format docs pictures wheel texts installer clean \
+.PHONY: help run test night night-suite night-alone night-extras quick lint format docs pictures wheel texts installer clean \
         programs system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -49,13 +49,16 @@ make = $(MAKE)
 
 # Each step is run, whether those before have passed or not.
 night: .venv/.tools programs ## run every check, and write into tests/night.md what was found
-	@.ci/step "The night" .venv/bin/python tests/support/night.py $(make) lint night-suite night-extras
+	@.ci/step "The night" .venv/bin/python tests/support/night.py $(make) lint night-suite night-alone night-extras
 
 # Only this form has what tests record.
 results = -o junit_family=xunit1 --junit-xml=build/night/
 
 night-suite: .venv/.tools
 	@.ci/step "pytest, all tests" $(environment) .venv/bin/pytest --night $(workers) $(results)suite.xml
+
+night-alone: .venv/.tools
+	@.ci/step "pytest, tests that need all cores" $(environment) .venv/bin/pytest --alone $(results)alone.xml
 
 # In an environment of its own, so that by day all is tested as it is for a user who has installed no extra.
 extras = build/night/environment

@@ -34,6 +34,10 @@ def test_skipped():
 @pytest.mark.extra
 def test_extra():
     raise AssertionError
+
+@pytest.mark.alone
+def test_paced():
+    raise AssertionError
 """
 FAILING = """
 import pytest
@@ -197,6 +201,7 @@ def test_night_says_ages_and_durations_in_words():
         ([], ["short", "skipped"]),
         (["--night"], ["short", "long", "skipped"]),
         (["--extras"], ["extra"]),
+        (["--alone"], ["paced"]),
     ],
 )
 def test_night_chooses_tests_by_their_marks(options, chosen, folder):

@@ -1,21 +1,25 @@
-"""Plugin of pytest: what is run by day, by night, and where extras are; what tests record is sent as text."""
+"""Plugin of pytest: what is run by day, by night, and in a step apart; what tests record is sent as text."""
 
 import pytest
+
+# Marks of tests that only a run with such an option has, and no others.
+APART = {"extra": "extras", "alone": "alone"}
 
 
 def pytest_addoption(parser):
     parser.addoption("--night", action="store_true", help="run what is too long for every day, too")
     parser.addoption("--extras", action="store_true", help="run what needs extras, and nothing else")
+    parser.addoption("--alone", action="store_true", help="run what needs all cores, and nothing else")
 
 
 def pytest_collection_modifyitems(config, items):
-    """Leave out what is for the night, or for where the extras are."""
-    night, extras = config.getoption("night"), config.getoption("extras")
+    """Leave out what is for the night, or for a step apart."""
+    asked = {mark for mark, option in APART.items() if config.getoption(option)}
+    night = asked or config.getoption("night")
 
     def chosen(item):
-        if extras or item.get_closest_marker("extra"):
-            return extras and item.get_closest_marker("extra")
-        return night or not item.get_closest_marker("night")
+        marks = {mark.name for mark in item.iter_markers()}
+        return marks & APART.keys() == asked and (night or "night" not in marks)
 
     config.hook.pytest_deselected(items=[item for item in items if not chosen(item)])
     items[:] = filter(chosen, items)
