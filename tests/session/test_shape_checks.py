@@ -117,6 +117,26 @@ def test_shape_checker_ends_its_process_when_the_shape_has_moved_on(checker_, wo
     assert taken(checker_, woken)[0] is shape
 
 
+def test_shape_checker_answers_a_question_that_came_just_after_an_answer(checker_, woken, processes, monkeypatch):
+    """Its process is killed for the newer one when it has nothing left to do for the older one."""
+    checker_.ask(two_spheres(1.0))
+    taken(checker_, woken)
+    (process,), received = processes, []
+
+    def receive():
+        received.append(type(process).receive(process))
+        if len(received) == 3:  # all of an answer
+            checker_.ask(newer)
+        return received[-1]
+
+    monkeypatch.setattr(process, "receive", receive)
+    newer = two_spheres(1.1)
+    checker_.ask(two_spheres(1.2))
+    asked, found = taken(checker_, woken)
+    assert asked is newer
+    assert len(found.crossing)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
 def test_shape_checker_knows_nothing_of_a_shape_whose_process_dies(checker_, woken, processes):
     checker_.ask(two_spheres(1.0))

@@ -80,6 +80,11 @@ class ChildProcess:
         """Process number; None before :meth:`start` and after :meth:`end`."""
         return self._process.pid if self._process else None
 
+    @property
+    def is_killed(self) -> bool:
+        """True once :meth:`kill` has been called, until the next :meth:`start`."""
+        return self._killed
+
     def start(self) -> None:
         """Start it; raises OSError if there can be no process."""
         self._killed = self._failed = False

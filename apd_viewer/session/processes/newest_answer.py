@@ -119,6 +119,8 @@ class NewestAnswer(Generic[Question, Answer]):
             answer = None
         with self._lock:
             self._busy = False
-        if answer is None:
+            # It may have been killed after its answer was received, for a newer question.
+            ended = answer is None or self._process.is_killed
+        if ended:
             self._process.end()
         return self._unknown if answer is None else answer
