@@ -1,7 +1,8 @@
 """Opens the window in the language of the environment and reads all that it says; prints it as JSON.
 
-Run as ``python reading.py FOLDER`` in a process of its own: the language is fixed at its start. With
-``SHOTS`` in the environment a picture of each scene is put there; ``SIZE`` is that of the window.
+Run as ``python reading.py FOLDER [ACT ...]`` in a process of its own: the language is fixed at its
+start. Without acts it goes through all. With ``SHOTS`` in the environment a picture of each scene is put
+there; ``SIZE`` is that of the window.
 """
 
 import json
@@ -422,7 +423,7 @@ def help_(driver):
         window.help.tour.card.next.click()
 
 
-def files(driver):
+def questions(driver):
     window, session, folder = driver.window, driver.window.session, driver.folder
     file_dialogs.about(window.shell)
     for closes in (True, False):
@@ -440,6 +441,10 @@ def files(driver):
     file_dialogs.ask_where_to_put_picture(window, folder, session.store.state.document.mesh)
     (folder / "there.obj.apd").write_text("")
     file_dialogs.ask_for_session(window, folder, session.store.state.document.mesh)
+
+
+def files(driver):
+    window, session, folder = driver.window, driver.window.session, driver.folder
     for write in (
         lambda: session.files.export(folder / "out.obj"),
         lambda: session.files.save(folder / "out.apd", window.canvas.view.saved(""), True),
@@ -494,8 +499,9 @@ def handouts(driver):
 def main():
     folder = Path(sys.argv[1])
     driver = Driver(folder, map(int, os.environ.get("SIZE", "1280x720").split("x")))
-    for act in (start, settings, comparing, many_cases, parts, dialogs, mistakes, help_, files):
-        act(driver)
+    for act in (start, settings, comparing, many_cases, parts, dialogs, mistakes, help_, questions, files):
+        if act.__name__ in sys.argv[2:] or not sys.argv[2:]:
+            act(driver)
     keys = {
         key.toString(form)
         for entry in driver.window.actions_.entries

@@ -5,7 +5,6 @@ import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from pseudo import LANGUAGE, MARKED, ROOT, write_catalogue
@@ -29,15 +28,26 @@ EXCEPTIONS = {
 }
 
 
-@pytest.fixture(scope="module")
-def said(tmp_path_factory):
+# The acts of a walk through the window: by day those that compute little, which say most of it.
+DAILY, ALL = ["start", "settings", "many_cases", "dialogs", "mistakes", "questions"], []
+
+
+@pytest.fixture(
+    scope="module", params=[DAILY, pytest.param(ALL, marks=pytest.mark.night)], ids=["daily", "all"]
+)
+def said(request, tmp_path_factory):
     """What a window says from its start on, in many scenes, when it is as small as it can be."""
     folder = tmp_path_factory.mktemp("language")
     write_catalogue(folder / "languages")
     (folder / "work").mkdir()
     spoken = {"APD_VIEWER_LANGUAGE": LANGUAGE, "APD_VIEWER_LANGUAGES": str(folder / "languages")}
     done = subprocess.run(
-        [sys.executable, str(Path(__file__).parents[1] / "support" / "reading.py"), str(folder / "work")],
+        [
+            sys.executable,
+            str(ROOT / "tests" / "support" / "reading.py"),
+            str(folder / "work"),
+            *request.param,
+        ],
         cwd=ROOT,
         env=os.environ | spoken | {"PYTHONIOENCODING": "utf-8", "SIZE": "800x640"},
         capture_output=True,
@@ -94,6 +104,8 @@ def test_language_of_window_check_notices_a_word_that_was_forgotten():
     assert foreign("<b>⟦Ooppen⟧</b> (Ctrl+O)<br>⟦Ooppen a mmeesh⟧", ["Ctrl+O"]) == []
 
 
+@pytest.mark.night
+@pytest.mark.parametrize("said", [ALL], indirect=True, ids=["all"])
 def test_language_of_window_exceptions_are_all_needed(said):
     for pattern in EXCEPTIONS:
         assert any(re.search(pattern, text) for text in said["said"]), pattern
