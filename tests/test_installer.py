@@ -179,6 +179,7 @@ def twice(number):
 """
 
 
+@pytest.mark.night
 def test_kernel_cache_does_not_compile_kernels_again_that_the_program_brings(tmp_path):
     """Compiled in one place, packed, and found in another, where they are only read."""
     packed, program, cache, home = (tmp_path / name for name in ("packed", "program", "cache", "home"))

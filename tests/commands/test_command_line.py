@@ -923,6 +923,7 @@ def test_main_runs_as_a_module_like_the_command():
         assert process(*program, "--version") == said
 
 
+@pytest.mark.night
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full, a device that is always full")
 def test_main_fails_without_a_traceback_if_the_standard_output_is_full(bar):
     with open("/dev/full", "w") as full:  # noqa: PTH123

@@ -98,6 +98,7 @@ def replayed(turn=TURN, **changed):
 BOTH_WAYS = pytest.mark.parametrize("turn", [TURN, pytest.param(-TURN, marks=pytest.mark.night)])
 
 
+@pytest.mark.night
 @BOTH_WAYS
 def test_contact_by_default_gives_the_same_volume_by_every_way_without_a_crossing(turn):
     report, crossed = deformed(turn=turn)

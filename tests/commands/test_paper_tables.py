@@ -126,6 +126,7 @@ def read(path):
         return list(csv.DictReader(stream))
 
 
+@pytest.mark.night
 @pytest.mark.usefixtures("coarse")
 def test_paper_writes_tables_curves_and_figures(tmp_path, capsys):
     folder = tmp_path / "new" / "folder"

@@ -115,6 +115,7 @@ def test_sweep_says_that_contact_stops_a_handle(bar, sweep):
     assert f"Contact stops the handle at {int(100 * float(last['share_reached']))} % of the way." in said
 
 
+@pytest.mark.night
 def test_sweep_draws_a_figure_and_a_film(bar, drawn_sweep, tmp_path):
     film = tmp_path / "film.gif"
     status, _, err, folder = drawn_sweep(

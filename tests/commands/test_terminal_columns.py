@@ -67,7 +67,7 @@ def test_volumes_output_stands_below_each_other_whatever_the_names():
     assert len({columns_of(line) for line in lines}) == 1
 
 
-@pytest.mark.parametrize("words", [["deform"], ["study", "design"]])
+@pytest.mark.parametrize("words", [pytest.param(["deform"], marks=pytest.mark.night), ["study", "design"]])
 def test_parser_fits_chinese_help_into_the_terminal(words):
     environment = os.environ | {"APD_VIEWER_LANGUAGE": "zh_CN", "COLUMNS": "80", "PYTHONIOENCODING": "utf-8"}
     command = [sys.executable, "-m", "apd_viewer", *words, "--help"]
