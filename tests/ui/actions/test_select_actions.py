@@ -162,7 +162,7 @@ def expected(scene, tool, change):
 
 @pytest.mark.parametrize("tool", [Tool.HANDLE, Tool.BASE, Tool.REGION, Tool.MOVE])
 @pytest.mark.parametrize("change", [GROW, SHRINK, INVERT])
-@pytest.mark.parametrize("name", ["rabbit", "seams", "pieces", "bent"])
+@pytest.mark.parametrize("name", ["rabbit", "seams", "pieces", pytest.param("bent", marks=pytest.mark.night)])
 def test_reshape_makes_a_part_what_sets_say_in_one_step_of_undo(qtbot, theatre, name, change, tool):
     scene = theatre.scene(qtbot, name)
     scene.take(tool, Way.BRUSH)

@@ -21,8 +21,17 @@ STROKES = [
 SOME_STROKES = {"rabbit": slice(None), "seams": slice(6), "bare": slice(3, 6)}
 
 
-@pytest.mark.parametrize("way", Way)
-@pytest.mark.parametrize("name", MESHES)
+LONG = {*(("bent", way) for way in Way if way is not Way.BRUSH), ("cup", Way.LASSO), ("cup", Way.POLYGON)}
+
+
+@pytest.mark.parametrize(
+    ("name", "way"),
+    [
+        pytest.param(name, way, marks=pytest.mark.night if (name, way) in LONG else ())
+        for name in MESHES
+        for way in Way
+    ],
+)
 def test_selector_paints_what_it_previews_as_one_step_of_undo(qtbot, theatre, name, way):
     scene = theatre.scene(qtbot, name)
     before, gesture = scene.document, None

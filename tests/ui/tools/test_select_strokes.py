@@ -266,7 +266,9 @@ def test_outline_selector_lets_the_camera_move_between_clicks_of_a_polygon(qtbot
 # The surface in the way
 
 
-@pytest.mark.parametrize("name", ["rabbit", "cup", "seams", "pieces", "bent"])
+@pytest.mark.parametrize(
+    "name", ["rabbit", "cup", "seams", "pieces", pytest.param("bent", marks=pytest.mark.night)]
+)
 @pytest.mark.parametrize("way", OUTLINES)
 def test_outline_selector_through_takes_what_is_hidden_too(qtbot, theatre, name, way):
     scene = theatre.scene(qtbot, name)
