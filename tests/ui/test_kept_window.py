@@ -209,6 +209,7 @@ USES = (
     hears_of_failures,
     opens_a_bad_mesh,
 )
+DAILY = {paints, switches_all_on, moves_docks, opens_dialogs}
 
 
 @pytest.fixture(scope="module")
@@ -241,7 +242,10 @@ def left_behind(qtbot, window, at_first):
     return left
 
 
-@pytest.mark.parametrize("use", USES, ids=lambda use: use.__name__)
+@pytest.mark.parametrize(
+    "use",
+    [pytest.param(use, marks=() if use in DAILY else pytest.mark.night, id=use.__name__) for use in USES],
+)
 def test_kept_window_is_as_it_was_opened_whatever_was_done_with_it(
     qtbot, kept, fresh, painted_bottle, at_first, tmp_path, use
 ):
