@@ -136,7 +136,9 @@ def luminance(image):
     return linear @ [0.2126, 0.7152, 0.0722]
 
 
-@pytest.mark.parametrize("scene", ["everything", "sheet"], indirect=True)
+@pytest.mark.parametrize(
+    "scene", ["everything", pytest.param("sheet", marks=pytest.mark.night)], indirect=True
+)
 def test_theme_lets_what_has_the_keys_be_seen_in_light_and_dark(qtbot, scene):
     unseen = []
     for scheme in SCHEMES:

@@ -290,9 +290,8 @@ sys.exit(main([]))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-@pytest.mark.parametrize(
-    ("name", "status"), [("SIGTERM", 143), pytest.param("SIGHUP", 129, marks=pytest.mark.night)]
-)
+@pytest.mark.night
+@pytest.mark.parametrize(("name", "status"), [("SIGTERM", 143), ("SIGHUP", 129)])
 def test_workbench_ended_by_a_signal_leaves_unsaved_work_and_no_scratch(name, status, tmp_path):
     own = tmp_path / "tmp"
     own.mkdir()

@@ -92,7 +92,7 @@ def full(qtbot, bottle):
     return bottle
 
 
-@pytest.mark.parametrize("method", ["local", "paper"])
+@pytest.mark.parametrize("method", [pytest.param("local", marks=pytest.mark.night), "paper"])
 def test_wheel_changes_nothing_over_the_controls_of_the_window(qtbot, full, method):
     full.session.settings.set_method(method)
     full.session.settings.set_volume(100.0)
@@ -185,6 +185,7 @@ DIALOGS = {
     "PictureDialog": picture,
     "AnimationDialog": animation,
 }
+LONG = {"ComparisonWindow", "PlanDialog"}
 
 
 def leaves(kind):
@@ -198,7 +199,10 @@ def test_wheel_tests_leave_no_dialog_out():
     assert own == DIALOGS.keys() - {"ComparisonWindow"}
 
 
-@pytest.mark.parametrize("name", DIALOGS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.night if name in LONG else ()) for name in DIALOGS],
+)
 def test_wheel_changes_nothing_over_the_controls_of_a_dialog(qtbot, bottle, name):
     dialog = DIALOGS[name](bottle)
     assert type(dialog).__name__ == name

@@ -171,6 +171,7 @@ def assert_settled_in_the_last_pose(window, shown):
     assert np.array_equal(state.frame.U[based], state.document.grip[based])
 
 
+@pytest.mark.night
 def test_gizmo_ring_twists_the_bottle_and_the_area_comes_back(qtbot, bottle, watch_frames):
     shown = watch_frames(bottle)
     drag(qtbot, bottle, ring_grip(bottle, 1), (90, 0), steps=20)
@@ -553,7 +554,7 @@ def shells():
     return [each for each in QApplication.topLevelWidgets() if isinstance(each, Shell)]
 
 
-@pytest.mark.parametrize("count", [3, pytest.param(20, marks=pytest.mark.night)])
+@pytest.mark.parametrize("count", [2, pytest.param(20, marks=pytest.mark.night)])
 def test_workbench_leaves_nothing_behind(qtbot, settings, monkeypatch, count):
     monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
     others = shells()

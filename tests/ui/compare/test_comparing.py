@@ -256,6 +256,7 @@ def test_write_table_writes_to_the_last_digit(qtbot, compared, monkeypatch, tmp_
         assert float(line["area_rest"]) == bar.session.store.state.inspection.area
 
 
+@pytest.mark.night
 def test_write_picture_draws_all_shapes_and_leaves_the_views_as_they_were(
     qtbot, compared, monkeypatch, tmp_path
 ):
@@ -322,6 +323,7 @@ def solvers():
     return [thread for thread in threading.enumerate() if thread.name in ("solver", "answers")]
 
 
+@pytest.mark.night
 def test_comparison_window_leaves_nothing_when_closed_in_the_middle(qtbot, bar, monkeypatch):
     own = len(solvers())
     endless(monkeypatch)

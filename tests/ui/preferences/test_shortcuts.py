@@ -79,7 +79,7 @@ def leaves(menu):
 # The list
 
 
-@pytest.mark.parametrize("key", ["Shift+F1", "?", "menu"])
+@pytest.mark.parametrize("key", [pytest.param("Shift+F1", marks=pytest.mark.night), "?", "menu"])
 def test_shortcut_sheet_opens_and_closes(qtbot, active, key):
     sheet = active.help.sheet
     if key == "menu":
@@ -378,6 +378,7 @@ def test_shortcuts_make_no_key_work_twice_by_settings_that_others_have_written(s
     assert len(keys) > 30
 
 
+@pytest.mark.night
 def test_shortcut_sheet_follows_the_theme_while_open(qtbot, sheet, active):
     before = sheet.rows["open"].symbol.pixmap().toImage()
     active.actions_.view.schemes[Qt.ColorScheme.Dark].trigger()

@@ -66,6 +66,7 @@ def check_export(qtbot, bar, dialog, path, motion, way):
     np.testing.assert_allclose(places[-1], end, atol=1e-6)
 
 
+@pytest.mark.night
 def test_animation_dialog_exports_the_whole_motion(qtbot, bar, dialog, answer, tmp_path):
     answer(tmp_path / "a.pc2")
     assert dialog.motion.itemText(0) == "current motion of the handles"

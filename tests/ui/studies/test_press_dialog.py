@@ -312,6 +312,7 @@ def test_press_dialog_has_the_window_tell_of_a_pressed_mesh_that_is_gone(
     assert document(window).mesh is before
 
 
+@pytest.mark.night
 def test_press_dialog_leaves_nothing_after_cancel(qtbot, ball):
     click(ball.run.start)
     scratch = ball.run.scratch

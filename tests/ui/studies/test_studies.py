@@ -110,7 +110,7 @@ def test_sweep_dialog_sweeps_the_motion_of_the_handle_if_it_has_one(qtbot, bar, 
 def test_sweep_dialog_sweeps_the_motion_of_obstacles_where_nothing_is_painted(qtbot, here, bar):
     bar.session.painting.clear_all()
     bar.session.obstacles.put_plates(np.eye(3)[0])
-    bar.session.obstacles.move(0, np.array([0.2, 0.0, 0.0]))
+    bar.session.obstacles.move(0, np.array([0.05, 0.0, 0.0]))
     idle(qtbot, bar)
     bar.actions_.pose.sweep.trigger()
     dialog = bar.studies.dialogs["sweep"]
