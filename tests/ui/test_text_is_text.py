@@ -216,6 +216,7 @@ def test_workbench_shows_what_a_session_says_as_it_is(qtbot, here, looker):
     assert {"a tip", "an action", "the title of a Shell"} <= looker.seen
 
 
+@pytest.mark.night
 def test_workbench_dialogs_show_what_a_session_says_as_it_is(qtbot, here, looker):
     here.session.handles.move_by(TypedMotion.TWIST, "3", 0)
     idle(qtbot, here)

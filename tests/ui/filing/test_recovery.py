@@ -149,6 +149,7 @@ def test_restore_does_not_remember_a_mesh_whose_file_is_gone(qtbot, started, fol
     assert window.shell.memory.folder == before
 
 
+@pytest.mark.night
 def test_autosave_keeps_what_was_restored_for_another_crash(qtbot, started, folder, duck):
     leave(folder, duck)
     window = started()
@@ -176,6 +177,7 @@ def test_recovery_bar_offers_the_newest_first_and_the_others_stay(qtbot, started
     assert started().recovery.text == "Unsaved work 1 of 2: my duck.obj, 3 days ago"
 
 
+@pytest.mark.night
 def test_recovery_bar_finds_none_too_old_and_each_can_be_reached_restored_and_put_off(
     qtbot, started, folder, duck
 ):

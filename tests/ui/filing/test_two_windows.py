@@ -148,7 +148,7 @@ QUESTION = "“two.apd” has been changed by another window or program. Overwri
     "answer",
     [
         pytest.param("Cancel", marks=pytest.mark.night),
-        Qt.Key.Key_Escape,
+        pytest.param(Qt.Key.Key_Escape, marks=pytest.mark.night),
         Qt.Key.Key_Return,
         pytest.param("Save as…", marks=pytest.mark.night),
     ],
@@ -234,6 +234,7 @@ def test_may_leave_asks_both_questions_and_closes_once_it_is_safe(qtbot, open_wi
     assert np.array_equal(shape(path), U)
 
 
+@pytest.mark.night
 def test_save_asks_about_another_process_as_about_another_window(qtbot, open_window, path, person):
     window = open_window()
     twist(qtbot, window)
@@ -264,7 +265,9 @@ def test_save_asks_nobody_about_a_touch_or_the_same_again(qtbot, open_window, pa
 # A file that goes
 
 
-@pytest.mark.parametrize("folder_too", [False, True], ids=["file", "folder"])
+@pytest.mark.parametrize(
+    "folder_too", [False, pytest.param(True, marks=pytest.mark.night)], ids=["file", "folder"]
+)
 def test_saved_work_that_has_gone_is_unsaved_in_title_recovery_and_question(
     qtbot, started, path, person, tmp_path, monkeypatch, folder_too
 ):

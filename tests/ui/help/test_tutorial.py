@@ -1,5 +1,6 @@
 """The steps of the tutorial, by the keys that it names, on a bottle with fewer vertices."""
 
+import pytest
 from driving import idle, work_off
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
@@ -8,6 +9,7 @@ from PySide6.QtWidgets import QLabel
 CONTROL = Qt.KeyboardModifier.ControlModifier
 
 
+@pytest.mark.night
 def test_motion_field_twists_a_bottle_by_a_typed_half_turn_as_the_tutorial_has_it(qtbot, bottle):
     view, handles = bottle.canvas.viewport, bottle.panel.handles
     rest = bottle.session.store.state.frame.volume

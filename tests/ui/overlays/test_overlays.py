@@ -144,6 +144,7 @@ def test_deviation_reading_value_under_the_cursor_is_that_of_the_closed_form(
     assert legend.under_cursor.text() == "–"
 
 
+@pytest.mark.night
 def test_heat_map_shows_the_contact_pressure_of_what_is_kept_apart(qtbot, coarse):
     coarse.session.settings.keep_apart(False)
     coarse.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
@@ -337,7 +338,7 @@ def test_cards_are_beside_the_ways_to_choose_where_they_are_as_high(qtbot, windo
     choose(qtbot, window, Measure.AREA)
     cards, ways, line = window.looks.cards, window.way_bar, window.invitation
     moved = set()
-    for height in range(640, 960, 20):
+    for height in range(640, 960, 40):
         window.shell.resize(1280, height)
         work_off()
         assert ways.isVisible()

@@ -51,6 +51,7 @@ def twisted(qtbot, coarse):
     return bottle
 
 
+@pytest.mark.night
 def test_handle_section_keeps_the_motion_of_the_first_handle_beside_a_new_one(qtbot, twisted, tmp_path):
     window, rest, shape = twisted, document(twisted).mesh.V, twisted.session.store.state.frame.U
     press(window, Qt.Key.Key_H, Qt.KeyboardModifier.ShiftModifier)

@@ -142,6 +142,7 @@ def test_keep_apart_says_that_a_wall_is_too_thick_and_changes_nothing(qtbot, bot
     assert not box.isChecked()
 
 
+@pytest.mark.night
 def test_keep_apart_ends_a_twist_without_a_crossing(qtbot, coarse):
     found = []
     for on in (False, True):

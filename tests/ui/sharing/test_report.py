@@ -207,6 +207,7 @@ def test_reporting_measures_what_is_missing_soon_after_an_edit(qtbot, twisted, t
     assert "yet" not in re.sub(r'(?s)"data:[^"]*"', "", text)
 
 
+@pytest.mark.night
 def test_reporting_says_that_a_report_is_asked_for_on_the_way_and_measures_what_is_shown(
     qtbot, twisted, tmp_path
 ):

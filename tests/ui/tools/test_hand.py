@@ -303,6 +303,7 @@ def test_bake_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbot,
     assert bottle.looks.heat.mesh is before.document.mesh
 
 
+@pytest.mark.night
 def test_gizmo_remembers_a_ring_dragged_round_more_than_once_as_one_step(qtbot, coarse, mouse):
     coarse.session.settings.keep_apart(False)
     at_rest = coarse.session.store.state
