@@ -4,7 +4,7 @@ import pytest
 from fuzz import NAMES, damaged, fuzz
 
 
-@pytest.mark.parametrize("times", [10, pytest.param(40, marks=pytest.mark.night)])
+@pytest.mark.parametrize("times", [5, pytest.param(40, marks=pytest.mark.night)])
 def test_open_mesh_opens_damaged_files_that_can_be_written_or_refuses_them_in_one_sentence(times):
     count = times * len(NAMES)
     outcomes, failures = fuzz(count, seed=0, report=lambda _: None)

@@ -250,7 +250,10 @@ def test_from_rest_keeps_full_turns_and_they_are_wound_back(twisted):
     np.testing.assert_allclose(twisted.U, V(twisted), atol=1e-3)
 
 
-@pytest.mark.parametrize("back", [lambda s: s.handles.reset(0), lambda s: twist(s, 0, to=True)])
+@pytest.mark.parametrize(
+    "back",
+    [lambda s: s.handles.reset(0), pytest.param(lambda s: twist(s, 0, to=True), marks=pytest.mark.night)],
+)
 def test_handles_unwind_a_wound_shape_with_contact(twisted, back):
     """The shortest way from 300 degrees back to rest leads on to a full turn."""
     twisted.settings.keep_apart(True)

@@ -61,6 +61,7 @@ def test_worked_study_says_on_its_page_what_its_table_holds(results):
     assert f"In {sum(row['unsettled_steps'] != '0' for row in results)}, of the thinnest" in said
 
 
+@pytest.mark.night
 def test_run_case_computes_a_case_as_in_the_table(results, tmp_path):
     (row,) = (row for row in results if row["motion"].startswith("twist 43.2612deg"))
     columns = list(rows_of(STUDY / "plan.csv")[0])

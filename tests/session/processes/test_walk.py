@@ -48,6 +48,7 @@ def test_walk_reaches_each_stop_before_it_aims_at_the_next():
     assert (frame.share_reached, frame.unreached) == (1.0, None)
 
 
+@pytest.mark.night
 def test_walk_that_contact_stops_ends_there_and_tells_the_share_of_the_whole():
     document = twisted_tube(720)
     walk = walked(document)
