@@ -117,7 +117,9 @@ def test_shape_checker_ends_its_process_when_the_shape_has_moved_on(checker_, wo
     assert taken(checker_, woken)[0] is shape
 
 
-def test_shape_checker_answers_a_question_that_came_just_after_an_answer(checker_, woken, processes, monkeypatch):
+def test_shape_checker_answers_a_question_that_came_just_after_an_answer(
+    checker_, woken, processes, monkeypatch
+):
     """Its process is killed for the newer one when it has nothing left to do for the older one."""
     checker_.ask(two_spheres(1.0))
     taken(checker_, woken)
