@@ -87,7 +87,7 @@ ROOMS = [
 ]
 TOP = {"__init__", "__main__", "api"}
 MOST_MODULES = 20
-MOST_LINES = 400
+MOST_LINES = 500
 SCREEN = {"PySide6", "pyvista", "pyvistaqt", "vtk", "vtkmodules", "qtpy"}
 # By the first folder of a room.
 LIBRARIES = {
