@@ -331,7 +331,7 @@ BAD = {
         "against the direction",
     ),
     "a new sub-room": ("ui/gadgets/knob.py", "", "there is no room ui/gadgets"),
-    "a long file": ("ui/window.py", "\n" * 400, "is too long"),
+    "a long file": ("ui/window.py", "\n" * MOST_LINES, "is too long"),
 }
 
 

@@ -2,6 +2,7 @@
 
 import csv
 import os
+import shutil
 import sqlite3
 from contextlib import closing
 from dataclasses import replace
@@ -28,10 +29,16 @@ CASES, MANY = 5, 12  # quick ones, and more than are done before a click
 CONTROL = Qt.KeyboardModifier.ControlModifier
 
 
-@pytest.fixture(scope="module")
-def studied(home):
-    """Folder of the study that the first of the tests of results runs."""
-    return home / "mesh-study"
+@pytest.fixture
+def studied(qtbot, bar, home):
+    """Folder of a finished study, which the first test of results runs."""
+    folder = home / "mesh-study"
+    if not folder.exists():
+        bar.actions_.pose.study.trigger()
+        qtbot.waitExposed(bar.case_studies.dialog)
+        begin(bar.case_studies.dialog, folder)
+        qtbot.waitUntil(lambda: finished(bar, CASES), timeout=180_000)
+    return folder
 
 
 def test_end_preview_shows_an_end_and_leaves_no_trace(qtbot, bar, dialog):
@@ -121,9 +128,10 @@ def begin(dialog, folder, count=CASES):
     click(dialog.start)
 
 
-def test_case_studies_run_a_study(qtbot, bar, dialog, studied):
+def test_case_studies_run_a_study(qtbot, bar, dialog, home):
+    cases, studied = bar.case_studies, home / "mesh-study"
+    shutil.rmtree(studied, ignore_errors=True)  # of a test before
     begin(dialog, studied)
-    cases = bar.case_studies
     panel = cases.panel
     assert cases.dialog is None
     assert bar.docks["study"].isVisible()
