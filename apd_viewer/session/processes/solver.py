@@ -43,7 +43,7 @@ _NOTHING = np.zeros((0, 3))
 _MOMENT = 0.0005  # s
 _SOON = 1.0  # s
 # Without an order. Kept memory saves the frames of a drag a third of their time, but from gesture to gesture
-# it lies ever more scattered: 165 MiB after 1,800 of them.
+# it lies ever more scattered: 165 MiB after 2,000 of them.
 _PAUSE = 2.0  # s
 _NO_ROOM = tr("Not enough memory for this mesh; close other programs and try again.")
 # Matrices with this many rows take more than half a second to factor, which another process does.

@@ -5,15 +5,20 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+from symbolic_links import needs_links
 from textured_files import glb, gltf, image, obj, ply
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.storage import neighbours
+
+pytestmark = needs_links
+DEVICE = Path("/dev/zero")
 
 # Opens each file twice: first the good ones, so that no import is left to be made, then with the hook.
 CHILD = """
@@ -100,8 +105,6 @@ def replaced(path, name, *words):
 @pytest.fixture
 def folder(tmp_path):
     """Folder of meshes beside one whose files they must not reach, with links to that."""
-    if os.name == "nt":
-        pytest.skip("one of the links leads to /dev/zero, which Windows lacks")
     inside, outside = tmp_path / "inside", tmp_path / "outside"
     for each in (inside, inside / "sub", outside):
         each.mkdir()
@@ -110,7 +113,7 @@ def folder(tmp_path):
     (outside / "four.bin").write_bytes(content)
     (inside / "linked").symlink_to(outside)
     (inside / "link.bin").symlink_to(outside / "four.bin")
-    (inside / "zero.bin").symlink_to("/dev/zero")
+    (inside / "zero.bin").symlink_to(DEVICE)
     return inside
 
 
@@ -146,6 +149,7 @@ def opened_in_a_child(good, asked, control):
     return json.loads(done.stdout)
 
 
+@pytest.mark.skipif(not DEVICE.exists(), reason="reads a link to /dev/zero, a device that never ends")
 def test_content_beside_opens_nothing_outside(folder):
     good = folder.parent / "good"
     good.mkdir()
@@ -164,6 +168,7 @@ def test_content_beside_opens_nothing_outside(folder):
     assert found[str(control)] == [None, [str(control), str(control.with_name("four.bin"))]]
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 def test_content_beside_misses_what_is_no_file_at_once(folder):
     os.mkfifo(folder / "pipe")
     good = gltf(folder.parent)
