@@ -112,15 +112,15 @@ def view(mesh: Any = None) -> None:
     show_window(mesh)
 
 
-def show_window(mesh: Any, tells: bool = False) -> None:
-    """Open the window; with ``tells`` it says itself that a file cannot be used."""
+def show_window(mesh: Any, shows_errors: bool = False) -> None:
+    """Open the window, which with ``shows_errors`` reports files it cannot use."""
     try:
         # Here: Qt and VTK are imported for a window alone; one of their system libraries may be missing.
         from apd_viewer import log
         from apd_viewer.ui.application import run
 
-        with log.recording():
-            run(mesh, tells)
+        with log.recording_log():
+            run(mesh, shows_errors)
     except ImportError as error:
         raise InputError(
             tr(

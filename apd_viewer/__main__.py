@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import apd_viewer
 from apd_viewer.commands.terminal.parser import Parser
-from apd_viewer.commands.terminal.surroundings import drop_output, ended_by_signals, tell, use_streams
+from apd_viewer.commands.terminal.streams import discard_output, exit_on_signals, prepare_streams, print_error
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
@@ -39,33 +39,35 @@ apd-viewer thumbnail FILE OUT.png    draw a small picture of a session or a mesh
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status, 2 after an ``error:`` line."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    use_streams()
+    prepare_streams()
     try:
         _run(words)
     except InputError as error:
-        tell(tr("error: {sentence}").format(sentence=" ".join(str(error).split())))
+        print_error(tr("error: {sentence}").format(sentence=" ".join(str(error).split())))
         return 2
     except BrokenPipeError:  # the reader, such as head, has seen enough
-        drop_output()
+        discard_output()
     except OSError as error:
-        drop_output()
-        tell(tr("error: the output cannot be written ({reason}).").format(reason=error.strerror or error))
+        discard_output()
+        print_error(
+            tr("error: the output cannot be written ({reason}).").format(reason=error.strerror or error)
+        )
         return 2
     except KeyboardInterrupt:
-        tell(tr("interrupted; nothing was written"))
+        print_error(tr("interrupted; nothing was written"))
         return 130
     return 0
 
 
 def _run(words: list[str]) -> None:
     try:
-        options = parsed(words)
+        options = parse_arguments(words)
         # Here, because --version and --help, which end before, take twice as long with it.
         from apd_viewer import log
 
-        with log.recording(options.log_level):
+        with log.recording_log(options.log_level):
             if words and words[0] in COMMANDS:
-                with ended_by_signals():
+                with exit_on_signals():
                     options.run(options)
             else:
                 options.run(options)
@@ -75,7 +77,7 @@ def _run(words: list[str]) -> None:
     sys.stdout.flush()
 
 
-def parsed(words: list[str]) -> argparse.Namespace:
+def parse_arguments(words: list[str]) -> argparse.Namespace:
     """Options of the command line."""
     if not words or words[0] not in COMMANDS:
         parser = _view_parser()
@@ -113,7 +115,7 @@ def _view_parser() -> Parser:
 def _command_parser(command: str) -> Parser:
     if command in _OF_DESKTOP:
         # Here, and alone: a file manager waits for a thumbnail, and not for what deforms.
-        from apd_viewer.commands.desktop.parsers import PARSERS as OF_DESKTOP
+        from apd_viewer.commands.desktop.desktop_parsers import DESKTOP_PARSERS as OF_DESKTOP
 
         return OF_DESKTOP[command]()
     # Here, because a window is on the screen before all that has been imported.

@@ -5,19 +5,19 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.hull_readings import HullReadings
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings, volume_readings
-from apd_viewer.geometry.contact.obstacles import Obstacle, capsule, plate, sphere
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle, capsule, plate, sphere
 from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
 from apd_viewer.geometry.measuring.sections import plane_section
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.geometry.pressing.press import Pressed, press
 from apd_viewer.geometry.pressing.press_step import PressStep
+from apd_viewer.geometry.pressing.pressed_mesh import Pressed, press
 from apd_viewer.geometry.solver.convergence import Convergence
-from apd_viewer.geometry.solver.deform import Result
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.presentation.notebooks.shown_deform import deform
+from apd_viewer.geometry.solver.deformation_result import Result
+from apd_viewer.presentation.notebooks.notebook_deform import deform
 
 __all__ = [
     "Convergence",

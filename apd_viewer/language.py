@@ -16,16 +16,16 @@ from pathlib import Path
 
 import platformdirs
 
-from apd_viewer.notation import Notation, Text, use_notation
+from apd_viewer.notation import Notation, TranslatedText, use_notation
 
-DOMAIN = "apd_viewer"
+GETTEXT_DOMAIN = "apd_viewer"
 
 _NAMES = "APD_VIEWER_LANGUAGE", "LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"  # the first that is set
 _MAC = Path("~/Library/Preferences/.GlobalPreferences.plist")
 _NO_LANGUAGE = "C", "POSIX"
 
 
-def chosen_file() -> Path:
+def language_file() -> Path:
     """File with the language chosen in the window.
 
     It is not with the other settings, since those take Qt to be read: the command line speaks too.
@@ -41,7 +41,7 @@ def choose_language(name: str) -> None:
     OSError
         If the file cannot be written.
     """
-    path = chosen_file()
+    path = language_file()
     if name:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(name, encoding="ascii")
@@ -52,13 +52,13 @@ def choose_language(name: str) -> None:
 def chosen_language() -> str:
     """Language chosen by the user; empty for that of the system."""
     try:
-        path = chosen_file()
+        path = language_file()
         return path.read_text(encoding="ascii").strip() if path.is_file() else ""  # a pipe would wait
     except (OSError, ValueError):  # none was chosen, or the file has been edited
         return ""
 
 
-def wished(environment: Mapping[str, str], chosen: str = "") -> list[str]:
+def preferred_languages(environment: Mapping[str, str], chosen: str = "") -> list[str]:
     """Preferred languages, best first, as in ``de_DE``; none from English on.
 
     Parameters
@@ -117,7 +117,7 @@ def catalogue(folder: Path, names: list[str]) -> tuple[str, gettext.NullTranslat
     """First language in ``folder``, and its catalogue; "en" and an empty one if none."""
     for name in names:
         # An empty list would be a reason for gettext to look into the environment by itself.
-        path = gettext.find(DOMAIN, str(folder), [name])
+        path = gettext.find(GETTEXT_DOMAIN, str(folder), [name])
         if path is not None:
             try:
                 with Path(path).open("rb") as stream:
@@ -127,13 +127,15 @@ def catalogue(folder: Path, names: list[str]) -> tuple[str, gettext.NullTranslat
     return "en", gettext.NullTranslations()
 
 
-FOLDER = Path(os.environ.get("APD_VIEWER_LANGUAGES") or Path(__file__).parent / "languages")
-LANGUAGE, CATALOGUE = catalogue(FOLDER, wished(os.environ, chosen_language()))
+CATALOGUE_FOLDER = Path(os.environ.get("APD_VIEWER_LANGUAGES") or Path(__file__).parent / "languages")
+LANGUAGE, CATALOGUE = catalogue(CATALOGUE_FOLDER, preferred_languages(os.environ, chosen_language()))
 
 
 def languages() -> list[str]:
     """Names of the languages that there are, English first."""
-    found = sorted(path.parents[1].name for path in FOLDER.glob(f"*/LC_MESSAGES/{DOMAIN}.mo"))
+    found = sorted(
+        path.parents[1].name for path in CATALOGUE_FOLDER.glob(f"*/LC_MESSAGES/{GETTEXT_DOMAIN}.mo")
+    )
     return ["en", *found]
 
 
@@ -144,7 +146,7 @@ def translations(text: str) -> set[str]:
 
 @cache
 def _catalogues() -> list[gettext.NullTranslations]:
-    return [catalogue(FOLDER, [name])[1] for name in languages()]
+    return [catalogue(CATALOGUE_FOLDER, [name])[1] for name in languages()]
 
 
 _SHOWS_NUMBERS = "APD_VIEWER_NUMBERS"  # for the processes of the window
@@ -155,7 +157,7 @@ def tr(text: str) -> str:
 
     Values go into it afterwards: ``tr("{name} has no area.").format(name=...)``.
     """
-    return Text(CATALOGUE.gettext(text))
+    return TranslatedText(CATALOGUE.gettext(text))
 
 
 def trn(one: str, many: str, n: int) -> str:
@@ -164,12 +166,12 @@ def trn(one: str, many: str, n: int) -> str:
     The number goes into it as values do: ``trn("{n:,} face", "{n:,} faces", n).format(n=n)``.
     """
     # A translation that is still to be written is an empty text, not a missing one.
-    return Text(CATALOGUE.ngettext(one, many, n) or (one if n == 1 else many))
+    return TranslatedText(CATALOGUE.ngettext(one, many, n) or (one if n == 1 else many))
 
 
 def trc(context: str, text: str) -> str:
     """Translate a ``text`` with a context: ``trc("view", "Back")`` is not a button."""
-    return Text(CATALOGUE.pgettext(context, text))
+    return TranslatedText(CATALOGUE.pgettext(context, text))
 
 
 def in_quotes(text: str) -> str:
@@ -177,24 +179,24 @@ def in_quotes(text: str) -> str:
     return trc("quotation marks", "“{text}”").format(text=text)
 
 
-def listed(texts: Iterable[str]) -> str:
+def comma_separated(texts: Iterable[str]) -> str:
     """Texts in a row, with the comma of the language between them."""
     return trc("between two of several", ", ").join(texts)
 
 
-def show_numbers(shown: bool = True) -> None:
+def localize_numbers(localized: bool = True) -> None:
     """Write numbers as the language does, or as programs read them.
 
     Processes that are started from now on do so too.
     """
-    os.environ[_SHOWS_NUMBERS] = "1" if shown else ""
-    use_notation(_notation(shown))
+    os.environ[_SHOWS_NUMBERS] = "1" if localized else ""
+    use_notation(_notation(localized))
 
 
-def _notation(shown: bool) -> Notation:
-    own = Notation.of(trc("the number 1234.5", "1,234.5"))
+def _notation(localized: bool) -> Notation:
+    own = Notation.from_example(trc("the number 1234.5", "1,234.5"))
     # With a decimal point, its comma between groups would be read as the decimal sign.
-    return own if shown or own.point == "." else Notation(".", "")
+    return own if localized or own.point == "." else Notation(".", "")
 
 
 use_notation(_notation(bool(os.environ.get(_SHOWS_NUMBERS))))

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 import platformdirs
 
 from apd_viewer.errors import InputError
-from apd_viewer.redaction import redacted
+from apd_viewer.redaction import redacted_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -47,7 +47,7 @@ _LIBRARIES = (
 
 
 @contextmanager
-def recording(level: str | None = None) -> Iterator[None]:
+def recording_log(level: str | None = None) -> Iterator[None]:
     """Write the log while the block runs; within another such block, change nothing.
 
     Uncaught exceptions of all threads, Python's warnings and crashes are recorded too. A folder that cannot
@@ -76,7 +76,7 @@ def recording(level: str | None = None) -> Iterator[None]:
             raise
 
 
-def folder() -> Path:
+def log_folder() -> Path:
     """Folder of the logs; APD_VIEWER_LOGS in the environment names another."""
     return Path(os.environ.get("APD_VIEWER_LOGS") or platformdirs.user_log_dir("apd-viewer", appauthor=False))
 
@@ -86,7 +86,7 @@ def current_file() -> Path | None:
     return next((Path(each.baseFilename) for each in _LOGGER.handlers if isinstance(each, LogFile)), None)
 
 
-def versions() -> list[str]:
+def version_lines() -> list[str]:
     """Versions of the program, its libraries and the system, a line each."""
     lines = [f"Python {platform.python_version()}", platform.platform()]
     for name in _LIBRARIES:
@@ -100,7 +100,7 @@ class _Redacting(logging.Formatter):
 
     def format(self, record: logging.LogRecord) -> str:
         """Format the record, exception included."""
-        return redacted(super().format(record))
+        return redacted_text(super().format(record))
 
 
 class LogFile(RotatingFileHandler):
@@ -109,7 +109,7 @@ class LogFile(RotatingFileHandler):
     def _open(self) -> Any:
         stream = super()._open()
         if not stream.tell():
-            stream.writelines(f"{line}\n" for line in versions())
+            stream.writelines(f"{line}\n" for line in version_lines())
         return stream
 
     def handleError(self, record: logging.LogRecord) -> None:
@@ -118,7 +118,7 @@ class LogFile(RotatingFileHandler):
 
 def _make_room() -> Path:
     """Remove old files; return the path of this run's files, without its suffix."""
-    run = folder() / f"apd-viewer-{datetime.now():%Y%m%d-%H%M%S}-{os.getpid()}"
+    run = log_folder() / f"apd-viewer-{datetime.now():%Y%m%d-%H%M%S}-{os.getpid()}"
     with suppress(OSError):
         run.parent.mkdir(parents=True, exist_ok=True)
         for path in sorted(run.parent.glob("apd-viewer-*"), key=_age)[_MOST_FILES:]:

@@ -23,18 +23,18 @@ class Notation(NamedTuple):
     group: str = ","
 
     @classmethod
-    def of(cls, example: str) -> Notation:
+    def from_example(cls, example: str) -> Notation:
         """Notation of the number 1234.5 as written in a language."""
         signs = re.fullmatch(r"1(\D?)234(\D)5", example)
         return cls(signs[2], signs[1]) if signs else cls()
 
-    def written(self, number: str) -> str:
+    def localized(self, number: str) -> str:
         """A number in these signs; ``number`` is as Python formats it."""
         return number.translate({ord(","): self.group, ord("."): self.point})
 
-    def typed(self, number: str) -> str:
+    def editable(self, number: str) -> str:
         """A number without groups in these signs, to be read in one way."""
-        text = self.written(number)
+        text = self.localized(number)
         return text + "0" if self.point == "," and _LIKE_THOUSANDS.fullmatch(text) else text
 
 
@@ -43,10 +43,10 @@ class _NumberFormatter(string.Formatter):
 
     def format_field(self, value: Any, spec: str) -> str:
         text: str = super().format_field(value, spec)
-        return written(text) if isinstance(value, Number) else text
+        return localized_number(text) if isinstance(value, Number) else text
 
 
-class Text(str):
+class TranslatedText(str):
     """A translated text with numbers in the notation in use."""
 
     __slots__ = ()
@@ -71,11 +71,11 @@ def notation() -> Notation:
     return _in_use
 
 
-def typed(number: str) -> str:
+def editable_number(number: str) -> str:
     """A number without groups for a field, in the notation in use."""
-    return _in_use.typed(number)
+    return _in_use.editable(number)
 
 
-def written(number: str) -> str:
+def localized_number(number: str) -> str:
     """A number, as Python formats it, in the notation in use."""
-    return _in_use.written(number)
+    return _in_use.localized(number)

@@ -13,7 +13,7 @@ _PATH = re.compile(
 )
 
 
-def redacted(text: str) -> str:
+def redacted_text(text: str) -> str:
     """Reduce the paths in a text to their last names, those of modules to their place."""
     home = str(Path.home())
     if len(home) > len(Path.home().anchor):

@@ -14,7 +14,7 @@ from hypothesis import settings
 from in_thread import InThread
 
 from apd_viewer.geometry.warmup import warm_up
-from apd_viewer.session.processes import process_client, shape_checker
+from apd_viewer.session.processes import shape_checker, solver_process
 
 # What Python has compiled is kept, or each process that tests start would compile all modules anew.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -22,7 +22,7 @@ sys.dont_write_bytecode = False
 
 pytest_plugins = ["kernel_watch", "night_tests"]
 
-START = process_client.start_process
+START = solver_process.start_solver_process
 
 # The kernels compile on first use, which no deadline can foresee; the same examples on every machine.
 settings.register_profile("suite", deadline=None, derandomize=True, max_examples=60)
@@ -76,13 +76,13 @@ def qapp_cls():
 @pytest.fixture(autouse=True)
 def solver_in_a_thread(monkeypatch):
     """The solver is a thread, where a test can change it, unless the test is about the process."""
-    monkeypatch.setattr(process_client, "start_process", InThread)
+    monkeypatch.setattr(solver_process, "start_solver_process", InThread)
 
 
 @pytest.fixture(autouse=True)
 def nothing_is_checked(monkeypatch):
     """No process is started to check shapes, unless the test is about that."""
-    monkeypatch.setattr(shape_checker, "AT_FIRST", 1e6)
+    monkeypatch.setattr(shape_checker, "FIRST_PAUSE", 1e6)
 
 
 @pytest.fixture(scope="session")
@@ -94,4 +94,4 @@ def compiled():
 @pytest.fixture
 def process(compiled, solver_in_a_thread, monkeypatch):
     """The solver is a process, as it is for the user."""
-    monkeypatch.setattr(process_client, "start_process", START)
+    monkeypatch.setattr(solver_process, "start_solver_process", START)

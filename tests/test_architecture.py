@@ -130,7 +130,7 @@ DRAWS = {
     "ui/scene/surface.py",
     "ui/appearance/surface_arrays.py",
     "ui/scene/viewport.py",
-    "ui/scene/look.py",
+    "ui/scene/camera_controller.py",
     "ui/appearance/antialiasing.py",
 }
 CONFINED = {
@@ -146,7 +146,7 @@ CONFINED = {
     "vtkmodules": DRAWS | {"files/animations/paraview_series.py"},  # which writes without a picture
     "distributed": {"studies/cluster.py"},
     "pyarrow": {"studies/results.py"},
-    "threadpoolctl": {"geometry/linalg/threads.py", "studies/worker.py"},
+    "threadpoolctl": {"geometry/linalg/threads.py", "studies/case_worker.py"},
     "qtpy": set(),  # the binding that pyvistaqt chooses is its own affair
 }
 MEANINGLESS = {"utils", "util", "common", "helpers", "helper", "manager", "base", "misc", "core"}
@@ -403,10 +403,10 @@ HEADLESS = """
         apd_viewer.save_mesh(mesh, result.U, folder / f"out.{suffix}")
         apd_viewer.open_mesh(folder / f"out.{suffix}")
     assert apd_viewer.__main__.main(["info", str(folder / "a.obj")]) == 0
-    from apd_viewer.session.model.state import opened
+    from apd_viewer.session.model.state import initial_state
     from apd_viewer.session.model.view import View
     from apd_viewer.session.storage.session_file import save_session
-    save_session(folder / "a.apd", opened(mesh, mesh.V[:, 2].astype("uint8")), View())
+    save_session(folder / "a.apd", initial_state(mesh, mesh.V[:, 2].astype("uint8")), View())
     words = "replay", folder / "a.apd", "-o", folder / "again.obj"
     assert apd_viewer.__main__.main([str(word) for word in words]) == 0
     assert not screen(), f"working loads {screen()}"

@@ -88,7 +88,7 @@ def test_documentation_has_relative_links_that_lead_somewhere():
 
 @pytest.mark.parametrize(("page", "line"), COMMANDS)
 def test_documentation_names_commands_that_parse(page, line):
-    command_line.parsed(shlex.split(line, comments=True)[1:])
+    command_line.parse_arguments(shlex.split(line, comments=True)[1:])
 
 
 def test_documentation_on_scripting_has_lines_that_find_their_files():

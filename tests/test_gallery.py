@@ -14,7 +14,7 @@ from entries import ENTRIES, GROUPS
 from gallery_page import gallery_page, printed
 from make_sessions import SESSIONS
 
-from apd_viewer.__main__ import parsed
+from apd_viewer.__main__ import parse_arguments
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.session.storage.session_file import open_session
 
@@ -53,7 +53,7 @@ def test_gallery_has_lines_that_can_be_read(name):
         compile(entry.quick_code, name, "exec")
         return
     for line in entry.quick_code.replace("\\\n", " ").splitlines():
-        parsed(shlex.split(line)[1:])
+        parse_arguments(shlex.split(line)[1:])
 
 
 def in_place(state):
@@ -76,8 +76,8 @@ def test_gallery_has_lines_that_run_and_a_session_that_says_the_same(name, compi
     document = state.document
     assert np.isfinite(state.frame.U).all()
     assert not np.array_equal(state.frame.U, document.mesh.V)
-    if not document.problem and not document.has_obstacles:
-        assert in_place(state) < (0.1 if document.traits.moves_handles else 1e-5)
+    if not document.paint_problem and not document.has_active_obstacles:
+        assert in_place(state) < (0.1 if document.method_traits.moves_handles else 1e-5)
     path = entry.save(state, tmp_path)
     assert place_of_mesh(path) == Path(tmp_path.anchor) / document.mesh.name
     np.testing.assert_array_equal(open_session(path)[0].frame.U, state.frame.U)
@@ -86,10 +86,10 @@ def test_gallery_has_lines_that_run_and_a_session_that_says_the_same(name, compi
 @pytest.mark.parametrize("name", NAMES)
 def test_gallery_session_to_download_opens_and_can_be_replayed_unless_it_is_pressed(name):
     state, view = open_session(SESSIONS / f"{name}.apd")
-    assert bool(state.document.problem) == ENTRIES[name].code.startswith("apd-viewer press")
+    assert bool(state.document.paint_problem) == ENTRIES[name].code.startswith("apd-viewer press")
     assert place_of_mesh(SESSIONS / f"{name}.apd").as_posix() == f"/{state.document.mesh.name}"
     assert view.unit == ENTRIES[name].unit
     assert 500 < len(state.document.mesh.V) < 7000
     assert not np.array_equal(state.frame.U, state.document.mesh.V)
-    if not state.document.problem and not state.document.has_obstacles:
-        assert in_place(state) < (0.1 if state.document.traits.moves_handles else 1e-5)
+    if not state.document.paint_problem and not state.document.has_active_obstacles:
+        assert in_place(state) < (0.1 if state.document.method_traits.moves_handles else 1e-5)

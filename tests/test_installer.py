@@ -16,14 +16,14 @@ import pytest
 
 import apd_viewer
 from apd_viewer import installation
-from apd_viewer.commands.desktop import desktop
+from apd_viewer.commands.desktop import desktop_command
 from apd_viewer.errors import InputError
 from apd_viewer.figures import films
-from apd_viewer.files.mesh_writing import WRITTEN
-from apd_viewer.files.meshes import FORMATS
+from apd_viewer.files.mesh_writing import WRITABLE_FORMATS
+from apd_viewer.files.meshes import MESH_FORMATS
 from apd_viewer.files.samples import SAMPLES
-from apd_viewer.session.model.view import SUFFIX
-from apd_viewer.session.processes.child_process import START
+from apd_viewer.session.model.view import SESSION_SUFFIX
+from apd_viewer.session.processes.child_process import START_SCRIPT
 from apd_viewer.studies import cluster
 
 ROOT = Path(__file__).parents[1]
@@ -77,9 +77,9 @@ def test_installer_leaves_out_no_module_of_ours(contents):
 
 
 def test_installer_knows_all_formats(contents):
-    assert {f".{name}" for name in contents.MESHES} == set(FORMATS)
-    assert [f".{name}" for name in contents.SESSIONS] == [SUFFIX]
-    assert set(WRITTEN) <= set(FORMATS)
+    assert {f".{name}" for name in contents.MESHES} == set(MESH_FORMATS)
+    assert [f".{name}" for name in contents.SESSIONS] == [SESSION_SUFFIX]
+    assert set(WRITABLE_FORMATS) <= set(MESH_FORMATS)
     script = (FOLDER / "windows.iss").read_text(encoding="utf-8")
     assert set(re.findall(r'Subkey: "Software\\Classes\\\.(\w+)', script)) >= {
         *contents.MESHES,
@@ -114,8 +114,8 @@ def test_installer_program_has_every_way_in_which_a_process_is_started():
                 words = [ast.unparse(each) for each in node.elts]
                 if words[0] == "sys.executable" and "'-c'" not in words[1:2]:
                     # The command for menus, which a packaged program refuses before.
-                    assert path.name == "desktop.py", (path, words)
-    assert "-m" not in START
+                    assert path.name == "desktop_command.py", (path, words)
+    assert "-m" not in START_SCRIPT
 
 
 @pytest.fixture
@@ -212,7 +212,7 @@ def test_installer_program_says_what_it_cannot_do(monkeypatch, tmp_path):
     monkeypatch.setattr(sys, "frozen", True, raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match="This program has no Dask"):
-        cluster.connected("tcp://127.0.0.1:9", None)
+        cluster.connected_cluster("tcp://127.0.0.1:9", None)
 
     def none():
         raise RuntimeError
@@ -221,6 +221,6 @@ def test_installer_program_says_what_it_cannot_do(monkeypatch, tmp_path):
     with pytest.raises(InputError, match="install ffmpeg"):
         films.check_film(tmp_path / "film.mp4")
     monkeypatch.setattr(sys, "platform", "linux")
-    options = desktop.desktop_parser().parse_args(["--install"])
+    options = desktop_command.desktop_parser().parse_args(["--install"])
     with pytest.raises(InputError, match="has added menu entry"):
         options.run(options)

@@ -11,7 +11,7 @@ from babel.messages.pofile import read_po
 from pseudo import LANGUAGE, MARKED, ROOT, fields, messages, write_catalogue
 
 from apd_viewer import language
-from apd_viewer.language import catalogue, wished
+from apd_viewer.language import catalogue, preferred_languages
 
 FUNCTIONS = {"tr": 1, "trn": 3, "trc": 2}
 
@@ -97,15 +97,15 @@ def test_language_has_no_translation_with_a_value_of_its_own():
         ({"LANG": "zh_TW.UTF-8"}, ["zh_TW"]),
     ],
 )
-def test_wished_language_is_that_of_the_environment(environment, names):
-    assert wished(environment) == names
+def test_preferred_languages_language_is_that_of_the_environment(environment, names):
+    assert preferred_languages(environment) == names
 
 
 def test_chosen_language_goes_before_that_of_the_system(tmp_path, monkeypatch):
-    assert wished({"LANG": "de_DE.UTF-8"}, "fr") == ["fr"]
-    assert wished({"LANG": "de_DE.UTF-8"}, "en") == []
-    assert wished({"APD_VIEWER_LANGUAGE": "ja"}, "fr") == ["ja"]
-    monkeypatch.setattr(language, "chosen_file", lambda: tmp_path / "config" / "language")
+    assert preferred_languages({"LANG": "de_DE.UTF-8"}, "fr") == ["fr"]
+    assert preferred_languages({"LANG": "de_DE.UTF-8"}, "en") == []
+    assert preferred_languages({"APD_VIEWER_LANGUAGE": "ja"}, "fr") == ["ja"]
+    monkeypatch.setattr(language, "language_file", lambda: tmp_path / "config" / "language")
     assert language.chosen_language() == ""
     for name in ("fr", "", ""):
         language.choose_language(name)
@@ -115,7 +115,7 @@ def test_chosen_language_goes_before_that_of_the_system(tmp_path, monkeypatch):
 
 
 def test_languages_are_english_and_that_of_every_catalogue(tmp_path, monkeypatch):
-    monkeypatch.setattr(language, "FOLDER", tmp_path)
+    monkeypatch.setattr(language, "CATALOGUE_FOLDER", tmp_path)
     assert language.languages() == ["en"]
     write_catalogue(tmp_path)
     assert language.languages() == ["en", LANGUAGE]

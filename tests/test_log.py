@@ -13,7 +13,7 @@ import pytest
 
 from apd_viewer import log
 from apd_viewer.__main__ import main
-from apd_viewer.redaction import redacted
+from apd_viewer.redaction import redacted_text
 
 ROOT = Path(__file__).parents[1]
 LOGGER = logging.getLogger("apd_viewer.test")
@@ -54,7 +54,7 @@ def test_log_has_no_file_after_a_command_without_trouble(folder):
 
 
 def test_log_begins_with_the_versions(folder):
-    with log.recording():
+    with log.recording_log():
         LOGGER.info("hello")
     lines = text(folder).splitlines()
     assert lines[0].startswith("Python 3.")
@@ -62,17 +62,17 @@ def test_log_begins_with_the_versions(folder):
     assert lines[-1].endswith("INFO apd_viewer.test: hello")
 
 
-def test_recording_ends_with_its_block(folder):
+def test_recording_log_ends_with_its_block(folder):
     hooks = sys.excepthook, threading.excepthook, warnings.showwarning
-    with log.recording(), log.recording("debug"):
+    with log.recording_log(), log.recording_log("debug"):
         assert len(logging.getLogger("apd_viewer").handlers) == 1
     assert (sys.excepthook, threading.excepthook, warnings.showwarning) == hooks
     assert logging.getLogger("apd_viewer").handlers == []
     assert log.current_file() is None
 
 
-def test_recording_records_and_prints_a_level(folder, capsys):
-    with log.recording("warning"):
+def test_recording_log_records_and_prints_a_level(folder, capsys):
+    with log.recording_log("warning"):
         LOGGER.info("small")
         LOGGER.warning("great")
     for said in (text(folder), capsys.readouterr().err):
@@ -80,8 +80,8 @@ def test_recording_records_and_prints_a_level(folder, capsys):
         assert "small" not in said
 
 
-def test_recording_without_a_level_prints_nothing(folder, capsys):
-    with log.recording():
+def test_recording_log_without_a_level_prints_nothing(folder, capsys):
+    with log.recording_log():
         LOGGER.debug("smallest")
         LOGGER.error("great")
     assert capsys.readouterr().err == ""
@@ -97,7 +97,7 @@ def test_main_takes_a_level_of_the_log_for_each_command(folder, capsys):
 
 def test_log_that_is_long_is_rotated(folder, monkeypatch):
     monkeypatch.setattr(log, "MOST_BYTES", 10_000)
-    with log.recording():
+    with log.recording_log():
         for k in range(1000):
             LOGGER.info("record %d", k)
     files = sorted(folder.iterdir())
@@ -107,14 +107,14 @@ def test_log_that_is_long_is_rotated(folder, monkeypatch):
     assert "record 999" in files[0].read_text(encoding="utf-8")
 
 
-def test_recording_removes_old_files_and_no_others(folder):
+def test_recording_log_removes_old_files_and_no_others(folder):
     folder.mkdir()
     (folder / "notes.txt").touch()
     for k in range(50):
         old = folder / f"apd-viewer-{k}.log"
         old.touch()
         os.utime(old, (k, k))
-    with log.recording():
+    with log.recording_log():
         LOGGER.info("hello")
     left = {path.name for path in folder.glob("apd-viewer-?*.log")}
     assert len(left) == 21
@@ -126,7 +126,7 @@ def test_log_is_one_for_each_of_two_processes(folder):
     script = """
         import logging
         from apd_viewer import log
-        with log.recording():
+        with log.recording_log():
             logging.getLogger("apd_viewer").info("hello")
             {}
     """
@@ -141,10 +141,10 @@ def test_log_is_one_for_each_of_two_processes(folder):
     assert [path.read_text(encoding="utf-8").count("hello") for path in folder.glob("*.log")] == [1, 1]
 
 
-def test_recording_is_not_stopped_by_a_folder_that_cannot_be_written(tmp_path, monkeypatch, capsys):
+def test_recording_log_is_not_stopped_by_a_folder_that_cannot_be_written(tmp_path, monkeypatch, capsys):
     (tmp_path / "file").touch()
     monkeypatch.setenv("APD_VIEWER_LOGS", str(tmp_path / "file" / "logs"))
-    with log.recording():
+    with log.recording_log():
         LOGGER.error("lost")
     assert capsys.readouterr().err == ""
 
@@ -154,7 +154,7 @@ def test_log_has_an_exception_in_a_thread(folder):
         """
         import threading
         from apd_viewer import log
-        with log.recording():
+        with log.recording_log():
             thread = threading.Thread(target=lambda: 1 / 0)
             thread.start()
             thread.join()
@@ -167,13 +167,13 @@ def test_log_has_an_exception_in_a_thread(folder):
 
 def test_log_has_an_exception_in_a_callback(folder, monkeypatch):
     monkeypatch.setattr(sys, "excepthook", lambda *_: None)
-    with log.recording():
+    with log.recording_log():
         sys.excepthook(ValueError, ValueError("from Qt"), None)
     assert "from Qt" in text(folder)
 
 
 def test_log_has_an_exception_that_ends_the_program(folder):
-    with pytest.raises(ZeroDivisionError), log.recording():
+    with pytest.raises(ZeroDivisionError), log.recording_log():
         raise ZeroDivisionError
     assert "ZeroDivisionError" in text(folder)
     assert "test_log.py" in text(folder)
@@ -184,18 +184,18 @@ def test_log_takes_what_the_user_can_act_on_for_no_failure(folder):
     assert list(folder.iterdir()) == []
 
 
-def test_recording_lets_a_warning_reach_the_log_and_the_terminal(folder):
-    with pytest.warns(UserWarning, match="odd"), log.recording():
+def test_recording_log_lets_a_warning_reach_the_log_and_the_terminal(folder):
+    with pytest.warns(UserWarning, match="odd"), log.recording_log():
         warnings.warn("odd", UserWarning, stacklevel=1)
     assert "odd" in text(folder)
 
 
-def test_recording_leaves_a_file_after_a_crash(folder):
+def test_recording_log_leaves_a_file_after_a_crash(folder):
     done = python(
         """
         import ctypes
         from apd_viewer import log
-        with log.recording():
+        with log.recording_log():
             ctypes.string_at(0)
         """
     )
@@ -203,8 +203,8 @@ def test_recording_leaves_a_file_after_a_crash(folder):
     assert "most recent call first" in text(folder, "*.crash")
 
 
-def test_recording_leaves_no_file_after_a_run_without_a_crash(folder):
-    assert python("from apd_viewer import log\nwith log.recording(): pass").returncode == 0
+def test_recording_log_leaves_no_file_after_a_run_without_a_crash(folder):
+    assert python("from apd_viewer import log\nwith log.recording_log(): pass").returncode == 0
     assert list(folder.iterdir()) == []
 
 
@@ -225,12 +225,12 @@ HOME = Path.home()
         ("3 / 4, n/a, +3 %/mm, https://a.org/x/y", "3 / 4, n/a, +3 %/mm, https://a.org/x/y"),
     ],
 )
-def test_redacted_reduces_a_path_to_its_name(said, kept):
-    assert redacted(said) == kept
+def test_redacted_text_reduces_a_path_to_its_name(said, kept):
+    assert redacted_text(said) == kept
 
 
 def test_log_names_no_folder(folder, tmp_path):
-    with log.recording():
+    with log.recording_log():
         try:
             (tmp_path / "secret" / "a.obj").read_bytes()
         except OSError:

@@ -9,17 +9,17 @@ FOLDERS = "commands", "presentation", "session", "ui"
 # Formats that write a sign between groups or before decimals.
 SIGNS = re.compile(r",|\.[0-9]*[1-9][0-9]*[fge%]|\.\{|g$")
 # What writes a number as it is shown or typed.
-WRITERS = {"written", "typed", "_shown"}
+WRITERS = {"localized_number", "editable_number", "_shown"}
 # What is read by programs: shaders, pictures, settings, options, decks, and what no window shows of commands.
 FOR_PROGRAMS = {
-    "commands/info.py",
-    "commands/paper.py",
+    "commands/info_command.py",
+    "commands/paper_command.py",
     "commands/paper_tables.py",
     "presentation/color_maps.py",
     "presentation/legend_svg.py",
     "session/quantities/deck_wall.py",
     "ui/appearance/shading.py",
-    "ui/case_studies/quantities.py",
+    "ui/case_studies/varied_quantity.py",
     "ui/case_studies/engine_fields.py",
     "ui/overlays/display_options.py",
     "ui/preferences/preference.py",
@@ -70,5 +70,5 @@ def test_numbers_shown_in_english_signs_are_noticed():
     assert list(strangers('f"{n:,}"')) == [1]
     assert list(strangers('f"{x:g}"')) == [1]
     assert list(strangers('"{:,.2f}".format(x)')) == [1]
-    assert list(strangers('f"{n:.0f}" + f"{name}" + written(f"{x:.3f}")')) == []
+    assert list(strangers('f"{n:.0f}" + f"{name}" + localized_number(f"{x:.3f}")')) == []
     assert list(strangers('tr("{n:,} faces").format(n=n)')) == []

@@ -117,10 +117,10 @@ def test_package_does_what_the_example_of_the_interfaces_says(tmp_path, monkeypa
     np.testing.assert_allclose(apd_viewer.open_mesh("out.off").V, result.U, rtol=0, atol=1e-13)
 
 
-def test_as_mesh_takes_meshes_of_other_libraries_for_the_window():
+def test_mesh_or_path_takes_meshes_of_other_libraries_for_the_window():
     import pyvista
 
-    from apd_viewer.ui.application import as_mesh
+    from apd_viewer.ui.application import mesh_or_path
 
     V, F = box(1, 1, 1)
     for other in (
@@ -128,14 +128,14 @@ def test_as_mesh_takes_meshes_of_other_libraries_for_the_window():
         pyvista.PolyData.from_regular_faces(V, F),
         apd_viewer.Mesh(V, F),
     ):
-        mesh = as_mesh(other)
+        mesh = mesh_or_path(other)
         assert isinstance(mesh, apd_viewer.Mesh)
         np.testing.assert_array_equal(mesh.V, V)
         np.testing.assert_array_equal(mesh.F, F)
     with pytest.raises(apd_viewer.InputError, match="A dict cannot be shown"):
-        as_mesh({})
+        mesh_or_path({})
     with pytest.raises(apd_viewer.InputError, match="There is no file"):
-        as_mesh("gone.obj")
+        mesh_or_path("gone.obj")
 
 
 @pytest.fixture

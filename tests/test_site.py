@@ -21,8 +21,8 @@ from pseudo import messages
 
 import apd_viewer
 from apd_viewer.__main__ import COMMANDS
-from apd_viewer.files.meshes import FORMATS
-from apd_viewer.ui.help.places import of_action, of_setting, slug
+from apd_viewer.files.meshes import MESH_FORMATS
+from apd_viewer.ui.help.manual_places import action_place, setting_place, slug
 from apd_viewer.ui.settings_page.preference_table import PREFERENCES
 
 ROOT = Path(__file__).parents[1]
@@ -68,18 +68,18 @@ def test_site_has_every_python_name_on_its_page():
 def test_site_has_an_anchor_of_every_setting_and_nothing_of_this_machine():
     page = settings_page.settings_page()
     anchors = re.findall(r"\{#([\w-]+)\}", page)
-    assert anchors == [of_setting(row.name).anchor for row in PREFERENCES]
+    assert anchors == [setting_place(row.name).anchor for row in PREFERENCES]
     assert "All cores (" not in page
 
 
 def test_site_has_every_format_on_its_page():
-    assert re.findall(r"`(\.\w+)`", generated_pages.WRITERS["formats"]()) == list(FORMATS)
+    assert re.findall(r"`(\.\w+)`", generated_pages.WRITERS["formats"]()) == list(MESH_FORMATS)
 
 
 @pytest.mark.night
 def test_site_has_an_anchor_of_its_own_for_every_menu_entry(keys):
     assert {"File", "Edit", "Tools", "Select", "Handle", "View", "Help"} == {entry.menu for entry in keys}
-    anchors = [of_action(entry.name).anchor for entry in keys]
+    anchors = [action_place(entry.name).anchor for entry in keys]
     assert len(anchors) > 140
     assert len(set(anchors)) == len(anchors)
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
-from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Measurement, measure
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 
 if TYPE_CHECKING:
     import numpy as np
@@ -42,11 +42,11 @@ def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dic
 
 def _values(measurement: Measurement, U: np.ndarray, F: np.ndarray) -> tuple[float | None, ...]:
     path = None
-    if measurement.kind is Kind.GEODESIC:
+    if measurement.kind is MeasurementKind.GEODESIC:
         try:
-            path = CarriedPath.of(geodesic_path(U, F, *measurement.points), U, F)
+            path = CarriedPath.from_polyline(geodesic_path(U, F, *measurement.points), U, F)
         except InputError:
-            path = CarriedPath.none()
+            path = CarriedPath.empty()
     return measure(measurement, U, F, path).values
 
 

@@ -6,20 +6,20 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.terminal.unit_option import naming_the_option
-from apd_viewer.commands.terminal.weld_option import opened_mesh
+from apd_viewer.commands.terminal.unit_option import naming_unit_option
+from apd_viewer.commands.terminal.weld_option import open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_selection import with_selection
-from apd_viewer.session.model.handle_paths import on_the_way
-from apd_viewer.session.model.state import opened, welded
-from apd_viewer.session.model.view import SUFFIX, View
-from apd_viewer.session.posing.motion_path import motion_paths, posed_along
-from apd_viewer.session.posing.motion_step import MotionStep, motion_of
-from apd_viewer.session.posing.motion_text import parsed_motion
-from apd_viewer.session.posing.typed_motion import names_of
+from apd_viewer.session.model.handle_paths import intermediate_documents
+from apd_viewer.session.model.state import initial_state, welded_state
+from apd_viewer.session.model.view import SESSION_SUFFIX, View
+from apd_viewer.session.posing.motion_path import document_along, motion_paths
+from apd_viewer.session.posing.motion_step import MotionStep, motion_steps
+from apd_viewer.session.posing.motion_text import parse_motion
+from apd_viewer.session.posing.typed_motion import named_lengths
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.storage.session_file import open_session
 
@@ -43,7 +43,7 @@ _WORDS = {
 }
 
 
-def add_moved_options(parser: argparse.ArgumentParser) -> None:
+def add_input_options(parser: argparse.ArgumentParser) -> None:
     """Add the session, or mesh with its paint, and what moves the handles."""
     parser.add_argument(
         "file",
@@ -79,13 +79,13 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--unit", choices=SYMBOLS, default="", help=tr("of the mesh, for lengths such as 2cm"))
 
 
-def painted(mesh: Mesh, selection: Selection) -> State:
+def painted_state(mesh: Mesh, selection: Selection) -> State:
     """State of a mesh at rest with its paint."""
-    state = opened(mesh)
-    return state.at(with_selection(state.document, selection))
+    state = initial_state(mesh)
+    return state.updated(with_selection(state.document, selection))
 
 
-def moved_from(options: argparse.Namespace, weld: bool = False) -> tuple[State, View, tuple[MotionStep, ...]]:
+def input_from(options: argparse.Namespace, weld: bool = False) -> tuple[State, View, tuple[MotionStep, ...]]:
     """Painted state, view, and the motion instead of its poses; none without any.
 
     With ``weld`` the seams of the mesh are welded.
@@ -93,14 +93,14 @@ def moved_from(options: argparse.Namespace, weld: bool = False) -> tuple[State, 
     Raises
     ------
     InputError
-        If the options of :func:`add_moved_options` do not go together, or a file cannot be read.
+        If the options of :func:`add_input_options` do not go together, or a file cannot be read.
     """
     path = Path(options.file)
-    if path.suffix.lower() == SUFFIX:
+    if path.suffix.lower() == SESSION_SUFFIX:
         if options.selection or options.transform:
             raise InputError(tr("A session has its own paint and motion; omit --selection and --transform."))
         state, view = open_session(path)
-        state = welded(state) if weld else state
+        state = welded_state(state) if weld else state
         return state, view, motion_from(options, state, view.unit)
     if not options.selection or not (options.transform or options.motion):
         raise InputError(
@@ -111,8 +111,8 @@ def moved_from(options: argparse.Namespace, weld: bool = False) -> tuple[State, 
         )
     if options.transform and options.motion:
         raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
-    mesh = opened_mesh(path, weld)
-    state = _posed(painted(mesh, read_selection_file(options.selection, mesh)), options.transform)
+    mesh = open_input_mesh(path, weld)
+    state = _posed(painted_state(mesh, read_selection_file(options.selection, mesh)), options.transform)
     view = View(unit=mesh.unit)
     return state, view, motion_from(options, state, view.unit)
 
@@ -128,11 +128,11 @@ def _posed(state: State, transforms: Sequence[str]) -> State:
         )
     for k, path in enumerate(transforms):
         document = document.with_pose(k, read_transform(path))
-    return state.at(document)
+    return state.updated(document)
 
 
-@naming_the_option()
-def motion_from(options: argparse.Namespace, state: State, unit: str = "") -> tuple[MotionStep, ...]:
+@naming_unit_option()
+def motion_from(options: argparse.Namespace, state: State, unit_symbol: str = "") -> tuple[MotionStep, ...]:
     """Motion of the options on a mesh; none without any.
 
     Parameters
@@ -140,7 +140,7 @@ def motion_from(options: argparse.Namespace, state: State, unit: str = "") -> tu
     options : argparse.Namespace
     state : State
         With its paint.
-    unit : str
+    unit_symbol : str
         Of the mesh, where no option says it.
 
     Raises
@@ -150,14 +150,14 @@ def motion_from(options: argparse.Namespace, state: State, unit: str = "") -> tu
     """
     if not options.motion:
         return ()
-    steps = parsed_motion("; ".join(options.motion))
-    return motion_of(state.document, steps, names_of(state), Unit(options.unit or unit))
+    steps = parse_motion("; ".join(options.motion))
+    return motion_steps(state.document, steps, named_lengths(state), Unit(options.unit or unit_symbol))
 
 
-def way_points(document: Document, motion: Sequence[MotionStep]) -> list[list[np.ndarray]]:
+def waypoint_poses(document: Document, motion: Sequence[MotionStep]) -> list[list[np.ndarray]]:
     """Poses (4, 4) of all handles at the way points of a motion.
 
     The last is its end. There are others only where something turns by more than half a turn.
     """
-    ended = posed_along(document, motion_paths(document, motion))
-    return [[handle.pose for handle in each.handles] for each in (*on_the_way(ended), ended)]
+    ended = document_along(document, motion_paths(document, motion))
+    return [[handle.pose for handle in each.handles] for each in (*intermediate_documents(ended), ended)]

@@ -6,20 +6,20 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from apd_viewer.commands.terminal.columns import columns_of, padded
-from apd_viewer.files.samples import open_sample, resource
+from apd_viewer.commands.terminal.columns import column_count, padded_text
+from apd_viewer.files.samples import open_sample, resource_path
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.pose.constraints import constraints
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.geometry.solver.deform import Result, deform
-from apd_viewer.language import listed, tr
+from apd_viewer.geometry.solver.deformation_result import Result, deform
+from apd_viewer.language import comma_separated, tr
 
 TOLERANCE = 1e-3
 _METHODS = "arap", "paper"  # in the order of the columns
 
 
-class Case(NamedTuple):
+class PaperCase(NamedTuple):
     """Motion of a table, and the areas given by the paper.
 
     Attributes
@@ -38,13 +38,13 @@ class Case(NamedTuple):
     paper: float
 
 
-CASES = {
-    "bottle-twist-60": Case("bottle", tr("bottle twisted by 60°"), 79.305, 77.781, 79.231),
-    "bottle-twist-120": Case("bottle", tr("bottle twisted by 120°"), 79.305, 78.957, 79.267),
-    "duck-bend-015": Case("duck", tr("duck's tail moved by 0.15 L"), 3725.0, 3699.5, 3721.6),
-    "duck-bend-030": Case("duck", tr("duck's tail moved by 0.3 L"), 3725.0, 3674.8, 3722.8),
+PAPER_CASES = {
+    "bottle-twist-60": PaperCase("bottle", tr("bottle twisted by 60°"), 79.305, 77.781, 79.231),
+    "bottle-twist-120": PaperCase("bottle", tr("bottle twisted by 120°"), 79.305, 78.957, 79.267),
+    "duck-bend-015": PaperCase("duck", tr("duck's tail moved by 0.15 L"), 3725.0, 3699.5, 3721.6),
+    "duck-bend-030": PaperCase("duck", tr("duck's tail moved by 0.3 L"), 3725.0, 3674.8, 3722.8),
 }
-TITLES = {
+TABLE_TITLES = {
     "bottle": tr("Table 1: twisting a bottle"),
     "duck": tr("Table 2: bending a duck"),
 }
@@ -61,16 +61,16 @@ _HEADINGS = (
 )
 
 
-class Row(NamedTuple):
+class PaperTableRow(NamedTuple):
     """Results of one motion by ARAP alone and by the paper's method."""
 
     name: str
-    case: Case
+    case: PaperCase
     arap: Result
     paper: Result
 
     @property
-    def passes(self) -> bool:
+    def is_within_tolerance(self) -> bool:
         """True if the area is within the tolerance."""
         return abs(self.paper.area_error) <= TOLERANCE
 
@@ -87,7 +87,7 @@ class Row(NamedTuple):
                 f"{paper.area:.3f}",
                 f"{100 * paper.area_error:+.3f} %",
                 f"{paper.handle_drift:.3f}",
-                tr("pass") if self.passes else tr("fail"),
+                tr("pass") if self.is_within_tolerance else tr("fail"),
             ),
             (
                 "",
@@ -103,14 +103,14 @@ class Row(NamedTuple):
         ]
 
 
-def rows(tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[Row]:
+def table_rows(tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[PaperTableRow]:
     """Run the motions in turn; ``tick`` gets the progress after every iteration."""
-    for number, (name, case) in enumerate(CASES.items()):
+    for number, (name, case) in enumerate(PAPER_CASES.items()):
         mesh, labels = open_sample(case.sample)
-        held = constraints(labels, mesh.V, [read_transform(resource(f"{name}.def"))])
+        held = constraints(labels, mesh.V, [read_transform(resource_path(f"{name}.def"))])
 
-        def hear(frame: Frame, number: int = number, case: Case = case) -> None:
-            tick((number + frame.iteration / (frame.iteration + 100)) / len(CASES), case.title)
+        def hear(frame: Frame, number: int = number, case: PaperCase = case) -> None:
+            tick((number + frame.iteration / (frame.iteration + 100)) / len(PAPER_CASES), case.title)
 
         results = [
             deform(
@@ -125,39 +125,39 @@ def rows(tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[Row
             )
             for method in _METHODS
         ]
-        yield Row(name, case, *results)
+        yield PaperTableRow(name, case, *results)
 
 
-def tables(rows: Sequence[Row]) -> str:
+def format_tables(rows: Sequence[PaperTableRow]) -> str:
     """Format both tables, each below its title."""
     samples = dict.fromkeys(row.case.sample for row in rows)
     return "\n\n".join(
-        f"{TITLES[sample]}\n\n{markdown([row for row in rows if row.case.sample == sample])}"
+        f"{TABLE_TITLES[sample]}\n\n{format_markdown([row for row in rows if row.case.sample == sample])}"
         for sample in samples
     )
 
 
-def markdown(rows: Sequence[Row]) -> str:
+def format_markdown(rows: Sequence[PaperTableRow]) -> str:
     """Format a table as Markdown, in aligned columns."""
     lines = [_HEADINGS, *(line for row in rows for line in row.lines())]
-    widths = [max(columns_of(line[column]) for line in lines) for column in range(len(_HEADINGS))]
+    widths = [max(column_count(line[column]) for line in lines) for column in range(len(_HEADINGS))]
     text = [
-        "| " + " | ".join(padded(cell, width) for cell, width in zip(line, widths, strict=True)) + " |"
+        "| " + " | ".join(padded_text(cell, width) for cell, width in zip(line, widths, strict=True)) + " |"
         for line in lines
     ]
     text.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")
     return "\n".join(text)
 
 
-def verdict(rows: Sequence[Row]) -> str:
+def tolerance_verdict(rows: Sequence[PaperTableRow]) -> str:
     """Sentence on the motions within the tolerance."""
-    failed = [row.case.title for row in rows if not row.passes]
+    failed = [row.case.title for row in rows if not row.is_within_tolerance]
     if not failed:
         return tr("Pass: APD keeps the area within 0.1 % in all {count} motions.").format(count=len(rows))
-    return tr("Fail: the area change exceeds 0.1 % in {moves}.").format(moves=listed(failed))
+    return tr("Fail: the area change exceeds 0.1 % in {moves}.").format(moves=comma_separated(failed))
 
 
-def write_csv(rows: Iterable[Row], path: Path) -> None:
+def write_csv(rows: Iterable[PaperTableRow], path: Path) -> None:
     """Write all digits; raises InputError if the file cannot be written."""
     columns = "case", "method", "area_rest", "area", "area_error", "handle_drift", "iterations"
     said = "move", "said_area_rest", "said_area", "said_area_error", "within_tolerance"

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from apd_viewer.commands.deck import deck_parser
-from apd_viewer.commands.deform import deform_parser
-from apd_viewer.commands.info import info_parser
-from apd_viewer.commands.paper import paper_parser
-from apd_viewer.commands.press import press_parser
-from apd_viewer.commands.replay import replay_parser
-from apd_viewer.commands.studies.study import study_parser
-from apd_viewer.commands.studies.study_design import design_parser
-from apd_viewer.commands.sweep import sweep_parser
+from apd_viewer.commands.deck_command import deck_parser
+from apd_viewer.commands.deform_command import deform_parser
+from apd_viewer.commands.info_command import info_parser
+from apd_viewer.commands.paper_command import paper_parser
+from apd_viewer.commands.press_command import press_parser
+from apd_viewer.commands.replay_command import replay_parser
+from apd_viewer.commands.studies.design_command import design_parser
+from apd_viewer.commands.studies.study_command import study_parser
+from apd_viewer.commands.sweep_command import sweep_parser
 from apd_viewer.commands.terminal.parser import Parser
-from apd_viewer.commands.volumes import volumes_parser
+from apd_viewer.commands.volumes_command import volumes_parser
 
 PARSERS: dict[str, Callable[[], Parser]] = {
     "deck": deck_parser,

@@ -4,37 +4,37 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.press_rows import row_of
-from apd_viewer.commands.terminal.plain_numbers import signed
-from apd_viewer.files.report import room_of
+from apd_viewer.commands.press_rows import press_row
+from apd_viewer.commands.terminal.plain_numbers import format_signed
+from apd_viewer.files.report import shape_check_fields
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.language import tr
 from apd_viewer.presentation import obstacle_readings
-from apd_viewer.presentation.number_format import exact
+from apd_viewer.presentation.number_format import format_exact
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from apd_viewer.commands.press_wall import Newtons, PressWall
+    from apd_viewer.commands.press_wall import NewtonConversion, PressWall
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
     from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.geometry.pressing.press import Pressed
     from apd_viewer.geometry.pressing.press_options import PressOptions
     from apd_viewer.geometry.pressing.press_step import PressStep
+    from apd_viewer.geometry.pressing.pressed_mesh import Pressed
 
 
-def report_of(
+def press_report(
     mesh: Mesh,
     rest: RestMesh,
-    found: Pressed,
+    pressed: Pressed,
     options: PressOptions,
     wall: PressWall,
-    newtons: Newtons | None,
+    newtons: NewtonConversion | None,
 ) -> dict[str, object]:
     """Fields of the report."""
     room: dict[str, object] = {}
-    for U, suffix in ((mesh.V, "_rest"), (found.U, "")):
-        readings = room_of(check_shape(U, mesh.joined_F))
+    for U, suffix in ((mesh.V, "_rest"), (pressed.U, "")):
+        readings = shape_check_fields(check_shape(U, mesh.joined_F))
         room |= {f"{name}{suffix}": reading for name, reading in readings.items()}
     return {
         "mesh": mesh.name,
@@ -47,11 +47,11 @@ def report_of(
         "area_rest": rest.area,
         "volume_rest": rest.volume,
         "volume_capped_rest": rest.volume_capped,
-        **row_of(found.last, bool(found.released), found, newtons),
-        "stopped": found.stopped,
-        **found.curve._asdict(),
+        **press_row(pressed.last, bool(pressed.released), pressed, newtons),
+        "stopped": pressed.stopped,
+        **pressed.curve._asdict(),
         **_wall_fields(wall, rest.area),
-        **(_newton_fields(found, newtons) if newtons else {}),
+        **(_newton_fields(pressed, newtons) if newtons else {}),
         **room,
     }
 
@@ -73,79 +73,90 @@ def _wall_fields(wall: PressWall, area: float) -> dict[str, object]:
     return {name: value for name, value in fields.items() if value is not None}
 
 
-def _newton_fields(found: Pressed, newtons: Newtons) -> dict[str, object]:
+def _newton_fields(found: Pressed, newtons: NewtonConversion) -> dict[str, object]:
     """Readings of the curve in newtons, joules and N/mm."""
     curve = found.curve
     factors = {
-        "yield_load_newton": (curve.yield_load, newtons.per_load),
-        "apparent_stiffness_newton_per_mm": (curve.apparent_stiffness, newtons.per_millimetre),
-        "work_joule": (curve.work, newtons.joules),
+        "yield_load_newton": (curve.yield_load, newtons.newtons_per_load),
+        "apparent_stiffness_newton_per_mm": (curve.apparent_stiffness, newtons.newtons_per_millimetre),
+        "work_joule": (curve.work, newtons.joules_per_work),
     }
     scaled = {name: None if value is None else value * unit for name, (value, unit) in factors.items()}
-    return {"newtons_per_load": newtons.per_load, "stiffness_of_wall": newtons.stiffness, **scaled}
+    return {"newtons_per_load": newtons.newtons_per_load, "stiffness_of_wall": newtons.stiffness, **scaled}
 
 
-def summary(
-    found: Pressed, rest: RestMesh, output: Path, wall: PressWall, newtons: Newtons | None, extent: float
+def press_summary(
+    pressed: Pressed,
+    rest: RestMesh,
+    output: Path,
+    wall: PressWall,
+    newtons: NewtonConversion | None,
+    extent: float,
 ) -> str:
     """Lines on a press of a mesh of ``extent`` between the plates, for the terminal."""
-    last, first = found.steps[-1], found.steps[0]
+    last, first = pressed.steps[-1], pressed.steps[0]
     lines = [
         tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the extent").format(
             output=output, distance=last.distance, share=100 * last.distance / extent
         ),
-        *_load_lines(last, found, newtons),
+        *_load_lines(last, pressed, newtons),
         *_volume_line(first.volume is None, last, rest, tr("volume"), ""),
     ]
-    if found.released:
-        lines += _volume_line(first.volume is None, found.last, rest, tr("opened"), tr(" remain"))
-    lines.append(tr("area    {change} %").format(change=signed(100 * last.area_error, 3)))
-    lines += _curve_lines(found, newtons)
-    lines += _wall_lines(wall, rest.area, found, newtons)
+    if pressed.released:
+        lines += _volume_line(first.volume is None, pressed.last, rest, tr("opened"), tr(" remain"))
+    lines.append(tr("area    {change} %").format(change=format_signed(100 * last.area_error, 3)))
+    lines += _curve_lines(pressed, newtons)
+    lines += _wall_lines(wall, rest.area, pressed, newtons)
     if last.crossings:
         lines.append(tr("{n:,} intersecting triangles").format(n=last.crossings))
-    if found.stopped:
+    if pressed.stopped:
         lines.append(
             tr("Contact lets the plates come no nearer to each other than {distance:.4g}.").format(
                 distance=last.distance
             )
         )
-    if not all(step.settled for step in found.steps + found.released):
+    if not all(step.settled for step in pressed.steps + pressed.released):
         lines.append(tr("Not every step came to rest; allow more iterations."))
     return "\n".join(lines)
 
 
-def _load_lines(step: PressStep, found: Pressed, newtons: Newtons | None) -> list[str]:
+def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | None) -> list[str]:
     low, high = step.load_low, step.load_high
     lines = [
         tr("load    {low:.5g} below, {high:.5g} above (of a material of stiffness 1); {excess}").format(
-            low=low, high=high, excess=obstacle_readings.excess(found.load_excess)
+            low=low, high=high, excess=obstacle_readings.excess_phrase(found.load_excess)
         )
     ]
     if newtons is not None:
         lines.append(
             tr("        {low:.3g} N below, {high:.3g} N above, {conditions}").format(
-                low=newtons.per_load * low,
-                high=newtons.per_load * high,
-                conditions=obstacle_readings.off(newtons.too_low(step.stretching))
+                low=newtons.newtons_per_load * low,
+                high=newtons.newtons_per_load * high,
+                conditions=obstacle_readings.error_factor_phrase(
+                    newtons.underestimate_factor(step.stretching)
+                )
                 or tr("if walls bend and hardly stretch"),
             )
         )
     return lines
 
 
-def _curve_lines(found: Pressed, newtons: Newtons | None) -> list[str]:
+def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
     curve, lines = found.curve, []
     if curve.yield_load is not None:
-        force = "" if newtons is None else _beside(newtons.per_load * curve.yield_load, "N")
+        force = "" if newtons is None else _beside(newtons.newtons_per_load * curve.yield_load, "N")
         lines.append(
             tr("yields at a load of {load:.5g}{newtons}, pressed by {deflection:.4g}").format(
                 load=curve.yield_load, newtons=force, deflection=curve.yield_deflection
             )
         )
     if curve.apparent_stiffness is not None:
-        slope = "" if newtons is None else _beside(newtons.per_millimetre * curve.apparent_stiffness, "N/mm")
-        work = "" if newtons is None else _beside(newtons.joules * curve.work, "J")
+        slope = (
+            ""
+            if newtons is None
+            else _beside(newtons.newtons_per_millimetre * curve.apparent_stiffness, "N/mm")
+        )
+        work = "" if newtons is None else _beside(newtons.joules_per_work * curve.work, "J")
         lines.append(
             tr("apparent stiffness {stiffness:.5g}{slope}, work {work:.5g}{joules}").format(
                 stiffness=curve.apparent_stiffness, slope=slope, work=curve.work, joules=work
@@ -154,22 +165,22 @@ def _curve_lines(found: Pressed, newtons: Newtons | None) -> list[str]:
     return lines
 
 
-def _wall_lines(wall: PressWall, area: float, found: Pressed, newtons: Newtons | None) -> list[str]:
+def _wall_lines(wall: PressWall, area: float, found: Pressed, newtons: NewtonConversion | None) -> list[str]:
     lines, grams = [], wall.grams(area)
     if wall.material or newtons is not None or grams is not None:
-        lines.append(tr("wall    {wall}").format(wall=wall.written))
+        lines.append(tr("wall    {wall}").format(wall=wall.text))
     if wall.material:
         lines.append(tr("        after {source}").format(source=wall.material.source))
     if grams is not None:
-        unit, share = wall.unit.mass(grams)
+        unit, share = wall.unit.mass_unit(grams)
         lines.append(tr("mass    {mass:.4g} {unit}").format(mass=grams * share, unit=unit))
     if newtons is not None:
         lines.append(
             tr("Pressed at a stiffness of {stiffness:.3g}; this wall has {own:.1g}.").format(
-                stiffness=newtons.pressed, own=newtons.stiffness
+                stiffness=newtons.pressed_stiffness, own=newtons.stiffness
             )
         )
-        if said := obstacle_readings.off(newtons.too_low(found.stretching)):
+        if said := obstacle_readings.error_factor_phrase(newtons.underestimate_factor(found.stretching)):
             lines.append(
                 tr(
                     "This shape has to stretch, too, by up to {share:.0f} % of the energy: newtons, N/mm and "
@@ -189,7 +200,7 @@ def _volume_line(capped: bool, step: PressStep, rest: RestMesh, title: str, rema
             title=title,
             volume=now,
             rest=at_rest,
-            change=signed(100 * (now / at_rest - 1), 3),
+            change=format_signed(100 * (now / at_rest - 1), 3),
             remains=remains,
             capped=tr(", openings capped flat") if capped else "",
         )
@@ -197,4 +208,4 @@ def _volume_line(capped: bool, step: PressStep, rest: RestMesh, title: str, rema
 
 
 def _beside(value: float, unit: str) -> str:
-    return f" ({exact(value, 3)} {unit})"
+    return f" ({format_exact(value, 3)} {unit})"

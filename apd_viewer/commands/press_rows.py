@@ -5,19 +5,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from apd_viewer.commands.press_wall import Newtons
+    from apd_viewer.commands.press_wall import NewtonConversion
     from apd_viewer.files.tables import Cell
-    from apd_viewer.geometry.pressing.press import Pressed
     from apd_viewer.geometry.pressing.press_step import PressStep
+    from apd_viewer.geometry.pressing.pressed_mesh import Pressed
 
 
-def row_of(step: PressStep, opening: bool, found: Pressed, newtons: Newtons | None = None) -> dict[str, Cell]:
+def press_row(
+    step: PressStep, is_opening: bool, pressed: Pressed, newtons: NewtonConversion | None = None
+) -> dict[str, Cell]:
     """Row of the table by column name, with newtons where they are known."""
     row: dict[str, Cell] = {
         "distance": step.distance,
         "load_low": step.load_low,
         "load_high": step.load_high,
-        "load_excess_percent": None if found.load_excess is None else 100.0 * found.load_excess,
+        "load_excess_percent": None if pressed.load_excess is None else 100.0 * pressed.load_excess,
         "stretching_percent": 100.0 * step.stretching,
         "energy": step.energy,
         "volume": step.volume,
@@ -26,16 +28,16 @@ def row_of(step: PressStep, opening: bool, found: Pressed, newtons: Newtons | No
         "crossings": step.crossings,
         "iterations": step.iterations,
         "settled": step.settled,
-        "opening": opening,
+        "opening": is_opening,
     }
     if newtons is not None:
-        row["load_low_newton"] = newtons.per_load * step.load_low
-        row["load_high_newton"] = newtons.per_load * step.load_high
-        row["newton_factor"] = newtons.too_low(step.stretching)
+        row["load_low_newton"] = newtons.newtons_per_load * step.load_low
+        row["load_high_newton"] = newtons.newtons_per_load * step.load_high
+        row["newton_factor"] = newtons.underestimate_factor(step.stretching)
     return row
 
 
-def rows_of(found: Pressed, newtons: Newtons | None = None) -> list[dict[str, Cell]]:
+def press_rows(pressed: Pressed, newtons: NewtonConversion | None = None) -> list[dict[str, Cell]]:
     """Rows of the table: as the plates close, then as they open."""
-    closing = [row_of(step, False, found, newtons) for step in found.steps]
-    return closing + [row_of(step, True, found, newtons) for step in found.released]
+    closing = [press_row(step, False, pressed, newtons) for step in pressed.steps]
+    return closing + [press_row(step, True, pressed, newtons) for step in pressed.released]

@@ -8,18 +8,18 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from apd_viewer.files.mesh_writing import Written, save_mesh
+from apd_viewer.files.mesh_writing import WrittenMesh, save_mesh
 from apd_viewer.files.report import write_report
-from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.geometry.analysis.findings import of_file
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.geometry.analysis.mesh_findings import file_findings
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.analysis.shape_findings import of_seams
+from apd_viewer.geometry.analysis.shape_findings import seam_findings
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
-from apd_viewer.geometry.solver.deform import Result
-from apd_viewer.language import in_quotes, listed, tr
+from apd_viewer.geometry.solver.deformation_result import Result
+from apd_viewer.language import comma_separated, in_quotes, tr
 from apd_viewer.presentation.notebooks.progress_line import frame_line
-from apd_viewer.session.model.status_text import about_caps, of_crossings
+from apd_viewer.session.model.status_text import caps_phrase, crossing_findings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -32,27 +32,27 @@ _ROUNDED = 1e-6  # relative change of the area by the file's rounding worth a wa
 
 
 def write_result(
-    beside: ExitStack,
+    stack: ExitStack,
     mesh: Mesh,
     result: Result,
     report: Path | None,
     output: Path,
     target: TargetShape | None = None,
-    more: Mapping[str, object] = MappingProxyType({}),
-) -> Written:
+    more_fields: Mapping[str, object] = MappingProxyType({}),
+) -> WrittenMesh:
     """Write the mesh, and the report beside it, with more fields, if one is asked for."""
     if report:
-        write_report(beside.enter_context(replacing(report)), mesh, result, target, more)
+        write_report(stack.enter_context(replacing_file(report)), mesh, result, target, more_fields)
     return save_mesh(mesh, result.U, output)
 
 
-def progress_line(
-    iterations: int | None, most: int = DEFAULT_CONVERGENCE.most_iterations
+def show_progress_line(
+    iterations: int | None, most_iterations: int = DEFAULT_CONVERGENCE.most_iterations
 ) -> Callable[[Frame], None]:
     """Show the progress of the iterations, or of the most of them, on one line."""
 
     def show(frame: Frame) -> None:
-        last = frame.iteration == (iterations or most) or (frame.settled and not iterations)
+        last = frame.iteration == (iterations or most_iterations) or (frame.settled and not iterations)
         if frame.iteration % 20 and not last:
             return
         print(
@@ -65,14 +65,14 @@ def progress_line(
     return show
 
 
-def summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
+def result_summary(mesh: Mesh, result: Result, output: Path, written: WrittenMesh) -> str:
     """Lines on a finished deformation, for the terminal."""
     effort = tr("{n:,} iterations in {seconds:.1f} s").format(n=result.iterations, seconds=result.seconds)
     state = tr("{output}: {method}, converged after {effort}")
     if not result.converged:
         state = tr("{output}: {method}, not converged after {effort}")
-    lines = [state.format(output=output, method=result.method, effort=effort), *readings(result)]
-    lines += [found.sentence for found in of_crossings(mesh, crossings(result.U, mesh.joined_F))]
+    lines = [state.format(output=output, method=result.method, effort=effort), *result_lines(result)]
+    lines += [found.sentence for found in crossing_findings(mesh, crossings(result.U, mesh.joined_F))]
     lines += [f"{in_quotes(part.name)}  {_reading(part.area, part.area_rest)}" for part in result.regions]
     lines.append(tr("largest local area change {change:.3g} %").format(change=100 * result.local_change))
     lines.append(tr("handle drift {drift:.4g}").format(drift=result.handle_drift))
@@ -86,18 +86,18 @@ def summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
         kept = output.suffix[1:].upper()
         lines.append(
             tr("written as {kind}, without the {things} of the mesh").format(
-                kind=kept, things=listed(written.dropped)
+                kind=kept, things=comma_separated(written.dropped)
             )
         )
     return "\n".join([*lines, *result.warnings, *mesh.remarks])
 
 
-def about_mesh(mesh: Mesh) -> list[str]:
+def mesh_remarks(mesh: Mesh) -> list[str]:
     """Sentences on open seams of a mesh, and on what is strange about its file."""
-    return [found.sentence for found in (*of_seams(mesh), *of_file(mesh))]
+    return [found.sentence for found in (*seam_findings(mesh), *file_findings(mesh))]
 
 
-def readings(result: Result) -> list[str]:
+def result_lines(result: Result) -> list[str]:
     """Area and volume against rest, a line each; another one says what is capped."""
     lines = [tr("area    {reading}").format(reading=_reading(result.area, result.area_rest))]
     if result.volume is not None and result.volume_rest:
@@ -105,7 +105,7 @@ def readings(result: Result) -> list[str]:
     elif result.volume_capped is not None and result.volume_capped_rest:
         reading = _reading(result.volume_capped, result.volume_capped_rest)
         lines.append(tr("volume  {reading}").format(reading=reading))
-        lines.append(f"        {about_caps(result.openings)}")
+        lines.append(f"        {caps_phrase(result.openings)}")
     return lines
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.scalar_files import Rows, check_scalar_file, write_scalars
-from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.geometry.analysis.scalars import scalars_of
+from apd_viewer.files.scalar_files import ScalarRows, check_scalar_file, write_scalars
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.geometry.analysis.scalars import shape_scalars
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def check_scalar_options(options: argparse.Namespace) -> None:
 
 
 def write_scalar_files(
-    beside: ExitStack,
+    stack: ExitStack,
     options: argparse.Namespace,
     mesh: Mesh,
     U: np.ndarray,
@@ -60,11 +60,11 @@ def write_scalar_files(
     member: np.ndarray,
     target: TargetShape | None = None,
 ) -> None:
-    """Write the files asked for; they replace old ones when ``beside`` is closed."""
-    asked = (options.scalars, Rows.VERTICES), (options.triangle_scalars, Rows.TRIANGLES)
+    """Write the files asked for; they replace old ones when ``stack`` is closed."""
+    asked = (options.scalars, ScalarRows.VERTICES), (options.triangle_scalars, ScalarRows.TRIANGLES)
     if not any(path for path, _ in asked):
         return
-    scalars = scalars_of(mesh, U, labels, member, target)
+    scalars = shape_scalars(mesh, U, labels, member, target)
     for path, rows in asked:
         if path:
-            write_scalars(beside.enter_context(replacing(path)), mesh, U, scalars, rows)
+            write_scalars(stack.enter_context(replacing_file(path)), mesh, U, scalars, rows)

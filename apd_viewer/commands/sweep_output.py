@@ -5,15 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.result_output import about_mesh
-from apd_viewer.commands.terminal.plain_numbers import signed
+from apd_viewer.commands.result_output import mesh_remarks
+from apd_viewer.commands.terminal.plain_numbers import format_signed
 from apd_viewer.commands.terminal.progress import Progress
-from apd_viewer.figures.shapes import Picture, draw_shapes
-from apd_viewer.files.animations.shapes import Animation
+from apd_viewer.figures.rendered_pictures import Picture, draw_shapes
+from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.language import listed, tr
-from apd_viewer.notation import written
-from apd_viewer.session.model.view import Standpoint
+from apd_viewer.language import comma_separated, tr
+from apd_viewer.notation import localized_number
+from apd_viewer.session.model.view import CameraPose
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -38,7 +38,7 @@ def shape_path(folder: Path, step: SweepStep) -> Path:
     return folder / f"{step.method}-{step.number}.npy"
 
 
-def row_of(step: SweepStep, sweep: Sweep) -> dict[str, Cell]:
+def sweep_row(step: SweepStep, sweep: Sweep) -> dict[str, Cell]:
     """Row of the table by column name."""
     frame = step.frame
     # Methods that know no contact have no loads.
@@ -47,9 +47,9 @@ def row_of(step: SweepStep, sweep: Sweep) -> dict[str, Cell]:
     return {
         "method": step.method,
         "step": step.number,
-        "part": step.part,
+        "part": step.share,
         "degrees": step.degrees,
-        "way": step.way,
+        "way": step.displacement,
         "area": frame.area,
         "area_error": frame.area_error,
         "volume": frame.volume,
@@ -61,32 +61,32 @@ def row_of(step: SweepStep, sweep: Sweep) -> dict[str, Cell]:
         "iterations": frame.iteration,
         "settled": frame.settled,
         "share_reached": frame.share_reached,
-        **dict(zip(("turned", "turned_held"), step.turned, strict=True)),
+        **dict(zip(("turned", "turned_held"), step.turn_degrees, strict=True)),
         **{f"load_{k}": load for k, load in enumerate(loads, start=1)},
         **excess,
     }
 
 
-def animation_of(
+def sweep_animation(
     sweep: Sweep,
     steps: Sequence[SweepStep],
     method: str,
-    kept: Path,
-    reading: Callable[[int], object],
+    shape_folder: Path,
+    on_read: Callable[[int], object],
 ) -> Animation:
     """Shapes of a method on the way, as they were kept on disk."""
     document, own = sweep.document, [step for step in steps if step.method == method]
-    files = [shape_path(kept, step) for step in own]
-    parts = [step.part for step in own]
+    files = [shape_path(shape_folder, step) for step in own]
+    parts = [step.share for step in own]
     painted = document.labels, document.member
-    return Animation(document.mesh, *painted, files, parts, document.target, reading)
+    return Animation(document.mesh, *painted, files, parts, document.target_shape, on_read)
 
 
 def write_sweep_films(
     sweep: Sweep,
     steps: Sequence[SweepStep],
-    kept: Path,
-    camera: Standpoint | None,
+    shape_folder: Path,
+    camera: CameraPose | None,
     paths: Sequence[Path],
     progress: Progress,
 ) -> bool:
@@ -94,49 +94,53 @@ def write_sweep_films(
     # Here: Pillow is slow to import, and a film alone needs it.
     from apd_viewer.figures.films import write_film
 
-    count, methods = len(sweep.parts), sweep.methods
+    count, methods = len(sweep.shares), sweep.methods
     pictures = []
     for number in range(count):
         own = [steps[m * count + number] for m in range(len(methods))]
         words = [(METHODS[step.method].short_title, *_words(step, sweep.abscissa)) for step in own]
-        pictures.append(Picture(kept / f"{number:04d}.png", [shape_path(kept, step) for step in own], words))
+        pictures.append(
+            Picture(
+                shape_folder / f"{number:04d}.png", [shape_path(shape_folder, step) for step in own], words
+            )
+        )
     size = (_FILM_WIDTH * len(methods), _FILM_HEIGHT)
 
     def drawn(done: int) -> None:
         progress.show(SWEPT_SHARE + (1 - SWEPT_SHARE) * done / count, tr("drawing"))
 
-    looks = {} if camera is None else _looks(camera)
-    if not draw_shapes(sweep.document.mesh, pictures, size, drawn=drawn, legend=False, **looks):
+    looks = {} if camera is None else _view_settings(camera)
+    if not draw_shapes(sweep.document.mesh, pictures, size, on_drawn=drawn, legend=False, **looks):
         return False
     for path in paths:
         write_film([picture.path for picture in pictures], path)
     return True
 
 
-def _looks(camera: Standpoint) -> dict[str, tuple[float, float, float]]:
+def _view_settings(camera: CameraPose) -> dict[str, tuple[float, float, float]]:
     x, y, z = (a - b for a, b in zip(camera.position, camera.focal, strict=True))
-    return {"look": (x, y, z), "up": camera.up}
+    return {"view_direction": (x, y, z), "up": camera.up}
 
 
 def _words(step: SweepStep, abscissa: str) -> list[str]:
     where = {
         "degrees": f"{step.degrees:.0f}°",
-        "way": written(f"{step.way:.3g}"),
-        "part": f"{100 * step.part:.0f} %",
+        "way": localized_number(f"{step.displacement:.3g}"),
+        "part": f"{100 * step.share:.0f} %",
     }[abscissa]
-    lines = [where, tr("area {change} %").format(change=signed(100 * step.frame.area_error, 2))]
+    lines = [where, tr("area {change} %").format(change=format_signed(100 * step.frame.area_error, 2))]
     if step.volume_error is not None:
-        lines.append(tr("volume {change} %").format(change=signed(100 * step.volume_error, 2)))
+        lines.append(tr("volume {change} %").format(change=format_signed(100 * step.volume_error, 2)))
     return lines
 
 
-def summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
+def sweep_summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
     """Lines on a finished sweep, for the terminal."""
     lines = [
         tr("{folder}: {steps} steps by {methods}").format(
             folder=folder,
-            steps=len(sweep.parts) - 1,
-            methods=listed(METHODS[method].short_title for method in sweep.methods),
+            steps=len(sweep.shares) - 1,
+            methods=comma_separated(METHODS[method].short_title for method in sweep.methods),
         )
     ]
     for method in sweep.methods:
@@ -144,11 +148,11 @@ def summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
         worst = max(own, key=lambda step: abs(step.frame.area_error))
         said = tr("{method}: area {last} % at the end, {worst} % at most").format(
             method=METHODS[method].short_title,
-            last=signed(100 * own[-1].frame.area_error, 2),
-            worst=signed(100 * worst.frame.area_error, 2),
+            last=format_signed(100 * own[-1].frame.area_error, 2),
+            worst=format_signed(100 * worst.frame.area_error, 2),
         )
         if own[-1].volume_error is not None:
-            said += tr("; volume {change} %").format(change=signed(100 * own[-1].volume_error, 2))
+            said += tr("; volume {change} %").format(change=format_signed(100 * own[-1].volume_error, 2))
             if own[-1].frame.volume is None:
                 said += tr(", openings capped flat")
         lines.append(said)
@@ -159,6 +163,6 @@ def summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
                     count=unsettled, steps=len(own), most=sweep.iterations
                 )
             )
-        lines += [f"    {sentence}" for sentence in sweep.said_of(own[-1])]
-    lines += about_mesh(sweep.document.mesh)
+        lines += [f"    {sentence}" for sentence in sweep.warnings_of(own[-1])]
+    lines += mesh_remarks(sweep.document.mesh)
     return "\n".join(lines)

@@ -5,45 +5,45 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from apd_viewer.commands.terminal.columns import columns_of, padded
+from apd_viewer.commands.terminal.columns import column_count, padded_text
 from apd_viewer.files.report import hull_fields
 from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, PACKING
 from apd_viewer.language import tr
-from apd_viewer.presentation.published_volumes import PUBLISHED
-from apd_viewer.session.quantities.bulk import bulk_density, objects_in
+from apd_viewer.presentation.published_volumes import PUBLISHED_FIGURES
+from apd_viewer.session.quantities.bulk_density import bulk_density, object_count
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
-    from apd_viewer.presentation.volume_words import Reading, VolumeRow
+    from apd_viewer.presentation.volume_text import TextWithRange, VolumeRow
     from apd_viewer.session.quantities.units import Unit
 
 _WIDTH, _GAP = 28, 2
 
 
-def written(name: str, rows: Sequence[VolumeRow], has_rest: bool) -> str:
+def volume_lines(name: str, rows: Sequence[VolumeRow], has_rest: bool) -> str:
     """Lines on all quantities, for the terminal."""
     lines = [name]
-    width = max([_WIDTH, *(columns_of(row.title) + _GAP for row in rows)])
+    width = max([_WIDTH, *(column_count(row.title) + _GAP for row in rows)])
     for row in rows:
-        said = _said(row.now)
+        said = _reading_text(row.now)
         if has_rest:
-            said = tr("{now} of {rest}").format(now=said, rest=_said(row.rest))
+            said = tr("{now} of {rest}").format(now=said, rest=_reading_text(row.rest))
             said += f"  {row.change}" if row.change else ""
-        lines.append(padded(row.title, width) + said)
-        lines += [f"    {row.about}"] if row.about else []
+        lines.append(padded_text(row.title, width) + said)
+        lines += [f"    {row.definition}"] if row.definition else []
         for words, source, *_ in row.published:
             lines.append("    " + tr("published: {words} [{source}]").format(words=words, source=source))
     return "\n".join(lines)
 
 
-def _said(reading: Reading) -> str:
+def _reading_text(reading: TextWithRange) -> str:
     value, spread = reading
     return f"{value} ({spread})" if spread else value
 
 
-def report_of(
+def volumes_report(
     names: tuple[str, str | None],
     now: VolumeReadings,
     rest: VolumeReadings | None,
@@ -59,7 +59,7 @@ def report_of(
         Of the mesh and of the rest shape, if there is one.
     now, rest : VolumeReadings
     unit, density, bag
-        See :func:`~apd_viewer.presentation.volume_words.volume_rows`.
+        See :func:`~apd_viewer.presentation.volume_text.volume_rows`.
     """
     report: dict[str, Any] = {
         "mesh": names[0],
@@ -76,7 +76,7 @@ def report_of(
 
 
 def _fields(found: VolumeReadings, unit: Unit, density: float | None, bag: float) -> dict[str, Any]:
-    counts = [objects_in(bag, found, unit, packing) for packing in (LOOSEST, DENSEST)]
+    counts = [object_count(bag, found, unit, packing) for packing in (LOOSEST, DENSEST)]
     densities = [bulk_density(density, found, packing) for packing in (LOOSEST, DENSEST)]
     return {
         "area": found.area,
@@ -84,7 +84,7 @@ def _fields(found: VolumeReadings, unit: Unit, density: float | None, bag: float
         "openings": found.openings,
         "packed_volume": found.hull.box,
         **hull_fields(found.hull),
-        "objects_in_bag": objects_in(bag, found, unit),
+        "objects_in_bag": object_count(bag, found, unit),
         "objects_in_bag_range": counts,
         "bulk_density": bulk_density(density, found),
         "bulk_density_range": densities,
@@ -99,5 +99,5 @@ def _published() -> dict[str, list[dict[str, Any]]]:
             {name: None if value == math.inf else value for name, value in figure._asdict().items()}
             for figure in figures
         ]
-        for quantity, figures in PUBLISHED.items()
+        for quantity, figures in PUBLISHED_FIGURES.items()
     }

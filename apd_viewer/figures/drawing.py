@@ -48,17 +48,17 @@ def _color_map() -> Colormap:
     return LinearSegmentedColormap.from_list("change", np.array(DIVERGING.knots) / 255.0)
 
 
-def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np.ndarray]) -> None:
-    count, size = len(said["pictures"][0]["shapes"]), said["size"]
+def _draw(job: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np.ndarray]) -> None:
+    count, size = len(job["pictures"][0]["shapes"]), job["size"]
     plotter = pv.Plotter(off_screen=True, shape=(1, count), border=False, window_size=size, lighting=None)
     plotter.set_background("white")
     for renderer in plotter.renderers:
         renderer.AddLight(headlight())
     plotter.enable_anti_aliasing("ssaa")
-    look, up = np.array(said["look"]), np.array(said["up"])
+    look, up = np.array(job["look"]), np.array(job["up"])
     fit = _fit(shapes, look, up, size[0] / count / size[1])
     areas = face_areas(rest, F)
-    for number, picture in enumerate(said["pictures"]):
+    for number, picture in enumerate(job["pictures"]):
         for column in range(count):
             plotter.subplot(0, column)
             plotter.renderer.clear_actors()
@@ -67,18 +67,18 @@ def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np
                 _show(plotter, F, U, np.load(paint), rgb=True)
             else:
                 _show_change(plotter, F, U, areas)
-            _write(plotter, picture["words"][column], max(map(len, picture["words"])), size[1], said["font"])
+            _write(plotter, picture["words"][column], max(map(len, picture["words"])), size[1], job["font"])
             _aim(plotter, look, up, *fit)
         plotter.subplot(0, 0)
-        _legend(plotter, said["legend"], size[0] / count, said["font"])
+        _legend(plotter, job["legend"], size[0] / count, job["font"])
         plotter.screenshot(picture["path"])
         print(number, flush=True)  # noqa: T201
     plotter.close()
 
 
-def _show(plotter: Any, F: np.ndarray, U: np.ndarray, scalars: np.ndarray, **looks: Any) -> None:
+def _show(plotter: Any, F: np.ndarray, U: np.ndarray, scalars: np.ndarray, **settings: Any) -> None:
     surface = pv.PolyData.from_regular_faces(U, F)
-    shade(plotter.add_mesh(surface, scalars=scalars, smooth_shading=True, show_scalar_bar=False, **looks))
+    shade(plotter.add_mesh(surface, scalars=scalars, smooth_shading=True, show_scalar_bar=False, **settings))
 
 
 def _show_change(plotter: Any, F: np.ndarray, U: np.ndarray, areas: np.ndarray) -> None:
@@ -133,13 +133,13 @@ def _legend(plotter: Any, title: str, wide: float, font: str | None) -> None:
 
 
 def _fit(
-    shapes: list[np.ndarray], look: np.ndarray, up: np.ndarray, aspect: float
+    shapes: list[np.ndarray], view_direction: np.ndarray, up: np.ndarray, aspect: float
 ) -> tuple[np.ndarray, float, float]:
     """Centre, half height and depth of all shapes in one view.
 
     ``aspect`` is the width of a panel by its height.
     """
-    toward = look / np.linalg.norm(look)
+    toward = view_direction / np.linalg.norm(view_direction)
     right = np.cross(up, toward)
     right /= np.linalg.norm(right)
     axes = np.array([right, np.cross(toward, right), toward])
@@ -153,13 +153,13 @@ def _fit(
 
 
 def _aim(
-    plotter: Any, look: np.ndarray, up: np.ndarray, middle: np.ndarray, half: float, depth: float
+    plotter: Any, view_direction: np.ndarray, up: np.ndarray, middle: np.ndarray, half: float, depth: float
 ) -> None:
     """Look at all shapes in the same way in every panel."""
     camera = plotter.camera
     camera.parallel_projection = True
     camera.parallel_scale = half
     camera.focal_point = middle
-    camera.position = middle + (depth + half) * 2 * look / np.linalg.norm(look)
+    camera.position = middle + (depth + half) * 2 * view_direction / np.linalg.norm(view_direction)
     camera.up = up
     plotter.renderer.reset_camera_clipping_range()

@@ -9,26 +9,26 @@ import numpy as np
 from PIL import Image
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-KINDS = (".gif", ".mp4")
+FILM_SUFFIXES = (".gif", ".mp4")
 _LENGTH = 3.0  # s, there; and as long back
 _SHORTEST, _LONGEST = 0.04, 0.25  # s, of a picture
 _REST = 0.7  # s, at either end
 _COLORS = 128
 
 
-def check_film(path: Path, others: Sequence[str] = ()) -> None:
+def check_film(path: Path, other_suffixes: Sequence[str] = ()) -> None:
     """Raise InputError unless a film can be written to ``path``.
 
-    ``others`` are endings to be named beside those of films.
+    ``other_suffixes`` are endings to be named beside those of films.
     """
-    kinds = *KINDS, *others
-    if path.suffix.lower() not in KINDS:
+    kinds = *FILM_SUFFIXES, *other_suffixes
+    if path.suffix.lower() not in FILM_SUFFIXES:
         raise InputError(
             tr("{name} does not have the ending of an animation; use {kinds} or {last}.").format(
                 name=path.name, kinds=", ".join(kinds[:-1]), last=kinds[-1]
@@ -61,7 +61,7 @@ def write_film(pictures: Sequence[Path], path: Path) -> None:
     seconds[0] = seconds[-1] = _REST
     order = [*range(len(pictures)), *range(len(pictures) - 2, 0, -1)]
     write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
-    with replacing(path) as scratch:
+    with replacing_file(path) as scratch:
         write([pictures[k] for k in order], [seconds[k] for k in order], scratch)
 
 

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
 from apd_viewer.figures.fonts import families
-from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.notation import written
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.notation import localized_number
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,7 +23,7 @@ INK, QUIET, LINE = "#1d2129", "#5a6270", "#dcdfe4"
 # Okabe and Ito's palette, ordered so that neighbouring curves differ in lightness too.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
 # Colour, dashes and marker of a method: each of them identifies it.
-METHOD_LOOKS: dict[str, dict[str, Any]] = {
+METHOD_STYLES: dict[str, dict[str, Any]] = {
     "arap": {"color": VERMILION, "linestyle": (0, (5, 1.5)), "marker": "s"},
     "paper": {"color": ORANGE, "linestyle": (0, (1, 1)), "marker": "^"},
     "exact": {"color": BLUE, "linestyle": "-", "marker": "o"},
@@ -60,7 +60,7 @@ _LOOK: dict[Any, Any] = {
 }
 
 
-def draw(fill: Callable[[Figure], None], size: tuple[float, float], folder: Path, name: str) -> None:
+def draw_figure(fill: Callable[[Figure], None], size: tuple[float, float], folder: Path, name: str) -> None:
     """Draw a figure of ``size`` inches by ``fill``; save it as SVG and PNG.
 
     Raises
@@ -74,7 +74,7 @@ def draw(fill: Callable[[Figure], None], size: tuple[float, float], folder: Path
         fill(figure)
         _write_numbers(figure)
         for kind, about in (("svg", {"Date": None}), ("png", {"Software": None})):
-            with replacing(folder / f"{name}.{kind}") as scratch:
+            with replacing_file(folder / f"{name}.{kind}") as scratch:
                 figure.savefig(scratch, dpi=_DPI, metadata=about)
 
 
@@ -88,7 +88,7 @@ def _write_numbers(figure: Figure) -> None:
 
 class _ShownNumbers(ScalarFormatter):
     def __call__(self, x: float, pos: int | None = None) -> str:
-        return written(super().__call__(x, pos))
+        return localized_number(super().__call__(x, pos))
 
 
 def zero_line(axes: Axes) -> None:

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import check_place
-from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.geometry.mesh.arrays import diagonal, digits_at
+from apd_viewer.files.mesh_writing import check_writable
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.geometry.mesh.arrays import diagonal, significant_digits
 from apd_viewer.language import tr
 
-SUFFIX = ".inp"
+DECK_SUFFIX = ".inp"
 _ABAQUS = "Abaqus does not know OUTPUT=2D, by which CalculiX keeps the numbers of the nodes; remove it there."
 _DIGITS = 12  # with sign, point and exponent 18 characters; numbers with more are large and have no exponent
 _A_LINE = 16  # most numbers in a line of a set
@@ -72,12 +72,12 @@ class Deck(NamedTuple):
         Rest positions, mesh units.
     F : (m, 3) int array
         Triangles without seams.
-    used : (k,) int array
+    used_faces : (k,) int array
         Those of ``F`` that become elements.
-    held : sequence of NodeSet
+    held_sets : sequence of NodeSet
     regions : sequence of DeckRegion
     steps : sequence of sequences of (k, 3) float arrays
-        Displacements of each of the sets ``held`` at the end of each step, mesh units.
+        Displacements of each of the sets ``held_sets`` at the end of each step, mesh units.
     wall : DeckWall
     notes : tuple of str
         Comments on the surface.
@@ -86,8 +86,8 @@ class Deck(NamedTuple):
     source: str
     V: np.ndarray
     F: np.ndarray
-    used: np.ndarray
-    held: Sequence[NodeSet]
+    used_faces: np.ndarray
+    held_sets: Sequence[NodeSet]
     regions: Sequence[DeckRegion]
     steps: Sequence[Sequence[np.ndarray]]
     wall: DeckWall
@@ -97,16 +97,16 @@ class Deck(NamedTuple):
 def check_deck(path: str | Path) -> Path:
     """Return ``path`` if its name allows writing a deck, else raise InputError."""
     path = Path(path)
-    if path.suffix.lower() != SUFFIX:
+    if path.suffix.lower() != DECK_SUFFIX:
         raise InputError(tr("{name} is not an FE deck; use the ending .inp.").format(name=path.name))
-    check_place(path)
+    check_writable(path)
     return path
 
 
 def write_deck(path: str | Path, deck: Deck) -> None:
     """Write a deck, whole or not at all; raises InputError if it cannot be written."""
     with (
-        replacing(check_deck(path)) as scratch,
+        replacing_file(check_deck(path)) as scratch,
         scratch.open("w", encoding="ascii", newline="\n") as stream,
     ):
         stream.writelines(f"{line}\n" for line in _lines(deck))
@@ -121,23 +121,25 @@ def _lines(deck: Deck) -> Iterator[str]:
     yield from _set_lines(deck)
     yield from _wall_lines(deck.wall)
     for shifts in deck.steps:
-        yield from _step_lines(deck.held, shifts)
+        yield from _step_lines(deck.held_sets, shifts)
 
 
 def _mesh_lines(deck: Deck) -> Iterator[str]:
     """Nodes of the elements at rest, and the elements."""
-    nodes = np.unique(deck.F[deck.used])
+    nodes = np.unique(deck.F[deck.used_faces])
     size = diagonal(deck.V[nodes])
     yield "*NODE, NSET=ALL"
     for node, point in zip((nodes + 1).tolist(), deck.V[nodes].tolist(), strict=True):
-        yield f"{node}, " + ", ".join(_number(x, digits_at(x, size, _DIGITS)) for x in point)
+        yield f"{node}, " + ", ".join(_number(x, significant_digits(x, size, _DIGITS)) for x in point)
     yield "*ELEMENT, TYPE=S3, ELSET=SURFACE"
-    for element, corners in zip(deck.used.tolist(), (deck.F[deck.used] + 1).tolist(), strict=True):
+    for element, corners in zip(
+        deck.used_faces.tolist(), (deck.F[deck.used_faces] + 1).tolist(), strict=True
+    ):
         yield f"{element + 1}, " + ", ".join(map(str, corners))
 
 
 def _set_lines(deck: Deck) -> Iterator[str]:
-    for part in deck.held:
+    for part in deck.held_sets:
         yield f"** {part.name}: {_plain(part.title)}"
         yield f"*NSET, NSET={part.name}"
         yield from _rows(part.vertices)

@@ -6,8 +6,8 @@ import hashlib
 from pathlib import Path
 from typing import NamedTuple
 
-from apd_viewer.files.samples import resource
-from apd_viewer.files.storage.reading import opened
+from apd_viewer.files.samples import resource_path
+from apd_viewer.files.storage.regular_files import open_regular
 
 _PORTION = 1 << 20  # bytes
 
@@ -34,18 +34,18 @@ def fingerprint(path: Path) -> Fingerprint:
     """Read a file once, for its fingerprint."""
     digest, size = hashlib.sha256(), 0
     try:
-        with opened(path) as stream:
+        with open_regular(path) as stream:
             while portion := stream.read(_PORTION):
                 digest.update(portion)
                 size += len(portion)
     except OSError:
-        return Fingerprint(place_of(path), None, "")
-    return Fingerprint(place_of(path), size, digest.hexdigest())
+        return Fingerprint(display_path(path), None, "")
+    return Fingerprint(display_path(path), size, digest.hexdigest())
 
 
-def place_of(path: Path) -> str:
+def display_path(path: Path) -> str:
     """Place of a file relative to the home folder or the program."""
-    if resource("") in path.parents:
+    if resource_path("") in path.parents:
         return path.name
     try:
         return (Path("~") / path.absolute().relative_to(Path.home())).as_posix()

@@ -11,7 +11,7 @@ from html import escape
 from typing import TYPE_CHECKING, TypeAlias
 
 from apd_viewer.files.html_template import PAGE, STYLE
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import LANGUAGE
 
 if TYPE_CHECKING:
@@ -21,14 +21,14 @@ GridCell: TypeAlias = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
-class Table:
+class PageTable:
     """Rows of name, value and remark in smaller letters."""
 
     rows: tuple[tuple[str, str, str], ...]
 
 
 @dataclass(frozen=True)
-class Grid:
+class PageGrid:
     """Table with a heading over each column, the first of which names the rows.
 
     A cell is some lines, each with a remark in smaller letters.
@@ -39,15 +39,15 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class Note:
-    """A paragraph, emphasised if it ``warns``."""
+class PageNote:
+    """A paragraph, emphasised if it ``is_warning``."""
 
     text: str
-    warns: bool = False
+    is_warning: bool = False
 
 
 @dataclass(frozen=True)
-class Command:
+class PageCommand:
     """Command line to type."""
 
     text: str
@@ -62,7 +62,7 @@ class PagePicture:
 
 
 @dataclass(frozen=True)
-class PictureRow:
+class PagePictureRow:
     """Pictures side by side, with an SVG legend below."""
 
     pictures: tuple[PagePicture, ...]
@@ -70,7 +70,7 @@ class PictureRow:
 
 
 @dataclass(frozen=True)
-class Drawing:
+class PageDrawing:
     """An SVG drawing for light paper, and the same for dark."""
 
     light: str
@@ -79,7 +79,7 @@ class Drawing:
 
 
 @dataclass(frozen=True, eq=False)
-class Attached:
+class PageAttachment:
     """File embedded in the page for download."""
 
     name: str
@@ -87,16 +87,18 @@ class Attached:
     text: str
 
 
-Block: TypeAlias = Table | Grid | Note | Command | PictureRow | Drawing | Attached
+PageBlock: TypeAlias = (
+    PageTable | PageGrid | PageNote | PageCommand | PagePictureRow | PageDrawing | PageAttachment
+)
 
 
 @dataclass(frozen=True)
 class PageSection:
-    """Some blocks under a heading; a ``wide`` one stands in no column."""
+    """Some blocks under a heading; a ``is_wide`` one stands in no column."""
 
     heading: str
-    blocks: tuple[Block, ...]
-    wide: bool = False
+    blocks: tuple[PageBlock, ...]
+    is_wide: bool = False
 
 
 @dataclass(frozen=True)
@@ -106,20 +108,20 @@ class Page:
     title: str
     subtitle: str
     hero: tuple[str, str]
-    parts: tuple[PageSection, ...]
-    foot: str = ""
+    sections: tuple[PageSection, ...]
+    footer: str = ""
 
 
 def write_page(path: Path, page: Page) -> None:
     """Write a page to a file, whole or not at all; raises InputError."""
-    with replacing(path) as scratch:
+    with replacing_file(path) as scratch:
         # Characters without an encoding, such as lone surrogates in file names, become question marks.
-        scratch.write_text(html_of(page), encoding="utf-8", errors="replace", newline="\n")
+        scratch.write_text(page_html(page), encoding="utf-8", errors="replace", newline="\n")
 
 
-def html_of(page: Page) -> str:
+def page_html(page: Page) -> str:
     """The page as HTML."""
-    parts = "\n".join(_part(part) for part in page.parts)
+    parts = "\n".join(_section(part) for part in page.sections)
     return PAGE.format(
         language=escape(LANGUAGE.replace("_", "-")),
         title=escape(page.title),
@@ -128,31 +130,31 @@ def html_of(page: Page) -> str:
         hero=escape(page.hero[0]),
         said=escape(page.hero[1]),
         parts=parts,
-        foot=escape(page.foot),
+        foot=escape(page.footer),
     )
 
 
-def _part(part: PageSection) -> str:
-    blocks = "\n".join(_block(block) for block in part.blocks)
-    kind = ' class="wide"' if part.wide else ""
-    return f"<section{kind}>\n<h2>{escape(part.heading)}</h2>\n{blocks}\n</section>"
+def _section(section: PageSection) -> str:
+    blocks = "\n".join(_block(block) for block in section.blocks)
+    kind = ' class="wide"' if section.is_wide else ""
+    return f"<section{kind}>\n<h2>{escape(section.heading)}</h2>\n{blocks}\n</section>"
 
 
-def _block(block: Block) -> str:
-    if isinstance(block, Table):
+def _block(block: PageBlock) -> str:
+    if isinstance(block, PageTable):
         return "<table>\n" + "\n".join(_row(*row) for row in block.rows) + "\n</table>"
-    if isinstance(block, Grid):
+    if isinstance(block, PageGrid):
         head = "".join(f'<th scope="col">{escape(name)}</th>' for name in block.head)
         rows = "\n".join(_grid_row(block.head, row) for row in block.rows)
         return f'<table class="grid">\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table>'
-    if isinstance(block, Note):
-        return f'<p class="{"warns" if block.warns else "note"}">{escape(block.text)}</p>'
-    if isinstance(block, Command):
+    if isinstance(block, PageNote):
+        return f'<p class="{"warns" if block.is_warning else "note"}">{escape(block.text)}</p>'
+    if isinstance(block, PageCommand):
         return f"<pre><code>{escape(block.text)}</code></pre>"
-    if isinstance(block, PictureRow):
+    if isinstance(block, PagePictureRow):
         legend = f'\n<div class="legend">{block.legend}</div>' if block.legend else ""
         return '<div class="pictures">\n' + "\n".join(map(_picture, block.pictures)) + "\n</div>" + legend
-    if isinstance(block, Drawing):
+    if isinstance(block, PageDrawing):
         both = f'<div class="on-light">{block.light}</div><div class="on-dark">{block.dark}</div>'
         return f"<figure>{both}<figcaption>{escape(block.caption)}</figcaption></figure>"
     held = _held(block.content, "application/octet-stream")

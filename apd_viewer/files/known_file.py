@@ -14,7 +14,7 @@ from pathlib import Path
 from apd_viewer.files.fingerprint import fingerprint
 
 
-class Fate(Enum):
+class FileState(Enum):
     """State of a known file; incomplete without another one it needs."""
 
     SAME = "same"
@@ -35,34 +35,34 @@ class KnownFile:
     Attributes
     ----------
     path : Path
-    found : Fate
+    state : FileState
         By the last look; whoever knows its format says whether it is incomplete.
     """
 
     def __init__(self, path: Path, scratch: Path | None = None) -> None:
         self.path = path
-        self.found = Fate.SAME
-        self._stamp = None if scratch is not None else stamp_of(path)
+        self.state = FileState.SAME
+        self._stamp = None if scratch is not None else file_stamp(path)
         self._content = _content(scratch or path)
 
-    def look(self) -> Fate:
+    def check_content(self) -> FileState:
         """Compare the file with the known content; on any thread."""
-        stamp = stamp_of(self.path)
+        stamp = file_stamp(self.path)
         if stamp is None:
-            self.found = Fate.GONE
+            self.state = FileState.GONE
         elif stamp == self._stamp or _content(self.path) == self._content:
-            self._stamp, self.found = stamp, Fate.SAME
+            self._stamp, self.state = stamp, FileState.SAME
         else:
-            self.found = Fate.CHANGED
-        return self.found
+            self.state = FileState.CHANGED
+        return self.state
 
 
 def _content(path: Path) -> str | None:
     """Digest of a regular file; nothing else is opened."""
-    return None if stamp_of(path) is None else fingerprint(path).sha256
+    return None if file_stamp(path) is None else fingerprint(path).sha256
 
 
-def stamp_of(path: Path) -> tuple[int, ...] | None:
+def file_stamp(path: Path) -> tuple[int, ...] | None:
     """Marks of a regular file; unchanged, they spare reading it.
 
     The time of the last change of its entry, which no tool can set, is among them.

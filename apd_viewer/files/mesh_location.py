@@ -10,13 +10,13 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.known_file import stamp_of
-from apd_viewer.files.meshes import FORMATS, open_mesh, read_mesh
-from apd_viewer.files.samples import SAMPLES, resource
-from apd_viewer.files.storage.archive import Archive, npy
-from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.files.known_file import file_stamp
+from apd_viewer.files.meshes import MESH_FORMATS, open_mesh, read_mesh
+from apd_viewer.files.samples import SAMPLES, resource_path
+from apd_viewer.files.storage.archive import Archive, npy_content
+from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.geometry.mesh.arrays import check_mesh, frozen
-from apd_viewer.geometry.mesh.mesh import Baked, Mesh
+from apd_viewer.geometry.mesh.mesh import BakedOrigin, Mesh
 from apd_viewer.language import tr
 
 # A copy in an archive has no neighbouring files.
@@ -33,17 +33,17 @@ class MissingMesh:
 
     Attributes
     ----------
-    told : dict
-        What :func:`whereabouts` wrote about it.
-    why : str
+    description : dict
+        What :func:`mesh_location_to_json` wrote about it.
+    reason : str
         Sentence for people.
     """
 
-    told: dict[str, Any]
-    why: str
+    description: dict[str, Any]
+    reason: str
 
 
-def whereabouts(mesh: Mesh, session: Path) -> dict[str, Any]:
+def mesh_location_to_json(mesh: Mesh, session: Path) -> dict[str, Any]:
     """Description of a mesh's place, relative to the session's file."""
     told = {"name": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), "digest": mesh.digest}
     if mesh.path is None:
@@ -56,14 +56,14 @@ def whereabouts(mesh: Mesh, session: Path) -> dict[str, Any]:
 
 
 def _sample(name: str) -> str:
-    return os.path.abspath(resource(f"{name}.obj"))  # noqa: PTH100
+    return os.path.abspath(resource_path(f"{name}.obj"))  # noqa: PTH100
 
 
-def is_there(mesh: Mesh) -> bool:
+def is_mesh_in_file(mesh: Mesh) -> bool:
     """True if the mesh's file still holds it; reread only if written since."""
-    if mesh.path is None or isinstance(mesh.origin, Baked):
+    if mesh.path is None or isinstance(mesh.origin, BakedOrigin):
         return False
-    stamp = stamp_of(mesh.path)
+    stamp = file_stamp(mesh.path)
     # A .gltf may keep its arrays in another file.
     if stamp is None or (_found.get(mesh) == stamp and mesh.path.suffix.lower() != ".gltf"):
         return stamp is not None
@@ -74,7 +74,7 @@ def is_there(mesh: Mesh) -> bool:
     return False
 
 
-def copy_of(mesh: Mesh, prefix: str = "") -> dict[str, bytes]:
+def mesh_members(mesh: Mesh, prefix: str = "") -> dict[str, bytes]:
     """Archive members for the mesh: its file, or its arrays.
 
     Their names begin with ``prefix``, to tell the meshes of an archive apart.
@@ -83,8 +83,8 @@ def copy_of(mesh: Mesh, prefix: str = "") -> dict[str, bytes]:
 
 
 def _members(mesh: Mesh) -> dict[str, bytes]:
-    if isinstance(mesh.origin, Baked):
-        return {**_members(mesh.origin.mesh), _REST: npy(mesh.V)}
+    if isinstance(mesh.origin, BakedOrigin):
+        return {**_members(mesh.origin.mesh), _REST: npy_content(mesh.V)}
     if mesh.origin is not None:
         name = f"mesh{mesh.origin.suffix}"
         # Some formats cannot be written, and a glTF may need files beside it.
@@ -92,16 +92,16 @@ def _members(mesh: Mesh) -> dict[str, bytes]:
             content = mesh.origin.rewritten(mesh, mesh.V)
             if read_mesh(_NOWHERE / name, content).digest == mesh.digest:
                 return {name: content}
-    return {"V.npy": npy(mesh.V), "F.npy": npy(mesh.F)}
+    return {"V.npy": npy_content(mesh.V), "F.npy": npy_content(mesh.F)}
 
 
-def find_mesh(told: Fields, session: Path, archive: Archive, prefix: str = "") -> Mesh:
+def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: str = "") -> Mesh:
     """Mesh by its description: from its file or the archive's copy.
 
     Parameters
     ----------
-    told : Fields
-        What :func:`whereabouts` wrote, and in "embedded" the members that hold the copy.
+    description : JsonFields
+        What :func:`mesh_location_to_json` wrote, and in "embedded" the members that hold the copy.
     session : Path
     archive : Archive
         Read from there.
@@ -115,11 +115,11 @@ def find_mesh(told: Fields, session: Path, archive: Archive, prefix: str = "") -
     ValueError
         If what was written down is damaged.
     """
-    name, digest = _file_name(told), told.text("digest")
-    places, problems = _places(told, session, name), []
+    name, digest = _file_name(description), description.text("digest")
+    places, problems = _places(description, session, name), []
     there = [path for path in places if os.path.isfile(path)]  # noqa: PTH113  # it says no where Path raises
     for path in there:
-        stamp = stamp_of(path)
+        stamp = file_stamp(path)
         try:
             mesh = open_mesh(path)
         except InputError as error:
@@ -128,9 +128,9 @@ def find_mesh(told: Fields, session: Path, archive: Archive, prefix: str = "") -
         if mesh.digest == digest:
             _found[mesh] = stamp
             return mesh
-        problems.append(_not_the_one(mesh, told, session))
-    if told.says("embedded"):
-        return _embedded(told, there[0] if there else session.parent / name, archive, prefix)
+        problems.append(_not_the_one(mesh, description, session))
+    if description.has_value("embedded"):
+        return _embedded(description, there[0] if there else session.parent / name, archive, prefix)
     if problems:
         raise InputError(problems[0])
     looked = tr(" and ").join(str(path) for path in places)
@@ -142,28 +142,28 @@ def find_mesh(told: Fields, session: Path, archive: Archive, prefix: str = "") -
     )
 
 
-def _file_name(told: Fields) -> str:
+def _file_name(description: JsonFields) -> str:
     """The name of the mesh's file, without any folder, of whatever system."""
-    name = PureWindowsPath(PurePosixPath(told.text("name")).name).name
+    name = PureWindowsPath(PurePosixPath(description.text("name")).name).name
     if not name or "\0" in name:
         raise ValueError(tr("its “name” is damaged"))
     return name
 
 
-def _places(told: Fields, session: Path, name: str) -> list[Path]:
+def _places(description: JsonFields, session: Path, name: str) -> list[Path]:
     """Candidate paths of the mesh's file."""
     folder = Path(os.path.abspath(session.parent))  # noqa: PTH100
-    places = [Path(told.text("path"))] if told.says("path") else []
-    if told.says("relative"):
-        places.append(Path(os.path.normpath(folder / told.text("relative"))))
+    places = [Path(description.text("path"))] if description.has_value("path") else []
+    if description.has_value("relative"):
+        places.append(Path(os.path.normpath(folder / description.text("relative"))))
     places.append(folder / name)
-    if told.says("sample") and told.text("sample") in SAMPLES:
-        places.append(Path(_sample(told.text("sample"))))
+    if description.has_value("sample") and description.text("sample") in SAMPLES:
+        places.append(Path(_sample(description.text("sample"))))
     return list(dict.fromkeys(places))
 
 
-def _not_the_one(mesh: Mesh, told: Fields, session: Path) -> str:
-    before = told.count("vertices")
+def _not_the_one(mesh: Mesh, description: JsonFields, session: Path) -> str:
+    before = description.count("vertices")
     change = tr("it has been changed")
     if len(mesh.V) != before:
         change = tr("it has {n:,} vertices instead of {before:,}").format(n=len(mesh.V), before=before)
@@ -173,19 +173,19 @@ def _not_the_one(mesh: Mesh, told: Fields, session: Path) -> str:
     ).format(path=mesh.path, session=session.name, change=change)
 
 
-def _embedded(told: Fields, path: Path, archive: Archive, prefix: str) -> Mesh:
+def _embedded(description: JsonFields, path: Path, archive: Archive, prefix: str) -> Mesh:
     """The mesh in the archive, as if it came from ``path``, which need not exist."""
-    members = [name.removeprefix(prefix) for name in told.texts("embedded", len(_ARRAYS) + 1)]
+    members = [name.removeprefix(prefix) for name in description.texts("embedded", len(_ARRAYS) + 1)]
     rest = members[-1:] == [_REST]
     members = members[:-1] if rest else members
     try:
         if members == [f"{name}.npy" for name in _ARRAYS]:
             V, F = (
-                archive.array(prefix + name, kind, (told.count(of), 3))
+                archive.array(prefix + name, kind, (description.count(of), 3))
                 for name, kind, of in (("V", "<f8", "vertices"), ("F", "<i8", "faces"))
             )
-            mesh = Mesh(V, F, path if told.says("path") else None)
-        elif len(members) == 1 and members[0] in [f"mesh{suffix}" for suffix in FORMATS]:
+            mesh = Mesh(V, F, path if description.has_value("path") else None)
+        elif len(members) == 1 and members[0] in [f"mesh{suffix}" for suffix in MESH_FORMATS]:
             mesh = replace(read_mesh(_NOWHERE / members[0], archive.content(prefix + members[0])), path=path)
         else:
             raise ValueError(tr("its “embedded” is damaged"))
@@ -195,6 +195,6 @@ def _embedded(told: Fields, path: Path, archive: Archive, prefix: str) -> Mesh:
             mesh = mesh.baked(frozen(V))
     except InputError:
         raise ValueError(tr("its copy of the mesh is damaged")) from None
-    if mesh.digest != told.text("digest"):
+    if mesh.digest != description.text("digest"):
         raise ValueError(tr("its copy of the mesh is a different mesh"))
     return mesh

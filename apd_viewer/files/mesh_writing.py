@@ -11,11 +11,18 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import FORMATS, LARGEST, VTK, WRITTEN, largest, parsed
-from apd_viewer.files.storage.atomic_file import is_stream, not_written, replacing
-from apd_viewer.files.storage.links import leads_in_a_circle
-from apd_viewer.files.storage.reading import in_one_line, quietly
-from apd_viewer.geometry.mesh.arrays import numbers
+from apd_viewer.files.meshes import (
+    LARGEST_COORDINATE,
+    MESH_FORMATS,
+    VTK_FORMATS,
+    WRITABLE_FORMATS,
+    largest_coordinate,
+    parsed_mesh,
+)
+from apd_viewer.files.storage.atomic_file import file_write_error, is_stream, replacing_file
+from apd_viewer.files.storage.links import is_circular_link
+from apd_viewer.files.storage.regular_files import one_line_message, without_library_warnings
+from apd_viewer.geometry.mesh.arrays import checked_floats
 from apd_viewer.geometry.mesh.checked_arguments import check_type, checked
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -25,22 +32,22 @@ _TEXTS = ".obj", ".stl", ".off"  # take any shape: not tried, which takes second
 _ROUNDING = 1e-4  # of the written shape, relative to its size: beyond it the shape is different
 
 
-def check_target(path: str | Path) -> Path:
+def check_mesh_path(path: str | Path) -> Path:
     """Return ``path`` if its name allows writing a mesh, else raise InputError."""
     path = Path(path)
-    if path.suffix.lower() not in FORMATS:
+    if path.suffix.lower() not in MESH_FORMATS:
         raise InputError(
             tr("{name} does not have a supported ending; use {endings}.").format(
-                name=path.name or path, endings=", ".join(WRITTEN)
+                name=path.name or path, endings=", ".join(WRITABLE_FORMATS)
             )
         )
-    check_place(path)
+    check_writable(path)
     return path
 
 
-def check_place(path: Path) -> None:
+def check_writable(path: Path) -> None:
     """Raise InputError unless ``path`` is in a folder, for a file or stream."""
-    if leads_in_a_circle(path):
+    if is_circular_link(path):
         raise InputError(
             tr("{path} is a link that leads to itself; remove it, or choose another name.").format(path=path)
         )
@@ -55,10 +62,10 @@ def check_place(path: Path) -> None:
     try:
         is_stream(path)
     except OSError as error:
-        raise not_written(path, error) from error
+        raise file_write_error(path, error) from error
 
 
-class Written(NamedTuple):
+class WrittenMesh(NamedTuple):
     """Outcome of writing a mesh.
 
     Attributes
@@ -78,25 +85,25 @@ def suffix_for(mesh: Mesh) -> str:
     own = mesh.origin.suffix if mesh.origin else ""
     if own in _TEXTS:
         return own
-    if own in (*WRITTEN, *VTK):
+    if own in (*WRITABLE_FORMATS, *VTK_FORMATS):
         with contextlib.suppress(InputError):  # OBJ holds what that cannot
             check_shapes(mesh, Path(f"shape{own}"), np.ones(len(mesh.V), dtype=bool))
             return own
     return ".obj"
 
 
-def check_shapes(mesh: Mesh, path: Path, moves: np.ndarray) -> None:
+def check_shapes(mesh: Mesh, path: Path, is_moving: np.ndarray) -> None:
     """Raise InputError unless the file of ``mesh`` can take other shapes.
 
     Before they are computed: what is written to ``path`` in the format of the mesh is its own file, which may
-    not hold a shape in which the vertices ``moves`` (n,) go each their own way.
+    not hold a shape in which the vertices ``is_moving`` (n,) go each their own way.
     """
     if mesh.origin is not None and mesh.origin.suffix == path.suffix.lower():
         ways = np.random.default_rng(0).uniform(0.0, 1e-3 * np.ptp(mesh.V, axis=0).max(), mesh.V.shape)
-        _content(mesh, np.where(moves[:, None], mesh.V + ways, mesh.V), path)
+        _content(mesh, np.where(is_moving[:, None], mesh.V + ways, mesh.V), path)
 
 
-def dropped(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
+def dropped_contents(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
     """Losses of writing ``mesh`` to ``path``, in words; none in its own format."""
     origin, kind = mesh.origin, Path(path).suffix.lower()
     if origin is None or origin.suffix == kind:
@@ -105,7 +112,7 @@ def dropped(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
 
 
 @checked
-def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = None) -> Written:
+def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = None) -> WrittenMesh:
     """Write ``mesh`` with the positions ``U``; the format follows the name.
 
     In the format that the mesh was opened from it is the same file with other coordinates: what did not move
@@ -141,26 +148,28 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
     ('1628.5', ())
     """
     check_type("mesh", mesh, Mesh)
-    path = check_target(path)
+    path = check_mesh_path(path)
     if unit and unit not in METRES:
         raise InputError(
             tr("“{unit}” is no unit of length; use {units}.").format(unit=unit, units=", ".join(METRES))
         )
-    U = numbers(U, tr("Positions"))
+    U = checked_floats(U, tr("Positions"))
     if U.shape != mesh.V.shape:
         raise InputError(tr("Give {n:,} positions, one for each vertex of the mesh.").format(n=len(mesh.V)))
     if not np.isfinite(U).all():
         raise InputError(tr("A position is not a finite number; nothing was written."))
-    if largest(U) > LARGEST:
+    if largest_coordinate(U) > LARGEST_COORDINATE:
         raise InputError(
-            tr("A position of {largest:.3g} is too large; nothing was written.").format(largest=largest(U))
+            tr("A position of {largest:.3g} is too large; nothing was written.").format(
+                largest=largest_coordinate(U)
+            )
         )
     from apd_viewer.geometry.mesh.operators import area  # too slow to import for the first picture
 
     metre = _metre(mesh, path, mesh.unit if unit is None else unit)
     content = _content(mesh, metre * U, path)
     try:
-        V, F, *_ = parsed(content, path)
+        V, F, *_ = parsed_mesh(content, path)
         V = V / metre
     except InputError:  # a link to outside stands where it is written
         raise
@@ -170,9 +179,9 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
         raise InputError(
             tr("{name} cannot store this shape accurately; choose another format.").format(name=path.name)
         )
-    with replacing(path) as scratch:
+    with replacing_file(path) as scratch:
         scratch.write_bytes(content)
-    return Written(area(V, F), dropped(mesh, path))
+    return WrittenMesh(area(V, F), dropped_contents(mesh, path))
 
 
 def _metre(mesh: Mesh, path: Path, unit: str) -> float:
@@ -186,7 +195,7 @@ def _holds(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:
     if len(F) != len(mesh.F):
         return False
     there, here = (V, U) if V.shape == U.shape else (V[F], U[mesh.F])
-    rounding = _ROUNDING * max(largest(U), float(np.ptp(U, axis=0).max()))
+    rounding = _ROUNDING * max(largest_coordinate(U), float(np.ptp(U, axis=0).max()))
     return bool(np.abs(there - here).max() <= rounding)
 
 
@@ -201,10 +210,10 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
         except ValueError as error:  # normals, still unchecked
             raise InputError(
                 tr("{name} has normals that cannot be updated ({reason}); choose another format.").format(
-                    name=mesh.name, reason=in_one_line(error)
+                    name=mesh.name, reason=one_line_message(error)
                 )
             ) from error
-    if kind not in WRITTEN:
+    if kind not in WRITABLE_FORMATS:
         raise InputError(
             tr("{name} is in a format that can only be updated, not created; choose OBJ or PLY.").format(
                 name=path.name
@@ -212,10 +221,10 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
         )
     import trimesh  # here, because it takes longer to import than all the rest of a headless run
 
-    size = largest(U)
+    size = largest_coordinate(U)
     decimals = min(300, max(0, 15 - math.ceil(math.log10(size)))) if size > 0 else 1
     digits = {"digits": decimals} if kind in (".obj", ".off") else {}
     # To memory first: trimesh leaves its file open when the disk is full.
-    with quietly():
+    with without_library_warnings():
         content = trimesh.Trimesh(U, mesh.F, process=False).export(file_type=kind[1:], **digits)
     return content.encode() if isinstance(content, str) else content

@@ -11,13 +11,13 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.formats.obj import read_obj
 from apd_viewer.files.formats.off import read_off
 from apd_viewer.files.formats.package_3mf import read_3mf
-from apd_viewer.files.formats.parsed import Encoded, Parsed
+from apd_viewer.files.formats.parsed_mesh import EncodedMeshOrigin, ParsedMesh
 from apd_viewer.files.formats.ply import read_ply
 from apd_viewer.files.formats.stl import read_stl
-from apd_viewer.files.formats.text import decoded
+from apd_viewer.files.formats.text import decoded_text
 from apd_viewer.files.gltf.gltf_reader import read_gltf
-from apd_viewer.files.other_content import about_content, about_no_vertices
-from apd_viewer.files.storage.reading import bytes_of, in_one_line, quietly
+from apd_viewer.files.other_content import no_vertices_message, other_format_message
+from apd_viewer.files.storage.regular_files import one_line_message, read_bytes, without_library_warnings
 from apd_viewer.files.vtk.legacy import read_vtk
 from apd_viewer.files.vtk.xml_surface import read_vtp, read_vtu
 from apd_viewer.geometry.mesh.checked_arguments import checked
@@ -25,12 +25,12 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 # Formats for writing any mesh; .gltf and those of VTK only for a mesh read from one.
-WRITTEN = (".obj", ".ply", ".stl", ".off", ".glb")
-VTK = (".vtp", ".vtu", ".vtk")
-FORMATS = (*WRITTEN, ".gltf", ".3mf", *VTK)
+WRITABLE_FORMATS = (".obj", ".ply", ".stl", ".off", ".glb")
+VTK_FORMATS = (".vtp", ".vtu", ".vtk")
+MESH_FORMATS = (*WRITABLE_FORMATS, ".gltf", ".3mf", *VTK_FORMATS)
 _OF_OTHER_FILES = (".pvd", ".pvtp", ".pvtu", ".pvtk", ".vtm", ".vtmb")
 _NAMES = tr("OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU or VTK")
-LARGEST = 1e38  # coordinate: larger ones exceed single precision, and their areas overflow
+LARGEST_COORDINATE = 1e38  # coordinate: larger ones exceed single precision, and their areas overflow
 _READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off, ".3mf": read_3mf}
 _READERS |= {".vtp": read_vtp, ".vtu": read_vtu, ".vtk": read_vtk}
 
@@ -64,9 +64,9 @@ def open_mesh(path: str | Path) -> Mesh:
 def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     """Read the mesh in a file or ``content``; raises InputError like open_mesh."""
     try:
-        content = bytes_of(path) if content is None else content
-        with quietly():
-            V, F, origin, remarks, unit = parsed(content, path)
+        content = read_bytes(path) if content is None else content
+        with without_library_warnings():
+            V, F, origin, remarks, unit = parsed_mesh(content, path)
     except OSError as error:
         raise InputError(
             tr("{name} cannot be read ({reason}); check the file.").format(
@@ -82,13 +82,13 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     except ValueError as error:
         raise InputError(_about_invalid(content or b"", path, error)) from error
     if not len(V):
-        raise InputError(about_no_vertices(decoded(content)[0], path))
+        raise InputError(no_vertices_message(decoded_text(content)[0], path))
     try:
         mesh = Mesh(V, F, path, origin, remarks, unit)
     except InputError as error:
         raise InputError(f"{path.name}: {error}") from error
-    size = largest(V)
-    if size > LARGEST:
+    size = largest_coordinate(V)
+    if size > LARGEST_COORDINATE:
         raise InputError(
             tr("{name} has coordinates as large as {size:.3g}; repair the file.").format(
                 name=path.name, size=size
@@ -99,20 +99,20 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
 
 def _about_invalid(content: bytes, path: Path, error: ValueError) -> str:
     invalid = tr("{name} is not a valid {kind} file ({reason}); export it again.").format(
-        name=path.name, kind=path.suffix[1:].upper(), reason=in_one_line(error)
+        name=path.name, kind=path.suffix[1:].upper(), reason=one_line_message(error)
     )
-    return about_content(decoded(content)[0], path) or invalid
+    return other_format_message(decoded_text(content)[0], path) or invalid
 
 
-def largest(X: np.ndarray) -> float:
+def largest_coordinate(X: np.ndarray) -> float:
     """Largest absolute coordinate."""
     return max(float(X.max()), -float(X.min()))
 
 
-def check_readable(path: Path, also: tuple[str, ...] = ()) -> None:
+def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:
     """Raise InputError on an unsupported name or size, before reading.
 
-    What ends in one of ``also`` is no mesh, but can be opened too.
+    What ends in one of ``more_suffixes`` is no mesh, but can be opened too.
     """
     # os.path: Path raises on names that are too long.
     if not os.path.exists(path):  # noqa: PTH110
@@ -125,7 +125,7 @@ def check_readable(path: Path, also: tuple[str, ...] = ()) -> None:
                 "{name} refers to other files; open one of them, or save the surface as one .vtp file."
             ).format(name=path.name)
         )
-    if path.suffix.lower() not in (*FORMATS, *also):
+    if path.suffix.lower() not in (*MESH_FORMATS, *more_suffixes):
         raise InputError(
             tr("{name} is not a supported file type; use {kinds}.").format(name=path.name, kinds=_NAMES)
         )
@@ -133,11 +133,11 @@ def check_readable(path: Path, also: tuple[str, ...] = ()) -> None:
         raise InputError(tr("{name} is empty; export the mesh again.").format(name=path.name))
 
 
-def parsed(content: bytes, path: Path) -> Parsed:
+def parsed_mesh(content: bytes, path: Path) -> ParsedMesh:
     """Read a mesh in the format of its suffix."""
-    text, encoding = decoded(content)
+    text, encoding = decoded_text(content)
     kind = path.suffix.lower()
     found = read_gltf(text, path) if kind in (".glb", ".gltf") else _READERS[kind](text)
     if encoding is None or found.origin is None:
         return found
-    return found._replace(origin=Encoded(found.origin, encoding))
+    return found._replace(origin=EncodedMeshOrigin(found.origin, encoding))

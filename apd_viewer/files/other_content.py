@@ -85,7 +85,7 @@ _OTHERS = {
 }
 
 
-def about_content(content: bytes, path: Path) -> str | None:
+def other_format_message(content: bytes, path: Path) -> str | None:
     """Sentence about a file of another format than its name says, if it is known.
 
     Parameters
@@ -118,9 +118,9 @@ def about_content(content: bytes, path: Path) -> str | None:
     return None
 
 
-def about_no_vertices(content: bytes, path: Path) -> str:
+def no_vertices_message(content: bytes, path: Path) -> str:
     """Sentence about a file without a vertex; it may be anything."""
-    known = about_content(content, path)
+    known = other_format_message(content, path)
     text = content[:_SHOWN].decode(errors="replace").split("\n", 1)[0].strip()
     if known is None and text and text.isprintable():
         return tr("{name} has no vertices; it begins with “{text}”.").format(name=path.name, text=text)

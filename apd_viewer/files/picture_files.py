@@ -12,7 +12,7 @@ from apd_viewer.language import tr
 _LARGEST = 1024  # pixels along a side of what is read; small pictures are no larger
 
 
-def png(pixels: np.ndarray) -> bytes:
+def png_content(pixels: np.ndarray) -> bytes:
     """PNG file of RGBA (h, w, 4) uint8; the same pixels give the same bytes."""
     from PIL import Image  # only where there are pictures: it takes a tenth of a second to load
 

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, HullReadings
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck, check_shape
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.geometry.analysis.target_shape import TargetShape
     from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.geometry.solver.deform import Result
+    from apd_viewer.geometry.solver.deformation_result import Result
 
 
 def write_report(
@@ -27,7 +27,7 @@ def write_report(
     mesh: Mesh,
     result: Result,
     target: TargetShape | None = None,
-    more: Mapping[str, object] = MappingProxyType({}),
+    more_fields: Mapping[str, object] = MappingProxyType({}),
 ) -> None:
     """Write the readings of ``result`` and more fields; raises InputError on failure.
 
@@ -47,23 +47,23 @@ def write_report(
         **readings,
     }
     for U, suffix in ((mesh.V, "_rest"), (result.U, "")):
-        room = room_of(check_shape(U, mesh.joined_F))
+        room = shape_check_fields(check_shape(U, mesh.joined_F))
         report |= {f"{name}{suffix}": reading for name, reading in room.items()}
     if target is not None:
-        report |= {"target_shape": target.mesh.name, **apart_of(target, mesh, result.U)}
-    report |= more
-    with replacing(path) as scratch:
+        report |= {"target_shape": target.mesh.name, **target_distance_fields(target, mesh, result.U)}
+    report |= more_fields
+    with replacing_file(path) as scratch:
         scratch.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
 
 
-def apart_of(target: TargetShape, mesh: Mesh, U: np.ndarray) -> dict[str, float]:
+def target_distance_fields(target: TargetShape, mesh: Mesh, U: np.ndarray) -> dict[str, float]:
     """Distances of the shape ``U`` (n, 3) of a mesh from a target shape, and back.
 
     Those of vertices from the same vertices only where the triangles are the same.
     """
-    found = target.compared(mesh, U)
+    found = target.target_distance(mesh, U)
     assert found is not None
-    summaries = {"": found.closest, "_back": target.back(mesh, U)}
+    summaries = {"": found.closest, "_back": target.reverse_distance(mesh, U)}
     if found.vertex is not None:
         summaries["_by_vertex"] = found.vertex
     return {
@@ -73,16 +73,16 @@ def apart_of(target: TargetShape, mesh: Mesh, U: np.ndarray) -> dict[str, float]
     }
 
 
-def room_of(found: ShapeCheck) -> dict[str, Any]:
+def shape_check_fields(check: ShapeCheck) -> dict[str, Any]:
     """Readings of self-intersections, bounding boxes and the convex hull.
 
     The number of intersections is None where the library is missing that finds them.
     """
     return {
-        "self_intersections": None if found.crossing is None else len(found.crossing),
-        "box_volume": found.box,
-        "packed_volume": found.packed,
-        **hull_fields(found.hull),
+        "self_intersections": None if check.crossing is None else len(check.crossing),
+        "box_volume": check.box,
+        "packed_volume": check.packed,
+        **hull_fields(check.hull),
     }
 
 

@@ -58,7 +58,7 @@ SAMPLES = {
 
 
 @cache
-def resource(name: str) -> Path:
+def resource_path(name: str) -> Path:
     """Path of a file in ``resources``, installed or in a checkout."""
     package = Path(__file__).resolve().parents[1]
     inside = package / "resources"
@@ -67,6 +67,6 @@ def resource(name: str) -> Path:
 
 def open_sample(name: str) -> tuple[Mesh, np.ndarray]:
     """The sample's mesh and its painted labels (n,)."""
-    read = open_mesh(resource(f"{name}.obj"))
-    mesh = Mesh.trusted(read.V, read.F, read.path, read.origin, unit=SAMPLES[name].unit)
-    return mesh, read_selection(resource(f"{name}.sel"), len(mesh.V))
+    read = open_mesh(resource_path(f"{name}.obj"))
+    mesh = Mesh.from_checked(read.V, read.F, read.path, read.origin, unit=SAMPLES[name].unit)
+    return mesh, read_selection(resource_path(f"{name}.sel"), len(mesh.V))

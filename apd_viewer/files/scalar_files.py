@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 
@@ -32,7 +32,7 @@ property list uchar int vertex_indices
 _TYPES = {"<u1": "uchar", "<f8": "double"}
 
 
-class Rows(Enum):
+class ScalarRows(Enum):
     """Rows of a CSV table: the vertices, or the triangles."""
 
     VERTICES = "vertices"
@@ -50,7 +50,7 @@ def check_scalar_file(path: str | Path) -> Path:
 
 
 def write_scalars(
-    path: Path, mesh: Mesh, U: np.ndarray, scalars: Scalars, rows: Rows = Rows.VERTICES
+    path: Path, mesh: Mesh, U: np.ndarray, scalars: Scalars, rows: ScalarRows = ScalarRows.VERTICES
 ) -> None:
     """Write scalars of the shape ``U`` (n, 3) as the name says: CSV or PLY.
 
@@ -63,10 +63,10 @@ def write_scalars(
         If the name is of another kind, or the file cannot be written.
     """
     if check_scalar_file(path).suffix.lower() == ".ply":
-        with replacing(path) as scratch:
+        with replacing_file(path) as scratch:
             scratch.write_bytes(_ply_of(mesh, U, scalars))
         return
-    if rows is Rows.VERTICES:
+    if rows is ScalarRows.VERTICES:
         columns = {"vertex": np.arange(len(U)), "x": U[:, 0], "y": U[:, 1], "z": U[:, 2], **scalars.vertices}
     else:
         corners = {name: mesh.F[:, k] for k, name in enumerate("abc")}

@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing_file
 
 Cell: TypeAlias = float | str | None
 
@@ -41,7 +41,7 @@ def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[
     InputError
         If the file cannot be written.
     """
-    with replacing(path) as scratch, scratch.open("w", newline="", encoding="utf-8") as stream:
+    with replacing_file(path) as scratch, scratch.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow([text_cell(column) for column in columns])
         writer.writerows([_written(cell) for cell in row] for row in rows)
@@ -59,11 +59,11 @@ def _written(cell: Cell) -> str:
 def text_cell(text: str) -> str:
     """Cell of a text, with ' before anything computed by spreadsheets.
 
-    Numbers stay as they are. :func:`text_in` gives the text again.
+    Numbers stay as they are. :func:`cell_text` gives the text again.
     """
     return text if _NUMBER.fullmatch(text) else _UNGUARDED.sub("'", text)
 
 
-def text_in(cell: str) -> str:
+def cell_text(cell: str) -> str:
     """Text of a cell made by :func:`text_cell`."""
     return _GUARDED.sub("", cell)

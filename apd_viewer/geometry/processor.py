@@ -7,7 +7,7 @@ import platform
 import sys
 
 # x86-64-v3: what Intel's processors have since Haswell (2013) and AMD's since Excavator (2015).
-LEVEL = "x86-64-v3"
+PROCESSOR_LEVEL = "x86-64-v3"
 _FEATURES = ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
 
 
@@ -26,4 +26,4 @@ def compile_for_level() -> None:
 
     there = binding.get_host_cpu_features()
     if all(there.get(feature) for feature in _FEATURES):
-        os.environ.update(NUMBA_CPU_NAME=LEVEL, NUMBA_CPU_FEATURES="")
+        os.environ.update(NUMBA_CPU_NAME=PROCESSOR_LEVEL, NUMBA_CPU_FEATURES="")

@@ -15,7 +15,7 @@ from typing import Any
 from numba import types
 from numba.core import event
 
-from apd_viewer.geometry.analysis import area_change, defects, deviation, double_wall, extremes
+from apd_viewer.geometry.analysis import area_change, defects, deviation, deviation_extremes, double_wall
 from apd_viewer.geometry.linalg import atomic_access
 from apd_viewer.geometry.linalg.kernels import KERNELS
 from apd_viewer.geometry.measuring import sections
@@ -25,35 +25,35 @@ from apd_viewer.geometry.solver import deformation
 
 # Together they import all modules with kernels.
 _IMPORTERS = (
-    *(area_change, atomic_access, defects, deformation, deviation, double_wall, extremes),
+    *(area_change, atomic_access, defects, deformation, deviation, double_wall, deviation_extremes),
     *(region_areas, sections, surface_index, vertex_sets),
 )
 # Sections of the table that a first drag needs, and other processes can compile beside the window.
-PARTS = ("drag", "contact", "factor")
+SECTIONS = ("drag", "contact", "factor")
 _TABLE = Path(__file__).with_name("kernels.txt")
 _ROOM = __name__.rpartition(".")[0]
 _ROW = re.compile(r"([\w.]+)\((.*)\)")
 
 
-def warm_up(*names: str, enough: Callable[[], bool] = lambda: False) -> None:
+def warm_up(*names: str, is_cancelled: Callable[[], bool] = lambda: False) -> None:
     """Compile the kernels of some sections of the table, of all if none is named.
 
-    All take about two minutes, or 1.5 s from the cache. Between two of them ``enough()`` may end it.
+    All take about two minutes, or 1.5 s from the cache. Between two of them ``is_cancelled()`` may end it.
     """
     for section in names or kernel_table():
         for row in kernel_table()[section]:
-            if enough():
+            if is_cancelled():
                 return
             kernel, arguments = kernel_of(row)
             kernel.compile(arguments)
 
 
-def tell_of_compiling(tell: Callable[[float], object]) -> Callable[[], object]:
-    """Call ``tell(share)`` at the end of each compilation, until the result is called.
+def report_compilations(on_progress: Callable[[float], object]) -> Callable[[], object]:
+    """Call ``on_progress(share)`` after each compilation; the result ends this.
 
     The ``share`` is the part of the table compiled so far in this process, or loaded.
     """
-    ends = _Ends(lambda: tell(_share_ready()))
+    ends = _Ends(lambda: on_progress(_share_ready()))
     event.register("numba:compile", ends)
     return partial(event.unregister, "numba:compile", ends)
 

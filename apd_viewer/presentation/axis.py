@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from apd_viewer.presentation.number_format import grouped, raised, round_step, signed
+from apd_viewer.presentation.number_format import format_grouped, format_signed, round_step, superscript
 
 _FEWEST = 1e-12
 
@@ -30,7 +30,7 @@ class Axis:
     ticks: Callable[[int], Ticks]
 
 
-def linear(low: float, high: float, suffix: str = "", whole: bool = False) -> Axis:
+def linear_axis(low: float, high: float, suffix: str = "", whole: bool = False) -> Axis:
     """Linear axis; ``suffix`` follows each label."""
     if not high - low > _FEWEST * max(abs(low), abs(high)):
         high = low + 1.0
@@ -40,49 +40,49 @@ def linear(low: float, high: float, suffix: str = "", whole: bool = False) -> Ax
         step = max(step, 1.0) if whole else step
         decimals = max(0, -math.floor(math.log10(step) + 1e-9))
         first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-        return [(k * step, f"{grouped(k * step, decimals)}{suffix}") for k in range(first, last + 1)]
+        return [(k * step, f"{format_grouped(k * step, decimals)}{suffix}") for k in range(first, last + 1)]
 
     return Axis(low, high, ticks)
 
 
-def rounded(low: float, high: float, suffix: str = "") -> Axis:
+def rounded_axis(low: float, high: float, suffix: str = "") -> Axis:
     """The axis extended to round numbers at both ends."""
     step = round_step((high - low) / 4.0) if high > low else 1.0
-    return linear(step * math.floor(low / step + 1e-9), step * math.ceil(high / step - 1e-9), suffix)
+    return linear_axis(step * math.floor(low / step + 1e-9), step * math.ceil(high / step - 1e-9), suffix)
 
 
-def decades(low: float, high: float) -> Axis:
+def decade_axis(low: float, high: float) -> Axis:
     """Logarithmic axis of fractions, in percent; positions are decimal logarithms."""
     bottom, top = math.floor(math.log10(low)), math.ceil(math.log10(high))
     top = max(top, bottom + 1)
 
     def ticks(most: int) -> Ticks:
         every = math.ceil((top - bottom + 1) / max(1, most))
-        return [(float(k), f"{power(k + 2)} %") for k in range(top, bottom - 1, -every)]
+        return [(float(k), f"{power_of_ten(k + 2)} %") for k in range(top, bottom - 1, -every)]
 
     return Axis(float(bottom), float(top), ticks)
 
 
-def magnitudes(low: float, high: float, suffix: str = "") -> Axis:
+def magnitude_axis(low: float, high: float, suffix: str = "") -> Axis:
     """Logarithmic axis between powers of ten; positions are decimal logarithms."""
     bottom, top = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
     top = max(top, bottom + 1)
 
     def ticks(most: int) -> Ticks:
         every = math.ceil((top - bottom + 1) / max(1, most))
-        return [(float(k), f"{power(k)}{suffix}") for k in range(bottom, top + 1, every)]
+        return [(float(k), f"{power_of_ten(k)}{suffix}") for k in range(bottom, top + 1, every)]
 
     return Axis(float(bottom), float(top), ticks)
 
 
-def power(exponent: int) -> str:
+def power_of_ten(exponent: int) -> str:
     """Power of ten, in digits if short."""
     if -3 <= exponent <= 3:
-        return grouped(10.0**exponent, max(0, -exponent))
-    return f"10{raised(exponent)}"
+        return format_grouped(10.0**exponent, max(0, -exponent))
+    return f"10{superscript(exponent)}"
 
 
-def ratios(reach: float) -> Axis:
+def ratio_axis(reach: float) -> Axis:
     """Axis of ratios about 1, up to ``reach``; positions are binary logarithms.
 
     Small changes are written in percent, large ones as factors.
@@ -102,11 +102,14 @@ def _percents(reach: float, most: int) -> Ticks:
     decimals = max(0, -math.floor(math.log10(100.0 * step) + 1e-9))
     count = math.floor((reach - 1.0) / step + 1e-9)
     changes = [k * step for k in range(-count, count + 1)]
-    return [(math.log2(1.0 + c), f"{signed(100.0 * c, decimals)} %") for c in changes]
+    return [(math.log2(1.0 + c), f"{format_signed(100.0 * c, decimals)} %") for c in changes]
 
 
 def _factors(high: float, most: int) -> Ticks:
     every = max(1, math.ceil(2.0 * high / max(1, most)))
     count = math.floor(high / every + 1e-9)
     steps = [k * every for k in range(-count, count + 1)]
-    return [(float(k), "1" if k == 0 else f"{'×' if k > 0 else '÷'}{grouped(2 ** abs(k), 0)}") for k in steps]
+    return [
+        (float(k), "1" if k == 0 else f"{'×' if k > 0 else '÷'}{format_grouped(2 ** abs(k), 0)}")
+        for k in steps
+    ]

@@ -33,7 +33,7 @@ def legend_svg(
         f'<stop offset="{offset:.5f}" stop-color="rgb({red}, {green}, {blue})"/>'
         for offset, (red, green, blue) in zip(offsets, scale.colors(offsets), strict=True)
     )
-    places = [(scale.place(value), scale.written(value, unit)) for value in scale.marks]
+    places = [(scale.position(value), scale.format_value(value, unit)) for value in scale.tick_values]
     figures = "".join(
         f'<text x="{_LEFT + place * wide:g}" y="{low + 16}" {_LETTERS} '
         f'text-anchor="{_anchor(place)}" fill="{ink}">{escape(text)}</text>'
@@ -41,10 +41,10 @@ def legend_svg(
     )
     largest = ""
     if span is not None:
-        value = scale.written(scale.largest(span), unit)
+        value = scale.format_value(scale.largest_change(span), unit)
         said = escape(tr("largest {value}").format(value=value))
         largest = f'<text x="{WIDTH - _LEFT}" y="18" {_LETTERS} text-anchor="end" fill="{ink}">{said}</text>'
-    title = escape(scale.measure.words.title)
+    title = escape(scale.measure.traits.title)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img">'
         f'<defs><linearGradient id="{name}">{stops}</linearGradient></defs>'

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import exact, grouped, length, raised, signed, significant
+from apd_viewer.presentation.number_format import (
+    format_exact,
+    format_grouped,
+    format_length,
+    format_signed,
+    format_significant,
+    superscript,
+)
 from apd_viewer.presentation.readings import volumes
 
 if TYPE_CHECKING:
@@ -21,10 +28,10 @@ if TYPE_CHECKING:
 _FINEST = 1e-6  # relative; smaller errors are written with a power of ten
 _ROUNDING = 1e-15
 
-Readings = dict[str, float]
+ReadingsByName = dict[str, float]
 
 
-def readings(state: State, outcome: MethodOutcome) -> Readings:
+def method_readings(state: State, outcome: MethodOutcome) -> ReadingsByName:
     """Measurements of one method; NaN if unknown.
 
     ``area_error`` is relative to rest, as in reports, and ``area_miss`` to what is asked for, of every method
@@ -50,58 +57,64 @@ def readings(state: State, outcome: MethodOutcome) -> Readings:
     }
 
 
-class Column(NamedTuple):
+class ReadingColumn(NamedTuple):
     """Column of the table: title, explanation and cell text."""
 
     title: str
     tip: str
-    written: Callable[[Readings], str]
+    cell_text: Callable[[ReadingsByName], str]
 
 
-def columns(state: State, unit: Unit) -> list[Column]:
+def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
     """Columns of the table for a document, with lengths in a unit."""
     size = float(max(state.inspection.size))
-    asked = exact(state.document.area)
+    asked = format_exact(state.document.area)
     energy = tr(
         "Deviation from rigidity: Eq. 1 of the paper for every method, each edge counted twice,"
         " whichever energy the method minimises"
     )
     return [
-        Column(
+        ReadingColumn(
             tr("Area"),
             tr("Total area in percent of the rest area"),
-            lambda x: f"{grouped(100.0 * x['area'] / x['area_rest'], 4)}\u00a0%",
+            lambda x: f"{format_grouped(100.0 * x['area'] / x['area_rest'], 4)}\u00a0%",
         ),
-        Column(
+        ReadingColumn(
             tr("Area error"),
             tr("Deviation of the area from its target of {percent} %").format(percent=asked),
             lambda x: _error(x["area_miss"]),
         ),
-        Column(
+        ReadingColumn(
             tr("Volume"),
             _about_volume(state),
-            lambda x: _known(x["volume"] / x["volume_rest"], lambda v: f"{grouped(100.0 * v, 3)}\u00a0%"),
+            lambda x: _known(
+                x["volume"] / x["volume_rest"], lambda v: f"{format_grouped(100.0 * v, 3)}\u00a0%"
+            ),
         ),
-        Column(tr("Energy"), energy, lambda x: _known(x["energy"], lambda v: unit.area(significant(v, 5)))),
-        Column(
+        ReadingColumn(
+            tr("Energy"),
+            energy,
+            lambda x: _known(x["energy"], lambda v: unit.format_area(format_significant(v, 5))),
+        ),
+        ReadingColumn(
             tr("Handle drift"),
             tr("Distance between the handle and the position you gave it"),
-            lambda x: unit.length(length(x["handle_drift"], size)),
+            lambda x: unit.format_length(format_length(x["handle_drift"], size)),
         ),
-        Column(
+        ReadingColumn(
             tr("Local change"),
             tr("Largest area change of any triangle, up or down"),
-            lambda x: f"{grouped(100.0 * x['local_change'], 2)}\u00a0%",
+            lambda x: f"{format_grouped(100.0 * x['local_change'], 2)}\u00a0%",
         ),
-        Column(
+        ReadingColumn(
             tr("Iterations"),
             tr("Iterations from the rest shape to convergence"),
-            lambda x: grouped(x["iterations"], 0),
+            lambda x: format_grouped(x["iterations"], 0),
         ),
-        Column(
+        ReadingColumn(
             tr("Time"),
             tr("Time for factoring and iterations on this computer"),
-            lambda x: _known(x["seconds"], lambda v: f"{grouped(v, 2)}\u00a0s"),
+            lambda x: _known(x["seconds"], lambda v: f"{format_grouped(v, 2)}\u00a0s"),
         ),
     ]
 
@@ -110,7 +123,7 @@ def _about_volume(state: State) -> str:
     inspection = state.inspection
     if inspection.volume_capped is not None:
         return tr("Volume in percent of the rest volume, with the openings capped flat")
-    if why := inspection.nothing_to_keep:
+    if why := inspection.missing_volume_phrase:
         return tr("There is no volume: {why}.").format(why=why)
     return tr("Enclosed volume in percent of the rest volume")
 
@@ -121,15 +134,17 @@ def _known(value: float, written: Callable[[float], str]) -> str:
 
 def _error(value: float) -> str:
     if abs(value) >= _FINEST:
-        return f"{signed(100.0 * value, 4)}\u00a0%"
+        return f"{format_signed(100.0 * value, 4)}\u00a0%"
     if abs(value) < _ROUNDING:
         return "0\u00a0%"
     mantissa, exponent = f"{abs(100.0 * value):.0e}".split("e")
-    return f"{'+' if value > 0.0 else '−'}{mantissa}·10{raised(int(exponent))}\u00a0%"
+    return f"{'+' if value > 0.0 else '−'}{mantissa}·10{superscript(int(exponent))}\u00a0%"
 
 
 def write_outcomes(path: Path, state: State, outcomes: Sequence[tuple[str, MethodOutcome]]) -> None:
     """Write the measurements by method as CSV; raises InputError."""
-    rows = [(method, readings(state, outcome)) for method, outcome in outcomes if outcome.frame is not None]
+    rows = [
+        (method, method_readings(state, outcome)) for method, outcome in outcomes if outcome.frame is not None
+    ]
     names = list(rows[0][1]) if rows else []
     write_table(path, ["method", *names], [[method, *found.values()] for method, found in rows])

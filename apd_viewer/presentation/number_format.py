@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from apd_viewer.notation import typed, written
+from apd_viewer.notation import editable_number, localized_number
 
 _NOTHING = 1e-7
 _POWERS = 999_999.5  # from here on as a power of ten
@@ -12,53 +12,53 @@ _GROUPED = 999.5  # from here on three digits have no decimals
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def significant(value: float, digits: int = 6) -> str:
+def format_significant(value: float, digits: int = 6) -> str:
     """The number with the given significant digits, or all before the point."""
     if 10.0**digits - 0.5 <= abs(value) < _POWERS:
         return _shown(f"{value:,.0f}")
     return _shown(_with_power(f"{value:#,.{digits}g}".rstrip("."))) if value else "0"
 
 
-def length(value: float, size: float) -> str:
+def format_length(value: float, size: float) -> str:
     """Length on a mesh of this size; rounding errors become zero."""
-    return significant(value, 4) if value > _NOTHING * size else "0"
+    return format_significant(value, 4) if value > _NOTHING * size else "0"
 
 
-def grouped(value: float, decimals: int) -> str:
+def format_grouped(value: float, decimals: int) -> str:
     """Number with grouped thousands."""
     text = f"{value:,.{decimals}f}"
     return _shown(text.lstrip("-") if float(text.replace(",", "")) == 0 else text)
 
 
-def signed(value: float, decimals: int, brief: bool = False) -> str:
+def format_signed(value: float, decimals: int, brief: bool = False) -> str:
     """The number with its sign, unless it rounds to zero; no final zeros if brief."""
     text = f"{value:+.{decimals}f}"
     text = f"{0:.{decimals}f}" if float(text) == 0 else text
     return _shown(text.rstrip("0").rstrip(".") if brief else text)
 
 
-def short(value: float) -> str:
+def format_short(value: float) -> str:
     """The number without trailing zeros: 0.1, 20, 0.00025, 1,190, 2·10⁻⁶."""
-    return written(_with_power(f"{value:.3g}") if abs(value) < _GROUPED else f"{value:,.0f}")
+    return localized_number(_with_power(f"{value:.3g}") if abs(value) < _GROUPED else f"{value:,.0f}")
 
 
-def exact(value: float, digits: int = 6) -> str:
+def format_exact(value: float, digits: int = 6) -> str:
     """The number without trailing zeros, ungrouped."""
-    return written(f"{value:.{digits}g}")
+    return localized_number(f"{value:.{digits}g}")
 
 
-def to_type(value: float, digits: int = 6) -> str:
+def format_editable(value: float, digits: int = 6) -> str:
     """The number for a field, as it can be typed there."""
-    return typed(f"{value:.{digits}g}")
+    return editable_number(f"{value:.{digits}g}")
 
 
-def place(value: float, step: float) -> str:
+def format_position(value: float, step: float) -> str:
     """Position on an axis, with enough digits to resolve a ``step``."""
     if abs(value) < 1e-6 * step:
         return "0"
     decimals = max(0, -math.floor(math.log10(step)))
     near = abs(float(f"{value:.3g}") - value) <= 0.1 * step
-    return short(value).replace("-", "−") if near else _shown(f"{value:,.{decimals}f}")
+    return format_short(value).replace("-", "−") if near else _shown(f"{value:,.{decimals}f}")
 
 
 def round_step(least: float) -> float:
@@ -70,17 +70,17 @@ def round_step(least: float) -> float:
     return float(f"{factor * power:.3g}")
 
 
-def raised(exponent: int) -> str:
+def superscript(exponent: int) -> str:
     """Exponent in superscript digits."""
     return str(exponent).translate(_RAISED)
 
 
 def _shown(text: str) -> str:
     """In the notation in use, with a true minus sign."""
-    return written(text).replace("-", "−")
+    return localized_number(text).replace("-", "−")
 
 
 def _with_power(text: str) -> str:
     """Replace e-notation by a power of ten."""
     digits, _, exponent = text.partition("e")
-    return f"{digits.rstrip('.')}·10{raised(int(exponent))}" if exponent else text
+    return f"{digits.rstrip('.')}·10{superscript(int(exponent))}" if exponent else text

@@ -6,10 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import digits_at
+from apd_viewer.geometry.mesh.arrays import significant_digits
 from apd_viewer.language import tr
 from apd_viewer.notation import notation
-from apd_viewer.presentation.number_format import exact, length, significant, to_type
+from apd_viewer.presentation.number_format import (
+    format_editable,
+    format_exact,
+    format_length,
+    format_significant,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,96 +32,103 @@ _ESTIMATED = 2  # digits of what is expected
 _ALWAYS = 0.95  # factors from here to its inverse say nothing
 
 
-def why_idle(state: State) -> str:
+def idle_reason(state: State) -> str:
     """Sentence about obstacles that push nothing; empty where they do."""
-    method = state.document.traits
-    if not method.may_touch:
+    method = state.document.method_traits
+    if not method.may_use_contact:
         said = tr("The method {method} knows no contact: obstacles push nothing.")
         return said.format(method=method.title)
     return "" if state.document.contact else tr("Contact is off: obstacles push nothing.")
 
 
-def load(state: State, k: int) -> str:
+def load_text(state: State, k: int) -> str:
     """Force on obstacle ``k`` in a settled shape; empty where nothing presses on it."""
     loads = state.frame.loads
-    if not state.keeps_apart or len(loads) != len(state.document.obstacles):
+    if not state.is_contact_active or len(loads) != len(state.document.obstacles):
         return ""
     force = float(np.linalg.norm(loads[k]))
     if force <= _NO_LOAD * float(max(state.inspection.size)):
         return ""
     if not state.frame.settled:  # of a shape under way it may be hundreds of times as much
         return tr("touched")
-    return tr("load {force}").format(force=significant(force, 3))
+    return tr("load {force}").format(force=format_significant(force, 3))
 
 
-def excess(share: float | None) -> str:
+def excess_phrase(share: float | None) -> str:
     """Phrase on the expected excess of loads; None of a wall without stiffness."""
     if share is None:
         return tr("without stiffness, walls crumple and loads mean little")
-    return tr("expected excess of loads {percent} %").format(percent=significant(100.0 * share, _ESTIMATED))
+    return tr("expected excess of loads {percent} %").format(
+        percent=format_significant(100.0 * share, _ESTIMATED)
+    )
 
 
-def off(factor: float) -> str:
+def error_factor_phrase(factor: float) -> str:
     """Phrase on newtons off by a factor; empty near 1."""
     if factor > 1.0 / _ALWAYS:
-        return tr("up to {factor} times too low").format(factor=significant(factor, _ESTIMATED))
+        return tr("up to {factor} times too low").format(factor=format_significant(factor, _ESTIMATED))
     if factor < _ALWAYS:
-        return tr("up to {factor} times too high").format(factor=significant(1.0 / factor, _ESTIMATED))
+        return tr("up to {factor} times too high").format(factor=format_significant(1.0 / factor, _ESTIMATED))
     return ""
 
 
-def load_excess(state: State) -> str:
+def load_excess_text(state: State) -> str:
     """Sentence on the expected excess of loads at rest; empty without any."""
-    pressed = any(load(state, k) for k in range(len(state.document.obstacles)))
+    pressed = any(load_text(state, k) for k in range(len(state.document.obstacles)))
     if not pressed or not state.frame.settled:
         return ""
-    said = excess(state.load_excess)
+    said = excess_phrase(state.load_excess)
     return said[0].upper() + said[1:]
 
 
-def motion(state: State, k: int, unit: Unit) -> str:
+def motion_text(state: State, k: int, unit: Unit) -> str:
     """Distance obstacle ``k`` was moved by, and what of it contact has not allowed."""
     obstacle, size = state.document.obstacles[k], float(max(state.inspection.size))
-    way = length(float(np.linalg.norm(obstacle.shift)), size)
+    way = format_length(float(np.linalg.norm(obstacle.shift)), size)
     if way == "0":
         return tr("where it was put")
-    short_of = float(np.linalg.norm(obstacle.shift - state.shifts[k]))
-    moved = tr("moved {length}").format(length=unit.length(way))
-    if not state.keeps_apart or short_of <= _THERE * size:
+    short_of = float(np.linalg.norm(obstacle.shift - state.obstacle_shifts[k]))
+    moved = tr("moved {length}").format(length=unit.format_length(way))
+    if not state.is_contact_active or short_of <= _THERE * size:
         return moved
     if state.frame.settled:
-        missing = unit.length(length(short_of, size))
+        missing = unit.format_length(format_length(short_of, size))
         said = tr("asked for {length}, stopped {missing} short")
-        return said.format(length=unit.length(way), missing=missing)
-    reached = unit.length(length(float(np.linalg.norm(state.shifts[k])), size))
+        return said.format(length=unit.format_length(way), missing=missing)
+    reached = unit.format_length(format_length(float(np.linalg.norm(state.obstacle_shifts[k])), size))
     return tr("{motion}, reached {amount}").format(motion=moved, amount=reached)
 
 
-def coordinates(x: np.ndarray, size: float = 1.0, digits: int = _DIGITS) -> str:
+def coordinates_text(x: np.ndarray, size: float = 1.0, digits: int = _DIGITS) -> str:
     """Three numbers as they are typed; rounding errors of a ``size`` become zero."""
     between = "; " if notation().point == "," else ", "
-    said = (to_type(c, digits_at(c, size, digits)) if abs(c) > 10.0**-digits * size else "0" for c in x)
+    said = (
+        format_editable(c, significant_digits(c, size, digits)) if abs(c) > 10.0**-digits * size else "0"
+        for c in x
+    )
     return between.join(said)
 
 
-def report_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
+def obstacle_report_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
     """Rows of the obstacles with their motions, places and loads."""
     size = float(max(state.inspection.size))
     for k, obstacle in enumerate(state.document.obstacles):
         more = [obstacle.kind.title, *_shape(obstacle, unit, size)]
-        if said := load(state, k):
-            more.append(f"{said}, {excess(state.load_excess)}" if state.frame.settled else said)
-        yield obstacle.name, motion(state, k, unit), "; ".join(more)
+        if said := load_text(state, k):
+            more.append(f"{said}, {excess_phrase(state.load_excess)}" if state.frame.settled else said)
+        yield obstacle.name, motion_text(state, k, unit), "; ".join(more)
 
 
 def _shape(obstacle: NamedObstacle, unit: Unit, size: float) -> Iterator[str]:
-    yield tr("place {point}").format(point=unit.length(f"({coordinates(obstacle.place, size)})"))
+    yield tr("place {point}").format(point=unit.format_length(f"({coordinates_text(obstacle.place, size)})"))
     if obstacle.shift.any():
-        yield tr("displacement {vector}").format(vector=unit.length(f"({coordinates(obstacle.shift, size)})"))
+        yield tr("displacement {vector}").format(
+            vector=unit.format_length(f"({coordinates_text(obstacle.shift, size)})")
+        )
     if not obstacle.radius:
-        yield tr("normal {vector}").format(vector=f"({coordinates(obstacle.axis)})")
+        yield tr("normal {vector}").format(vector=f"({coordinates_text(obstacle.axis)})")
         return
-    yield tr("radius {length}").format(length=unit.length(exact(obstacle.radius, _DIGITS)))
+    yield tr("radius {length}").format(length=unit.format_length(format_exact(obstacle.radius, _DIGITS)))
     if obstacle.length:
-        yield tr("length {length}").format(length=unit.length(exact(obstacle.length, _DIGITS)))
-        yield tr("axis {vector}").format(vector=f"({coordinates(obstacle.axis)})")
+        yield tr("length {length}").format(length=unit.format_length(format_exact(obstacle.length, _DIGITS)))
+        yield tr("axis {vector}").format(vector=f"({coordinates_text(obstacle.axis)})")

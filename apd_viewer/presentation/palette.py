@@ -35,7 +35,7 @@ REGION_COLORS = (
 # Marks of findings; different from all other colours.
 MARK_COLOR = (226, 0, 142)
 # Of obstacles, on a light and on a dark background; grey, as they are no part of the mesh.
-OBSTACLE_COLOR, OBSTACLE_ON_DARK = (92, 102, 120), (172, 182, 200)
+OBSTACLE_COLOR, OBSTACLE_COLOR_ON_DARK = (92, 102, 120), (172, 182, 200)
 # A region covers free vertices, but must not hide base and handles.
 _OVER_FREE, _OVER_PAINT = 0.82, 0.42
 # Vertices in a falloff are still free.
@@ -69,7 +69,7 @@ def label_colors(labels: np.ndarray, member: np.ndarray | None = None) -> np.nda
     return _MIXED[labels, 0 if member is None else member]
 
 
-def drawn_along(colors: np.ndarray, handle: np.ndarray, strength: np.ndarray) -> np.ndarray:
+def falloff_colors(colors: np.ndarray, handle: np.ndarray, strength: np.ndarray) -> np.ndarray:
     """RGBA ``colors`` (k, 4) uint8 in the falloff of handles, tinted."""
     mixed = colors.astype(float)
     paint = np.array([handle_color(k) for k in range(int(handle.max(initial=0)) + 1)], dtype=float)
@@ -77,7 +77,7 @@ def drawn_along(colors: np.ndarray, handle: np.ndarray, strength: np.ndarray) ->
     return np.rint(mixed).astype(np.uint8)
 
 
-def tinted(colors: np.ndarray, color: tuple[int, ...]) -> np.ndarray:
+def tinted_colors(colors: np.ndarray, color: tuple[int, ...]) -> np.ndarray:
     """RGBA ``colors`` (k, 4) uint8 blended towards an RGB ``color``."""
     mixed = colors.astype(float)
     mixed[:, :3] += _PREVIEWED * (np.array(color[:3]) - mixed[:, :3])

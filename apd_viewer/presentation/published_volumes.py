@@ -52,7 +52,7 @@ _AMCOR = tr("Amcor, in Packaging Insights, 17 November 2021; read here as the mi
 _COLA = tr("Coca-Cola Japan, press release on I LOHAS, 23 April 2009")
 
 # Of the other quantities no figure was found that names them.
-PUBLISHED: dict[VolumeName, tuple[PublishedFigure, ...]] = {
+PUBLISHED_FIGURES: dict[VolumeName, tuple[PublishedFigure, ...]] = {
     VolumeName.SIDES: (
         PublishedFigure(
             tr("width of a collapsed bottle that can be sorted: above 5 cm (bottles of 50 ml)"),

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
-from apd_viewer.session.model.named_obstacle import ObstacleKind, size_for
+from apd_viewer.session.model.named_obstacle import ObstacleKind, stopping_extent
 from apd_viewer.session.model.targets import targets_of
 
 if TYPE_CHECKING:
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 def obstacle_lines(document: Document) -> Iterator[str]:
     """Lines that make the obstacles; none where none push."""
-    if not document.has_obstacles:
+    if not document.has_active_obstacles:
         return
     yield "obstacles = ["
-    for obstacle, solid in zip(document.obstacles, document.solids, strict=True):
+    for obstacle, solid in zip(document.obstacles, document.active_obstacles, strict=True):
         yield f"    # {' '.join(obstacle.name.split())}"
         if obstacle.kind is ObstacleKind.PLATE:
-            size = size_for(obstacle, document.mesh.V)
+            size = stopping_extent(obstacle, document.mesh.V)
             given = f"plate({obstacle.place.tolist()!r}, {obstacle.axis.tolist()!r}, {size!r})"
         else:
             kind = "sphere" if obstacle.kind is ObstacleKind.SPHERE else "capsule"
@@ -30,23 +30,27 @@ def obstacle_lines(document: Document) -> Iterator[str]:
     yield "]"
 
 
-def settings_of(document: Document) -> str:
+def settings_arguments(document: Document) -> str:
     """Arguments for method, settings and targets."""
-    method, targets = document.traits, targets_of(document)
+    method, targets = document.method_traits, targets_of(document)
     said: dict[str, object] = {"method": document.method, "stiffness": document.stiffness}
     if method.has_tolerance:
         said["tolerance"] = document.tolerance
     if method.has_moduli:
         said |= {"area_stiffness": document.area_stiffness, "shear_stiffness": document.shear_stiffness}
-    said |= {"area": targets.area, "volume": targets.volume, "loose": list(document.staying) or None}
+    said |= {
+        "area": targets.area,
+        "volume": targets.volume,
+        "loose": list(document.staying_components) or None,
+    }
     words = [f"{name}={value!r}" for name, value in said.items() if value is not None]
     if method.keeps_calm_parts and not document.calm:
         words.append("calm=False")
-    if method.may_touch:
+    if method.may_use_contact:
         words.append(f"contact={bool(document.contact)}")
-    if document.contact and method.may_touch and document.thickness is not None:
+    if document.contact and method.may_use_contact and document.thickness is not None:
         words.append(f"thickness={document.thickness!r}")
-    if document.has_obstacles:
+    if document.has_active_obstacles:
         words.append("obstacles=obstacles")
     if document.mesh.has_welded_seams:
         words.append("weld=True")

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.mesh import Baked
+from apd_viewer.geometry.mesh.mesh import BakedOrigin
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
 from apd_viewer.language import tr
-from apd_viewer.presentation.python_arguments import obstacle_lines, settings_of
-from apd_viewer.session.model.document_parts import shifts_of
-from apd_viewer.session.model.handle_paths import on_the_way
+from apd_viewer.presentation.python_arguments import obstacle_lines, settings_arguments
+from apd_viewer.session.model.document_parts import obstacle_shifts
+from apd_viewer.session.model.handle_paths import intermediate_documents
 from apd_viewer.session.model.targets import targets_of
 
 if TYPE_CHECKING:
@@ -64,8 +64,8 @@ def python_script(document: Document) -> str:
         If the document cannot be deformed, or the public names cannot say it.
     """
     _check(document)
-    document = document.from_rest
-    handles = [k for k in range(len(document.handles)) if document.counts[HANDLE + k]]
+    document = document.relative_to_rest
+    handles = [k for k in range(len(document.handles)) if document.label_counts[HANDLE + k]]
     lines = [
         "import numpy as np",
         "",
@@ -81,7 +81,7 @@ def python_script(document: Document) -> str:
         *_assigned("poses", _poses(document, handles)),
         *_regions(document),
         *obstacle_lines(document),
-        *(_assigned("shifts", _array(shifts_of(document))) if document.has_obstacles else ()),
+        *(_assigned("shifts", _array(obstacle_shifts(document))) if document.has_active_obstacles else ()),
         _TARGETS.rstrip(),
         *_deformed(document, handles),
         f"apd_viewer.save_mesh(mesh, result.U, {_target(document)!r})",
@@ -90,10 +90,10 @@ def python_script(document: Document) -> str:
 
 
 def _check(document: Document) -> None:
-    if document.problem:
-        raise InputError(document.problem)
+    if document.paint_problem:
+        raise InputError(document.paint_problem)
     mesh = document.mesh
-    if mesh.path is None or isinstance(mesh.origin, Baked):
+    if mesh.path is None or isinstance(mesh.origin, BakedOrigin):
         raise InputError(
             tr("The rest shape is not in a file; reset the handles, export the mesh and open the file.")
         )
@@ -162,18 +162,18 @@ def _poses(document: Document, handles: list[int]) -> str:
 
 
 def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
-    settings = settings_of(document)
-    pushes = document.has_obstacles
+    settings = settings_arguments(document)
+    pushes = document.has_active_obstacles
     shifts = ", shifts=shifts" if pushes else ""
-    if not document.winds:
+    if not document.has_half_turn:
         yield _AT_ONCE.format(settings=settings, shifts=shifts).rstrip()
         return
     yield ""
     yield "# A turn of more than 180 degrees goes in steps."
-    steps = list(on_the_way(document))
+    steps = list(intermediate_documents(document))
     yield from _assigned("way", f"[{', '.join(_poses(step, handles) for step in steps)}]")
     if pushes:
-        yield from _assigned("shifts_on_the_way", _array(np.array([shifts_of(step) for step in steps])))
+        yield from _assigned("shifts_on_the_way", _array(np.array([obstacle_shifts(step) for step in steps])))
     yield _IN_STEPS.format(
         settings=settings,
         shifts=shifts,

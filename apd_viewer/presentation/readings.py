@@ -9,11 +9,17 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.bounding_boxes import compactness
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.geometry.pose.frame import MET
-from apd_viewer.geometry.pose.winding import signed_angle
-from apd_viewer.language import listed, tr, trc
-from apd_viewer.presentation.number_format import grouped, length, short, signed, significant
-from apd_viewer.session.model.status_text import about_caps
+from apd_viewer.geometry.pose.frame import TARGET_ACCURACY
+from apd_viewer.geometry.pose.waypoint_path import signed_angle
+from apd_viewer.language import comma_separated, tr, trc
+from apd_viewer.presentation.number_format import (
+    format_grouped,
+    format_length,
+    format_short,
+    format_signed,
+    format_significant,
+)
+from apd_viewer.session.model.status_text import caps_phrase
 from apd_viewer.session.model.targets import kept_percentages
 
 if TYPE_CHECKING:
@@ -25,15 +31,15 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
-NOTHING, LATER = "–", "…"
-DISTANCES = (tr("Largest"), "largest"), (tr("RMS"), "rms"), (tr("Mean"), "mean")
+NO_VALUE, PENDING = "–", "…"
+DISTANCE_COLUMNS = (tr("Largest"), "largest"), (tr("RMS"), "rms"), (tr("Mean"), "mean")
 _ALIGNED = math.cos(math.radians(1.0))  # between a rotation and the axis of a twist
 _KEPT = 1e-6  # tolerance of a region's target, in percent of its rest area
 
 
 def area_percent(state: State) -> str:
     """Area in percent of the rest area."""
-    return f"{grouped(100 * (1 + state.frame.area_error), 3)} %"
+    return f"{format_grouped(100 * (1 + state.frame.area_error), 3)} %"
 
 
 def area(state: State, unit: Unit) -> str:
@@ -43,31 +49,33 @@ def area(state: State, unit: Unit) -> str:
 
 def _of_rest(now: float, rest: float, unit: Unit, power: int) -> str:
     """Two areas or volumes, in one unit that suits both."""
-    larger, factor = unit.legible(max(now, rest, key=abs), power)
-    said = tr("{now} of {rest}").format(now=significant(factor * now), rest=significant(factor * rest))
-    return larger.area(said) if power == 2 else larger.volume(said)
+    larger, factor = unit.legible_unit(max(now, rest, key=abs), power)
+    said = tr("{now} of {rest}").format(
+        now=format_significant(factor * now), rest=format_significant(factor * rest)
+    )
+    return larger.format_area(said) if power == 2 else larger.format_volume(said)
 
 
-def verdict(state: State) -> str:
+def area_verdict(state: State) -> str:
     """Change of the total area, compared with its target."""
-    document, change = state.document, signed(100 * state.frame.area_error, 3)
+    document, change = state.document, format_signed(100 * state.frame.area_error, 3)
     asked = kept_percentages(document)[0]
     if asked is None:
         return f"{change} %"
     wanted = asked / 100.0
     miss = abs(1.0 + state.frame.area_error - wanted)
-    if document.traits.has_tolerance:
-        near, tolerance = miss <= document.tolerance * wanted, short(100 * document.tolerance)
+    if document.method_traits.has_tolerance:
+        near, tolerance = miss <= document.tolerance * wanted, format_short(100 * document.tolerance)
         if asked == 100.0:
             said = tr("{change} %, within {tolerance} %") if near else tr("{change} %, outside {tolerance} %")
         elif near:
             said = tr("{change} %, within {tolerance} % of {asked} %")
         else:
             said = tr("{change} %, outside {tolerance} % of {asked} %")
-        return said.format(change=change, tolerance=tolerance, asked=short(asked))
-    if miss > MET * wanted:
+        return said.format(change=change, tolerance=tolerance, asked=format_short(asked))
+    if miss > TARGET_ACCURACY * wanted:
         return tr("{change} %, target {asked} %").format(
-            change=change, asked=signed(asked - 100.0, 3, brief=True)
+            change=change, asked=format_signed(asked - 100.0, 3, brief=True)
         )
     return (
         tr("{change} %, exact").format(change=change)
@@ -79,22 +87,24 @@ def verdict(state: State) -> str:
 def distances(found: SurfaceDistance | None, unit: Unit, size: float) -> tuple[str, ...]:
     """Largest, RMS and mean distance of a mesh of this size; dashes if unknown."""
     if found is None:
-        return (NOTHING,) * len(DISTANCES)
-    return tuple(unit.length(length(getattr(found, name), size)) for _, name in DISTANCES)
+        return (NO_VALUE,) * len(DISTANCE_COLUMNS)
+    return tuple(
+        unit.format_length(format_length(getattr(found, name), size)) for _, name in DISTANCE_COLUMNS
+    )
 
 
 def local_change(state: State) -> str:
     """Largest local area change."""
     change = state.frame.local_change
-    return f"{short(100 * change)} %" if change > MET else "0 %"
+    return f"{format_short(100 * change)} %" if change > TARGET_ACCURACY else "0 %"
 
 
-class Volume(NamedTuple):
+class VolumeReadingText(NamedTuple):
     """Volume change, volume and rest volume or the reason for none, and a remark."""
 
     change: str
-    sizes: str
-    more: tuple[str, ...] = ()
+    volumes: str
+    remarks: tuple[str, ...] = ()
 
 
 def volumes(frame: Frame, rest: Inspection) -> tuple[float | None, float | None]:
@@ -104,29 +114,31 @@ def volumes(frame: Frame, rest: Inspection) -> tuple[float | None, float | None]
     return frame.volume_capped, rest.volume_capped
 
 
-def volume(state: State, unit: Unit) -> Volume:
+def volume(state: State, unit: Unit) -> VolumeReadingText:
     """Volume of the shape in words; of an open surface with capped openings."""
     inspection, capped = state.inspection, state.inspection.volume_capped is not None
     now, rest = volumes(state.frame, inspection)
     if not rest or now is None:
-        why = inspection.nothing_to_keep
-        return Volume(trc("volume", "none"), tr("{reason}.").format(reason=why[0].upper() + why[1:]))
-    change = signed(100 * (now / rest - 1), 2)
-    said = tr("unchanged") if change == signed(0.0, 2) else f"{change} %"
-    lines = [about_caps(inspection.openings)] if capped else []  # never without a word
-    litres, at_rest = unit.litres(now), unit.litres(rest)
+        why = inspection.missing_volume_phrase
+        return VolumeReadingText(
+            trc("volume", "none"), tr("{reason}.").format(reason=why[0].upper() + why[1:])
+        )
+    change = format_signed(100 * (now / rest - 1), 2)
+    said = tr("unchanged") if change == format_signed(0.0, 2) else f"{change} %"
+    lines = [caps_phrase(inspection.openings)] if capped else []  # never without a word
+    litres, at_rest = unit.to_litres(now), unit.to_litres(rest)
     if litres is not None and at_rest is not None:
-        symbol, factor = unit.capacity(at_rest)
-        now_, rest_ = significant(factor * litres, 4), significant(factor * at_rest, 4)
+        symbol, factor = unit.capacity_unit(at_rest)
+        now_, rest_ = format_significant(factor * litres, 4), format_significant(factor * at_rest, 4)
         lines.insert(0, tr("{now} of {rest}").format(now=now_, rest=rest_) + f"\u00a0{symbol}")
-    return Volume(
+    return VolumeReadingText(
         tr("{change}, capped").format(change=said) if capped else said,
         _of_rest(now, rest, unit, 3),
         tuple(lines),
     )
 
 
-class ContactWords(NamedTuple):
+class ContactReadingText(NamedTuple):
     """Pairs in contact, their least gap, and the share of the way gone."""
 
     pairs: str
@@ -134,57 +146,57 @@ class ContactWords(NamedTuple):
     share: str
 
 
-def contact(state: State, unit: Unit) -> ContactWords:
+def contact(state: State, unit: Unit) -> ContactReadingText:
     """Contact of the shape with itself in words; dots while unknown."""
     touch = state.frame.contact
-    share = NOTHING if state.is_at_rest else f"{math.floor(100.0 * state.frame.share_reached)} %"
+    share = NO_VALUE if state.is_at_rest else f"{math.floor(100.0 * state.frame.share_reached)} %"
     if touch is None and not state.is_at_rest:
-        return ContactWords(LATER, LATER, LATER)
+        return ContactReadingText(PENDING, PENDING, PENDING)
     if touch is None or touch.least_gap is None:
-        return ContactWords(trc("pairs in contact", "none"), NOTHING, share)
-    gap = unit.length(length(touch.least_gap, max(state.inspection.size)))
-    return ContactWords(grouped(touch.pairs, 0), gap, share)
+        return ContactReadingText(trc("pairs in contact", "none"), NO_VALUE, share)
+    gap = unit.format_length(format_length(touch.least_gap, max(state.inspection.size)))
+    return ContactReadingText(format_grouped(touch.pairs, 0), gap, share)
 
 
-def compact(state: State) -> tuple[str, str]:
+def compactness_text(state: State) -> tuple[str, str]:
     """Compactness of a closed shape, and its change."""
     rest, now = state.inspection, state.frame
     if not rest.volume or now.volume is None or not now.area > 0.0:
-        return NOTHING, ""
+        return NO_VALUE, ""
     value = compactness(now.volume, now.area)
-    return grouped(value, 3), change_of(value, compactness(rest.volume, rest.area))
+    return format_grouped(value, 3), change_percent(value, compactness(rest.volume, rest.area))
 
 
 def extent(found: ShapeCheck | None, unit: Unit) -> str:
     """Sides of the bounding box along the axes."""
     if found is None or math.isnan(found.packed):
-        return LATER if found is None else NOTHING
-    return unit.length(" × ".join(short(side) for side in found.size))
+        return PENDING if found is None else NO_VALUE
+    return unit.format_length(" × ".join(format_short(side) for side in found.size))
 
 
-def room(volume: float | None, at_rest: float | None, unit: Unit) -> tuple[str, str]:
+def box_volume(volume: float | None, rest_volume: float | None, unit: Unit) -> tuple[str, str]:
     """Volume of a box around the shape, and its change; None if not measured yet."""
     if volume is None:
-        return LATER, ""
-    larger, factor = unit.legible(volume, 3)
-    written = NOTHING if math.isnan(volume) else larger.volume(significant(factor * volume, 4))
-    return written, "" if at_rest is None else change_of(volume, at_rest)
+        return PENDING, ""
+    larger, factor = unit.legible_unit(volume, 3)
+    written = NO_VALUE if math.isnan(volume) else larger.format_volume(format_significant(factor * volume, 4))
+    return written, "" if rest_volume is None else change_percent(volume, rest_volume)
 
 
-def change_of(now: float, rest: float) -> str:
+def change_percent(now: float, rest: float) -> str:
     """Change from rest in percent; empty if unknown."""
     if not rest > 0.0 or math.isnan(now):
         return ""
-    return f"{signed(100.0 * (now / rest - 1.0), 1)} %"
+    return f"{format_signed(100.0 * (now / rest - 1.0), 1)} %"
 
 
-def material(state: State) -> float | None:
+def material_volume(state: State) -> float | None:
     """Volume of the material of a double wall, cubic mesh units; None without one."""
     wall = state.inspection.double_wall
     return None if wall is None else wall.material
 
 
-def two_walls(state: State, unit: Unit) -> str:
+def double_wall(state: State, unit: Unit) -> str:
     """Material and capacity of a double wall in words; empty without one."""
     wall = state.inspection.double_wall
     if wall is None:
@@ -194,26 +206,26 @@ def two_walls(state: State, unit: Unit) -> str:
 
 
 def _capacity(volume: float, unit: Unit) -> str:
-    litres = unit.litres(volume)
+    litres = unit.to_litres(volume)
     if litres is None:
-        return significant(volume, 4)
-    symbol, factor = unit.capacity(litres)
-    return f"{significant(factor * litres, 4)}\u00a0{symbol}"
+        return format_significant(volume, 4)
+    symbol, factor = unit.capacity_unit(litres)
+    return f"{format_significant(factor * litres, 4)}\u00a0{symbol}"
 
 
-def weight(grams: float | None, unit: Unit) -> str:
+def mass(grams: float | None, unit: Unit) -> str:
     """Mass in a suitable unit."""
     if grams is None:
-        return NOTHING
-    symbol, factor = unit.mass(grams)
-    return f"{significant(grams * factor, 4)}\u00a0{symbol}"
+        return NO_VALUE
+    symbol, factor = unit.mass_unit(grams)
+    return f"{format_significant(grams * factor, 4)}\u00a0{symbol}"
 
 
 def drift(state: State, unit: Unit) -> str:
     """Drift of the handles."""
-    if not state.document.counts[HANDLE:].any():
-        return NOTHING
-    return unit.length(length(state.frame.handle_drift, max(state.inspection.size)))
+    if not state.document.label_counts[HANDLE:].any():
+        return NO_VALUE
+    return unit.format_length(format_length(state.frame.handle_drift, max(state.inspection.size)))
 
 
 def motion(state: State, k: int, unit: Unit) -> str:
@@ -222,53 +234,64 @@ def motion(state: State, k: int, unit: Unit) -> str:
     While contact lets it lag behind, what it was asked for and what it has reached.
     """
     document, frame = state.document, state.frame
-    if not document.counts[HANDLE + k]:
+    if not document.label_counts[HANDLE + k]:
         return tr("Paint it with Paint handle")
     size, reached = float(max(state.inspection.size)), None
     asked = _amounts(document, k, unit, size)
     if frame.share_reached < 1.0:
-        from apd_viewer.session.posing.regripping import come  # Here: SciPy comes with it, as below.
+        # Here: SciPy comes with it, as below.
+        from apd_viewer.session.posing.regripping import reached_handle
 
-        reached = _amounts(document.with_handle(k, come(document, k, frame)), k, unit, size)
+        reached = _amounts(document.with_handle(k, reached_handle(document, k, frame)), k, unit, size)
     said = tr("twisted {angle}°") if asked.twists else tr("rotated {angle}°")
     parts = (
-        (tr("moved {length}").format(length=asked.way), asked.way, unit.length("0"), reached and reached.way),
-        (said.format(angle=asked.angle[:-1]), asked.angle, f"{signed(0.0, 1)}°", reached and reached.angle),
+        (
+            tr("moved {length}").format(length=asked.displacement),
+            asked.displacement,
+            unit.format_length("0"),
+            reached and reached.displacement,
+        ),
+        (
+            said.format(angle=asked.angle[:-1]),
+            asked.angle,
+            f"{format_signed(0.0, 1)}°",
+            reached and reached.angle,
+        ),
         (
             tr("scaled by {factors}").format(factors=asked.scale),
             asked.scale,
-            grouped(1.0, 2),
+            format_grouped(1.0, 2),
             reached and reached.scale,
         ),
     )
-    still = state.is_away(k) and not document.from_rest.handles[k].is_moved
+    still = state.is_handle_moved(k) and not document.relative_to_rest.handles[k].is_moved
     unmoved = tr("not moved since it was painted") if still else tr("at rest")
-    return listed(text for part in parts if (text := _asked_and_reached(*part))) or unmoved
+    return comma_separated(text for part in parts if (text := _requested_and_reached(*part))) or unmoved
 
 
-def _asked_and_reached(said: str, asked: str, none: str, reached: str | None) -> str:
+def _requested_and_reached(names: str, requested: str, none: str, reached: str | None) -> str:
     """A part of a motion in words; empty for none."""
-    if reached in (None, asked):
-        return said if asked != none else ""
-    return tr("{motion}, reached {amount}").format(motion=said, amount=reached)
+    if reached in (None, requested):
+        return names if requested != none else ""
+    return tr("{motion}, reached {amount}").format(motion=names, amount=reached)
 
 
 class _Amounts(NamedTuple):
     """Amounts of a motion in words, and its kind of rotation."""
 
-    way: str
+    displacement: str
     angle: str
     scale: str
     twists: bool
 
 
 def _amounts(document: Document, k: int, unit: Unit, size: float) -> _Amounts:
-    document = document.from_rest
+    document = document.relative_to_rest
     handle, centre = document.handles[k], document.centre(k)
     assert centre is not None
     now = handle.pose[:3, :3] @ centre + handle.pose[:3, 3]
-    way = unit.length(length(float(np.linalg.norm(now - centre)), size))
-    scale = grouped(float(np.cbrt(np.linalg.det(handle.pose[:3, :3]))), 2)
+    way = unit.format_length(format_length(float(np.linalg.norm(now - centre)), size))
+    scale = format_grouped(float(np.cbrt(np.linalg.det(handle.pose[:3, :3]))), 2)
     angle, twists = _rotation(document, k, now)
     return _Amounts(way, f"{angle}°", scale, twists)
 
@@ -281,14 +304,14 @@ def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool
     from apd_viewer.session.model import memo  # Here: SciPy comes with it, and the first picture needs none.
 
     handle = document.handles[k]
-    rotation, lines = handle.rotation, [] if handle.line is None else [handle.line]
-    if document.counts[BASE]:
-        lines.append(centre - memo.centre(document.labels, document.grip, BASE))
+    rotation, lines = handle.rotation, [] if handle.former_twist_axis is None else [handle.former_twist_axis]
+    if document.label_counts[BASE]:
+        lines.append(centre - memo.label_centre(document.labels, document.grip, BASE))
     for axis in lines:
         along = float(rotation @ axis)
         if abs(along) > _ALIGNED * float(np.linalg.norm(rotation) * np.linalg.norm(axis)):
-            return signed(math.degrees(math.copysign(float(np.linalg.norm(rotation)), along)), 1), True
-    return signed(math.degrees(signed_angle(rotation)), 1), False
+            return format_signed(math.degrees(math.copysign(float(np.linalg.norm(rotation)), along)), 1), True
+    return format_signed(math.degrees(signed_angle(rotation)), 1), False
 
 
 def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
@@ -296,9 +319,9 @@ def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
     document, said = state.document, []
     rest, targets = document.rest_areas, [region.area for region in document.regions]
     for at_rest, now, target in zip(rest, state.frame.regions, targets, strict=False):
-        part = f"{grouped(100 * now / at_rest, 2)} %" if at_rest > 0.0 else tr("empty")
+        part = f"{format_grouped(100 * now / at_rest, 2)} %" if at_rest > 0.0 else tr("empty")
         kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
-        if kept and not document.traits.keeps_only_total_area:
+        if kept and not document.method_traits.keeps_only_total_area:
             part = tr("{area}, kept").format(area=part)
         said.append((part, _of_rest(now, at_rest, unit, 2)))
     return said

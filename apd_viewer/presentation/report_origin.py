@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from importlib import metadata
 from typing import TYPE_CHECKING
 
-from apd_viewer.files.html_page import Attached, Block, Command, Note, Table
+from apd_viewer.files.html_page import PageAttachment, PageBlock, PageCommand, PageNote, PageTable
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
-from apd_viewer.presentation.number_format import grouped, short
+from apd_viewer.presentation.number_format import format_grouped, format_short
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ _LIBRARIES = (
 
 
 @dataclass(frozen=True, eq=False)
-class Evidence:
+class ReportReadings:
     """Slow measurements for a report.
 
     Attributes
@@ -46,17 +46,17 @@ class Evidence:
         None where the mesh came from no file.
     session : bytes
         A session with all of it, as a file; empty where it is too long.
-    apart : dict of str to float, or None
+    target_distances : dict of str to float, or None
         Distances from the target shape: see :func:`apd_viewer.files.report.apart_of`.
     """
 
     change: LocalChange
     file: Fingerprint | None
     session: bytes
-    apart: dict[str, float] | None
+    target_distances: dict[str, float] | None
 
 
-def mesh_blocks(state: State, unit: Unit, file: Fingerprint | None) -> Iterator[Block]:
+def mesh_blocks(state: State, unit: Unit, file: Fingerprint | None) -> Iterator[PageBlock]:
     """Blocks on the mesh file and its contents."""
     mesh, found = state.document.mesh, state.inspection
     rows = [(tr("File"), tr("none: the mesh was in memory") if file is None else file.place, "")]
@@ -67,13 +67,13 @@ def mesh_blocks(state: State, unit: Unit, file: Fingerprint | None) -> Iterator[
         rows.append((tr("SHA-256 of the file"), file.sha256, ""))
     rows += [
         (tr("Mesh digest"), mesh.digest, tr("SHA-256 of positions and triangles at rest")),
-        (tr("Vertices"), grouped(found.vertices, 0), ""),
-        (tr("Faces"), grouped(found.faces, 0), ""),
-        (tr("Connected parts"), grouped(found.pieces, 0), ""),
-        (tr("Size at rest"), unit.length(" × ".join(short(side) for side in found.size)), ""),
+        (tr("Vertices"), format_grouped(found.vertices, 0), ""),
+        (tr("Faces"), format_grouped(found.faces, 0), ""),
+        (tr("Connected parts"), format_grouped(found.components, 0), ""),
+        (tr("Size at rest"), unit.format_length(" × ".join(format_short(side) for side in found.size)), ""),
         (tr("Unit of length"), unit.title, tr("a guess that nobody confirmed") if unit.is_guess else ""),
     ]
-    yield Table(tuple(rows))
+    yield PageTable(tuple(rows))
 
 
 def version_rows() -> Iterator[tuple[str, str, str]]:
@@ -90,23 +90,27 @@ def version_of(name: str) -> str:
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
-        return readings.NOTHING
+        return readings.NO_VALUE
 
 
-def repeat_blocks(state: State, evidence: Evidence) -> Iterator[Block]:
+def reproduction_blocks(state: State, readings: ReportReadings) -> Iterator[PageBlock]:
     """Instructions to reproduce the shape from the session in the page."""
     mesh = state.document.mesh
     suffix = mesh.origin.suffix if mesh.origin is not None else ".obj"
-    if evidence.session:
-        size = tr("{n:,} bytes").format(n=len(evidence.session))
-        yield Note(tr("This session contains the mesh, the settings and the shape; open it with APD Viewer."))
-        yield Attached("report.apd", evidence.session, size)
+    if readings.session:
+        size = tr("{n:,} bytes").format(n=len(readings.session))
+        yield PageNote(
+            tr("This session contains the mesh, the settings and the shape; open it with APD Viewer.")
+        )
+        yield PageAttachment("report.apd", readings.session, size)
     else:
-        yield Note(tr("The session is too large for this page; save it as report.apd, including the mesh."))
-    yield Note(
+        yield PageNote(
+            tr("The session is too large for this page; save it as report.apd, including the mesh.")
+        )
+    yield PageNote(
         tr(
             "This command repeats the deformation from the rest shape without a window; a large "
             "motion made in steps may end in another shape."
         )
     )
-    yield Command(f"apd-viewer replay report.apd --from-rest -o deformed{suffix} --report deformed.json")
+    yield PageCommand(f"apd-viewer replay report.apd --from-rest -o deformed{suffix} --report deformed.json")

@@ -8,24 +8,28 @@ from datetime import datetime
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.html_page import Block, Note, Page, PageSection, PictureRow, Table
+from apd_viewer.files.html_page import Page, PageBlock, PageNote, PagePictureRow, PageSection, PageTable
 from apd_viewer.language import tr, trn
-from apd_viewer.presentation import measurement_words, readings, report_settings
-from apd_viewer.presentation.number_format import length, short
+from apd_viewer.presentation import measurement_text, readings, report_settings
+from apd_viewer.presentation.number_format import format_length, format_short
 from apd_viewer.presentation.report_origin import (
-    Evidence,
+    ReportReadings,
     mesh_blocks,
-    repeat_blocks,
+    reproduction_blocks,
     version_of,
     version_rows,
 )
-from apd_viewer.presentation.report_volumes import reduction_block
-from apd_viewer.session.model.status_text import of_crossings, of_exempt, of_passing
+from apd_viewer.presentation.report_volumes import volumes_block
+from apd_viewer.session.model.status_text import (
+    crossing_findings,
+    exempt_zone_findings,
+    self_passing_warnings,
+)
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_mass import Wall, mass
+from apd_viewer.session.quantities.wall_mass import Wall, wall_mass
 
 if TYPE_CHECKING:
-    from apd_viewer.files.html_page import Drawing
+    from apd_viewer.files.html_page import PageDrawing
     from apd_viewer.geometry.analysis.area_change import LocalChange
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.session.measurement_readings import MeasurementReading
@@ -33,7 +37,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
+class ReportSubject:
     """Subject of a report: state, view and measurements.
 
     Attributes
@@ -41,77 +45,86 @@ class Subject:
     state : State
     unit : Unit
     wall : Wall
-    found, at_rest : ShapeCheck
+    shape_check, rest_check : ShapeCheck
         Of the shape, and of the mesh at rest.
-    moment : datetime
+    requested_at : datetime
         When it was asked for.
-    measured : sequence of MeasurementReading
+    measurements : sequence of MeasurementReading
     """
 
     state: State
     unit: Unit
     wall: Wall
-    found: ShapeCheck
-    at_rest: ShapeCheck
-    moment: datetime
-    measured: Sequence[MeasurementReading] = ()
+    shape_check: ShapeCheck
+    rest_check: ShapeCheck
+    requested_at: datetime
+    measurements: Sequence[MeasurementReading] = ()
 
 
-def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogram: Drawing | None) -> Page:
+def report_page(
+    subject: ReportSubject, evidence: ReportReadings, pictures: PagePictureRow, histogram: PageDrawing | None
+) -> Page:
     """Build the whole report."""
     state, unit = subject.state, subject.unit
-    checks = subject.at_rest, subject.found
-    date = subject.moment.strftime("%Y-%m-%d %H:%M")
+    checks = subject.rest_check, subject.shape_check
+    date = subject.requested_at.strftime("%Y-%m-%d %H:%M")
     parts = [
-        PageSection(tr("Shape"), (*_warnings(state, subject.found), pictures), wide=True),
-        PageSection(tr("Area"), (Table(tuple(_area(state, unit))),)),
-        PageSection(tr("Volume"), (Table(tuple(_volume(subject))),)),
+        PageSection(tr("Shape"), (*_warnings(state, subject.shape_check), pictures), is_wide=True),
+        PageSection(tr("Area"), (PageTable(tuple(_area(state, unit))),)),
+        PageSection(tr("Volume"), (PageTable(tuple(_volume(subject))),)),
         PageSection(tr("Size and mass"), tuple(_size(subject))),
-        *_target_shape(state, unit, evidence.apart),
+        *_target_shape(state, unit, evidence.target_distances),
         *_measurements(subject),
         PageSection(tr("Settings and targets"), tuple(report_settings.settings_blocks(state, unit))),
-        PageSection(tr("Handles"), (Table(tuple(report_settings.handle_rows(state, unit, subject.found))),)),
+        PageSection(
+            tr("Handles"), (PageTable(tuple(report_settings.handle_rows(state, unit, subject.shape_check))),)
+        ),
         PageSection(tr("Obstacles"), tuple(report_settings.obstacle_blocks(state, unit))),
         PageSection(tr("Regions"), tuple(report_settings.region_blocks(state, unit))),
-        PageSection(tr("Volume reduction"), (reduction_block(state, unit, subject.wall, checks),), wide=True),
-        PageSection(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), wide=True),
-        PageSection(tr("Mesh check"), tuple(_findings(subject)), wide=True),
+        PageSection(
+            tr("Volume reduction"), (volumes_block(state, unit, subject.wall, checks),), is_wide=True
+        ),
+        PageSection(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), is_wide=True),
+        PageSection(tr("Mesh check"), tuple(_findings(subject)), is_wide=True),
         PageSection(tr("Mesh and file"), tuple(mesh_blocks(state, unit, evidence.file))),
-        PageSection(tr("Versions"), (Table(tuple(version_rows())),)),
-        PageSection(tr("How to reproduce it"), tuple(repeat_blocks(state, evidence)), wide=True),
+        PageSection(tr("Versions"), (PageTable(tuple(version_rows())),)),
+        PageSection(tr("How to reproduce it"), tuple(reproduction_blocks(state, evidence)), is_wide=True),
     ]
     name = state.document.mesh.name
     return Page(
         title=name,
         subtitle=tr("Report of a deformation, {date}").format(date=date),
-        hero=(readings.area_percent(state), tr("area: {verdict}").format(verdict=readings.verdict(state))),
-        parts=tuple(parts),
-        foot=tr("Created with APD Viewer {version}.").format(version=version_of("apd-viewer")),
+        hero=(
+            readings.area_percent(state),
+            tr("area: {verdict}").format(verdict=readings.area_verdict(state)),
+        ),
+        sections=tuple(parts),
+        footer=tr("Created with APD Viewer {version}.").format(version=version_of("apd-viewer")),
     )
 
 
-def _warnings(state: State, found: ShapeCheck | None) -> Iterator[Block]:
+def _warnings(state: State, found: ShapeCheck | None) -> Iterator[PageBlock]:
     if not state.frame.settled:
-        yield Note(tr("The shape had not converged when this report was created."), warns=True)
+        yield PageNote(tr("The shape had not converged when this report was created."), is_warning=True)
     if state.frame.unreached:
-        yield Note(state.frame.unreached, warns=True)
-    for sentence in of_passing(state, found):
-        yield Note(sentence, warns=True)
+        yield PageNote(state.frame.unreached, is_warning=True)
+    for sentence in self_passing_warnings(state, found):
+        yield PageNote(sentence, is_warning=True)
 
 
 def _area(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
     yield tr("Area"), readings.area_percent(state), readings.area(state, unit)
-    yield tr("Change"), readings.verdict(state), ""
+    yield tr("Change"), readings.area_verdict(state), ""
     yield tr("Largest local area change"), readings.local_change(state), ""
 
 
-def _volume(subject: Subject) -> Iterator[tuple[str, str, str]]:
+def _volume(subject: ReportSubject) -> Iterator[tuple[str, str, str]]:
     said = readings.volume(subject.state, subject.unit)
-    yield tr("Volume"), said.change, said.sizes
-    for line in said.more:
+    yield tr("Volume"), said.change, said.volumes
+    for line in said.remarks:
         yield "", line, ""
-    yield tr("Self-intersections"), _crossing(subject.found), ""
-    if subject.state.keeps_apart:
+    yield tr("Self-intersections"), _crossing(subject.shape_check), ""
+    if subject.state.is_contact_active:
         touch = readings.contact(subject.state, subject.unit)
         yield tr("Pairs in contact"), touch.pairs, ""
         yield tr("Least gap"), touch.least_gap, ""
@@ -125,39 +138,39 @@ def _crossing(found: ShapeCheck) -> str:
     return trn("{n:,} triangle", "{n:,} triangles", n).format(n=n) if n else tr("none")
 
 
-def _measurements(subject: Subject) -> Iterator[PageSection]:
-    if subject.measured:
-        rows = measurement_words.report_rows(subject.measured, subject.unit)
-        yield PageSection(tr("Measurements"), (Table(rows),))
+def _measurements(subject: ReportSubject) -> Iterator[PageSection]:
+    if subject.measurements:
+        rows = measurement_text.measurement_report_rows(subject.measurements, subject.unit)
+        yield PageSection(tr("Measurements"), (PageTable(rows),))
 
 
-def _size(subject: Subject) -> Iterator[Block]:
-    state, unit, found, rest = subject.state, subject.unit, subject.found, subject.at_rest
+def _size(subject: ReportSubject) -> Iterator[PageBlock]:
+    state, unit, found, rest = subject.state, subject.unit, subject.shape_check, subject.rest_check
     extent = readings.extent(found, unit), ""
-    box = readings.room(found.box, rest.box, unit)
-    packed = readings.room(found.packed, rest.packed, unit)
+    box = readings.box_volume(found.box, rest.box, unit)
+    packed = readings.box_volume(found.packed, rest.packed, unit)
     try:
         grams, problem = (
-            mass(subject.wall, state.frame.area, unit, readings.material(state)),
-            readings.two_walls(state, unit),
+            wall_mass(subject.wall, state.frame.area, unit, readings.material_volume(state)),
+            readings.double_wall(state, unit),
         )
     except InputError as error:
         grams, problem = None, str(error)
-    yield Table(
+    yield PageTable(
         (
             (tr("Bounding box"), *extent),
             (tr("Bounding box volume"), *box),
             (tr("Smallest box volume"), *packed),
-            (tr("Compactness"), *readings.compact(state)),
-            (tr("Wall"), subject.wall.written(unit) or readings.NOTHING, ""),
-            (tr("Mass"), readings.weight(grams, unit), problem),
+            (tr("Compactness"), *readings.compactness_text(state)),
+            (tr("Wall"), subject.wall.text(unit) or readings.NO_VALUE, ""),
+            (tr("Mass"), readings.mass(grams, unit), problem),
         )
     )
 
 
 def _target_shape(state: State, unit: Unit, apart: dict[str, float] | None) -> Iterator[PageSection]:
     """Section on the target shape, if there is one."""
-    target, size = state.document.target, max(state.inspection.size)
+    target, size = state.document.target_shape, max(state.inspection.size)
     if target is None or apart is None:
         return
     rows = [(tr("File"), target.mesh.name, "")]
@@ -168,13 +181,17 @@ def _target_shape(state: State, unit: Unit, apart: dict[str, float] | None) -> I
     ):
         if f"rms_distance{suffix}" in apart:
             rows += [
-                (title.format(what=what), unit.length(length(apart[f"{name}_distance{suffix}"], size)), "")
-                for what, name in readings.DISTANCES
+                (
+                    title.format(what=what),
+                    unit.format_length(format_length(apart[f"{name}_distance{suffix}"], size)),
+                    "",
+                )
+                for what, name in readings.DISTANCE_COLUMNS
             ]
-    yield PageSection(tr("Target shape"), (Table(tuple(rows)),))
+    yield PageSection(tr("Target shape"), (PageTable(tuple(rows)),))
 
 
-def _local_change(change: LocalChange, histogram: Drawing | None) -> Iterator[Block]:
+def _local_change(change: LocalChange, histogram: PageDrawing | None) -> Iterator[PageBlock]:
     if histogram is not None:
         yield histogram
     rows = (
@@ -182,15 +199,15 @@ def _local_change(change: LocalChange, histogram: Drawing | None) -> Iterator[Bl
         (tr("99 % of the surface within"), change.p99),
         (tr("Largest"), change.largest),
     )
-    yield Table(tuple((name, f"{short(100.0 * value)} %", "") for name, value in rows))
+    yield PageTable(tuple((name, f"{format_short(100.0 * value)} %", "") for name, value in rows))
 
 
-def _findings(subject: Subject) -> Iterator[Block]:
-    state, found = subject.state, subject.found
-    crossings = of_crossings(state.document.mesh, found.crossing)
-    rest = subject.at_rest.crossing if state.keeps_apart else None
-    findings = *state.inspection.findings, *of_exempt(state.document.mesh, rest), *crossings
+def _findings(subject: ReportSubject) -> Iterator[PageBlock]:
+    state, found = subject.state, subject.shape_check
+    crossings = crossing_findings(state.document.mesh, found.crossing)
+    rest = subject.rest_check.crossing if state.is_contact_active else None
+    findings = *state.inspection.findings, *exempt_zone_findings(state.document.mesh, rest), *crossings
     for finding in findings:
-        yield Note(finding.sentence)
+        yield PageNote(finding.sentence)
     if not findings:
-        yield Note(tr("No issues"))
+        yield PageNote(tr("No issues"))

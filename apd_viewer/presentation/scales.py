@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.pose.frame import MET
+from apd_viewer.geometry.pose.frame import TARGET_ACCURACY
 from apd_viewer.language import tr
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL, ColorMap
-from apd_viewer.presentation.number_format import round_step, short
+from apd_viewer.presentation.number_format import format_short, round_step
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
@@ -43,15 +43,15 @@ class ScaleKind(Enum):
         """Unit behind a displayed number."""
         if self in (ScaleKind.RATIO, ScaleKind.SHARE):
             return "\u00a0%"
-        return unit.curvature("") if self is ScaleKind.CURVATURE else unit.length("")
+        return unit.format_curvature("") if self is ScaleKind.CURVATURE else unit.format_length("")
 
 
-class Words(NamedTuple):
+class MeasureTraits(NamedTuple):
     """Title and tip of a measure, and its values.
 
-    ``values(deviation, U, enough)`` are those (n,) at the vertices of a shape ``U`` (n, 3); None if
-    ``enough()`` has ended a measure that takes long. The ``note`` is written below the colours, ``without``
-    in its place where no vertex has a value.
+    ``values(deviation, U, is_cancelled)`` are those (n,) at the vertices of a shape ``U`` (n, 3); None if
+    ``is_cancelled()`` has ended a measure that takes long. The ``note`` is written below the colours,
+    ``missing_note`` in its place where no vertex has a value.
     """
 
     title: str
@@ -60,11 +60,15 @@ class Words(NamedTuple):
     kind: ScaleKind
     values: Callable[[Deviation, np.ndarray, Callable[[], bool]], np.ndarray | None]
     note: str = ""
-    without: str = ""
+    missing_note: str = ""
 
-    def said(self, values: np.ndarray | None) -> str:
+    def note_for(self, values: np.ndarray | None) -> str:
         """Line below the colours of values (n,)."""
-        return self.without if self.without and values is not None and np.isnan(values).all() else self.note
+        return (
+            self.missing_note
+            if self.missing_note and values is not None and np.isnan(values).all()
+            else self.note
+        )
 
 
 class Measure(Enum):
@@ -81,14 +85,14 @@ class Measure(Enum):
     CONTACT = "contact"
 
     @property
-    def words(self) -> Words:
+    def traits(self) -> MeasureTraits:
         """Title and tip."""
         return _words()[self]
 
     @property
     def is_signed(self) -> bool:
         """True if values have a sign."""
-        return self.words.kind in (ScaleKind.RATIO, ScaleKind.CURVATURE)
+        return self.traits.kind in (ScaleKind.RATIO, ScaleKind.CURVATURE)
 
     @property
     def colors(self) -> ColorMap:
@@ -106,12 +110,12 @@ class Measure(Enum):
         return self in (Measure.CALMNESS, Measure.CONTACT)
 
     @property
-    def waits(self) -> bool:
+    def waits_for_rest(self) -> bool:
         """True if measured only when the shape stops moving."""
         return self in (Measure.DISTANCE, Measure.TARGET_DISTANCE, Measure.CALMNESS)
 
     @property
-    def lags(self) -> bool:
+    def is_delayed(self) -> bool:
         """True if measured on a thread, so that it follows a moving shape with a delay."""
         return self is Measure.CONTACT
 
@@ -121,70 +125,70 @@ def measures_of(mesh: Mesh, target: TargetShape | None) -> tuple[Measure, ...]:
     missing: tuple[Measure, ...] = ()
     if target is None:
         missing = Measure.TARGET_DISTANCE, Measure.TARGET_DISPLACEMENT
-    elif not target.corresponds(mesh):
+    elif not target.has_same_triangles(mesh):
         missing = (Measure.TARGET_DISPLACEMENT,)
     return tuple(measure for measure in Measure if measure not in missing)
 
 
-def _words() -> dict[Measure, Words]:
+def _words() -> dict[Measure, MeasureTraits]:
     return {
-        Measure.AREA: Words(
+        Measure.AREA: MeasureTraits(
             tr("Local area change"),
             tr("Colour by local area change: the most changed triangle at each vertex, compared with rest"),
             "Alt+1",
             ScaleKind.RATIO,
-            lambda deviation, U, _: deviation.area(U),
+            lambda deviation, U, _: deviation.area_change(U),
         ),
-        Measure.STRAIN: Words(
+        Measure.STRAIN: MeasureTraits(
             tr("Edge strain"),
             tr("Colour by edge strain: the largest stretch or shortening of the edges at each vertex"),
             "Alt+2",
             ScaleKind.RATIO,
-            lambda deviation, U, _: deviation.strain(U),
+            lambda deviation, U, _: deviation.edge_strain(U),
         ),
-        Measure.BENDING: Words(
+        Measure.BENDING: MeasureTraits(
             tr("Bending"),
             tr("Colour by change of mean curvature from rest: more convex or more concave"),
             "Alt+3",
             ScaleKind.CURVATURE,
             lambda deviation, U, _: deviation.bending(U),
         ),
-        Measure.DISPLACEMENT: Words(
+        Measure.DISPLACEMENT: MeasureTraits(
             tr("Displacement"),
             tr("Colour by the distance of each vertex from its rest position"),
             "Alt+4",
             ScaleKind.LENGTH,
             lambda deviation, U, _: deviation.displacement(U),
         ),
-        Measure.DISTANCE: Words(
+        Measure.DISTANCE: MeasureTraits(
             tr("Distance to rest"),
             tr("Colour by the distance from the rest surface, measured when the shape has converged"),
             "Alt+5",
             ScaleKind.LENGTH,
-            lambda deviation, U, enough: deviation.distance(U, enough),
+            lambda deviation, U, is_cancelled: deviation.rest_distance(U, is_cancelled),
         ),
-        Measure.TARGET_DISTANCE: Words(
+        Measure.TARGET_DISTANCE: MeasureTraits(
             tr("Target: closest point"),
             tr("Colour by the distance from the closest point of the target shape, when converged"),
             "Alt+6",
             ScaleKind.LENGTH,
-            lambda deviation, U, enough: deviation.target_distance(U, enough),
+            lambda deviation, U, is_cancelled: deviation.target_distance(U, is_cancelled),
         ),
-        Measure.TARGET_DISPLACEMENT: Words(
+        Measure.TARGET_DISPLACEMENT: MeasureTraits(
             tr("Target: same vertex"),
             tr("Colour by the distance of each vertex from the same vertex of the target shape"),
             "Alt+7",
             ScaleKind.LENGTH,
             lambda deviation, U, _: deviation.target_displacement(U),
         ),
-        Measure.CALMNESS: Words(
+        Measure.CALMNESS: MeasureTraits(
             tr("Calmness"),
             tr("Colour by calmness: how little of the gesture reaches each vertex, by what is painted"),
             "Alt+8",
             ScaleKind.SHARE,
             lambda deviation, *_: deviation.calmness(),
         ),
-        Measure.CONTACT: Words(
+        Measure.CONTACT: MeasureTraits(
             tr("Contact pressure"),
             tr(
                 "Colour by where walls touch and how hard: the force per area in percent of the largest; "
@@ -192,7 +196,7 @@ def _words() -> dict[Measure, Words]:
             ),
             "Alt+9",
             ScaleKind.SHARE,
-            lambda deviation, U, _: deviation.pressure(U),
+            lambda deviation, U, _: deviation.contact_pressure(U),
             tr("In percent of the largest pressure."),
             tr("Nothing is kept apart: turn on Contact in the section Method."),
         ),
@@ -224,80 +228,80 @@ class Scale:
     @property
     def end(self) -> float:
         """End of the scale in units of the measure."""
-        return self._inner(self.reach)
+        return self._to_measure_unit(self.reach)
 
     @property
-    def marks(self) -> tuple[float, ...]:
+    def tick_values(self) -> tuple[float, ...]:
         """Labelled values of the scale: its ends, and zero."""
         return (-self.end, 0.0, self.end) if self.measure.is_signed else (0.0, self.end)
 
     @property
-    def travels(self) -> bool:
+    def fits_any_size(self) -> bool:
         """True if the scale also suits a mesh of another size."""
-        return self.measure.words.kind in (ScaleKind.RATIO, ScaleKind.SHARE)
+        return self.measure.traits.kind in (ScaleKind.RATIO, ScaleKind.SHARE)
 
-    def fitted(self, span: tuple[float, float], size: float = 1.0) -> Scale:
+    def fitted_to(self, span: tuple[float, float], size: float = 1.0) -> Scale:
         """Scale fitted to the largest value of a span, up or down.
 
         Where all of that is but rounding on a mesh of this ``size``, the scale stays as it is.
         """
         reach = max(map(abs, span))
-        if self.measure.words.kind is ScaleKind.RATIO:
+        if self.measure.traits.kind is ScaleKind.RATIO:
             reach = min(math.expm1(min(reach, _MOST_GAINED)), _MOST_GAINED)
-        if reach <= _ROUNDING * usual(self.measure, size).reach:
+        if reach <= _ROUNDING * default_scale(self.measure, size).reach:
             return self
         return replace(self, reach=round_step(reach))
 
     @property
     def neutral_share(self) -> float:
         """Neutral share of the scale around its middle, 0 to 1."""
-        return self._inner(self.neutral) / self.end
+        return self._to_measure_unit(self.neutral) / self.end
 
-    def place(self, value: float) -> float:
+    def position(self, value: float) -> float:
         """Position of a value on the scale, from 0 to 1."""
         share = min(max(value / self.end, -1.0), 1.0)
         return 0.5 + 0.5 * share if self.measure.is_signed else max(share, 0.0)
 
-    def colors(self, places: np.ndarray) -> np.ndarray:
-        """RGB (k, 3) uint8 at ``places`` (k,) of the scale from 0 to 1, as on the shape."""
+    def colors(self, positions: np.ndarray) -> np.ndarray:
+        """RGB (k, 3) uint8 at ``positions`` (k,) of the scale, 0 to 1."""
         if self.measure.is_signed:
-            places = np.where(np.abs(places - 0.5) < 0.5 * self.neutral_share, 0.5, places)
-        return self.measure.colors.colors(places)
+            positions = np.where(np.abs(positions - 0.5) < 0.5 * self.neutral_share, 0.5, positions)
+        return self.measure.colors.colors(positions)
 
-    def changes(self, values: np.ndarray) -> np.ndarray:
+    def displayed_changes(self, values: np.ndarray) -> np.ndarray:
         """Displayed changes of values: of ratios 0.1 for 10 %."""
-        return np.expm1(values) if self.measure.words.kind is ScaleKind.RATIO else values
+        return np.expm1(values) if self.measure.traits.kind is ScaleKind.RATIO else values
 
-    def largest(self, span: tuple[float, float]) -> float:
+    def largest_change(self, span: tuple[float, float]) -> float:
         """End of a span that is displayed as the larger change, up or down."""
-        return span[int(np.abs(self.changes(np.array(span))).argmax())]
+        return span[int(np.abs(self.displayed_changes(np.array(span))).argmax())]
 
-    def written(self, value: float, unit: Unit) -> str:
+    def format_value(self, value: float, unit: Unit) -> str:
         """Format a value of the measure."""
         if math.isnan(value):
             return tr("no value")
-        kind = self.measure.words.kind
-        if abs(value) < (MET if kind is ScaleKind.RATIO else _NOTHING * self.end):
+        kind = self.measure.traits.kind
+        if abs(value) < (TARGET_ACCURACY if kind is ScaleKind.RATIO else _NOTHING * self.end):
             value = 0.0
         if kind is ScaleKind.RATIO:
             return f"{_number(100.0 * math.expm1(value), True)}\u00a0%"
         if kind is ScaleKind.SHARE:
             return f"{_number(100.0 * value, False)}\u00a0%"
         if kind is ScaleKind.CURVATURE:
-            return unit.curvature(_number(value, True))
-        return unit.length(_number(value, False))
+            return unit.format_curvature(_number(value, True))
+        return unit.format_length(_number(value, False))
 
-    def _inner(self, said: float) -> float:
-        return math.log1p(said) if self.measure.words.kind is ScaleKind.RATIO else said
+    def _to_measure_unit(self, value: float) -> float:
+        return math.log1p(value) if self.measure.traits.kind is ScaleKind.RATIO else value
 
 
-def usual(measure: Measure, size: float) -> Scale:
+def default_scale(measure: Measure, size: float) -> Scale:
     """Default scale for a mesh of this size."""
-    if measure.words.kind is ScaleKind.RATIO:
+    if measure.traits.kind is ScaleKind.RATIO:
         return Scale(measure, 0.1, 0.001)
-    if measure.words.kind is ScaleKind.SHARE:
+    if measure.traits.kind is ScaleKind.SHARE:
         return Scale(measure, 1.0)
-    if measure.words.kind is ScaleKind.CURVATURE:
+    if measure.traits.kind is ScaleKind.CURVATURE:
         return Scale(measure, round_step(8.0 / size), round_step(0.08 / size))
     return Scale(measure, round_step((0.25 if measure is Measure.DISPLACEMENT else 0.1) * size))
 
@@ -311,7 +315,7 @@ def span_of(values: np.ndarray | None) -> tuple[float, float] | None:
 
 def _number(value: float, signed: bool) -> str:
     """Three significant digits, or all before the point."""
-    text = short(abs(value))
+    text = format_short(abs(value))
     if not signed or value == 0.0:
         return text
     return ("+" if value > 0.0 else "−") + text

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 # From the shape to the viewer, for a mesh with +Y up.
-LOOK = (0.55, 0.28, 1.0)
+VIEW_DIRECTION = (0.55, 0.28, 1.0)
 _AT_ONCE = 1 << 18  # triangles, rows or pixels in a portion
 # Pixels are drawn twice as fine along each side as they are returned, if there are no more of them than this.
 _FINE = 512
@@ -41,7 +41,7 @@ def shape_picture(
     F: np.ndarray,
     colors: Sequence[np.ndarray | tuple[int, int, int]],
     size: int,
-    look: tuple[float, float, float] = LOOK,
+    view_direction: tuple[float, float, float] = VIEW_DIRECTION,
     up: tuple[float, float, float] = (0.0, 1.0, 0.0),
 ) -> np.ndarray:
     """Picture of shapes side by side at one scale, on nothing.
@@ -55,7 +55,7 @@ def shape_picture(
         Of the triangles of each shape.
     size : int
         Longer side of each, pixels.
-    look, up : (float, float, float)
+    view_direction, up : (float, float, float)
         From the shapes to the viewer, and what is up.
 
     Returns
@@ -64,16 +64,16 @@ def shape_picture(
         RGBA, not weighted by alpha.
     """
     finer = 2 if size <= _FINE else 1
-    axes = _axes(np.array(look), np.array(up))
+    axes = _axes(np.array(view_direction), np.array(up))
     turned = [np.einsum("ij,kj->ik", U, axes) for U in shapes]
     canvas = _canvas(turned, F, size * finer, finer)
     drawn = [_drawn(canvas, U, F, np.array(color)) for U, color in zip(turned, colors, strict=True)]
     return _coarser(np.concatenate(drawn, axis=1), finer)
 
 
-def _axes(look: np.ndarray, up: np.ndarray) -> np.ndarray:
+def _axes(view_direction: np.ndarray, up: np.ndarray) -> np.ndarray:
     """Unit vectors right, up and to the viewer, rows (3, 3)."""
-    toward = look / np.linalg.norm(look)
+    toward = view_direction / np.linalg.norm(view_direction)
     right = np.cross(up, toward)
     right /= np.linalg.norm(right)
     return np.array([right, np.cross(toward, right), toward])

@@ -23,7 +23,7 @@ _INERTIA = 0.1  # of the time left; within it a new estimate replaces the one sh
 _STEPS = ((60.0, 5.0), (120.0, 15.0), (3600.0, 60.0))
 
 
-class Forecast:
+class TimeLeftEstimate:
     """Estimate of the moment of convergence, smoothed.
 
     Moments are seconds by one clock. Every motion has a forecast of its own.
@@ -35,12 +35,12 @@ class Forecast:
     """
 
     def __init__(self, moment: float) -> None:
-        self.began = self._fitted = moment
+        self.start_moment = self._fitted = moment
         self._samples: list[tuple[float, float]] = []
         self._end: float | None = None
-        self._told = False
+        self._has_measure = False
 
-    def add(self, moment: float, gap: float | None, expected: float | None = None) -> None:
+    def add_gap(self, moment: float, gap: float | None, expected: float | None = None) -> None:
         """Learn how far the solver is from convergence.
 
         Parameters
@@ -52,7 +52,7 @@ class Forecast:
             Seconds left that the solver expects; they count until the measure has told.
         """
         if gap is None or gap <= 0.0:
-            self._samples, self._told = [], False
+            self._samples, self._has_measure = [], False
             self._expect(moment, expected)
             return
         self._samples.append((moment, math.log(gap)))
@@ -61,8 +61,8 @@ class Forecast:
         end = _crossing(np.array(self._samples))
         if end is not None:
             self._steer(moment, max(end, moment))
-            self._told = True
-        elif not self._told:
+            self._has_measure = True
+        elif not self._has_measure:
             self._expect(moment, expected)
         elif self._end is not None and moment - self._fitted > _INERTIA * (self._end - moment):
             self._end = None  # nothing has confirmed it for long
@@ -80,13 +80,13 @@ class Forecast:
             self._end += min(1.0, share) * (end - self._end)
         self._fitted = moment
 
-    def left(self, moment: float) -> float | None:
+    def seconds_left(self, moment: float) -> float | None:
         """Seconds left at ``moment``; None if they are not known."""
         return None if self._end is None or self._end <= moment else self._end - moment
 
-    def share(self, moment: float) -> float:
+    def share_passed(self, moment: float) -> float:
         """Part of the whole time passed at ``moment``; 0 if it is not known."""
-        left, passed = self.left(moment), moment - self.began
+        left, passed = self.seconds_left(moment), moment - self.start_moment
         return 0.0 if left is None else passed / (passed + left)
 
 
@@ -104,7 +104,7 @@ def _crossing(samples: np.ndarray) -> float | None:
     return crossing if crossing - T[-1] <= _FARTHEST * np.ptp(T) else None
 
 
-def in_words(seconds: float) -> str:
+def time_left_text(seconds: float) -> str:
     """A time that is left, rounded."""
     step = next((step for most, step in _STEPS if seconds <= most), None)
     if step is None:
@@ -115,7 +115,7 @@ def in_words(seconds: float) -> str:
     return tr("about {n} min left").format(n=round(rounded / 60))
 
 
-def duration(seconds: float) -> str:
+def duration_text(seconds: float) -> str:
     """A time of any length, to about a hundredth."""
     if seconds < 100.0:
         return tr("{n:.0f} s").format(n=seconds)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.state import State
-    from apd_viewer.session.store import Store
+    from apd_viewer.session.state_store import StateStore
 
 # Key presses within this many seconds of each other are one step.
 _TOGETHER = 1.0
@@ -23,57 +23,57 @@ class Gestures:
 
     Parameters
     ----------
-    store : Store
+    store : StateStore
     listener : Listener
 
     Attributes
     ----------
-    before : State or None
+    state_before : State or None
         Where the gesture under way began.
     history : History
     """
 
-    def __init__(self, store: Store, listener: Listener) -> None:
+    def __init__(self, store: StateStore, listener: Listener) -> None:
         self._store = store
         self._listener = listener
         self._last = -_TOGETHER
-        self.before: State | None = None
+        self.state_before: State | None = None
         self.history = History()
 
     def begin(self) -> None:
         """Begin one step of undo."""
-        self.before = self._store.required()
+        self.state_before = self._store.required_state()
         self._store.begin_trace()
 
     def end(self, name: str) -> None:
         """Finish the gesture; it is recorded only if the document changed."""
-        before, self.before = self.before, None
+        before, self.state_before = self.state_before, None
         if before is not None:
-            self._store.trace.release()
-        if before is not None and before.document is not self._store.required().document:
+            self._store.trace.mark_release()
+        if before is not None and before.document is not self._store.required_state().document:
             self._remember(name, before)
 
     def cancel(self) -> None:
         """Go back to the state before the gesture."""
-        if self.before is not None:
-            before, self.before = self.before, None
-            self._store.jump(before)
+        if self.state_before is not None:
+            before, self.state_before = self.state_before, None
+            self._store.jump_to(before)
 
-    def alone(self) -> State:
+    def state_without_gesture(self) -> State:
         """Cancel the gesture under way, if there is one, and return the state."""
         self.cancel()
-        return self._store.required()
+        return self._store.required_state()
 
-    def record(self, name: str, before: State, repeats: bool = False) -> None:
+    def record(self, name: str, before: State, is_repeat: bool = False) -> None:
         """Record the state before a step; repeated steps within a second are one."""
         now = time.monotonic()
         follows = now - self._last < _TOGETHER and self.history.next_redo is None
-        if repeats and follows and self.history.next_undo == name:
+        if is_repeat and follows and self.history.next_undo == name:
             self._listener.status_changed()
         else:
             self._store.begin_trace()
             self._remember(name, before)
-        self._last = now if repeats else -_TOGETHER
+        self._last = now if is_repeat else -_TOGETHER
 
     def _remember(self, name: str, before: State) -> None:
         self.history.record(name, before)
@@ -82,7 +82,7 @@ class Gestures:
 
     def limit_memory(self, most_bytes: int) -> None:
         """Limit the memory of the steps that can be undone."""
-        self.history.limit(most_bytes)
+        self.history.limit_memory(most_bytes)
         self._listener.status_changed()
 
     def undo(self) -> None:
@@ -93,17 +93,17 @@ class Gestures:
         """Redo the step undone last."""
         self._go(self.history.redo)
 
-    def travel(self, steps: int) -> None:
+    def go_to_step(self, steps: int) -> None:
         """Undo or redo until so many steps are done."""
-        state = target = self.alone()
-        while len(self.history.done) > steps and (earlier := self.history.undo(target)):
+        state = target = self.state_without_gesture()
+        while len(self.history.undo_names) > steps and (earlier := self.history.undo(target)):
             target = earlier
-        while len(self.history.done) < steps and (later := self.history.redo(target)):
+        while len(self.history.undo_names) < steps and (later := self.history.redo(target)):
             target = later
         if target is not state:
-            self._store.jump(target)
+            self._store.jump_to(target)
 
     def _go(self, swap: Callable[[State], State | None]) -> None:
-        target = swap(self.alone())
+        target = swap(self.state_without_gesture())
         if target is not None:
-            self._store.jump(target)
+            self._store.jump_to(target)

@@ -21,23 +21,23 @@ class Listener:
         ``changed(old, new)``: the state was replaced; old is None the first time.
     status_changed : callable
         Activity, job or history may differ.
-    told : callable
-        ``told(sentence)``: something the user should read.
+    message_sent : callable
+        ``message_sent(sentence)``: something the user should read.
     failed : callable
         ``failed(sentence)``: something the user asked for was not done, and why.
-    viewed : callable
-        ``viewed(view)``: a session was opened, and this is how it was looked at; after ``changed``.
-    measured : callable
+    view_opened : callable
+        ``view_opened(view)``: a session was opened, and this is how it was looked at; after ``changed``.
+    measurements_changed : callable
         More is known about the shape on screen, or less, because it is another one.
     """
 
     wake: Callable[[], object]
     changed: Callable[[State | None, State], object]
     status_changed: Callable[[], object]
-    told: Callable[[str], object]
+    message_sent: Callable[[str], object]
     failed: Callable[[str], object]
-    viewed: Callable[[View], object] = lambda _: None
-    measured: Callable[[], object] = lambda: None
+    view_opened: Callable[[View], object] = lambda _: None
+    measurements_changed: Callable[[], object] = lambda: None
 
 
 def with_followers(listener: Listener, followers: Sequence[Callable[[], object]]) -> Listener:

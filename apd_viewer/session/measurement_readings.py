@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.geometry.measuring.carried_path import CarriedPath
-from apd_viewer.geometry.measuring.kinds import Kind
-from apd_viewer.geometry.measuring.measurement import Measured, Measurement, measure
-from apd_viewer.session.processes.geodesic_finder import Course, GeodesicFinder, path_of
-from apd_viewer.session.store import Activity
+from apd_viewer.geometry.measuring.measurement import Measurement, MeasurementResult, measure
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
+from apd_viewer.session.processes.geodesic_finder import GeodesicFinder, GeodesicQuery, find_geodesic
+from apd_viewer.session.state_store import Activity
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,27 +19,27 @@ if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.state import State
-    from apd_viewer.session.store import Store
+    from apd_viewer.session.state_store import StateStore
 
-    Ends = tuple[SurfacePoint, ...]
+    EndPoints = tuple[SurfacePoint, ...]
 
 
 class MeasurementReading(NamedTuple):
     """A measurement, made at rest and now."""
 
     measurement: Measurement
-    rest: Measured
-    now: Measured
+    rest: MeasurementResult
+    now: MeasurementResult
 
 
-def completed(readings: Sequence[MeasurementReading], state: State) -> list[MeasurementReading]:
+def complete_readings(readings: Sequence[MeasurementReading], state: State) -> list[MeasurementReading]:
     """The readings of a state with all geodesics; takes its time."""
     F, found = state.document.mesh.joined_F, []
 
-    def made(measurement: Measurement, known: Measured, U: np.ndarray) -> Measured:
+    def made(measurement: Measurement, known: MeasurementResult, U: np.ndarray) -> MeasurementResult:
         if None not in known.values:
             return known
-        return measure(measurement, U, F, path_of(Course(U, F, measurement.points)))
+        return measure(measurement, U, F, find_geodesic(GeodesicQuery(U, F, measurement.points)))
 
     for each, rest, now in readings:
         at_rest = made(each, rest, state.document.mesh.V)
@@ -54,22 +54,22 @@ class MeasurementReadings:
 
     Parameters
     ----------
-    store : Store
+    store : StateStore
     gestures : Gestures
     listener : Listener
         Its ``measured`` is called when a geodesic becomes known.
     """
 
-    def __init__(self, store: Store, gestures: Gestures, listener: Listener) -> None:
+    def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
         self._store = store
         self._gestures = gestures
         self._listener = listener
         self._finder = GeodesicFinder(listener.wake)
-        self._asked: Course | None = None
+        self._asked: GeodesicQuery | None = None
         self._mesh_V: np.ndarray | None = None
-        self._rest: dict[Measurement, Measured] = {}
-        self._rest_paths: dict[Ends, CarriedPath] = {}
-        self._paths: dict[Ends, tuple[np.ndarray, CarriedPath]] = {}
+        self._rest: dict[Measurement, MeasurementResult] = {}
+        self._rest_paths: dict[EndPoints, CarriedPath] = {}
+        self._paths: dict[EndPoints, tuple[np.ndarray, CarriedPath]] = {}
 
     def readings(self, state: State) -> list[MeasurementReading]:
         """All measurements of a state; values not known yet are None."""
@@ -79,18 +79,22 @@ class MeasurementReadings:
             for each in state.document.measurements
         ]
 
-    def follow(self) -> None:
+    def follow_state(self) -> None:
         """Look for the next unknown geodesic while the shape rests; stop while it moves."""
         state = self._store.state
         if state is None:
             return
         self._begin(state)
-        rests = self._gestures.before is None and self._store.activity is not Activity.REFINING
+        rests = self._gestures.state_before is None and self._store.activity is not Activity.REFINING
         wanted = self._unknown(state) if rests else None
         if wanted is None:
             self._asked = None
-            self._finder.forget()
-        elif self._asked is None or wanted.U is not self._asked.U or wanted.ends != self._asked.ends:
+            self._finder.cancel()
+        elif (
+            self._asked is None
+            or wanted.U is not self._asked.U
+            or wanted.end_points != self._asked.end_points
+        ):
             self._asked = wanted
             self._finder.ask(wanted)
 
@@ -101,13 +105,13 @@ class MeasurementReadings:
             return
         course, path = answer
         if course.U is self._mesh_V:
-            self._rest_paths[course.ends] = path
+            self._rest_paths[course.end_points] = path
             self._rest.clear()
         else:
-            self._paths[course.ends] = course.U, path
+            self._paths[course.end_points] = course.U, path
         self._asked = None
-        self.follow()
-        self._listener.measured()
+        self.follow_state()
+        self._listener.measurements_changed()
 
     def close(self) -> None:
         """Stop looking."""
@@ -119,33 +123,33 @@ class MeasurementReadings:
             self._mesh_V = state.document.mesh.V
             self._rest, self._rest_paths, self._paths = {}, {}, {}
 
-    def _unknown(self, state: State) -> Course | None:
+    def _unknown(self, state: State) -> GeodesicQuery | None:
         F, shapes = state.document.mesh.joined_F, (state.document.mesh.V, state.frame.U)
         for each in state.document.measurements:
-            for U in shapes if each.kind is Kind.GEODESIC else ():
+            for U in shapes if each.kind is MeasurementKind.GEODESIC else ():
                 path, is_current = self._path(each.points, U)
                 if path is None or not is_current:
-                    return Course(U, F, each.points)
+                    return GeodesicQuery(U, F, each.points)
         return None
 
-    def _path(self, ends: Ends, U: np.ndarray) -> tuple[CarriedPath | None, bool]:
+    def _path(self, end_points: EndPoints, U: np.ndarray) -> tuple[CarriedPath | None, bool]:
         """The newest path known between points, and whether it is of the shape ``U``."""
-        rest = self._rest_paths.get(ends)
+        rest = self._rest_paths.get(end_points)
         if U is self._mesh_V:
             return rest, rest is not None
-        known, path = self._paths.get(ends, (None, rest))
+        known, path = self._paths.get(end_points, (None, rest))
         return path, known is U
 
-    def _at_rest(self, measurement: Measurement, state: State) -> Measured:
+    def _at_rest(self, measurement: Measurement, state: State) -> MeasurementResult:
         if measurement not in self._rest:
             self._rest[measurement] = self._made(measurement, state, state.document.mesh.V)
         return self._rest[measurement]
 
-    def _now(self, measurement: Measurement, state: State) -> Measured:
+    def _now(self, measurement: Measurement, state: State) -> MeasurementResult:
         if state.frame.U is state.document.mesh.V:
             return self._at_rest(measurement, state)
         return self._made(measurement, state, state.frame.U)
 
-    def _made(self, measurement: Measurement, state: State, U: np.ndarray) -> Measured:
+    def _made(self, measurement: Measurement, state: State, U: np.ndarray) -> MeasurementResult:
         path, is_current = self._path(measurement.points, U)
         return measure(measurement, U, state.document.mesh.joined_F, path, is_current)

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.language import tr
-from apd_viewer.session.model.document_parts import asks_of_regions, cleared, with_next_region
+from apd_viewer.session.model.document_parts import has_region_targets, with_next_region, without_paint
 from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.selecting.part_operation import PartOperation
-from apd_viewer.session.selecting.part_operations import reshaped
+from apd_viewer.session.selecting.part_operations import members_after
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.painted_part import Part
-    from apd_viewer.session.store import Store
+    from apd_viewer.session.model.painted_part import PaintedPart
+    from apd_viewer.session.state_store import StateStore
 
 
 class Painting:
@@ -25,65 +25,67 @@ class Painting:
 
     Parameters
     ----------
-    store : Store
+    store : StateStore
     gestures : Gestures
     listener : Listener
     """
 
-    def __init__(self, store: Store, gestures: Gestures, listener: Listener) -> None:
+    def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
         self._store = store
         self._gestures = gestures
         self._listener = listener
 
     def paint(self, ids: np.ndarray, label: int) -> None:
         """Label the vertices ``ids`` within the current gesture; the shape stays as it is."""
-        state = self._store.required()
-        if self._gestures.before is not None:  # undo may have ended the stroke
-            self._store.set_document(state.document.painted(ids, label))
+        state = self._store.required_state()
+        if self._gestures.state_before is not None:  # undo may have ended the stroke
+            self._store.set_document(state.document.with_label(ids, label))
 
     def paint_region(self, ids: np.ndarray, number: int) -> None:
         """Put the vertices ``ids`` in region ``number`` (from 1; 0 erases), in a gesture.
 
         One number past the last makes a region: the first stroke needs none to be there.
         """
-        state = self._store.required()
-        if self._gestures.before is not None:
+        state = self._store.required_state()
+        if self._gestures.state_before is not None:
             document = state.document
             if number > len(document.regions):
                 document = with_next_region(document)
-            document = document.painted_region(ids, number)
-            (self._store.solve if asks_of_regions(document) else self._store.set_document)(document)
+            document = document.with_region_number(ids, number)
+            (self._store.solve if has_region_targets(document) else self._store.set_document)(document)
 
     def end_stroke(self, gesture: str) -> None:
         """Finish painting; relabelled base and handles are gripped at the current shape."""
-        before, document = self._gestures.before, self._store.required().document
+        before, document = self._gestures.state_before, self._store.required_state().document
         if before is not None and document.equals(before.document):
             # Replacing a part by itself clears it first; there is nothing to undo.
             document = before.document
-            self._store.revert(document)
+            self._store.revert_to(document)
         self._gestures.end(gesture)
         if before is not None and not np.array_equal(before.document.labels, document.labels):
             self._store.regrip(before.document, document)
 
-    def set_part(self, part: Part, wanted: np.ndarray, gesture: str) -> None:
+    def set_members(self, part: PaintedPart, members: np.ndarray, gesture: str) -> None:
         """Set the members of a part, (n,) bool, as one step of undo."""
-        self._repaint(part.become(self._gestures.alone().document, wanted), gesture)
+        self._repaint(
+            part.document_with_members(self._gestures.state_without_gesture().document, members), gesture
+        )
 
-    def reshape(self, part: Part, operation: PartOperation) -> None:
+    def apply_operation(self, part: PaintedPart, operation: PartOperation) -> None:
         """Apply an operation to a part as a whole; a locked one is refused."""
-        state = self._gestures.alone()
-        if part.exists(state.document) and part.flags(state.document).locked:
+        state = self._gestures.state_without_gesture()
+        if part.is_in(state.document) and part.flags(state.document).locked:
             self._listener.failed(about_lock(part.name(state.document)))
         else:
-            self.set_part(part, reshaped(state, part, operation), operation.value)
+            self.set_members(part, members_after(state, part, operation), operation.value)
 
     def clear_all(self) -> None:
         """Erase all paint but that of locked parts."""
-        self._repaint(cleared(self._gestures.alone().document), tr("Clear all"))
+        self._repaint(without_paint(self._gestures.state_without_gesture().document), tr("Clear all"))
 
     def _repaint(self, document: Document, gesture: str) -> None:
-        before = self._store.required().document
+        before = self._store.required_state().document
         self._gestures.begin()
-        asks = document.member is not before.member and asks_of_regions(document)
+        asks = document.member is not before.member and has_region_targets(document)
         (self._store.solve if asks else self._store.set_document)(document)
         self.end_stroke(gesture)

@@ -6,9 +6,9 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from apd_viewer.files.known_file import Fate, KnownFile
+from apd_viewer.files.known_file import FileState, KnownFile
 from apd_viewer.session.model.status_text import about_lost_file
-from apd_viewer.session.storage.session_meshes import keeps_mesh
+from apd_viewer.session.storage.session_meshes import has_mesh
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.store import Store
+    from apd_viewer.session.state_store import StateStore
 
 _PATIENCE = 1.0  # s, for a disk that does not answer
 
@@ -30,13 +30,13 @@ class SavedDocument(NamedTuple):
     document : Document
     file : KnownFile or None
         None where it came from a mesh and has never been saved.
-    embeds : bool
+    embeds_mesh : bool
         Whether the file has a copy of the mesh.
     """
 
     document: Document
     file: KnownFile | None = None
-    embeds: bool = False
+    embeds_mesh: bool = False
 
 
 class SavedWork:
@@ -47,31 +47,31 @@ class SavedWork:
 
     Parameters
     ----------
-    store : Store
+    store : StateStore
     gestures : Gestures
     listener : Listener
     """
 
-    def __init__(self, store: Store, gestures: Gestures, listener: Listener) -> None:
+    def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
         self._store, self._gestures, self._listener = store, gestures, listener
         self._saved: list[SavedDocument] = []
         self._looking: threading.Thread | None = None
         self._seen = threading.Event()
 
-    def note(self, saved: SavedDocument) -> None:
+    def mark_saved(self, saved: SavedDocument) -> None:
         """Note a document as safe."""
-        self.forget()
+        self.forget_unreachable()
         self._saved = [*(each for each in self._saved if _F(each) is not _F(saved)), saved]
 
-    def forget(self) -> None:
+    def forget_unreachable(self) -> None:
         """Forget documents out of reach of undo: they would keep meshes in memory."""
         state, history = self._store.state, self._gestures.history
-        documents = [each.document for each in (*history.states, *([state] if state else []))]
+        documents = [each.document for each in (*history.reachable_states, *([state] if state else []))]
         within_reach = {id(document.mesh.F) for document in documents}
         self._saved = [each for each in self._saved if id(_F(each)) in within_reach]
 
     @property
-    def last(self) -> SavedDocument | None:
+    def last_saved(self) -> SavedDocument | None:
         """Last saved document of the mesh on screen; None if there is none."""
         state = self._store.state
         if state is None:
@@ -81,48 +81,50 @@ class SavedWork:
     @property
     def file(self) -> KnownFile | None:
         """The session file of the mesh on screen."""
-        return self.last.file if self.last else None
+        return self.last_saved.file if self.last_saved else None
 
     @property
     def path(self) -> Path | None:
         """Path of the session file of the mesh on screen."""
         return self.file.path if self.file else None
 
-    def known_at(self, path: Path) -> KnownFile | None:
+    def known_file_at(self, path: Path) -> KnownFile | None:
         """The session file of the mesh on screen if it is at ``path``."""
         file = self.file
         return file if file is not None and file.path.absolute() == path.absolute() else None
 
     @property
-    def unsaved(self) -> bool:
+    def is_unsaved(self) -> bool:
         """True if the shape on screen is in no file, by the last look at it."""
-        state, last = self._store.state, self.last
+        state, last = self._store.state, self.last_saved
         if state is None:
             return False
-        lost = last is not None and last.file is not None and last.file.found is not Fate.SAME
+        lost = last is not None and last.file is not None and last.file.state is not FileState.SAME
         return last is None or lost or last.document is not state.document
 
     # What becomes of the file elsewhere
 
-    def look(self) -> None:
+    def check_file(self) -> None:
         """Look on a thread whether the file has changed since."""
-        last, under_way = self.last, self._looking is not None and self._looking.is_alive()
+        last, under_way = self.last_saved, self._looking is not None and self._looking.is_alive()
         if last is not None and last.file is not None and not under_way:
             args = last.file, last.document.mesh
-            self._looking = threading.Thread(target=self._look, args=args, name="saved file", daemon=True)
+            self._looking = threading.Thread(
+                target=self._check_file, args=args, name="saved file", daemon=True
+            )
             self._looking.start()
 
-    def look_now(self) -> None:
+    def check_file_now(self) -> None:
         """Look, and wait for the disk, but not for long."""
-        self.look()
+        self.check_file()
         self.close()
 
     def receive(self) -> None:
         """Tell the outcome of a look, if it is news."""
         if self._seen.is_set():
             self._seen.clear()
-            if (file := self.file) is not None and file.found is not Fate.SAME:
-                self._listener.told(about_lost_file(file.path.name, file.found))
+            if (file := self.file) is not None and file.state is not FileState.SAME:
+                self._listener.message_sent(about_lost_file(file.path.name, file.state))
             self._listener.status_changed()
 
     def close(self) -> None:
@@ -130,11 +132,11 @@ class SavedWork:
         if self._looking is not None:
             self._looking.join(_PATIENCE)
 
-    def _look(self, file: KnownFile, mesh: Mesh) -> None:
-        before = file.found
-        if file.look() is Fate.SAME and not keeps_mesh(file.path, mesh):
-            file.found = Fate.INCOMPLETE
-        if file.found is not before:
+    def _check_file(self, file: KnownFile, mesh: Mesh) -> None:
+        before = file.state
+        if file.check_content() is FileState.SAME and not has_mesh(file.path, mesh):
+            file.state = FileState.INCOMPLETE
+        if file.state is not before:
             self._seen.set()
             self._listener.wake()
 

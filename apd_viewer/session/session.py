@@ -9,24 +9,24 @@ import time
 from collections.abc import Callable
 
 from apd_viewer.session.autosave import Autosave
-from apd_viewer.session.file_jobs import Files
+from apd_viewer.session.file_jobs import FileJobs
 from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.handles import Handles
+from apd_viewer.session.handle_editor import HandleEditor
 from apd_viewer.session.jobs.background_job import Jobs
 from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
 from apd_viewer.session.listener import Listener, with_followers
+from apd_viewer.session.measurement_editor import MeasurementEditor
 from apd_viewer.session.measurement_readings import MeasurementReadings
-from apd_viewer.session.measurements import Measurements
-from apd_viewer.session.obstacles import Obstacles
+from apd_viewer.session.obstacle_editor import ObstacleEditor
 from apd_viewer.session.painting import Painting
-from apd_viewer.session.parts import Parts
-from apd_viewer.session.poses import Poses
-from apd_viewer.session.processes.worker import Worker
+from apd_viewer.session.part_editor import PartEditor
+from apd_viewer.session.pose_editor import PoseEditor
+from apd_viewer.session.processes.solver_worker import SolverWorker
 from apd_viewer.session.rest_shape import RestShape
 from apd_viewer.session.saved_work import SavedWork
-from apd_viewer.session.settings import Settings
+from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.shape_checks import ShapeChecks
-from apd_viewer.session.store import Activity, Store
+from apd_viewer.session.state_store import Activity, StateStore
 from apd_viewer.session.symmetric_posing import SymmetricPosing
 from apd_viewer.session.target_shapes import TargetShapes
 from apd_viewer.session.typed_values import TypedValues
@@ -41,25 +41,25 @@ class Session:
 
     Attributes
     ----------
-    store : Store
+    store : StateStore
         The state on screen and the activity of the solver.
     gestures : Gestures
         Steps of undo.
     painting : Painting
-    handles : Handles
-    symmetric : SymmetricPosing
-    obstacles : Obstacles
-    poses : Poses
-    parts : Parts
-    settings : Settings
-    measurements : Measurements
-    measuring : MeasurementReadings
-    typed : TypedValues
+    handles : HandleEditor
+    symmetric_posing : SymmetricPosing
+    obstacles : ObstacleEditor
+    poses : PoseEditor
+    parts : PartEditor
+    settings : SettingsEditor
+    measurements : MeasurementEditor
+    measurement_readings : MeasurementReadings
+    typed_values : TypedValues
     rest_shape : RestShape
     target_shapes : TargetShapes
     jobs : Jobs
     saved_work : SavedWork
-    files : Files
+    files : FileJobs
     autosave : Autosave
     shape_checks : ShapeChecks
     """
@@ -67,28 +67,32 @@ class Session:
     def __init__(self, listener: Listener) -> None:
         followers: list[Callable[[], object]] = []
         listener = with_followers(listener, followers)
-        self._worker = Worker(listener.wake)
-        self.store = store = Store(listener, self._worker)
+        self._worker = SolverWorker(listener.wake)
+        self.store = store = StateStore(listener, self._worker)
         self.gestures = gestures = Gestures(store, listener)
         self.painting = Painting(store, gestures, listener)
-        self.handles = Handles(store, gestures, listener)
-        self.symmetric = SymmetricPosing(store, gestures, self.handles, listener)
-        self.obstacles = Obstacles(store, gestures, listener)
-        self.poses = Poses(store, gestures, self.handles, listener)
-        self.parts = Parts(store, gestures, listener)
-        self.settings = Settings(store, gestures, listener)
-        self.measurements = Measurements(store, gestures, listener)
-        self.measuring = MeasurementReadings(store, gestures, listener)
-        self.jobs = Jobs(listener.wake, listener.failed, listener.told, listener.status_changed)
-        self.typed = TypedValues(store)
+        self.handles = HandleEditor(store, gestures, listener)
+        self.symmetric_posing = SymmetricPosing(store, gestures, self.handles, listener)
+        self.obstacles = ObstacleEditor(store, gestures, listener)
+        self.poses = PoseEditor(store, gestures, self.handles, listener)
+        self.parts = PartEditor(store, gestures, listener)
+        self.settings = SettingsEditor(store, gestures, listener)
+        self.measurements = MeasurementEditor(store, gestures, listener)
+        self.measurement_readings = MeasurementReadings(store, gestures, listener)
+        self.jobs = Jobs(listener.wake, listener.failed, listener.message_sent, listener.status_changed)
+        self.typed_values = TypedValues(store)
         self.rest_shape = RestShape(store, gestures, self.jobs, listener)
         self.target_shapes = TargetShapes(store, gestures, self.jobs, listener)
         self.saved_work = SavedWork(store, gestures, listener)
-        self.files = Files(store, gestures, self.saved_work, self.jobs, listener)
+        self.files = FileJobs(store, gestures, self.saved_work, self.jobs, listener)
         self.autosave = Autosave(store, gestures, self.saved_work, self.files, listener)
         self.shape_checks = ShapeChecks(store, gestures, listener)
-        followers += [self.measuring.follow, self.shape_checks.follow, self.autosave.follow]
-        gestures.history.forgot = self._make_room
+        followers += [
+            self.measurement_readings.follow_state,
+            self.shape_checks.follow_state,
+            self.autosave.follow_state,
+        ]
+        gestures.history.entries_dropped = self._make_room
 
     def receive(self) -> None:
         """Receive results of the worker and of background jobs; call it when woken."""
@@ -97,12 +101,12 @@ class Session:
         self.autosave.receive()
         if self.jobs.current is None:  # what is being written here is no news
             self.saved_work.receive()
-        self.measuring.receive()
+        self.measurement_readings.receive()
         self.shape_checks.receive()
 
     def _make_room(self) -> None:
         """Keep nothing of states that cannot be undone any more."""
-        self.saved_work.forget()
+        self.saved_work.forget_unreachable()
         give_back_freed_memory()
 
     def wait_idle(self, timeout: float) -> bool:
@@ -121,5 +125,5 @@ class Session:
         self.saved_work.close()
         self.autosave.close()
         self.shape_checks.close()
-        self.measuring.close()
+        self.measurement_readings.close()
         self._worker.close()

@@ -9,19 +9,19 @@ import numpy as np
 
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
-from apd_viewer.session.model.named_parts import Handle
-from apd_viewer.session.model.names import next_name
-from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.posing.symmetry import mirror_image
+from apd_viewer.session.model.handles_and_regions import Handle
+from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.session.model.unique_names import next_name
+from apd_viewer.session.posing.mirror_partner import mirrored_handle
 from apd_viewer.session.selecting.part_operation import PartOperation
-from apd_viewer.session.selecting.part_operations import reshaped
+from apd_viewer.session.selecting.part_operations import members_after
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.handles import Handles
+    from apd_viewer.session.handle_editor import HandleEditor
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.state import State
-    from apd_viewer.session.store import Store
+    from apd_viewer.session.state_store import StateStore
 
 _MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z
 
@@ -31,13 +31,15 @@ class SymmetricPosing:
 
     Parameters
     ----------
-    store : Store
+    store : StateStore
     gestures : Gestures
-    handles : Handles
+    handles : HandleEditor
     listener : Listener
     """
 
-    def __init__(self, store: Store, gestures: Gestures, handles: Handles, listener: Listener) -> None:
+    def __init__(
+        self, store: StateStore, gestures: Gestures, handles: HandleEditor, listener: Listener
+    ) -> None:
         self._store = store
         self._gestures = gestures
         self._handles = handles
@@ -45,15 +47,15 @@ class SymmetricPosing:
 
     def mirror_along(self, axis: int | None) -> None:
         """Move handles symmetrically along an axis, 0, 1 or 2; None moves each by itself."""
-        state = self._gestures.alone()
-        if axis != state.document.mirror:
+        state = self._gestures.state_without_gesture()
+        if axis != state.document.mirror_axis:
             self._gestures.record(tr("Change symmetry"), state)
-            self._store.set_document(replace(state.document, mirror=axis))
+            self._store.set_document(replace(state.document, mirror_axis=axis))
 
     def paint_partner(self, k: int) -> None:
         """Paint a handle on the mirror image of handle ``k``, in the mirrored pose."""
-        state = self._gestures.alone()
-        document = state.document.from_rest
+        state = self._gestures.state_without_gesture()
+        document = state.document.relative_to_rest
         ids = _unpainted_image(state, k)
         if len(document.handles) >= MOST_HANDLES:
             sentence = tr("The limit is {most} handles; remove one first.").format(most=MOST_HANDLES)
@@ -65,16 +67,16 @@ class SymmetricPosing:
         else:
             handle = document.handles[k]
             name = next_name(tr("Handle"), [each.name for each in document.handles])
-            partner = mirror_image(document, handle, Handle(name, falloff=handle.falloff))
+            partner = mirrored_handle(document, handle, Handle(name, falloff=handle.falloff))
             self._gestures.record(tr("Paint mirror handle"), state)
             document = document.with_handle(len(document.handles), partner)
-            self._handles.advance(document.painted(ids, HANDLE + len(document.handles) - 1))
+            self._handles.solve_poses(document.with_label(ids, HANDLE + len(document.handles) - 1))
 
 
 def _unpainted_image(state: State, k: int) -> np.ndarray:
     """Free vertices at the mirror image of handle ``k``."""
-    document, part = state.document, Part(HANDLE + k)
-    if document.mirror is None:
+    document, part = state.document, PaintedPart(HANDLE + k)
+    if document.mirror_axis is None:
         return np.empty(0, dtype=int)
-    both = reshaped(state, part, _MIRRORS[document.mirror])
-    return np.flatnonzero(both & ~part.of(document))
+    both = members_after(state, part, _MIRRORS[document.mirror_axis])
+    return np.flatnonzero(both & ~part.mask(document))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.jobs.background_job import Jobs
     from apd_viewer.session.listener import Listener
-    from apd_viewer.session.store import Store
+    from apd_viewer.session.state_store import StateStore
 
 
 class TargetShapes:
@@ -25,42 +25,42 @@ class TargetShapes:
 
     Parameters
     ----------
-    store : Store
+    store : StateStore
     gestures : Gestures
     jobs : Jobs
     listener : Listener
     """
 
-    def __init__(self, store: Store, gestures: Gestures, jobs: Jobs, listener: Listener) -> None:
+    def __init__(self, store: StateStore, gestures: Gestures, jobs: Jobs, listener: Listener) -> None:
         self._store = store
         self._gestures = gestures
         self._jobs = jobs
         self._listener = listener
 
-    def load(self, path: str | Path, then: Callable[[], object] = lambda: None) -> None:
+    def load(self, path: str | Path, on_success: Callable[[], object] = lambda: None) -> None:
         """Compare with the mesh in a file, opened in the background.
 
-        ``then()`` follows if all went well.
+        ``on_success()`` follows if all went well.
         """
-        path, mesh = Path(path), self._store.required().document.mesh
+        path, mesh = Path(path), self._store.required_state().document.mesh
 
         def loaded(target: TargetShape) -> None:
-            if self._store.required().document.mesh.F is not mesh.F:
+            if self._store.required_state().document.mesh.F is not mesh.F:
                 return  # another mesh has been opened meanwhile
             self._set(tr("Load target shape"), target)
-            self._listener.told(about_target(target, mesh))
-            then()
+            self._listener.message_sent(about_target(target, mesh))
+            on_success()
 
         title = tr("Opening {name}").format(name=path.name)
         self._jobs.run(title, lambda: TargetShape(open_mesh(path)), loaded)
 
     def clear(self) -> None:
         """Compare with no other mesh any more."""
-        document = self._store.required().document
-        if document.target is not None or document.missing_target is not None:
+        document = self._store.required_state().document
+        if document.target_shape is not None or document.missing_target_shape is not None:
             self._set(tr("Clear target shape"), None)
 
     def _set(self, gesture: str, target: TargetShape | None) -> None:
-        state = self._gestures.alone()
+        state = self._gestures.state_without_gesture()
         self._gestures.record(gesture, state)
-        self._store.set_document(replace(state.document, target=target, missing_target=None))
+        self._store.set_document(replace(state.document, target_shape=target, missing_target_shape=None))

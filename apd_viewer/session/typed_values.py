@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.session.posing.typed_motion import names_of
-from apd_viewer.session.quantities.clear_numbers import as_typed
-from apd_viewer.session.quantities.expressions import length
-from apd_viewer.session.selecting.vertex_expression import chosen, place, vector
+from apd_viewer.session.posing.typed_motion import named_lengths
+from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
+from apd_viewer.session.quantities.expressions import parse_length
+from apd_viewer.session.selecting.vertex_expression import parse_point, parse_vector, parse_vertices
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from apd_viewer.session.store import Store
+    from apd_viewer.session.state_store import StateStore
 
 
 class TypedValues:
@@ -20,24 +20,26 @@ class TypedValues:
 
     Parameters
     ----------
-    store : Store
+    store : StateStore
     """
 
-    def __init__(self, store: Store) -> None:
+    def __init__(self, store: StateStore) -> None:
         self._store = store
 
-    def vertices(self, text: str) -> np.ndarray:
+    def parse_vertices(self, text: str) -> np.ndarray:
         """The vertices named by ids or by conditions on their coordinates, ascending ids."""
-        return chosen(as_typed(text), self._store.required(), self._store.unit)
+        return parse_vertices(unambiguous_text(text), self._store.required_state(), self._store.unit)
 
-    def length(self, text: str) -> float:
+    def parse_length(self, text: str) -> float:
         """A length, mesh units."""
-        return length(as_typed(text), self._store.unit, names_of(self._store.required()))
+        return parse_length(
+            unambiguous_text(text), self._store.unit, named_lengths(self._store.required_state())
+        )
 
-    def point(self, text: str) -> np.ndarray:
+    def parse_point(self, text: str) -> np.ndarray:
         """A point (3,) by its coordinates."""
-        return place(as_typed(text), self._store.required(), self._store.unit)
+        return parse_point(unambiguous_text(text), self._store.required_state(), self._store.unit)
 
-    def vector(self, text: str) -> np.ndarray:
+    def parse_vector(self, text: str) -> np.ndarray:
         """A direction (3,) by three numbers, of any length."""
-        return vector(as_typed(text), self._store.required())
+        return parse_vector(unambiguous_text(text), self._store.required_state())

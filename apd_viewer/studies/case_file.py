@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.archive import npy
-from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.files.storage.reading import bytes_of
+from apd_viewer.files.storage.archive import npy_content
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 Curves: TypeAlias = dict[str, list[float | None]]
 
-SUFFIX = ".case"
+CASE_SUFFIX = ".case"
 DONE, FAILED = "done", "failed"
 _MAGIC = b"apd-case\x01"
 _LARGEST = sys.float_info.max
@@ -64,17 +64,17 @@ class CaseResult:
     U: np.ndarray | None = None
 
 
-def packed(result: CaseResult) -> bytes:
+def case_to_bytes(result: CaseResult) -> bytes:
     """A result as bytes; the same one gives the same bytes."""
     said = {each.name: getattr(result, each.name) for each in fields(result) if each.name != "U"}
     text = json.dumps(said).encode()
-    array = b"" if result.U is None else npy(result.U)
+    array = b"" if result.U is None else npy_content(result.U)
     sizes = len(text), len(array)
     crc = zlib.crc32(array, zlib.crc32(text))
     return b"".join([_MAGIC, _HEAD.pack(crc, *sizes), text, array])
 
 
-def unpacked(content: bytes, shape: bool = True) -> CaseResult:
+def case_from_bytes(content: bytes, with_shape: bool = True) -> CaseResult:
     """A result from its bytes, with or without its shape.
 
     Raises
@@ -91,7 +91,7 @@ def unpacked(content: bytes, shape: bool = True) -> CaseResult:
         raise ValueError(tr("it is damaged"))
     try:
         said = json.loads(bytes(body[:text]))
-        return _checked(CaseResult(**said, U=_shape(body[text:]) if shape and array else None))
+        return _checked(CaseResult(**said, U=_shape(body[text:]) if with_shape and array else None))
     except (ValueError, TypeError, RecursionError) as error:  # made by somebody else
         raise ValueError(tr("it is damaged")) from error
 
@@ -100,7 +100,7 @@ def _shape(content: memoryview) -> np.ndarray:
     """A shape as it was packed; raises ValueError for anything else."""
     start = 10 + int.from_bytes(content[8:10], "little")
     U = np.frombuffer(content, "<f8", offset=start).reshape(-1, 3).astype(np.float64)
-    if npy(U) != content:
+    if npy_content(U) != content:
         raise ValueError
     return frozen(U)
 
@@ -126,27 +126,27 @@ def write_case(path: Path, content: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.is_symlink():  # a stranger's, to be written through
         path.unlink()
-    with replacing(path) as scratch:
+    with replacing_file(path) as scratch:
         scratch.write_bytes(content)
 
 
 def case_path(folder: Path, key: str) -> Path:
     """File of a finished case in the folder of its study."""
     # In folders of their own, as all writing of files looks through the folder for what was left behind.
-    return folder / "cases" / key[:2] / f"{key}{SUFFIX}"
+    return folder / "cases" / key[:2] / f"{key}{CASE_SUFFIX}"
 
 
-def read_case(folder: Path, key: str, shape: bool = False) -> CaseResult:
+def read_case(folder: Path, key: str, with_shape: bool = False) -> CaseResult:
     """Read a finished case; raises InputError if it is not there or damaged."""
     try:
-        return unpacked(bytes_of(case_path(folder, key)), shape)
+        return case_from_bytes(read_bytes(case_path(folder, key)), with_shape)
     except OSError as error:
         raise InputError(tr("This case is not done yet, or its study was moved; open it again.")) from error
     except ValueError as error:
-        raise damaged_case(folder, key) from error
+        raise damaged_case_error(folder, key) from error
 
 
-def damaged_case(folder: Path, key: str) -> InputError:
+def damaged_case_error(folder: Path, key: str) -> InputError:
     """Sentence on a damaged file."""
     name = case_path(folder, key).name
     return InputError(tr("{name} is damaged; run the study again.").format(name=name))
@@ -162,7 +162,7 @@ def case_sizes(folder: Path) -> dict[str, int]:
     for each in folders:
         with os.scandir(each) as entries:
             for entry in entries:
-                is_case = entry.name.endswith(SUFFIX) and not entry.name.startswith(".")
+                is_case = entry.name.endswith(CASE_SUFFIX) and not entry.name.startswith(".")
                 if is_case and entry.is_file(follow_symlinks=False):
-                    sizes[entry.name.removesuffix(SUFFIX)] = entry.stat().st_size
+                    sizes[entry.name.removesuffix(CASE_SUFFIX)] = entry.stat().st_size
     return sizes

@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.json_fields import Fields
-from apd_viewer.files.storage.reading import bytes_of
+from apd_viewer.files.storage.json_fields import JsonFields
+from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.language import tr
-from apd_viewer.session.posing.motion_path import posed_along
+from apd_viewer.session.posing.motion_path import document_along
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.storage.session_json import frame_of
-from apd_viewer.studies.case_document import OpenedMeshes, part_of_motion, state_of, sweep_of_case
-from apd_viewer.studies.case_file import damaged_case, read_case
+from apd_viewer.session.storage.session_json import frame_from_json
+from apd_viewer.studies.case_document import CaseDocuments, case_state, case_sweep, motion_share
+from apd_viewer.studies.case_file import damaged_case_error, read_case
 from apd_viewer.studies.plans.case import StudyCase
-from apd_viewer.studies.plans.plan_row import value_of
+from apd_viewer.studies.plans.plan_row import parse_cell
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
 
-INPUTS = "inputs"
+INPUTS_FOLDER = "inputs"
 
 
 def case_session(folder: Path, key: str) -> tuple[State, View]:
@@ -40,31 +40,31 @@ def case_session(folder: Path, key: str) -> tuple[State, View]:
     InputError
         If it is not done, has failed, or what it needs is gone.
     """
-    result = read_case(folder, key, shape=True)
+    result = read_case(folder, key, with_shape=True)
     if result.U is None:
         raise InputError(tr("This case has no shape: {sentence}").format(sentence=result.sentence))
     try:
-        case = StudyCase.of(result.case, folder / INPUTS)
-        value_of("steps", str(case.steps))
-        state, view, motion = state_of(case, OpenedMeshes(lambda source: bytes_of(source.path)))
+        case = StudyCase.from_json(result.case, folder / INPUTS_FOLDER)
+        parse_cell("steps", str(case.steps))
+        state, view, motion = case_state(case, CaseDocuments(lambda source: read_bytes(source.path)))
         if len(state.document.mesh.V) != len(result.U):
             raise ValueError
     except InputError:
         raise
     except (ValueError, TypeError, KeyError, AttributeError) as error:  # made by somebody else
-        raise damaged_case(folder, key) from error
+        raise damaged_case_error(folder, key) from error
     except OSError as error:
         raise InputError(
             tr("The mesh of this case is gone from {folder}; run the study again.").format(
-                folder=folder / INPUTS
+                folder=folder / INPUTS_FOLDER
             )
         ) from error
-    document, part = state.document, part_of_motion(case)
+    document, part = state.document, motion_share(case)
     if motion or part != 1.0:
-        sweep = sweep_of_case(case, document, motion)
-        document = posed_along(sweep.document_at(part), sweep.paths, part)
-    state = state.at(document)
-    return state.at(frame=frame_of(Fields(result.frame, "frame"), state, result.U)), view
+        sweep = case_sweep(case, document, motion)
+        document = document_along(sweep.document_at(part), sweep.paths, part)
+    state = state.updated(document)
+    return state.updated(frame=frame_from_json(JsonFields(result.frame, "frame"), state, result.U)), view
 
 
 def write_case_session(folder: Path, key: str, path: Path) -> None:

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 from apd_viewer.errors import InputError
 from apd_viewer.installation import is_packaged
 from apd_viewer.language import tr
-from apd_viewer.studies.worker import work as work_on_case
+from apd_viewer.studies.case_worker import run_task as work_on_case
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
     from pathlib import Path
 
-    from apd_viewer.studies.worker import CaseAnswer, Task, Work
+    from apd_viewer.studies.case_worker import CaseAnswer, CaseTask, TaskRunner
 
-PATIENCE = 20  # s that a scheduler may take to answer
+ANSWER_SECONDS = 20  # s that a scheduler may take to answer
 _GONE = 30.0  # s without a scheduler, after which it does not come back
 _LOOK = 2.0  # s between two looks at the workers
 _PROFILE_CALLBACKS = ("profile", "profile-cycle")
@@ -38,9 +38,9 @@ class Cluster:
     """
 
     # A worker has the next cases at hand already, and Dask blames them too.
-    knows_whose_fault = False
+    can_blame_case = False
 
-    def __init__(self, client: Any, work: Work = work_on_case) -> None:
+    def __init__(self, client: Any, work: TaskRunner = work_on_case) -> None:
         self._client, self._work = client, work
         self._executor = client.get_executor(pure=False, retries=2)
         self._futures: set[Future[CaseAnswer]] = set()
@@ -48,7 +48,7 @@ class Cluster:
         self._threads, self._looked = 0, -_LOOK
         self._gone_since: float | None = None
 
-    def room(self) -> int:
+    def free_slots(self) -> int:
         """Number of cases to be started now, one more for each running one."""
         now = time.monotonic()
         if now - self._looked > _LOOK:
@@ -67,11 +67,11 @@ class Cluster:
     def _alive(self) -> bool:
         return self._client.status == "running"
 
-    def running(self) -> int:
+    def running_count(self) -> int:
         """Number of running cases."""
         return min(self._threads, len(self._futures))
 
-    def start(self, task: Task) -> Future[CaseAnswer]:
+    def start(self, task: CaseTask) -> Future[CaseAnswer]:
         """Hand a case to the scheduler."""
         future: Future[CaseAnswer] = self._executor.submit(_undisturbed, self._work, task)
         self._futures.add(future)
@@ -79,7 +79,7 @@ class Cluster:
         future.add_done_callback(self._futures.discard)
         return future
 
-    def look_after(self) -> None:
+    def check_workers(self) -> None:
         """Raise InputError once the scheduler is gone."""
         now = time.monotonic()
         self._gone_since = None if self._alive else self._gone_since or now
@@ -94,10 +94,10 @@ class Cluster:
             self._executor.shutdown(wait=False)
         # Dask says that it has not ended in time by an OSError; it ends with this process.
         with suppress(OSError):
-            self._client.close(timeout=1 if at_once else PATIENCE)
+            self._client.close(timeout=1 if at_once else ANSWER_SECONDS)
 
 
-def _undisturbed(work: Work, task: Task) -> CaseAnswer:
+def _undisturbed(work: TaskRunner, task: CaseTask) -> CaseAnswer:
     """Do a task in a worker, which may have been started without any setting."""
     _end_profile()
     return work(task)
@@ -118,7 +118,9 @@ def _end_profile() -> None:
             worker.loop.add_callback(callback.stop)
 
 
-def connected(address: str | None, scheduler_file: Path | None, work: Work = work_on_case) -> Cluster:
+def connected_cluster(
+    address: str | None, scheduler_file: Path | None, work: TaskRunner = work_on_case
+) -> Cluster:
     """Dask workers behind a scheduler.
 
     Parameters
@@ -139,7 +141,7 @@ def connected(address: str | None, scheduler_file: Path | None, work: Work = wor
         raise InputError(tr("There is no file {path}; check the name.").format(path=scheduler_file))
     distributed = _distributed()
     try:
-        return Cluster(distributed.Client(**where, timeout=PATIENCE), work)
+        return Cluster(distributed.Client(**where, timeout=ANSWER_SECONDS), work)
     except (OSError, ValueError, TypeError) as error:
         raise InputError(
             tr("No scheduler answers at {where} ({reason}); check the address.").format(

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.reading import NotRegularError, check_regular
+from apd_viewer.files.storage.regular_files import NotRegularError, check_regular
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-DATABASE = "study.sqlite"
+DATABASE_NAME = "study.sqlite"
 _BESIDE = "-journal", "-wal", "-shm"  # what SQLite opens with a database
 _PATIENCE = 60.0  # s that a reader or the writer waits for the other
 _TABLES = """
@@ -46,19 +46,19 @@ def opened_database(folder: Path) -> sqlite3.Connection:
 
     A damaged one is put aside, and a new one takes its place.
     """
-    path = folder / DATABASE
+    path = folder / DATABASE_NAME
     _check_beside(path)
     if not path.exists() or path.is_file():
         try:
             return _connected(path)
         except DATABASE_ERRORS as error:
             if not is_damage(error, folder):
-                raise unwritable(folder, error) from error
-    put_aside(folder)
+                raise write_error(folder, error) from error
+    rename_damaged(folder)
     try:
         return _connected(path)
     except DATABASE_ERRORS as error:
-        raise unwritable(folder, error) from error
+        raise write_error(folder, error) from error
 
 
 def _check_beside(path: Path) -> None:
@@ -83,7 +83,7 @@ def _connected(path: Path) -> sqlite3.Connection:
         base.executescript(f"pragma journal_mode = delete; pragma synchronous = normal; {_TABLES}")
         _check_tables(base)
         if base.execute("pragma integrity_check(1)").fetchone() != ("ok",):
-            raise sqlite3.DatabaseError(DATABASE)
+            raise sqlite3.DatabaseError(DATABASE_NAME)
     except BaseException:
         base.close()
         raise
@@ -94,13 +94,13 @@ def _decoded(text: bytes) -> str:
     return text.decode(errors="replace")
 
 
-def _check_tables(base: sqlite3.Connection) -> None:
+def _check_tables(connection: sqlite3.Connection) -> None:
     """Raise sqlite3.DatabaseError for other tables, and for views and triggers."""
     with closing(sqlite3.connect(":memory:")) as new:
         new.executescript(_TABLES)
         said = "select type, name, sql from sqlite_master order by name"
-        if base.execute(said).fetchall() != new.execute(said).fetchall():
-            raise sqlite3.DatabaseError(DATABASE)
+        if connection.execute(said).fetchall() != new.execute(said).fetchall():
+            raise sqlite3.DatabaseError(DATABASE_NAME)
 
 
 def is_damage(error: Exception, folder: Path) -> bool:
@@ -108,27 +108,29 @@ def is_damage(error: Exception, folder: Path) -> bool:
     said = str(error)
     if "readonly" in said:  # or it has been moved away
         return os.access(folder, os.W_OK) and (
-            not (folder / DATABASE).exists() or os.access(folder / DATABASE, os.W_OK)
+            not (folder / DATABASE_NAME).exists() or os.access(folder / DATABASE_NAME, os.W_OK)
         )
     return not any(word in said for word in _FOR_NOW)
 
 
-def put_aside(folder: Path) -> None:
+def rename_damaged(folder: Path) -> None:
     """Give the damaged database of a study another name, for a look at it."""
-    path = folder / DATABASE
+    path = folder / DATABASE_NAME
     for each in (path, path.with_name(f"{path.name}-journal")):
         with suppress(OSError):
             each.replace(each.with_name(f"{each.name}.damaged"))
 
 
-def unwritable(folder: Path, error: Exception) -> InputError:
+def write_error(folder: Path, error: Exception) -> InputError:
     """Sentence on the database and the error of writing it."""
     return InputError(
-        tr("{path} cannot be opened now ({reason}); try again.").format(path=folder / DATABASE, reason=error)
+        tr("{path} cannot be opened now ({reason}); try again.").format(
+            path=folder / DATABASE_NAME, reason=error
+        )
     )
 
 
-def unreadable(folder: Path, error: Exception) -> InputError:
+def read_error(folder: Path, error: Exception) -> InputError:
     """Sentence on results and the error of reading them."""
     if is_damage(error, folder):
         return InputError(
@@ -142,7 +144,7 @@ def unreadable(folder: Path, error: Exception) -> InputError:
 
 
 @contextmanager
-def reading(folder: Path) -> Iterator[sqlite3.Connection]:
+def reading_database(folder: Path) -> Iterator[sqlite3.Connection]:
     """The database of a study, for reading only, also while it runs.
 
     Raises
@@ -150,7 +152,7 @@ def reading(folder: Path) -> Iterator[sqlite3.Connection]:
     InputError
         If there is none, or it cannot be read.
     """
-    path = folder / DATABASE
+    path = folder / DATABASE_NAME
     if not path.is_file():
         raise InputError(tr("{folder} holds no study; choose the folder of one.").format(folder=folder))
     _check_beside(path)
@@ -163,4 +165,4 @@ def reading(folder: Path) -> Iterator[sqlite3.Connection]:
             _check_tables(base)
             yield base
     except DATABASE_ERRORS as error:
-        raise unreadable(folder, error) from error
+        raise read_error(folder, error) from error

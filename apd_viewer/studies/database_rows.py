@@ -10,7 +10,7 @@ import sqlite3
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from apd_viewer.studies.case_file import is_reading
-from apd_viewer.studies.database import DATABASE
+from apd_viewer.studies.database import DATABASE_NAME
 
 if TYPE_CHECKING:
     from apd_viewer.studies.case_file import CaseResult
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-class KnownCase(NamedTuple):
+class CaseRow(NamedTuple):
     """A finished case, as the database knows it.
 
     Attributes
@@ -36,56 +36,59 @@ class KnownCase(NamedTuple):
     readings: dict[str, float | None]
 
 
-def write_plan(base: sqlite3.Connection, plan: Plan) -> None:
+def write_plan(connection: sqlite3.Connection, plan: Plan) -> None:
     """Write a plan in place of the one before."""
     rows = (
         (k, row.line, row.case and row.case.key, row.mistake, row.same_as, json.dumps(row.cells))
         for k, row in enumerate(plan.rows)
     )
-    base.execute("delete from plan")
-    base.executemany("insert into plan values (?, ?, ?, ?, ?, ?)", rows)
-    base.execute("insert or replace into facts values ('columns', ?)", (json.dumps(plan.columns),))
+    connection.execute("delete from plan")
+    connection.executemany("insert into plan values (?, ?, ?, ?, ?, ?)", rows)
+    connection.execute("insert or replace into facts values ('columns', ?)", (json.dumps(plan.columns),))
 
 
-def write_result(base: sqlite3.Connection, result: CaseResult, size: int) -> None:
+def write_result(connection: sqlite3.Connection, result: CaseResult, size: int) -> None:
     """Write the result of a case, and the size of its file, unless they are there."""
     readings = result.readings
     row = result.key, size, result.status, result.sentence, readings.get("seconds"), json.dumps(readings)
-    known = base.execute("select * from cases where key = ?", (result.key,)).fetchone()
+    known = connection.execute("select * from cases where key = ?", (result.key,)).fetchone()
     if known != row:
-        base.execute("insert or replace into cases values (?, ?, ?, ?, ?, ?)", row)
+        connection.execute("insert or replace into cases values (?, ?, ?, ?, ?, ?)", row)
 
 
-def known_cases(base: sqlite3.Connection) -> dict[str, KnownCase]:
+def case_rows(connection: sqlite3.Connection) -> dict[str, CaseRow]:
     """Finished cases by their keys; raises sqlite3.DatabaseError if a row is damaged."""
-    rows = base.execute("select key, size, status, sentence, readings from cases")
+    rows = connection.execute("select key, size, status, sentence, readings from cases")
     return {
-        checked(key, str): KnownCase(
-            checked(size, int), checked(status, str), checked(sentence, str), readings_in(readings)
+        checked_value(key, str): CaseRow(
+            checked_value(size, int),
+            checked_value(status, str),
+            checked_value(sentence, str),
+            readings_from_json(readings),
         )
         for key, size, status, sentence, readings in rows
     }
 
 
-def readings_in(text: object) -> dict[str, float | None]:
+def readings_from_json(text: object) -> dict[str, float | None]:
     """Readings of a case from a row; raises sqlite3.DatabaseError."""
-    found: dict[str, float | None] = from_json(text, dict)
+    found: dict[str, float | None] = value_from_json(text, dict)
     if not all(map(is_reading, found.values())):
-        raise sqlite3.DatabaseError(DATABASE)
+        raise sqlite3.DatabaseError(DATABASE_NAME)
     return found
 
 
-def from_json(text: object, kind: type[T]) -> T:
+def value_from_json(text: object, kind: type[T]) -> T:
     """Value of a text in JSON, of this kind; raises sqlite3.DatabaseError."""
     try:
-        said: Any = json.loads(checked(text, str))
+        said: Any = json.loads(checked_value(text, str))
     except (ValueError, RecursionError) as error:
-        raise sqlite3.DatabaseError(DATABASE) from error
-    return checked(said, kind)
+        raise sqlite3.DatabaseError(DATABASE_NAME) from error
+    return checked_value(said, kind)
 
 
-def checked(value: object, kind: type[T]) -> T:
+def checked_value(value: object, kind: type[T]) -> T:
     """A value of this kind; raises sqlite3.DatabaseError if it is of another."""
     if not isinstance(value, kind):
-        raise sqlite3.DatabaseError(DATABASE)
+        raise sqlite3.DatabaseError(DATABASE_NAME)
     return value

@@ -13,12 +13,12 @@ from multiprocessing import get_context, parent_process
 from threading import Thread
 from typing import TYPE_CHECKING
 
-from apd_viewer.session.processes.child_boot import set_up
-from apd_viewer.studies.worker import work as work_on_case
-from apd_viewer.studies.worker_birth import workers_born
+from apd_viewer.session.processes.child_boot import set_up_process
+from apd_viewer.studies.case_worker import run_task as work_on_case
+from apd_viewer.studies.worker_environment import starting_workers
 
 if TYPE_CHECKING:
-    from apd_viewer.studies.worker import CaseAnswer, Task, Work
+    from apd_viewer.studies.case_worker import CaseAnswer, CaseTask, TaskRunner
 
 # Cases of a process before another one takes its place.
 RECYCLE_AFTER = 300
@@ -28,7 +28,7 @@ _FAR_TOO_LONG = 1.5, 30.0
 
 def _begin(owner: int) -> None:
     """Set a process up, to end with its owner."""
-    set_up(owner)
+    set_up_process(owner)
     Thread(target=_follow_owner, daemon=True).start()
 
 
@@ -53,12 +53,14 @@ class _Lane:
         """True if it runs no case."""
         return self.future is None or self.future.done()
 
-    def start(self, work: Work, task: Task, recycle: int) -> Future[CaseAnswer]:
+    def start(self, work: TaskRunner, task: CaseTask, recycle: int) -> Future[CaseAnswer]:
         """Start a case, in a new process if due."""
         if self.executor is not None and self.cases >= recycle:
             self.end()
         factor, more = _FAR_TOO_LONG
-        self.until = float("inf") if task.limit is None else time.monotonic() + factor * task.limit + more
+        self.until = (
+            float("inf") if task.time_limit is None else time.monotonic() + factor * task.time_limit + more
+        )
         try:
             self.future = self._submitted(work, task)
         except BrokenExecutor:  # the process died of the last case, or idle
@@ -67,12 +69,12 @@ class _Lane:
         self.cases += 1
         return self.future
 
-    def _submitted(self, work: Work, task: Task) -> Future[CaseAnswer]:
+    def _submitted(self, work: TaskRunner, task: CaseTask) -> Future[CaseAnswer]:
         if self.executor is not None:
             return self.executor.submit(work, task)
         self.executor = ProcessPoolExecutor(1, get_context("spawn"), _begin, (os.getpid(),))
         self.cases = 0
-        with workers_born():  # the first case starts the process
+        with starting_workers():  # the first case starts the process
             return self.executor.submit(work, task)
 
     def end(self, at_once: bool = False) -> None:
@@ -89,7 +91,7 @@ class _Lane:
             process.kill()
 
 
-def cores() -> int:
+def core_count() -> int:
     """Number of cores that this program may use."""
     allowed = getattr(os, "sched_getaffinity", None)
     return len(allowed(0)) if allowed else os.cpu_count() or 1
@@ -108,27 +110,27 @@ class LocalPool:
         Cases of a process before it is replaced.
     """
 
-    knows_whose_fault = True
+    can_blame_case = True
 
-    def __init__(self, workers: int, work: Work = work_on_case, recycle: int = RECYCLE_AFTER) -> None:
+    def __init__(self, workers: int, work: TaskRunner = work_on_case, recycle: int = RECYCLE_AFTER) -> None:
         self._lanes = [_Lane() for _ in range(workers)]
         self._work, self._recycle = work, recycle
         self.overdue: set[Future[CaseAnswer]] = set()
 
-    def room(self) -> int:
+    def free_slots(self) -> int:
         """Number of cases to be started now."""
         return sum(lane.free for lane in self._lanes)
 
-    def running(self) -> int:
+    def running_count(self) -> int:
         """Number of running cases."""
-        return len(self._lanes) - self.room()
+        return len(self._lanes) - self.free_slots()
 
-    def start(self, task: Task) -> Future[CaseAnswer]:
+    def start(self, task: CaseTask) -> Future[CaseAnswer]:
         """Start a case in a free process."""
         lane = next(lane for lane in self._lanes if lane.free)
         return lane.start(self._work, task, self._recycle)
 
-    def look_after(self) -> None:
+    def check_workers(self) -> None:
         """Kill the processes of overdue cases."""
         for lane in self._lanes:
             if lane.future is not None and not lane.free and time.monotonic() > lane.until:

@@ -6,13 +6,13 @@ import sqlite3
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.studies.case_file import DONE, FAILED
-from apd_viewer.studies.database import DATABASE, reading, unreadable
-from apd_viewer.studies.database_rows import checked, from_json, readings_in
-from apd_viewer.studies.run_case import FINAL
+from apd_viewer.studies.database import DATABASE_NAME, read_error, reading_database
+from apd_viewer.studies.database_rows import checked_value, readings_from_json, value_from_json
+from apd_viewer.studies.run_case import FINAL_READINGS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
 WAITING, WRONG, DUPLICATE = "waiting", "wrong", "duplicate"
 _STATES = DONE, FAILED, WAITING, WRONG, DUPLICATE
 # Behind the plan's columns; others may rely on these and their order.
-PROMISED = ("area_error", "volume", "volume_capped", "energy", "crossings", "seconds")
-READINGS = (*PROMISED, *FINAL)
-HEAD = ("status", "sentence")
-TAIL = ("line", "key")
+PROMISED_READINGS = ("area_error", "volume", "volume_capped", "energy", "crossings", "seconds")
+READINGS = (*PROMISED_READINGS, *FINAL_READINGS)
+STATUS_COLUMNS = ("status", "sentence")
+KEY_COLUMNS = ("line", "key")
 
 
-def status_words(status: str) -> str:
+def status_text(status: str) -> str:
     """The state of a row in a word."""
     words = {
         DONE: tr("done"),
@@ -87,23 +87,23 @@ class ResultTable:
 
 def read_results(folder: Path) -> ResultTable:
     """Read the results so far; raises InputError without a study."""
-    with reading(folder) as base:
+    with reading_database(folder) as base:
         found = _found(base)
     # Once the database is closed: as long as rows are read its writer has to wait.
     try:
         return _table(*found)
     except sqlite3.DatabaseError as error:
-        raise unreadable(folder, error) from error
+        raise read_error(folder, error) from error
 
 
-def results_in(base: sqlite3.Connection) -> ResultTable:
+def read_result_table(connection: sqlite3.Connection) -> ResultTable:
     """The results in an open database; raises one of DATABASE_ERRORS."""
-    return _table(*_found(base))
+    return _table(*_found(connection))
 
 
-def _found(base: sqlite3.Connection) -> tuple[Any, list[Any]]:
-    columns = base.execute("select value from facts where name = 'columns'").fetchone()
-    rows = base.execute(
+def _found(connection: sqlite3.Connection) -> tuple[Any, list[Any]]:
+    columns = connection.execute("select value from facts where name = 'columns'").fetchone()
+    rows = connection.execute(
         "select line, plan.key, cells, mistake, same_as, status, sentence, readings"
         " from plan left join cases on plan.key = cases.key order by position"
     )
@@ -111,10 +111,10 @@ def _found(base: sqlite3.Connection) -> tuple[Any, list[Any]]:
 
 
 def _table(columns: Any, rows: list[Any]) -> ResultTable:
-    names = tuple(checked(name, str) for name in from_json(columns[0], list)) if columns else ()
+    names = tuple(checked_value(name, str) for name in value_from_json(columns[0], list)) if columns else ()
     found = tuple(_row(*row) for row in rows)
     if any(len(row.cells) != len(names) for row in found):
-        raise sqlite3.DatabaseError(DATABASE)
+        raise sqlite3.DatabaseError(DATABASE_NAME)
     return ResultTable(names, found)
 
 
@@ -130,22 +130,27 @@ def _row(
 ) -> ResultRow:
     if key is None:
         status, sentence = WRONG, mistake
-    elif not checked(key, str).isalnum():  # it names a file
-        raise sqlite3.DatabaseError(DATABASE)
+    elif not checked_value(key, str).isalnum():  # it names a file
+        raise sqlite3.DatabaseError(DATABASE_NAME)
     elif same_as is not None:
         status, sentence = DUPLICATE, mistake
-    found = readings_in(readings) if readings is not None else {}
-    said = tuple(checked(cell, str) for cell in from_json(cells, list))
+    found = readings_from_json(readings) if readings is not None else {}
+    said = tuple(checked_value(cell, str) for cell in value_from_json(cells, list))
     if (status or WAITING) not in _STATES:
-        raise sqlite3.DatabaseError(DATABASE)
+        raise sqlite3.DatabaseError(DATABASE_NAME)
     return ResultRow(
-        checked(line, int), key or "", said, status or WAITING, checked(sentence or "", str), found
+        checked_value(line, int),
+        key or "",
+        said,
+        status or WAITING,
+        checked_value(sentence or "", str),
+        found,
     )
 
 
 def write_results(folder: Path, table: ResultTable) -> None:
     """Write ``results.csv``, and ``results.parquet`` if possible; raises InputError."""
-    columns = [*table.columns, *HEAD, *READINGS, *TAIL]
+    columns = [*table.columns, *STATUS_COLUMNS, *READINGS, *KEY_COLUMNS]
     rows = [_cells(row) for row in table.rows]
     write_table(folder / "results.csv", columns, rows)
     _write_parquet(folder, columns, rows, len(table.columns))
@@ -179,7 +184,7 @@ def _write_parquet(folder: Path, columns: list[str], rows: list[list[Cell]], pla
         from pyarrow import parquet
     except ImportError:
         return
-    words = {*range(plan + len(HEAD)), len(columns) - 1}
+    words = {*range(plan + len(STATUS_COLUMNS)), len(columns) - 1}
     arrays = [
         pyarrow.array(
             [row[k] for row in rows] if k in words else [_number(row[k]) for row in rows],
@@ -189,7 +194,7 @@ def _write_parquet(folder: Path, columns: list[str], rows: list[list[Cell]], pla
     ]
     # No name may be there twice: what was asked for gives way to what was found.
     asked = [f"plan_{name}" if name in columns[plan:] else name for name in columns[:plan]]
-    with replacing(folder / "results.parquet") as scratch:
+    with replacing_file(folder / "results.parquet") as scratch:
         parquet.write_table(pyarrow.table(arrays, [*asked, *columns[plan:]]), scratch)
 
 

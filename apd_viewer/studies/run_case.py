@@ -10,10 +10,10 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.shape_check import check_shape
-from apd_viewer.geometry.solver.methods import passing_walls
+from apd_viewer.geometry.solver.methods import passing_walls_warning
 from apd_viewer.language import tr
-from apd_viewer.session.storage.session_json import frame_said
-from apd_viewer.studies.case_document import MissingSourceError, OpenedMeshes, state_of, sweep_of_case
+from apd_viewer.session.storage.session_json import frame_to_json
+from apd_viewer.studies.case_document import CaseDocuments, MissingInputError, case_state, case_sweep
 from apd_viewer.studies.case_file import DONE, FAILED, CaseResult
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from apd_viewer.studies.plans.case import StudyCase
 
 # Readings of a case beside those of its curves, in the order of the tables.
-FINAL = (
+FINAL_READINGS = (
     "area",
     "area_rest",
     "volume_rest",
@@ -48,13 +48,13 @@ class _OutOfTimeError(Exception):
     """The case took longer than it may."""
 
 
-def run_case(case: StudyCase, meshes: OpenedMeshes, limit: float | None = None) -> CaseResult:
+def run_case(case: StudyCase, documents: CaseDocuments, limit: float | None = None) -> CaseResult:
     """Walk a case; whatever is wrong with it is a sentence of its result.
 
     Parameters
     ----------
     case : StudyCase
-    meshes : OpenedMeshes
+    documents : CaseDocuments
     limit : float, optional
         Seconds that it may take.
 
@@ -70,28 +70,28 @@ def run_case(case: StudyCase, meshes: OpenedMeshes, limit: float | None = None) 
             raise _OutOfTimeError
 
     try:
-        state, _, motion = state_of(case, meshes)
+        state, _, motion = case_state(case, documents)
         mesh = state.document.mesh
-        sweep = sweep_of_case(case, state.document, motion)
+        sweep = case_sweep(case, state.document, motion)
         # A divergence is found in what it has done to the shape, and said in a sentence.
         with np.errstate(all="ignore"):
             return _result(case, mesh, sweep, list(_checked_steps(sweep, tick)), started)
     except _OutOfTimeError:
-        return failed(case, tr("It took longer than {limit:g} s.").format(limit=limit))
+        return failed_result(case, tr("It took longer than {limit:g} s.").format(limit=limit))
     except InputError as error:
-        return failed(case, " ".join(str(error).split()))
-    except MissingSourceError:
+        return failed_result(case, " ".join(str(error).split()))
+    except MissingInputError:
         raise
     except MemoryError:
-        return failed(case, tr("It does not fit into memory."))
+        return failed_result(case, tr("It does not fit into memory."))
     except Exception as error:
         # One case must not end a study: a defect of the program is named, and the others go on.
-        return failed(case, tr("The program failed: {error!r}.").format(error=error)[:500])
+        return failed_result(case, tr("The program failed: {error!r}.").format(error=error)[:500])
 
 
-def failed(case: StudyCase, sentence: str) -> CaseResult:
+def failed_result(case: StudyCase, sentence: str) -> CaseResult:
     """Result of a failed case."""
-    return CaseResult(case.key, case.said, FAILED, sentence)
+    return CaseResult(case.key, case.to_json, FAILED, sentence)
 
 
 def _checked_steps(sweep: Sweep, tick: Callable[..., object]) -> Iterator[SweepStep]:
@@ -99,7 +99,7 @@ def _checked_steps(sweep: Sweep, tick: Callable[..., object]) -> Iterator[SweepS
         if not np.isfinite(step.frame.U).all():
             raise InputError(tr("It diverged in step {number}.").format(number=step.number))
         # Shapes on the way need not be kept in memory.
-        last = step.number == len(sweep.parts) - 1
+        last = step.number == len(sweep.shares) - 1
         yield step if last else step._replace(frame=replace(step.frame, U=sweep.document.mesh.V[:0]))
 
 
@@ -120,16 +120,16 @@ def _result(case: StudyCase, mesh: Mesh, sweep: Sweep, steps: list[SweepStep], s
         "unsettled_steps": sum(not step.frame.settled for step in steps),
         "seconds": round(time.perf_counter() - started, 3),
     }
-    told = _sentence(case, steps, sweep), _plain(readings), _curves(steps), frame_said(frame)
-    return CaseResult(case.key, case.said, DONE, *told, frame.U)
+    told = _sentence(case, steps, sweep), _plain(readings), _curves(steps), frame_to_json(frame)
+    return CaseResult(case.key, case.to_json, DONE, *told, frame.U)
 
 
 def _curves(steps: list[SweepStep]) -> dict[str, list[float | None]]:
     """Readings of all steps by their names."""
     curves: dict[str, list[float | None]] = {
-        "part": [step.part for step in steps],
+        "part": [step.share for step in steps],
         "degrees": [step.degrees for step in steps],
-        "way": [step.way for step in steps],
+        "way": [step.displacement for step in steps],
         "area": [step.frame.area for step in steps],
         "area_error": [step.frame.area_error for step in steps],
         "volume": [step.frame.volume for step in steps],
@@ -139,8 +139,8 @@ def _curves(steps: list[SweepStep]) -> dict[str, list[float | None]]:
         "local_change": [step.frame.local_change for step in steps],
         "handle_drift": [step.frame.handle_drift for step in steps],
         "share_reached": [step.frame.share_reached for step in steps],
-        "turned": [step.turned[0] for step in steps],
-        "turned_held": [step.turned[1] for step in steps],
+        "turned": [step.turn_degrees[0] for step in steps],
+        "turned_held": [step.turn_degrees[1] for step in steps],
     }
     return {name: [_number(value) for value in values] for name, values in curves.items()}
 
@@ -159,7 +159,7 @@ def _number(value: Any) -> float | None:
 def _sentence(case: StudyCase, steps: list[SweepStep], sweep: Sweep) -> str:
     """Sentence for the user; empty without anything to say."""
     last = steps[-1]
-    said = list(sweep.said_of(last))
+    said = list(sweep.warnings_of(last))
     unsettled = sum(not step.frame.settled for step in steps)
     if unsettled and not last.frame.unreached and last.frame.share_reached == 1.0:
         said.append(
@@ -168,5 +168,7 @@ def _sentence(case: StudyCase, steps: list[SweepStep], sweep: Sweep) -> str:
             )
         )
     if case.contact_by_default:
-        said.append(passing_walls(last.method, len(sweep.document.mesh.V), tr("“contact” in the plan")))
+        said.append(
+            passing_walls_warning(last.method, len(sweep.document.mesh.V), tr("“contact” in the plan"))
+        )
     return " ".join(filter(None, said))

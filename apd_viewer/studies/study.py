@@ -7,23 +7,23 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.studies.case_file import FAILED
-from apd_viewer.studies.case_session import INPUTS
-from apd_viewer.studies.engine import Runner
-from apd_viewer.studies.pace import Pace
+from apd_viewer.studies.case_runner import CaseRunner
+from apd_viewer.studies.case_session import INPUTS_FOLDER
+from apd_viewer.studies.plans.input_files import InputFiles
 from apd_viewer.studies.plans.plan import read_plan
-from apd_viewer.studies.plans.sources import Sources
+from apd_viewer.studies.progress_meter import ProgressMeter
 from apd_viewer.studies.results import write_curves, write_results
-from apd_viewer.studies.store import StudyStore
 from apd_viewer.studies.study_folder import check_links
+from apd_viewer.studies.study_store import StudyStore
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from apd_viewer.studies.engine import Engine
-    from apd_viewer.studies.pace import CaseCounts
+    from apd_viewer.studies.case_runner import Engine
     from apd_viewer.studies.plans.case import StudyCase
     from apd_viewer.studies.plans.plan import Plan
+    from apd_viewer.studies.progress_meter import CaseCounts
     from apd_viewer.studies.results import ResultTable
 
 # Seconds between two tables written on the way, and how many times longer than writing took that is at least.
@@ -50,25 +50,25 @@ class Study:
     def __init__(self, plan: Path, folder: Path, retry_failed: bool = False) -> None:
         self.folder = folder
         check_links(folder)
-        self.plan: Plan = read_plan(plan, Sources(folder / INPUTS))
+        self.plan: Plan = read_plan(plan, InputFiles(folder / INPUTS_FOLDER))
         self._store = StudyStore(folder)
         try:
             self._cases = self.plan.cases
-            self._done = self._store.begin(self.plan, retry_failed)
+            self._done = self._store.begin_plan(self.plan, retry_failed)
         except BaseException:
             self._store.close()
             raise
-        self._runner: Runner | None = None
+        self._runner: CaseRunner | None = None
         self._stopping = False
         self._table, self._took = time.monotonic(), 0.0
 
     @property
-    def damaged(self) -> int:
+    def damaged_count(self) -> int:
         """Number of damaged results; their cases are left, or were run again."""
-        return self._store.damaged
+        return self._store.damaged_count
 
     @property
-    def left(self) -> dict[str, StudyCase]:
+    def unfinished_cases(self) -> dict[str, StudyCase]:
         """Unfinished cases by their keys."""
         return {key: case for key, case in self._cases.items() if key not in self._done}
 
@@ -80,7 +80,7 @@ class Study:
         self,
         engine: Engine,
         limit: float | None = None,
-        told: Callable[[CaseCounts], object] = lambda _: None,
+        on_progress: Callable[[CaseCounts], object] = lambda _: None,
     ) -> ResultTable:
         """Run the unfinished cases; write and return the results.
 
@@ -89,7 +89,7 @@ class Study:
         engine : Engine
         limit : float, optional
             Seconds that a case may take.
-        told : callable
+        on_progress : callable
             Called with the progress, twice a second and after every case.
 
         Raises
@@ -97,33 +97,33 @@ class Study:
         InputError
             If the engine is gone or the folder cannot be written; what is done is kept.
         """
-        table = self._round(engine, limit, told)
-        if self.left and not self._stopping:  # files that were found damaged at the end
-            table = self._round(engine, limit, told)
+        table = self._round(engine, limit, on_progress)
+        if self.unfinished_cases and not self._stopping:  # files that were found damaged at the end
+            table = self._round(engine, limit, on_progress)
         return table
 
     def _round(
-        self, engine: Engine, limit: float | None, told: Callable[[CaseCounts], object]
+        self, engine: Engine, limit: float | None, on_progress: Callable[[CaseCounts], object]
     ) -> ResultTable:
         failed = self._failed(self._store.results())
-        pace = Pace(len(self._cases), len(self._done), failed)
+        pace = ProgressMeter(len(self._cases), len(self._done), failed)
 
         def finished(content: bytes) -> None:
-            result = self._store.add(content)
+            result = self._store.add_result(content)
             self._done.add(result.key)
-            pace.finished(result.status == FAILED)
+            pace.count_case(result.status == FAILED)
 
         def tick(running: int) -> None:
-            told(pace.progress(running))
+            on_progress(pace.counts(running))
             self._write_now_and_then()
 
-        self._runner = Runner(self.left, engine, finished, limit, tick)
+        self._runner = CaseRunner(self.unfinished_cases, engine, finished, limit, tick)
         if self._stopping:
             self._runner.stop()
         try:
             self._runner.run()
         except InputError:
-            self.write()
+            self.write_table()
             raise
         return self.finish()
 
@@ -131,7 +131,7 @@ class Study:
         """Write all tables, and return the results; damaged cases are left."""
         curves = self._store.curves(self._done)
         self._done &= curves.keys()
-        table = self.write()
+        table = self.write_table()
         write_curves(self.folder, table, curves)
         return table
 
@@ -141,7 +141,7 @@ class Study:
         if self._runner is not None:
             self._runner.stop()
 
-    def write(self) -> ResultTable:
+    def write_table(self) -> ResultTable:
         """Write the table of the results as they are, and return it."""
         started = time.monotonic()
         self._store.commit()
@@ -153,7 +153,7 @@ class Study:
 
     def _write_now_and_then(self) -> None:
         if time.monotonic() - self._table > max(_TABLE, _TIMES * self._took):
-            self.write()
+            self.write_table()
 
     def close(self) -> None:
         """Let others write into the folder."""

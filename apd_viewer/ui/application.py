@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.language import LANGUAGE, show_numbers, tr
+from apd_viewer.language import LANGUAGE, localize_numbers, tr
 from apd_viewer.session.jobs.freed_memory import keep_freed_memory, share_freed_memory
 
 # pyvistaqt takes the first binding that it finds, and PyQt5 comes first.
@@ -41,9 +41,9 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.view import SUFFIX
+from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.ui.background_imports import BackgroundImports
-from apd_viewer.ui.display import has_display, reached_display
+from apd_viewer.ui.display import display_connection, has_display
 from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
 
@@ -52,9 +52,9 @@ if TYPE_CHECKING:
     from apd_viewer.ui.workbench import Workbench
 
 # pyvistaqt sets the default format once more for each viewport, to what is set here already.
-HARMLESS = "Setting a new default format"
+HARMLESS_MESSAGE = "Setting a new default format"
 
-PATIENCE = 1000  # ms; a window that is not drawn, because it is covered or minimized, loads all the same
+LOAD_DELAY = 1000  # ms; a window that is not drawn, because it is covered or minimized, loads all the same
 
 _LOGGER = logging.getLogger(__name__)
 _LEVELS = {
@@ -84,9 +84,9 @@ def make_application(argv: list[str]) -> QApplication:
     # A viewport that Qt moves to another window keeps its context, and with it all that VTK drew.
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
     QSurfaceFormat.setDefaultFormat(_surface_format())
-    qInstallMessageHandler(report)
+    qInstallMessageHandler(log_qt_message)
     QLocale.setDefault(QLocale.c())  # the program formats numbers by itself
-    show_numbers()
+    localize_numbers()
     application = QApplication(argv)
     application.setApplicationName("apd-viewer")
     application.setApplicationDisplayName("APD Viewer")
@@ -117,20 +117,20 @@ def _surface_format() -> QSurfaceFormat:
     return surface
 
 
-def report(kind: QtMsgType, context: QMessageLogContext, message: str) -> None:
+def log_qt_message(kind: QtMsgType, context: QMessageLogContext, message: str) -> None:
     """Log and print a message of Qt, unless it is the harmless one."""
-    if HARMLESS not in message:
+    if HARMLESS_MESSAGE not in message:
         _LOGGER.log(_LEVELS[kind], message)
         print(qFormatLogMessage(kind, context, message), file=sys.stderr)  # noqa: T201
 
 
-def run(mesh: object = None, tells: bool = False) -> None:
+def run(mesh: object = None, shows_errors: bool = False) -> None:
     """Open the window on ``mesh``, a path or the bottle, until it is closed.
 
     Parameters
     ----------
     mesh : Mesh, pyvista.PolyData, trimesh.Trimesh, path or None
-    tells : bool
+    shows_errors : bool
         Whether the window says what is wrong with a file, where there is a display.
 
     Raises
@@ -138,8 +138,8 @@ def run(mesh: object = None, tells: bool = False) -> None:
     InputError
         If the mesh cannot be used, or there is no display.
     """
-    shown = Path(mesh) if tells and isinstance(mesh, str) and has_display() else as_mesh(mesh)
-    with reached_display():
+    shown = Path(mesh) if shows_errors and isinstance(mesh, str) and has_display() else mesh_or_path(mesh)
+    with display_connection():
         application = make_application(sys.argv[:1])
     # Imported only now: pyvistaqt must find the application as it was prepared above.
     from apd_viewer.ui.filing.file_open_events import FileOpenEvents
@@ -147,11 +147,11 @@ def run(mesh: object = None, tells: bool = False) -> None:
     from apd_viewer.ui.settings_page.preference_table import THREADS
     from apd_viewer.ui.shell import Shell
 
-    settings = own_settings()
+    settings = user_settings()
     limit_threads(PreferenceValues(settings)[THREADS])
     shell = Shell(settings)
     if shown is None:
-        shell.canvas.sketch(*open_sample("bottle"))
+        shell.canvas.show_opening_mesh(*open_sample("bottle"))
         shell.requests.open_sample("bottle")
     elif isinstance(shown, Mesh):
         shell.requests.show_mesh(shown)
@@ -165,7 +165,7 @@ def run(mesh: object = None, tells: bool = False) -> None:
         lambda: shell.close() if imports.error else build_workbench(shell, recovery_folder(), shown is None)
     )
     shell.canvas.viewport.frameSwapped.connect(imports.begin, Qt.ConnectionType.SingleShotConnection)
-    QTimer.singleShot(PATIENCE, imports.begin)
+    QTimer.singleShot(LOAD_DELAY, imports.begin)
     signal.signal(signal.SIGINT, lambda *_: application.closeAllWindows())
     for name in ("SIGTERM", "SIGHUP"):  # nobody is asked: unsaved work is offered at the next start
         number = getattr(signal, name, None)
@@ -181,7 +181,7 @@ def run(mesh: object = None, tells: bool = False) -> None:
         raise SystemExit(status)
 
 
-def own_settings() -> QSettings:
+def user_settings() -> QSettings:
     """The user's settings; a pipe in the place of their file is put aside."""
     folder = Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericConfigLocation))
     name = f"{QCoreApplication.applicationName()}.conf"
@@ -198,7 +198,7 @@ def recovery_folder() -> Path:
     return Path(QStandardPaths.writableLocation(place)) / "recovery"
 
 
-def build_workbench(shell: Shell, recovery: Path | None, on_bottle: bool) -> Workbench | None:
+def build_workbench(shell: Shell, recovery: Path | None, opens_sample: bool) -> Workbench | None:
     """Build the workbench on an open shell; start the tour the first time.
 
     Parameters
@@ -206,7 +206,7 @@ def build_workbench(shell: Shell, recovery: Path | None, on_bottle: bool) -> Wor
     shell : Shell
     recovery : Path or None
         Folder for autosaves; None keeps nothing.
-    on_bottle : bool
+    opens_sample : bool
         Whether the sample bottle is about to be opened.
     """
     if shell.is_closed:
@@ -216,21 +216,21 @@ def build_workbench(shell: Shell, recovery: Path | None, on_bottle: bool) -> Wor
     from apd_viewer.ui.workbench import Workbench
 
     workbench = Workbench(shell, recovery)
-    workbench.help.greet(on_bottle)
-    if refusal := shell.memory.refusal:
+    workbench.help.plan_first_tour(opens_sample)
+    if refusal := shell.preferences.storage_problem:
         # With the first document, which takes the notices before it away.
         once = Qt.ConnectionType.SingleShotConnection
-        workbench.signals.changed.connect(lambda *_: workbench.notice.fail(refusal), once)
-    _LOGGER.info("OpenGL %s", shell.canvas.viewport.opengl)
+        workbench.signals.changed.connect(lambda *_: workbench.notice.show_failure(refusal), once)
+    _LOGGER.info("OpenGL %s", shell.canvas.viewport.opengl_info)
     return workbench
 
 
-def as_mesh(mesh: object) -> Mesh | Path | None:
+def mesh_or_path(mesh: object) -> Mesh | Path | None:
     """Mesh to show; a readable path is left for the window to open."""
     if mesh is None or isinstance(mesh, Mesh):
         return mesh
     if isinstance(mesh, str | Path):
-        check_readable(Path(mesh), also=(SUFFIX,))
+        check_readable(Path(mesh), more_suffixes=(SESSION_SUFFIX,))
         return Path(mesh)
     if hasattr(mesh, "regular_faces"):  # pyvista.PolyData
         surface = mesh.triangulate()  # type: ignore[attr-defined]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 
 if TYPE_CHECKING:
-    from apd_viewer.session.processes.compilation import CompilersBeside
+    from apd_viewer.session.processes.compilation import CompilerProcesses
 
 
 class BackgroundImports(QObject):
@@ -27,7 +27,7 @@ class BackgroundImports(QObject):
 
     def __init__(self) -> None:
         super().__init__()
-        self._compilers: CompilersBeside | None = None
+        self._compilers: CompilerProcesses | None = None
         self._given_up = False
         self._compiles.connect(self._compile_beside)
         self.error: Exception | None = None
@@ -53,11 +53,11 @@ class BackgroundImports(QObject):
         try:
             # All slow imports are made here, behind the first picture; an installed library may be broken.
             import apd_viewer.ui.workbench  # noqa: F401
-            from apd_viewer.geometry.warmup import tell_of_compiling, warm_up
+            from apd_viewer.geometry.warmup import report_compilations, warm_up
             from apd_viewer.session.processes import compilation  # noqa: F401
 
-            stop = tell_of_compiling(lambda _: self._compiles.emit())
-            warm_up("window", enough=lambda: self._given_up)
+            stop = report_compilations(lambda _: self._compiles.emit())
+            warm_up("window", is_cancelled=lambda: self._given_up)
             stop()
         except (ImportError, OSError) as error:
             self.error = error
@@ -67,8 +67,8 @@ class BackgroundImports(QObject):
     def _compile_beside(self) -> None:
         """Have the kernels of a first drag compiled too, as nothing is cached yet."""
         # Imported by the thread, behind the first picture.
-        from apd_viewer.session.processes.compilation import CompilersBeside
+        from apd_viewer.session.processes.compilation import CompilerProcesses
 
         if self._compilers is None:
-            self._compilers = CompilersBeside()
+            self._compilers = CompilerProcesses()
             self._compilers.start()

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
-from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.selecting.part_operation import PartOperation
-from apd_viewer.ui.tools.click_tool import ClickSelector
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.tools.click_tool import ClickTool
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.panel.panel import Panel
-    from apd_viewer.ui.panel.statusbar import StatusBar
+    from apd_viewer.ui.panel.status_bar import StatusBar
     from apd_viewer.ui.part_lists.part_list import PartList
     from apd_viewer.ui.tools.active_parts import ActiveParts
     from apd_viewer.ui.tools.canvas import Canvas
@@ -26,21 +26,25 @@ if TYPE_CHECKING:
 def connect_settings(panel: Panel, session: Session) -> None:
     """Connect the settings; a slider's drag is one gesture."""
     panel.area.target.chosen.connect(session.settings.set_area)
-    panel.area.held.connect(session.settings.hold_area)
-    panel.volume.kept.connect(session.settings.set_volume)
+    panel.area.keep_toggled.connect(session.settings.set_hold_area)
+    panel.volume.target_changed.connect(session.settings.set_volume)
     panel.volume.target.chosen.connect(session.settings.set_volume)
     panel.method.method_chosen.connect(session.settings.set_method)
-    panel.method.calm_chosen.connect(session.settings.keep_calm)
+    panel.method.calm_chosen.connect(session.settings.set_calm)
     panel.method.tolerance_chosen.connect(session.settings.set_tolerance)
     panel.method.convergence.chosen.connect(session.settings.set_convergence)
     panel.method.stiffness.chosen.connect(session.settings.set_stiffness)
-    panel.method.area_stiffness_chosen.connect(lambda x: session.settings.set_material(area_stiffness=x))
-    panel.method.shear_stiffness_chosen.connect(lambda x: session.settings.set_material(shear_stiffness=x))
+    panel.method.area_stiffness_chosen.connect(
+        lambda x: session.settings.set_local_stiffness(area_stiffness=x)
+    )
+    panel.method.shear_stiffness_chosen.connect(
+        lambda x: session.settings.set_local_stiffness(shear_stiffness=x)
+    )
     gestures = tr("Change area"), tr("Change volume"), tr("Change stiffness"), tr("Change falloff")
-    for dial, gesture in zip(panel.dials, gestures, strict=True):
-        dial.sweep_began.connect(session.gestures.begin)
-        dial.sweep_ended.connect(partial(session.gestures.end, gesture))
-        dial.sweep_given_up.connect(session.gestures.cancel)
+    for dial, gesture in zip(panel.slider_fields, gestures, strict=True):
+        dial.drag_began.connect(session.gestures.begin)
+        dial.drag_ended.connect(partial(session.gestures.end, gesture))
+        dial.drag_cancelled.connect(session.gestures.cancel)
 
 
 def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:
@@ -52,19 +56,21 @@ def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:
     panel.regions.list.chosen.connect(parts.choose_region)
     panel.regions.list.renamed.connect(session.parts.rename_region)
     panel.regions.list.removed.connect(parts.remove_region)
-    panel.regions.kept.connect(session.settings.set_region_area)
-    panel.paint.base.hidden_asked.connect(partial(session.parts.hide, Part(BASE)))
-    panel.paint.base.locked_asked.connect(partial(session.parts.lock, Part(BASE)))
-    panel.paint.base.clear_asked.connect(partial(session.painting.reshape, Part(BASE), PartOperation.CLEAR))
+    panel.regions.target_changed.connect(session.settings.set_region_area)
+    panel.paint.base.hide_requested.connect(partial(session.parts.hide, PaintedPart(BASE)))
+    panel.paint.base.lock_requested.connect(partial(session.parts.lock, PaintedPart(BASE)))
+    panel.paint.base.clear_requested.connect(
+        partial(session.painting.apply_operation, PaintedPart(BASE), PartOperation.CLEAR)
+    )
     panel.paint.clear_all.clicked.connect(lambda: session.painting.clear_all())
-    _connect_flags(panel.handles.list, session, lambda k: Part(HANDLE + k))
-    _connect_flags(panel.regions.list, session, lambda k: Part(k + 1, is_region=True))
+    _connect_flags(panel.handles.list, session, lambda k: PaintedPart(HANDLE + k))
+    _connect_flags(panel.regions.list, session, lambda k: PaintedPart(k + 1, is_region=True))
 
 
-def _connect_flags(rows: PartList, session: Session, part: Callable[[int], Part]) -> None:
+def _connect_flags(rows: PartList, session: Session, part: Callable[[int], PaintedPart]) -> None:
     rows.hidden.connect(lambda k, on: session.parts.hide(part(k), on))
     rows.locked.connect(lambda k, on: session.parts.lock(part(k), on))
-    rows.cleared.connect(lambda k: session.painting.reshape(part(k), PartOperation.CLEAR))
+    rows.cleared.connect(lambda k: session.painting.apply_operation(part(k), PartOperation.CLEAR))
 
 
 def _set_falloff(session: Session, parts: ActiveParts, percent: float) -> None:
@@ -73,38 +79,40 @@ def _set_falloff(session: Session, parts: ActiveParts, percent: float) -> None:
         session.settings.set_falloff(parts.handle, percent / 100.0 * float(max(state.inspection.size)))
 
 
-def connect_hand(
+def connect_canvas(
     canvas: Canvas,
     session: Session,
     parts: ActiveParts,
-    tell: Callable[[str], None],
+    show_message: Callable[[str], None],
     prompt: Callable[[str], None],
 ) -> None:
     """Connect painting and dragging on the canvas; a drag is one gesture.
 
-    ``tell`` says a sentence to the user, ``prompt`` what is to be done next, or nothing any more.
+    ``show_message`` says a sentence to the user, ``prompt`` what is to be done next, or nothing any more.
     """
-    loop = canvas.ways[Way.LOOP]
-    assert isinstance(loop, ClickSelector)
-    loop.missed.connect(lambda: tell(tr("This surface is closed: it has no boundary to select.")))
-    canvas.picker.asks.connect(prompt)
-    canvas.strokes.began.connect(lambda: _begin_stroke(session, canvas, tell))
+    loop = canvas.selectors[SelectionMode.LOOP]
+    assert isinstance(loop, ClickTool)
+    loop.nothing_found.connect(
+        lambda: show_message(tr("This surface is closed: it has no boundary to select."))
+    )
+    canvas.picker.prompt_changed.connect(prompt)
+    canvas.strokes.began.connect(lambda: _begin_stroke(session, canvas, show_message))
     canvas.strokes.ended.connect(session.painting.end_stroke)
     canvas.strokes.painted.connect(session.painting.paint)
     canvas.strokes.region_painted.connect(session.painting.paint_region)
     canvas.drag_began.connect(session.gestures.begin)
     canvas.handle_moved.connect(lambda pose: session.handles.drag(pose, parts.handle))
-    canvas.drag_ended.connect(lambda: session.handles.release(parts.handle))
+    canvas.drag_ended.connect(lambda: session.handles.end_drag(parts.handle))
     canvas.gesture_cancelled.connect(session.gestures.cancel)
     canvas.handle_chosen.connect(parts.choose_handle)
 
 
 def connect_wheel(canvas: Canvas, session: Session, status: StatusBar) -> None:
     """Tell what the wheel changes while a tool paints."""
-    fill, brush = canvas.ways[Way.FILL], canvas.painter
-    assert isinstance(fill, ClickSelector)
-    fill.crease_changed.connect(status.say_crease)
-    brush.size.changed.connect(lambda: status.say_brush(brush.size, session.store.unit))
+    fill, brush = canvas.selectors[SelectionMode.FILL], canvas.brush
+    assert isinstance(fill, ClickTool)
+    fill.crease_angle_changed.connect(status.show_edge_angle)
+    brush.size.changed.connect(lambda: status.show_brush_size(brush.size, session.store.unit))
 
 
 def _begin_stroke(session: Session, canvas: Canvas, tell: Callable[[str], None]) -> None:
@@ -112,7 +120,7 @@ def _begin_stroke(session: Session, canvas: Canvas, tell: Callable[[str], None])
         return
     document, part = session.store.state.document, canvas.strokes.part
     session.gestures.begin()
-    if canvas.tool is not Tool.ERASE and part.exists(document):
+    if canvas.tool is not Tool.ERASE and part.is_in(document):
         flags, name = part.flags(document), part.name(document)
         if flags.locked:
             tell(about_lock(name))

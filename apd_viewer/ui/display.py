@@ -35,7 +35,7 @@ def has_display() -> bool:
 
 
 @contextmanager
-def reached_display() -> Iterator[None]:
+def display_connection() -> Iterator[None]:
     """Hold a display to be found by Qt.
 
     The platform that Qt tries first is tried here, in milliseconds. Only where that fails, Qt itself is

@@ -16,16 +16,16 @@ class SessionSignals(QObject):
         Emitted on any thread; the others on the thread of the session.
     changed : Signal(State or None, State)
     status_changed, measured : Signal()
-    told, failed : Signal(str)
-    viewed : Signal(View)
+    message_sent, failed : Signal(str)
+    view_opened : Signal(View)
     """
 
     woken = Signal()
     changed = Signal(object, object)
     status_changed = Signal()
-    told = Signal(str)
+    message_sent = Signal(str)
     failed = Signal(str)
-    viewed = Signal(object)
+    view_opened = Signal(object)
     measured = Signal()
 
     def listener(self) -> Listener:
@@ -34,8 +34,8 @@ class SessionSignals(QObject):
             wake=self.woken.emit,
             changed=self.changed.emit,
             status_changed=self.status_changed.emit,
-            told=self.told.emit,
+            message_sent=self.message_sent.emit,
             failed=self.failed.emit,
-            viewed=self.viewed.emit,
-            measured=self.measured.emit,
+            view_opened=self.view_opened.emit,
+            measurements_changed=self.measured.emit,
         )

@@ -15,7 +15,7 @@ from apd_viewer.ui.filing.file_requests import FileRequests
 from apd_viewer.ui.overlays.findings_badge import Badge
 from apd_viewer.ui.panel.history_list import HistoryList
 from apd_viewer.ui.panel.panel import Panel
-from apd_viewer.ui.panel.statusbar import StatusBar
+from apd_viewer.ui.panel.status_bar import StatusBar
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.preferences.up_axes import UpAxes
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, SELECTION_MODE, UP_AXIS
@@ -24,7 +24,7 @@ from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets import theme
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.icons import application_icon
-from apd_viewer.ui.widgets.wheel import pass_wheel
+from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 
 class Shell(QMainWindow):
@@ -45,29 +45,29 @@ class Shell(QMainWindow):
     closed : Signal()
     activated : Signal()
         The user has come to the window, maybe from another program.
-    escaped : Signal()
+    escape_pressed : Signal()
         Esc was pressed, and no widget used it.
-    themed : Signal(Theme)
+    theme_changed : Signal(Theme)
     """
 
     closing = Signal(object)
     closed = Signal()
     activated = Signal()
-    escaped = Signal()
-    themed = Signal(object)
+    escape_pressed = Signal()
+    theme_changed = Signal(object)
 
     def __init__(self, settings: QSettings) -> None:
         super().__init__()
-        self.memory = Preferences(settings)
-        self.requests = FileRequests(self, self.memory)
+        self.preferences = Preferences(settings)
+        self.requests = FileRequests(self, self.preferences)
         self.is_closed = False
         self._set_up_frame()
-        values = self.memory.values
-        self.canvas = Canvas(self, UpAxes(self.memory, lambda: values[UP_AXIS]))
+        values = self.preferences.values
+        self.canvas = Canvas(self, UpAxes(self.preferences, lambda: values[UP_AXIS]))
         self.setCentralWidget(self.canvas.viewport)
         self.setFocusProxy(self.canvas.viewport)  # where a field that is done returns the keys to
         self.panel = Panel()
-        self.panel.folded = self.memory.folded
+        self.panel.folded_sections = self.preferences.folded_sections
         self.history = HistoryList()
         self.badge = Badge()
         self.status = StatusBar(self.badge)
@@ -75,10 +75,10 @@ class Shell(QMainWindow):
         self.docks = Docks(self)
         self._add_docks()
         self.chrome = InertChrome(self, self.requests, self._take, self.canvas.frame_mesh, self.docks.toggles)
-        self.memory.restore_layout(self)
+        self.preferences.restore_layout(self)
         self.docks["study"].hide()  # none is open yet
         values.follow(COLOR_SCHEME, lambda _: self._apply_theme())
-        self.canvas.choose_way(values[SELECTION_MODE])
+        self.canvas.choose_mode(values[SELECTION_MODE])
         self._take(FIRST_TOOL)
         self.panel.setEnabled(False)
 
@@ -100,29 +100,29 @@ class Shell(QMainWindow):
         self.docks.add("study", tr("Study results"), QWidget(), below, False)
 
     def _take(self, tool: Tool) -> None:
-        self.canvas.take(tool)
-        self.status.hint(tool.hint(self.canvas.way))
+        self.canvas.choose_tool(tool)
+        self.status.show_hint(tool.hint(self.canvas.selection_mode))
 
     # Light and dark
 
     @property
     def theme(self) -> theme.Theme:
         """The theme in use."""
-        return theme.theme_for(self.memory.values[COLOR_SCHEME])
+        return theme.theme_for(self.preferences.values[COLOR_SCHEME])
 
     def _apply_theme(self) -> None:
         colors = self.theme
-        theme.apply(colors)
+        theme.apply_theme(colors)
         for part in (self.chrome, self.panel, self.badge, self.canvas, self.docks):
             part.set_theme(colors)
-        self.themed.emit(colors)
+        self.theme_changed.emit(colors)
 
     # Events
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Announce an unused Esc."""
         if event.key() == Qt.Key.Key_Escape:
-            self.escaped.emit()
+            self.escape_pressed.emit()
         super().keyPressEvent(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
@@ -139,11 +139,11 @@ class Shell(QMainWindow):
         """Let the wheel over the tabs of docks, which Qt makes, turn no page."""
         super().childEvent(event)
         if event.type() is QEvent.Type.ChildPolished and isinstance(event.child(), QTabBar):
-            pass_wheel(cast(QTabBar, event.child()))
+            ignore_wheel(cast(QTabBar, event.child()))
 
     def changeEvent(self, event: QEvent) -> None:
         """Follow the platform from light to dark; announce the user."""
-        follows = self.memory.values[COLOR_SCHEME] is Qt.ColorScheme.Unknown
+        follows = self.preferences.values[COLOR_SCHEME] is Qt.ColorScheme.Unknown
         if event.type() == QEvent.Type.ThemeChange and follows:
             QTimer.singleShot(0, self, self._apply_theme)
         if event.type() == QEvent.Type.ActivationChange and self.isActiveWindow():
@@ -154,8 +154,8 @@ class Shell(QMainWindow):
         """Close unless a slot of ``closing`` objects; the view ends before its window."""
         self.closing.emit(event)
         if event.isAccepted():
-            self.memory.keep_layout(self)
-            self.memory.folded = self.panel.folded
+            self.preferences.save_layout(self)
+            self.preferences.folded_sections = self.panel.folded_sections
             self.is_closed = True
             self.closed.emit()
             self.canvas.viewport.close()

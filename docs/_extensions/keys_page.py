@@ -7,7 +7,7 @@ from pathlib import Path
 from plain_markdown import escaped, marked, table
 from window_facts import Entry, entries
 
-from apd_viewer.ui.help.places import of_action
+from apd_viewer.ui.help.manual_places import action_place
 
 _PAGES = sorted((Path(__file__).parents[1] / "howto").glob("*.md"))
 # The offscreen platform has the keys of Windows; these are those of Linux, as the pages name them.
@@ -30,7 +30,7 @@ def _row(entry: Entry) -> tuple[str, ...]:
     said = escaped(entry.tip)
     if (page := page_about(entry)) is not None:
         said = f"{said}. See [{_title(page)}](../howto/{page.name})."
-    return marked(escaped(entry.title), of_action(entry.name).anchor), shown, said
+    return marked(escaped(entry.title), action_place(entry.name).anchor), shown, said
 
 
 def page_about(entry: Entry) -> Path | None:

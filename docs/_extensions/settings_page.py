@@ -6,8 +6,8 @@ from typing import Any
 
 from plain_markdown import escaped, marked, table
 
-from apd_viewer.ui.help.places import of_setting
-from apd_viewer.ui.preferences.preference import Option, Preference, Within
+from apd_viewer.ui.help.manual_places import setting_place
+from apd_viewer.ui.preferences.preference import NumberRange, Option, Preference
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 
 
@@ -21,13 +21,13 @@ def settings_page() -> str:
 
 def _row(preference: Preference[Any]) -> tuple[str, ...]:
     said = f"{preference.tip}. {preference.note}." if preference.note else f"{preference.tip}."
-    title = marked(escaped(preference.title), of_setting(preference.name).anchor)
+    title = marked(escaped(preference.title), setting_place(preference.name).anchor)
     return title, escaped(_values(preference)), escaped(_default(preference)), escaped(said)
 
 
 def _values(preference: Preference[Any]) -> str:
     allowed = preference.allowed
-    if isinstance(allowed, Within):
+    if isinstance(allowed, NumberRange):
         return f"{allowed.least:g} to {allowed.most:g}{allowed.suffix}"
     numbers = [option for option in allowed.options if option.title.isdigit()]
     titles = [_title(option) for option in allowed.options if option not in numbers]
@@ -36,7 +36,7 @@ def _values(preference: Preference[Any]) -> str:
 
 def _default(preference: Preference[Any]) -> str:
     allowed = preference.allowed
-    if isinstance(allowed, Within):
+    if isinstance(allowed, NumberRange):
         return f"{preference.default:g}{allowed.suffix}"
     return next(_title(option) for option in allowed.options if option.value == preference.default)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from window_tour import widgets
 
 from apd_viewer.ui.help.control_texts import texts_of
+from apd_viewer.ui.help.manual_places import control_path, is_named
 from apd_viewer.ui.help.menu_entries import menu_entries
-from apd_viewer.ui.help.places import is_named, path_of
 from apd_viewer.ui.workbench import Workbench
 
 
@@ -14,7 +14,7 @@ def listed(window: Workbench) -> list[tuple[str, ...]]:
     """Menu, name, title, keys and tip of each menu entry, in the order of the menus."""
     entries = {entry.action: entry for entry in window.actions_.entries}
     return [
-        (found.menu, entry.name, found.full(entry.title), entry.keys, entry.tip)
+        (found.menu, entry.name, found.full_title(entry.title), entry.keys, entry.tip)
         for found in menu_entries(window.shell.menuBar())
         if (entry := entries.get(found.action)) is not None
     ]
@@ -24,7 +24,7 @@ def described() -> list[tuple[str, str, str]]:
     """Path, title and tip of each control; those of a list or mapping have the same path."""
     rows = {}
     for widget in filter(is_named, widgets()):
-        path = path_of(widget)
+        path = control_path(widget)
         title, tip = texts_of(widget)
         if path and path[0] not in _ELSEWHERE:
             rows.setdefault(("/".join(path), title), tip)

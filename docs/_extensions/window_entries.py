@@ -37,6 +37,6 @@ def wait(done):
 
 show_all(window, wait)
 print(json.dumps({"entries": listed(window), "controls": described()}), flush=True)
-window.comparing.close()
+window.comparison.close()
 window.session.close()
 os._exit(0)  # nothing is kept, and a window without pixels is not taken down in order

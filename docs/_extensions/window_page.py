@@ -8,7 +8,7 @@ from control_words import GROUPS, SENTENCES, TITLES
 from plain_markdown import escaped, marked, table
 from window_facts import Control, controls
 
-from apd_viewer.ui.help.places import of_control
+from apd_viewer.ui.help.manual_places import control_place
 
 
 class Row(NamedTuple):
@@ -28,7 +28,7 @@ def window_page() -> str:
             part = group.part
             parts.append(f"## {part}\n")
         own = [control for control in found if group_of(control.path) == group.path]
-        parts.append(f"({of_control(group.path).anchor})=\n### {group.title}\n\n{group.lead}\n")
+        parts.append(f"({control_place(group.path).anchor})=\n### {group.title}\n\n{group.lead}\n")
         rows = [(marked(escaped(row.title), row.anchor), escaped(row.sentence)) for row in rows_of(own)]
         parts.append(table(("control", "what it does"), rows) if rows else "")
     return "\n".join(parts)
@@ -45,7 +45,7 @@ def rows_of(found: list[Control]) -> list[Row]:
     for control in found:
         if control.path == group_of(control.path):
             continue
-        place, key = of_control(control.path), "/".join(control.path)
+        place, key = control_place(control.path), "/".join(control.path)
         title = TITLES.get(key, control.title.rstrip("…"))
         sentence = SENTENCES.get(key, control.tip)
         if key in rows and key not in TITLES:  # members of a list: one anchor, all of their words

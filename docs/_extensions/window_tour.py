@@ -12,9 +12,9 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.state import State, opened
+from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import Wish
+from apd_viewer.ui.sharing.pictures import PictureSettings
 from apd_viewer.ui.workbench import Workbench
 
 # What adds a row, shows a card or opens a dialog. The handle is moved first, so that methods differ.
@@ -32,7 +32,7 @@ class _NoPictures:
     view_size = QSize(640, 480)
     has_legend = has_gizmo = True
 
-    def taken(self, wish: Wish) -> QImage:
+    def picture(self, wish: PictureSettings) -> QImage:
         """Nothing."""
         return QImage(wish.size, QImage.Format.Format_RGB32)
 
@@ -46,25 +46,25 @@ def can() -> State:
     labels = np.zeros(len(made.vertices), np.uint8)
     labels[made.vertices[:, 2] < -1.9] = 1
     labels[made.vertices[:, 2] > 1.9] = 2
-    return opened(Mesh(made.vertices, made.faces), labels)
+    return initial_state(Mesh(made.vertices, made.faces), labels)
 
 
 def show_all(window: Workbench, wait: Callable[[Callable[[], object]], object]) -> None:
     """Open the can, and each list, card and dialog; ``wait`` runs events until a condition holds."""
-    window.session.files.open_with("can", can)
+    window.session.files.open_result("can", can)
     store = window.session.store
     wait(lambda: store.state is not None and window.session.jobs.current is None)
     actions = {entry.name: entry.action for entry in window.actions_.entries}
     actions[_MOVES].trigger()
-    wait(lambda: _document(window).posed and not store.required().is_at_rest)
+    wait(lambda: _document(window).is_posed and not store.required_state().is_at_rest)
     for name in _SHOWN:
         actions[name].trigger()
     wait(lambda: _document(window).obstacles and _document(window).poses)
-    window.picture_dialog = PictureDialog(window.shell, _NoPictures(), Wish(QSize(640, 480)))
+    window.picture_dialog = PictureDialog(window.shell, _NoPictures(), PictureSettings(QSize(640, 480)))
 
 
 def _document(window: Workbench) -> Document:
-    return window.session.store.required().document
+    return window.session.store.required_state().document
 
 
 def widgets() -> list[QWidget]:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.commands.deform import deform_parser
-from apd_viewer.commands.motion_options import motion_from, painted
-from apd_viewer.commands.terminal.contact_option import contact_of
+from apd_viewer.commands.deform_command import deform_parser
+from apd_viewer.commands.motion_options import motion_from, painted_state
+from apd_viewer.commands.terminal.contact_option import has_contact
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_region, read_transform
@@ -18,9 +18,9 @@ from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.named_parts import NamedRegion
-from apd_viewer.session.model.state import State, opened
-from apd_viewer.session.posing.motion_path import motion_paths, posed_along
+from apd_viewer.session.model.handles_and_regions import NamedRegion
+from apd_viewer.session.model.state import State, initial_state
+from apd_viewer.session.posing.motion_path import document_along, motion_paths
 from apd_viewer.session.storage.obstacle_json import read_obstacles
 
 
@@ -31,9 +31,9 @@ def state_after(words: Sequence[str], U: np.ndarray | None = None) -> State:
     """
     options = deform_parser().parse_args(list(words))
     mesh = open_mesh(options.mesh)
-    state = opened(mesh)
+    state = initial_state(mesh)
     if options.selection:
-        state = painted(mesh, read_selection_file(options.selection, mesh))
+        state = painted_state(mesh, read_selection_file(options.selection, mesh))
     document = replace(
         state.document,
         method=options.method,
@@ -44,16 +44,16 @@ def state_after(words: Sequence[str], U: np.ndarray | None = None) -> State:
         hold_area=options.method == "local" and options.area is not None,
         volume=options.volume,
         calm=options.calm,
-        contact=contact_of(options, len(mesh.V)),
+        contact=has_contact(options, len(mesh.V)),
         thickness=options.thickness,
         obstacles=read_obstacles(Path(options.obstacles)) if options.obstacles else (),
     )
     document = _with_regions(document, options.region)
     for number, path in enumerate(options.transform):
         document = document.with_pose(number, read_transform(path))
-    state = state.at(document)
+    state = state.updated(document)
     if options.motion:
-        state = state.at(posed_along(document, motion_paths(document, motion_from(options, state))))
+        state = state.updated(document_along(document, motion_paths(document, motion_from(options, state))))
     return shaped(state, open_mesh(options.output).V if U is None else U)
 
 
@@ -79,4 +79,4 @@ def shaped(state: State, U: np.ndarray) -> State:
         energy=None,
         shifts=frozen(np.array([each.shift for each in state.document.obstacles]).reshape(-1, 3)),
     )
-    return state.at(frame=frame)
+    return state.updated(frame=frame)

@@ -11,9 +11,9 @@ import numpy as np
 from coarse import coarser
 
 from apd_viewer.files.mesh_writing import save_mesh
-from apd_viewer.files.samples import resource
+from apd_viewer.files.samples import resource_path
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.file_jobs import opened_sample
+from apd_viewer.session.file_jobs import sample_state
 
 STUDY = Path(__file__).resolve().parents[1] / "studies" / "crushed-bottle"
 _DIGITS = 4  # of coordinates in centimetres
@@ -28,11 +28,11 @@ def written(folder: Path, name: str, V: np.ndarray, F: np.ndarray, labels: np.nd
 
 
 def _sample(folder: Path, count: int, name: str, *transforms: str) -> None:
-    state = coarser(opened_sample(name), min(count, 2800))  # those of fabric would make large sessions
+    state = coarser(sample_state(name), min(count, 2800))  # those of fabric would make large sessions
     document = state.document
     written(folder, name, document.mesh.V, document.mesh.F, document.labels)
     for transform in transforms:
-        shutil.copy(resource(f"{transform}.def"), folder)
+        shutil.copy(resource_path(f"{transform}.def"), folder)
 
 
 def bottle(folder: Path, count: int) -> None:
@@ -47,7 +47,7 @@ def bottle(folder: Path, count: int) -> None:
 def labelled_bottle(folder: Path, count: int) -> None:
     """The bottle, and which of its vertices are under the label."""
     bottle(folder, count)
-    shutil.copy(resource("bottle-twist-120.def"), folder)
+    shutil.copy(resource_path("bottle-twist-120.def"), folder)
     heights = _heights(folder / "bottle.obj")
     marked = (np.abs(heights - 11.0) < 2.6).astype(int)
     (folder / "label.sel").write_text("\n".join(map(str, marked.tolist())) + "\n", encoding="utf-8")

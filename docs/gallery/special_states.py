@@ -11,23 +11,23 @@ import numpy as np
 import sample_files
 from gallery_states import shaped, state_after
 
-from apd_viewer.commands.motion_options import painted
+from apd_viewer.commands.motion_options import painted_state
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
-from apd_viewer.session.model.baking import baked
-from apd_viewer.session.model.state import State, opened
+from apd_viewer.session.model.baking import baked_state
+from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.studies.case_session import case_session
+from apd_viewer.studies.plans.input_files import InputFiles
 from apd_viewer.studies.plans.plan import read_plan
-from apd_viewer.studies.plans.sources import Sources
 
 Names = dict[str, Any]
 _BOTTLE = "bottle.obj --selection bottle.sel"
 
 
 def _pressed(folder: Path, mesh: str, written: str) -> State:
-    state = opened(open_mesh(folder / mesh))
+    state = initial_state(open_mesh(folder / mesh))
     return shaped(state, open_mesh(folder / written).V)
 
 
@@ -44,23 +44,25 @@ def creased_can(folder: Path, _: Names) -> State:
 def baked_bottle(folder: Path, names: Names) -> State:
     """The bent bottle, whose rest shape is the twisted one."""
     mesh = open_mesh(folder / "bottle.obj")
-    first = painted(mesh, read_selection_file(folder / "bottle.sel", mesh))
-    state = baked(shaped(first, names["first"].U))
+    first = painted_state(mesh, read_selection_file(folder / "bottle.sel", mesh))
+    state = baked_state(shaped(first, names["first"].U))
     pose = np.eye(4)
     pose[:3, 3] = 5.0, -1.0, 0.0
-    return shaped(state.at(state.document.with_pose(0, pose)), names["result"].U)
+    return shaped(state.updated(state.document.with_pose(0, pose)), names["result"].U)
 
 
 def falloff_session(folder: Path, count: int) -> None:
     """A session in which a single vertex is to be raised, with a falloff."""
     sample_files.sheet(folder, count)
     mesh = open_mesh(folder / "sheet.obj")
-    state = painted(mesh, read_selection_file(folder / "sheet.sel", mesh))
+    state = painted_state(mesh, read_selection_file(folder / "sheet.sel", mesh))
     pose = np.eye(4)
     pose[1, 3] = 4.0
     document = state.document
     handle = replace(document.handles[0], falloff=7.0)
-    state = state.at(replace(document, handles=(handle,), method="arap").with_pose(0, pose)).unsettled()
+    state = state.updated(
+        replace(document, handles=(handle,), method="arap").with_pose(0, pose)
+    ).as_unsettled()
     save_session(folder / "falloff.apd", state, View(unit="cm"), embed=True)
 
 
@@ -103,6 +105,6 @@ def filmed_bottle(folder: Path, _: Names) -> State:
 def studied_bottle(folder: Path, _: Names) -> State:
     """The case of the study with the least volume."""
     results = folder / "results"
-    plan = read_plan(folder / "plan.csv", Sources(results / "inputs"))
+    plan = read_plan(folder / "plan.csv", InputFiles(results / "inputs"))
     states = [case_session(results, key)[0] for key in plan.cases]
     return min(states, key=lambda state: float(state.frame.volume or 0.0))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.decimation import thinned
+from apd_viewer.geometry.mesh.decimation import decimated
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.state import State, opened
+from apd_viewer.session.model.state import State, initial_state
 
 
 def coarser(state: State, count: int) -> State:
@@ -15,9 +15,9 @@ def coarser(state: State, count: int) -> State:
     document = state.document
     if len(document.mesh.V) <= count:
         return state
-    ids, F = thinned(document.mesh.V, document.mesh.F, count)
+    ids, F = decimated(document.mesh.V, document.mesh.F, count)
     mesh = Mesh(document.mesh.V[ids], F)
-    fewer = opened(mesh, frozen(document.labels[ids].copy()))
+    fewer = initial_state(mesh, frozen(document.labels[ids].copy()))
     said = replace(
         document,
         mesh=mesh,
@@ -26,4 +26,4 @@ def coarser(state: State, count: int) -> State:
         member=frozen(document.member[ids].copy()),
         measurements=(),
     )
-    return fewer.at(said)
+    return fewer.updated(said)

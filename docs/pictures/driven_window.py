@@ -34,12 +34,12 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import Convergence
-from apd_viewer.session.file_jobs import opened_sample
-from apd_viewer.session.model.state import State, opened
-from apd_viewer.session.store import Activity
+from apd_viewer.session.file_jobs import sample_state
+from apd_viewer.session.model.state import State, initial_state
+from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
@@ -82,12 +82,14 @@ class DrivenWindow:
         prepare(application)
         settings = QSettings(str(self.folder / "settings.ini"), QSettings.Format.IniFormat)
         shell = Shell(settings)
-        shell.memory.toured = True
+        shell.preferences.has_toured = True
         window = Workbench(shell)
-        window.memory.values.choose(COLOR_SCHEME, Qt.ColorScheme.Dark if self.dark else Qt.ColorScheme.Light)
+        window.preferences.values.choose(
+            COLOR_SCHEME, Qt.ColorScheme.Dark if self.dark else Qt.ColorScheme.Light
+        )
         shell.resize(QSize(*(_QUICK_SIZE if self.quick else self.size)))
         shell.show()
-        self.wait(lambda: window.canvas.viewport.draws > 0)
+        self.wait(lambda: window.canvas.viewport.draw_count > 0)
         return window
 
     @property
@@ -105,7 +107,7 @@ class DrivenWindow:
     def close(self) -> None:
         """Close the window, unless there is none."""
         if "window" in self.__dict__:
-            with patch.object(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD):
+            with patch.object(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD):
                 self.window.shell.close()
             self.window.shell.deleteLater()
             self.pause(10)
@@ -114,20 +116,20 @@ class DrivenWindow:
 
     def open_sample(self, name: str) -> None:
         """Open a sample, painted."""
-        self.open(lambda: opened_sample(name))
+        self.open(lambda: sample_state(name))
 
     def sample(self, name: str) -> tuple[Mesh, np.ndarray]:
         """A sample and its labels (n,), for a script without a window."""
         mesh, labels = open_sample(name)
         if not self.quick:
             return mesh, labels
-        document = coarser(opened(mesh, labels), _QUICK_VERTICES).document
+        document = coarser(initial_state(mesh, labels), _QUICK_VERTICES).document
         return document.mesh, document.labels
 
     def open_mesh(self, mesh: Mesh | Path, labels: np.ndarray | None = None) -> None:
         """Open a mesh with labels (n,), or nothing painted."""
         found = open_mesh(mesh) if isinstance(mesh, Path) else mesh
-        self.open(lambda: opened(found, labels))
+        self.open(lambda: initial_state(found, labels))
 
     def open(self, work: Callable[[], State]) -> None:
         """Open what ``work`` returns, in few triangles if only the driving matters."""
@@ -137,9 +139,9 @@ class DrivenWindow:
             if not self.quick:
                 return found
             found = coarser(found, _QUICK_VERTICES)
-            return found.at(replace(found.document, convergence=_QUICK))
+            return found.updated(replace(found.document, convergence=_QUICK))
 
-        self.window.session.files.open_with("mesh", state)
+        self.window.session.files.open_result("mesh", state)
         self.settle()
         self.window.notice.hide()
 
@@ -167,16 +169,18 @@ class DrivenWindow:
         self.pause(20)
         self.wait(lambda: session.jobs.current is None and session.store.activity is not Activity.REFINING)
         if not self.quick:
-            self.wait(lambda: not session.shape_checks.under_way and session.measuring._asked is None)
+            self.wait(
+                lambda: not session.shape_checks.is_checking and session.measurement_readings._asked is None
+            )
         if self.smooth:
             self.pause(250)  # the draw with smooth edges, and whatever follows a shape with a delay
-        self.wait(lambda: not view.stale and not (self.smooth and view.antialiasing.still.isActive()))
+        self.wait(lambda: not view.is_stale and not (self.smooth and view.antialiasing.idle_timer.isActive()))
 
     # Mouse and keys
 
     def at(self, vertex: int) -> QPointF:
         """Where a vertex is in the view."""
-        x, y = self.window.canvas.viewport.look.eye.project(self.state.frame.U[[vertex]])[0]
+        x, y = self.window.canvas.viewport.camera_controller.camera.project(self.state.frame.U[[vertex]])[0]
         return QPointF(x, y)
 
     def near(self, point: Sequence[float]) -> int:
@@ -264,7 +268,7 @@ class DrivenWindow:
         QTest.keyClick(amount, Qt.Key.Key_Return)
         self.settle()
         amount.clear()
-        self.window.panel.handles.motion.left.emit()  # without a window manager it is not left by itself
+        self.window.panel.handles.motion.editing_ended.emit()  # it keeps the focus without a window manager
         self.view.setFocus()
         self.pause(50)
 
@@ -279,7 +283,7 @@ class DrivenWindow:
 
     def take(self, tool: Tool) -> None:
         """Use a tool."""
-        self.window.tools.take(tool)
+        self.window.tools.choose_tool(tool)
         self.pause(20)
 
     def _send(

@@ -15,7 +15,7 @@ from PySide6.QtGui import QImage
 
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.appearance.shading import Shading
-from apd_viewer.ui.scene.offscreen_scene import Studio
+from apd_viewer.ui.scene.offscreen_scene import OffscreenScene
 
 if TYPE_CHECKING:
     from stage import Stage
@@ -49,9 +49,9 @@ def _shapes(entry: Entry, stage: Stage) -> QImage:
     stage.open(lambda: open_session(path)[0])
     stage.look(*entry.look)
     state = stage.state
-    studio = Studio(stage.window.canvas.viewport, state, False, Shading.SMOOTH)
+    studio = OffscreenScene(stage.window.canvas.viewport, state, False, Shading.SMOOTH)
     scale = 1 if stage.quick else 2
-    pictures = [_fitted(studio.painted(U), scale) for U in (state.document.mesh.V, state.frame.U)]
+    pictures = [_fitted(studio.painted_picture(U), scale) for U in (state.document.mesh.V, state.frame.U)]
     return side_by_side(pictures, ["Rest", "Deformed"])
 
 

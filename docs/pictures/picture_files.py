@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image, ImageSequence
 from PySide6.QtGui import QImage
 
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing_file
 
 _QUALITY, _FILM_QUALITY = 90, 72
 
@@ -26,7 +26,7 @@ Drawn = QImage | Image.Image | Film | Path
 
 def write_picture(drawn: Drawn, path: Path) -> None:
     """Write what a script has drawn, whole or not at all; a path is that of a drawing as PNG."""
-    with replacing(path) as scratch:
+    with replacing_file(path) as scratch:
         if isinstance(drawn, Film):
             first, *others = drawn.pictures
             film = {"save_all": True, "append_images": others, "duration": drawn.durations, "loop": 0}

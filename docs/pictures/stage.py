@@ -88,18 +88,18 @@ class Stage(DrivenWindow):
 
     def look(self, right: float, up: float, front: float, margin: float = 0.0) -> None:
         """Look at the mesh from a direction, and frame it."""
-        look = self.window.canvas.viewport.look
+        look = self.window.canvas.viewport.camera_controller
         stand = np.array([right, up, front]) / np.linalg.norm([right, up, front])
-        look.eye = look.eye.standing(stand)
+        look.camera = look.camera.seen_from(stand)
         state = self.state
         look.frame(np.concatenate([state.document.mesh.V, state.frame.U]), margin)
         self.settle()
 
     def overlay(self, measure: Measure | None) -> None:
         """Colour the mesh by a measure, or by its paint."""
-        self.window.looks.heat.choose(measure)
+        self.window.display_options.overlay.choose_measure(measure)
         self.settle()
-        legend = self.window.looks.legend
+        legend = self.window.display_options.legend
         self.wait(lambda: not any("Preparing" in label.text() for label in legend.findChildren(QLabel)))
         if measure is not None and not self.quick:
             self.wait(lambda: legend.fit.isEnabled())  # once the largest value is known

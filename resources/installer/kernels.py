@@ -23,9 +23,9 @@ FOLDER = ROOT / "build" / "kernels"
 
 _PROGRAM = """
 import os
-from apd_viewer.geometry.processor import LEVEL
+from apd_viewer.geometry.processor import PROCESSOR_LEVEL
 from apd_viewer.geometry.warmup import warm_up
-if os.environ.get("NUMBA_CPU_NAME") == LEVEL:
+if os.environ.get("NUMBA_CPU_NAME") == PROCESSOR_LEVEL:
     warm_up()
 """
 

@@ -17,10 +17,10 @@ from threadpoolctl import threadpool_limits
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from meshes import sample_bottle
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import block_cholesky
-from apd_viewer.geometry.solver.methods import METHODS, material_of
+from apd_viewer.geometry.solver.methods import METHODS, method_material
 
 EDGE, TURNS = 1.13, 3
 BUSY = "while True: pass"
@@ -30,9 +30,9 @@ def main() -> None:
     """Print seconds of the processor and of the clock, and their ratio."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 0
     V, F, _ = sample_bottle(EDGE)
-    surface = Elastic(SolveMesh(V, F), np.arange(0), material_of(METHODS["local"], 0.0, 20.0, 0.1))
+    surface = ElasticSurface(SolveMesh(V, F), np.arange(0), method_material(METHODS["local"], 0.0, 20.0, 0.1))
     limits = {"one": block_cholesky.one_blas_thread, "two": nullcontext}
-    surface.hessian.factored_at(V)
+    surface.hessian.factor_at(V)
     others = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(count)]
     times = {name: [] for name in limits}
     try:
@@ -41,7 +41,7 @@ def main() -> None:
                 block_cholesky.one_blas_thread = limit
                 with threadpool_limits(2, user_api="blas"):
                     begun = time.process_time(), time.perf_counter()
-                    surface.hessian.factored_at(V)
+                    surface.hessian.factor_at(V)
                 times[name].append((time.process_time() - begun[0], time.perf_counter() - begun[1]))
     finally:
         for other in others:

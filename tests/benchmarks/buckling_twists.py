@@ -24,7 +24,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from meshes import rotation, sample_bottle
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -85,10 +85,10 @@ def print_table(stiffness: float, before: Path | None) -> None:
     """Print one row for each angle, and the means."""
     V, F, labels = sample_bottle()
     rest, fixed = RestMesh(V, F), np.flatnonzero(labels != 1)
-    elastic = Elastic(rest.shape, fixed, Material(bending=stiffness))
+    elastic = ElasticSurface(rest.solve_mesh, fixed, Material(bending=stiffness))
 
     def energy(U: np.ndarray) -> float:
-        elastic.restart(rest.shape.V)
+        elastic.restart(rest.solve_mesh.V)
         elastic.restart(U)
         return elastic.energy
 

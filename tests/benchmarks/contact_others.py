@@ -23,7 +23,7 @@ from cholespy import CholeskySolverD, MatrixType
 from contact import QUARTER, Bottle
 
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.operators import face_areas
@@ -233,7 +233,7 @@ class Loop:
 
     def __init__(self, bottle: Bottle) -> None:
         self.bottle = bottle
-        self.elastic = Elastic(RestMesh(bottle.V, bottle.F).shape, bottle.fixed)
+        self.elastic = ElasticSurface(RestMesh(bottle.V, bottle.F).solve_mesh, bottle.fixed)
         self.K = sp.kron(self.elastic.K_ff, sp.eye_array(3)).tocsc()
         free = self.elastic.free
         self._unknown = (3 * free[:, None] + np.arange(3)).ravel()
@@ -244,7 +244,7 @@ class Loop:
         """Move the held vertices towards ``targets``, the others after them; the share that was free."""
         elastic, move = self.elastic, np.zeros_like(self.U)
         move[self.bottle.fixed] = targets - self.U[self.bottle.fixed]
-        move[elastic.free] = -elastic.factor.solve(elastic.from_held(move[self.bottle.fixed]))
+        move[elastic.free] = -elastic.factor.solve(elastic.held_contribution(move[self.bottle.fixed]))
         W = np.asfortranarray(self.U + move)
         share = self.barrier.free_share(self.U, W)
         self.go(np.asfortranarray(self.U + share * move))

@@ -72,7 +72,7 @@ def row(painted: Painted, pose: str, shift: np.ndarray, told: argparse.Namespace
     V, F, fixed = painted.V, painted.F, painted.fixed
     how = {"method": told.method, "stiffness": told.stiffness}
     solver = Deformation(V, F, fixed, handle=painted.handle, contact=contact, **how)
-    exempt = solver.contact.contact.exempt if contact else []
+    exempt = solver.contact.contact.exempt_vertices if contact else []
     G = np.asfortranarray(F[~np.isin(F, exempt).any(axis=1)], dtype=np.int32)
     mesh = ipctk.CollisionMesh(np.asfortranarray(V), ipctk.edges(G), G)
     crossed = frames = 0
@@ -88,7 +88,7 @@ def row(painted: Painted, pose: str, shift: np.ndarray, told: argparse.Namespace
             crossed += ipctk.has_intersections(mesh, np.asfortranarray(frame.U))
             area = max(area, abs(frame.area_error))
             if contact:
-                reached = solver.contact.held[: len(fixed)]
+                reached = solver.contact.held_positions[: len(fixed)]
                 held = max(held, float(np.abs(frame.U[fixed] - reached).max()))
         if frames >= most or solver.share_reached < 1.0:
             break

@@ -18,7 +18,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from defective import Defective, suite
 
-from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation_result import deform
 
 ITERATIONS = 30
 

@@ -24,10 +24,10 @@ from meshes import sphere
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.multilevel import make_ready
+from apd_viewer.geometry.solver.multilevel import compute_decimations
 from apd_viewer.geometry.warmup import warm_up
-from apd_viewer.presentation.time_left import Forecast
-from apd_viewer.session.processes.remote_factor import FarFactor
+from apd_viewer.presentation.time_left import TimeLeftEstimate
+from apd_viewer.session.processes.remote_factor import RemoteFactor
 
 HELD, PULL, STIFFNESS = 0.08, 0.01, 0.001
 
@@ -63,29 +63,29 @@ def pull(subdivisions: int) -> None:
     targets, above = V[fixed].copy(), t[fixed] > 0.5
     targets[above, 2] += PULL * 4.0
     rest, roughness, factors = RestMesh(V, F), Roughness(V, F), []
-    make_ready(rest)
+    compute_decimations(rest)
 
     def factored(matrix):
-        factors.append(FarFactor(matrix))
+        factors.append(RemoteFactor(matrix))
         return factors[-1]
 
     solver = Deformation(V, F, fixed, handle=fixed[above], stiffness=STIFFNESS, rest=rest, factored=factored)
     solver.aim(targets)
     measuring, begun = 0.0, time.monotonic()
-    forecast = Forecast(0.0)
+    forecast = TimeLeftEstimate(0.0)
     while True:
         while not solver.ready:
             time.sleep(0.001)
         solver.iterate()
         now = time.monotonic() - begun - measuring
-        frame, hides = solver.frame(), solver.solver.hides
-        forecast.add(now, frame.gap, frame.seconds_left)
+        frame, hides = solver.frame(), solver.solver.is_iterate_hidden
+        forecast.add_gap(now, frame.gap, frame.seconds_left)
         measured = time.monotonic()
         rough = roughness.of(frame.U)
         held = float(np.abs(frame.U[fixed] - targets).max())
         preview = "yes" if hides else ""
         said = f"{len(V):,} | {frame.iteration} | {now:.1f} | {preview} | {rough:.3f} | {held:.1g}"
-        print(f"| {said} | {frame.area_error:.1g} | {frame.gap} | {forecast.left(now)} |", flush=True)
+        print(f"| {said} | {frame.area_error:.1g} | {frame.gap} | {forecast.seconds_left(now)} |", flush=True)
         for factor in factors:
             factor.begin()
         measuring += time.monotonic() - measured

@@ -13,8 +13,8 @@ import time
 import numpy as np
 from PySide6.QtCore import QSettings
 
-from apd_viewer.geometry.pose.transforms import shifted, turned_about
-from apd_viewer.session.file_jobs import opened_sample
+from apd_viewer.geometry.pose.transforms import rotation_about, translation
+from apd_viewer.session.file_jobs import sample_state
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
@@ -26,12 +26,12 @@ TURN, SPEED = 40.0, 1.0  # degrees and cm a second
 
 def fold(seconds: float) -> np.ndarray:
     """Pose of the cloth's handle, about the axis of its fold."""
-    return turned_about([0.0, 0.4, 0.0], [1.0, 0.0, 0.0], np.radians(TURN * seconds))
+    return rotation_about([0.0, 0.4, 0.0], [1.0, 0.0, 0.0], np.radians(TURN * seconds))
 
 
 def press(seconds: float) -> np.ndarray:
     """Pose of the cushion's handle."""
-    return shifted(np.array([0.0, -SPEED * seconds, 0.0]))
+    return translation(np.array([0.0, -SPEED * seconds, 0.0]))
 
 
 def measure(application, name: str, pose, seconds: float) -> None:
@@ -48,29 +48,29 @@ def measure(application, name: str, pose, seconds: float) -> None:
             application.processEvents()
             time.sleep(0.001)
 
-    until(lambda: view.draws > 0)
-    session.files.open_with(name, lambda: opened_sample(name))
-    until(lambda: session.store.state is not None and session.jobs.current is None and not view.stale)
-    window.tools.take(Tool.MOVE)
+    until(lambda: view.draw_count > 0)
+    session.files.open_result(name, lambda: sample_state(name))
+    until(lambda: session.store.state is not None and session.jobs.current is None and not view.is_stale)
+    window.tools.choose_tool(Tool.MOVE)
     session.gestures.begin()
     # The first pose makes what is kept for all others.
     session.handles.drag(pose(EVERY), 0)
     first = session.store.state.frame
     until(lambda: session.store.state.frame is not first)
-    began, asked, shown, pictures, drawn = time.perf_counter(), 0.0, None, 0, view.draws
+    began, asked, shown, pictures, drawn = time.perf_counter(), 0.0, None, 0, view.draw_count
     while (now := time.perf_counter() - began) < seconds:
         if now - asked >= EVERY:
             asked = now
             session.handles.drag(pose(now), 0)
         application.processEvents()
-        if view.draws != drawn:
-            drawn = view.draws
+        if view.draw_count != drawn:
+            drawn = view.draw_count
             pictures += session.store.state.frame.U is not shown
             shown = session.store.state.frame.U
         time.sleep(0.001)
     session.gestures.end("Move handle")
     print(f"| {name} | {seconds:.1f} s | {pictures / seconds:.1f} |", flush=True)
-    window.filing.may_leave = lambda *_, **__: True
+    window.files.may_discard_work = lambda *_, **__: True
     window.shell.close()
 
 

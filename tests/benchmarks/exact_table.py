@@ -19,7 +19,7 @@ from meshes import rotation
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import open_sample
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.operators import area
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
@@ -54,11 +54,11 @@ def moved(X, move, axis, height):
 
 def rest_scaled(rest, fixed, targets, iterations):
     """Positions of rest-scaled ARAP."""
-    elastic = Elastic(rest.shape, fixed)
-    still = elastic.assembled(-elastic.solve(elastic.from_held(targets)), targets)
+    elastic = ElasticSurface(rest.solve_mesh, fixed)
+    still = elastic.all_positions(-elastic.solve(elastic.held_contribution(targets)), targets)
     for _ in range(iterations):
         grown = elastic.global_step(targets) - still
-        excess = lambda s, grown=grown: area(still + s * grown, rest.shape.F) - rest.area  # noqa: E731
+        excess = lambda s, grown=grown: area(still + s * grown, rest.solve_mesh.F) - rest.area  # noqa: E731
         elastic.local_step(still + brentq(excess, 0.05, 3.0, xtol=1e-12) * grown)
     return elastic.U
 
@@ -75,13 +75,13 @@ def row(name, rest, base, handle, axis, move, iterations):
         worst = max(worst, abs(frame.area_error)) if k else worst
         in_place &= np.array_equal(frame.U[fixed], targets)
         finite &= bool(np.isfinite(frame.U).all())
-    plain = Elastic(rest.shape, fixed)
+    plain = ElasticSurface(rest.solve_mesh, fixed)
     for _ in range(iterations):
         plain.iterate(targets)
-    exact, rival = rest.energy(frame.U), rest.shape.energy(rest_scaled(rest, fixed, targets, iterations))
+    exact, rival = rest.energy(frame.U), rest.solve_mesh.energy(rest_scaled(rest, fixed, targets, iterations))
     kept = "yes" if in_place and finite else "NO"
     lost = f"{area(plain.U, rest.F) / rest.area - 1:+.2%}"
-    energies = f"{rest.shape.energy(plain.U):.5g} | {exact:.5g} | {rival:.5g}"
+    energies = f"{rest.solve_mesh.energy(plain.U):.5g} | {exact:.5g} | {rival:.5g}"
     return f"| {name} | {move} | {lost} | {worst:.0e} | {kept} | {energies} |"
 
 

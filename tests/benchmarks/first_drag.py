@@ -35,11 +35,11 @@ def made(argv, make=application.make_application):
             os._exit(0)
 
     def drag():
-        from apd_viewer.geometry.pose.transforms import turned_about
+        from apd_viewer.geometry.pose.transforms import rotation_about
         session = sessions[0]
         print("dragged", time.time(), flush=True)
         session.gestures.begin()
-        session.handles.drag(turned_about([0.0, 0.0, 0.0], [0.0, 1.0, 0.0], 0.087), 0)
+        session.handles.drag(rotation_about([0.0, 0.0, 0.0], [0.0, 1.0, 0.0], 0.087), 0)
         timer.timeout.connect(look)
         timer.start()
 

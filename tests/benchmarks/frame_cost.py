@@ -26,8 +26,8 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.state import opened
-from apd_viewer.session.processes.worker import Reply
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.processes.solver_worker import Reply
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
@@ -85,14 +85,14 @@ class Bench:
         self.view = self.window.canvas.viewport
         self.surface = self.window.canvas.surface
         self.window.shell.show()
-        self.until(lambda: self.view.draws > 0)
-        self.view.antialiasing.still.setInterval(10**8)
+        self.until(lambda: self.view.draw_count > 0)
+        self.view.antialiasing.idle_timer.setInterval(10**8)
         warm_up("window")  # as behind the first picture
         pace = Pace()
         started = time.perf_counter()
         mesh = Mesh(V, F)
-        self.window.session.files.open_with("bottle", lambda: opened(mesh, frozen(labels)))
-        self.until(lambda: self.window.session.store.state is not None and not self.view.stale)
+        self.window.session.files.open_result("bottle", lambda: initial_state(mesh, frozen(labels)))
+        self.until(lambda: self.window.session.store.state is not None and not self.view.is_stale)
         took = time.perf_counter() - started
         self.settle()
         print(f"opening took {took:.2f} s; gaps over 50 ms of the event loop, in ms: {pace.over(0.05)}")
@@ -114,16 +114,16 @@ class Bench:
             self.application.processEvents()
 
     def painted(self) -> None:
-        self.until(lambda: not self.view.stale)
+        self.until(lambda: not self.view.is_stale)
         self.application.processEvents()
 
     def bare(self) -> None:
         self.view.update()
 
     def camera(self) -> None:
-        eye = self.view.look.eye
+        eye = self.view.camera_controller.camera
         turned = eye.focal + rotation([0, 1, 0], 0.01) @ (eye.position - eye.focal)
-        self.view.look.eye = replace(eye, position=turned)
+        self.view.camera_controller.camera = replace(eye, position=turned)
 
     def upload(self) -> None:
         self.surface.arrays.data.points.VTKObject.Modified()
@@ -193,7 +193,7 @@ def redraws(bench):
 
 
 def dragging(bench, title, profile):
-    bench.window.tools.take(Tool.MOVE)
+    bench.window.tools.choose_tool(Tool.MOVE)
     bench.window.session.gestures.begin()
     bench.move()
     kinds = {
@@ -212,7 +212,7 @@ def overlays(bench):
 
     Where others use the machine too, these say more than the time until the picture is there.
     """
-    heat, turns = bench.window.looks.heat, [None, *Measure]
+    heat, turns = bench.window.display_options.overlay, [None, *Measure]
     bench.window.session.gestures.begin()
     bench.move()
     heat.choose(Measure.AREA)
@@ -240,7 +240,7 @@ def overlays(bench):
 
 def stroking(bench, profile):
     """A stroke to and fro over the front, with paint where there was none and where there was."""
-    bench.window.tools.take(Tool.BASE)
+    bench.window.tools.choose_tool(Tool.BASE)
     bench.painted()
     mouse = Mouse(bench.view)
     middle = np.array([bench.view.width() / 2, bench.view.height() / 2])
@@ -289,7 +289,7 @@ def main() -> None:
     if "--picture" in sys.argv:
         bench.window.shell.grab().save("frame_cost.png")
     bench.window.session.files._written.append(bench.window.session.store.state.frame.U)
-    bench.window.filing.may_leave = lambda *_, **__: True
+    bench.window.files.may_discard_work = lambda *_, **__: True
     bench.window.shell.close()
 
 

@@ -21,7 +21,7 @@ from process_tree import tree_of
 
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.workbench import Workbench
 
@@ -46,7 +46,7 @@ def spent(pid):
 def main():
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10.0
     wanted = sys.argv[2] if len(sys.argv) > 2 else ""
-    unsaved_question.ask_before_leaving = lambda *_: Answer.DISCARD
+    unsaved_question.ask_before_leaving = lambda *_: UnsavedAnswer.DISCARD
     folder = Path(tempfile.mkdtemp())
     application = make_application([""])
     window = Workbench(
@@ -55,7 +55,7 @@ def main():
     window.shell.resize(1280, 800)
     window.shell.show()
     window.session.files.open_sample("bottle")
-    while window.session.store.compiled != 1.0:
+    while window.session.store.compiled_share != 1.0:
         application.processEvents()
         time.sleep(0.01)
     resting.settle(window)

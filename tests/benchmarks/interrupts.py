@@ -194,13 +194,13 @@ def kernels(count, rng):
     E = np.unique(np.sort(F[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0)
     patches = Patches(V, F, E)
     search = PairSearch(V, F, E, patches, np.zeros((0, len(V)), np.int64), 0.02)
-    between = patches.near(patches.boxes(V), 0.05)[0][::20]
+    between = patches.near_pairs(patches.boxes(V), 0.05)[0][::20]
     beyond = np.full(len(between), 0.01)
-    before = search.near(V, between, beyond)[0]
-    work, tally = lambda: search.near(V, between, beyond), Counter()
+    before = search.near_pairs(V, between, beyond)[0]
+    work, tally = lambda: search.near_pairs(V, between, beyond), Counter()
     for _ in range(count):
         tally[interrupted(work, rng.uniform(0.0001, 0.05))] += 1
-    same = all(map(np.array_equal, before, search.near(V, between, beyond)[0]))
+    same = all(map(np.array_equal, before, search.near_pairs(V, between, beyond)[0]))
     tally["the same bits afterwards" if same else "BROKEN: other bits"] += 1
     return tally
 

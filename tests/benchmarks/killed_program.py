@@ -49,10 +49,10 @@ class Journal:
 
 def digest(document) -> str:
     """A word for all that a document says, the mesh with it."""
-    from apd_viewer.session.storage.session_json import document_said
+    from apd_viewer.session.storage.session_json import document_to_json
 
     arrays = document.mesh.V, document.mesh.F, document.labels, document.member, document.grip
-    said = hashlib.sha1(json.dumps(document_said(document)).encode())
+    said = hashlib.sha1(json.dumps(document_to_json(document)).encode())
     for array in arrays:
         said.update(array.tobytes())
     return said.hexdigest()[:16]
@@ -133,7 +133,7 @@ class Hand:
         tools = Tool.BASE, Tool.HANDLE, Tool.REGION, Tool.ERASE
         self.window.actions_.tools[self.chance.choice(tools)].trigger()
         view, U = self.window.canvas.viewport, self.window.session.store.state.frame.U
-        x, y = view.look.eye.project(U[[self.chance.randrange(len(U))]])[0]
+        x, y = view.camera_controller.camera.project(U[[self.chance.randrange(len(U))]])[0]
         points = [(x + dx, y) for dx in np.linspace(0.0, self.chance.uniform(-60.0, 60.0), 6)]
         self.mouse.press(points[0])
         for point in points[1:]:
@@ -162,7 +162,7 @@ class Hand:
         from PySide6.QtCore import Qt
         from PySide6.QtTest import QTest
 
-        self.window.actions_.pose.typed.trigger()
+        self.window.actions_.pose.enter_motion.trigger()
         amount = self.window.panel.handles.motion.amount
         if amount.isEnabled():
             yield 0.02

@@ -29,7 +29,7 @@ from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
 from apd_viewer.session.model.state import State
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.workbench import Workbench
 
@@ -96,7 +96,7 @@ class Table:
         QApplication.processEvents()
         gc.collect()
         out, free = handed_out()
-        undo = self.window.session.gestures.history.bytes / 2**20
+        undo = self.window.session.gestures.history.undo_bytes / 2**20
         shared = sum(" /dev/shm/" in line for line in Path("/proc/self/maps").read_text().splitlines())
         objects = gc.get_objects()
         states, meshes = (sum(type(each) is kind for each in objects) for kind in (State, Mesh))
@@ -113,8 +113,8 @@ class Table:
 
 def press(window, k):
     """Press a small ball in the dialog, and throw the results away."""
-    window.studies.press()
-    dialog = window.studies.dialogs["press"]
+    window.runs.open_press()
+    dialog = window.runs.dialogs["press"]
     dialog.steps.setValue(2)
     dialog.to.setValue(80 + k % 10)
     dialog.run.start.click()
@@ -130,7 +130,7 @@ def main():
     openings, gestures, presses, undo = ([*map(int, sys.argv[1:]), *(500, 3000, 30, 0)[len(sys.argv) - 1 :]])[
         :4
     ]
-    unsaved_question.ask_before_leaving = lambda *_: Answer.DISCARD
+    unsaved_question.ask_before_leaving = lambda *_: UnsavedAnswer.DISCARD
     folder = Path(tempfile.mkdtemp())
     application = make_application([""])
     settings = QSettings(str(folder / "none.ini"), QSettings.Format.IniFormat)
@@ -138,17 +138,17 @@ def main():
     window.shell.resize(1280, 800)
     window.shell.show()
     if undo:
-        window.session.gestures.history.limit(undo * 2**20)
+        window.session.gestures.history.limit_memory(undo * 2**20)
     paths = files(folder)
     window.session.files.open_sample("bottle")
-    while window.session.store.compiled != 1.0:
+    while window.session.store.compiled_share != 1.0:
         application.processEvents()
         time.sleep(0.01)
     resting.settle(window)
     table = Table(window)
 
     def open_one(k):
-        window.filing.open_path(paths[k % len(paths)])
+        window.files.open_path(paths[k % len(paths)])
         resting.drawn(window)
 
     table.run("opening", openings, open_one)
@@ -160,7 +160,7 @@ def main():
     table.run("press", presses, lambda k: press(window, k))
     give_back_freed_memory()
     table.line("free given back")
-    window.session.gestures.history.limit(0)
+    window.session.gestures.history.limit_memory(0)
     table.line("no undo")
     give_back_freed_memory()
     table.line("free given back")

@@ -18,7 +18,7 @@ import numpy as np
 from meshes import sample_bottle
 
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.trace import MOST
+from apd_viewer.session.model.trace import MOST_SAMPLES
 from apd_viewer.ui.application import make_application
 
 ROUNDS = 40
@@ -38,10 +38,10 @@ def main() -> None:
     bench.window.session.gestures.begin()
     bench.move()
     trace = bench.window.session.store.trace
-    while len(trace) < MOST // 2:
-        trace.add(bench.worker.request.document, bench.window.session.store.state.frame)
+    while len(trace) < MOST_SAMPLES // 2:
+        trace.add_frame(bench.worker.request.document, bench.window.session.store.state.frame)
     bench.settle()
-    follow, view, seconds = plots.follow, plots.views["local"], []
+    follow, view, seconds = plots.refresh, plots.views["local"], []
     make = view.chart
 
     def timed():
@@ -52,8 +52,8 @@ def main() -> None:
 
     view.chart = timed
 
-    heat = bench.window.looks.heat
-    heat.choose(Measure.AREA)
+    heat = bench.window.display_options.overlay
+    heat.choose_measure(Measure.AREA)
     bench.until(lambda: heat.reading.values is not None)
     kinds = {
         "without": (lambda: None, None),
@@ -62,9 +62,9 @@ def main() -> None:
     }
     times = {name: [] for name in kinds}
     for _ in range(ROUNDS):
-        for name, (plots.follow, measure) in kinds.items():
+        for name, (plots.refresh, measure) in kinds.items():
             frames = []
-            heat.choose(measure)
+            heat.choose_measure(measure)
             for k in range(4):
                 bench.painted()
                 worked, started = time.process_time(), time.perf_counter()

@@ -31,12 +31,12 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from crossing_check import CrossingCheck
 from meshes import sample_bottle
 
-from apd_viewer.geometry.contact.obstacles import capsule
+from apd_viewer.geometry.contact.contact_obstacles import capsule
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.pressing.plate_press import PlatePress
-from apd_viewer.geometry.pressing.press import pressed
 from apd_viewer.geometry.pressing.press_options import PressOptions
-from apd_viewer.geometry.pressing.pressing import Pressing
+from apd_viewer.geometry.pressing.press_solver import PressSolver
+from apd_viewer.geometry.pressing.pressed_mesh import pressed_mesh
 
 # Shares of a step between the two shapes whose energies are compared: the next one where a fold has snapped
 # between them, that is, where something has moved so many times as far as the plates.
@@ -65,7 +65,7 @@ def tube(around: int, length: float = 3.0) -> tuple[np.ndarray, np.ndarray]:
 
 def steps_with_slopes(plates: PlatePress, count: int, look: Callable[[float], None]) -> None:
     """Press in ``count`` steps, with a row for each."""
-    pressing, F, began = plates.pressing, plates.pressing.rest.F, time.process_time()
+    pressing, F, began = plates.solver, plates.solver.rest.F, time.process_time()
     columns = (
         "share",
         "load below",
@@ -82,13 +82,15 @@ def steps_with_slopes(plates: PlatePress, count: int, look: Callable[[float], No
     for k in range(1, count + 1):
         for nearer in _NEARER:
             end, near = (come_to_rest(plates, (k - back) / count, look) for back in (0.0, nearer))
-            if np.abs(end.U - near.U).max() <= _SNAPPED * (end.share - near.share) * plates.way.length:
+            if np.abs(end.U - near.U).max() <= _SNAPPED * (end.share - near.share) * plates.travel.length:
                 break
-        way = (end.share - near.share) * plates.way.length
+        way = (end.share - near.share) * plates.travel.length
         slope = (end.energy - near.energy) / way
         mean = 0.25 * (near.low - near.high + end.low - end.high)
         loads = f"{end.low:.4f} | {-end.high:.4f} | {slope:.4f} | {mean / slope:.4f} | {end.energy:.5g}"
-        distance = (plates.way.first - end.share * plates.way.length) / plates.way.first
+        distance = (
+            plates.travel.first_distance - end.share * plates.travel.length
+        ) / plates.travel.first_distance
         spent = f"{end.iterations} + {near.iterations} | {time.process_time() - began:.0f}"
         rest = f"{end.rests} {near.rests}"
         print(f"| {distance:.3f} | {loads} | {flipped(pressing.U, F)} | {spent} | {rest} |", flush=True)
@@ -109,9 +111,9 @@ class Rest(NamedTuple):
 
 def come_to_rest(plates: PlatePress, share: float, look: Callable[[float], None]) -> Rest:
     """Readings at a share of the way."""
-    pressing = plates.pressing
-    plates.rest_at(share, look)
-    low, high = pressing.loads @ plates.way.axis
+    pressing = plates.solver
+    plates.settle_at(share, look)
+    low, high = pressing.loads @ plates.travel.axis
     return Rest(
         pressing.U, pressing.share, -low, -high, pressing.energy, pressing.iterations, pressing.settled
     )
@@ -143,7 +145,7 @@ def fist(V: np.ndarray, F: np.ndarray, options: PressOptions, most: int) -> None
         z = side * float((side * V[near, 2] + np.sqrt(away**2 - off[near] ** 2)).max())
         fingers.append(capsule([-width, height, z], [width, height, z], _FINGER * width))
         shifts.append([0.0, 0.0, -side * width / 5.0])
-    pressing, ways = Pressing(rest, fingers, np.array(shifts), options), np.array(shifts)
+    pressing, ways = PressSolver(rest, fingers, np.array(shifts), options), np.array(shifts)
     columns = (
         "gone in | loads | load / slope | together | energy | volume | area error | iterations | s | rest"
     )
@@ -163,7 +165,7 @@ def fist(V: np.ndarray, F: np.ndarray, options: PressOptions, most: int) -> None
         error = found.area / rest.area - 1.0
         said = ", ".join(f"{np.linalg.norm(load):.3f}" for load in loads)
         spent = f"{pressing.iterations} | {time.process_time() - began:.0f} | {rests}"
-        together = f"{pressing.imbalance:.0e} | {end:.5g} | {found.volume:.1f} | {error:.0e}"
+        together = f"{pressing.load_imbalance:.0e} | {end:.5g} | {found.volume:.1f} | {error:.0e}"
         ratio = f"{0.5 * (load + last) / slope:.4f}"
         print(f"| {now * 0.2:.3f} | {said} | {ratio} | {together} | {spent} |", flush=True)
         assert abs(error) <= 1e-9
@@ -197,7 +199,7 @@ def main() -> None:
     def look(_: float) -> None:
         if asked.check:
             crossed[0] += 1
-            crossed[1] += check.crosses(plates.pressing.U)
+            crossed[1] += check.crosses(plates.solver.U)
 
     if asked.slope:
         print(f"{len(V):,} vertices\n")
@@ -214,7 +216,7 @@ def main() -> None:
         spent = f"{step.iterations} | {time.process_time() - begun:.0f} | {step.settled}"
         print(f"| {step.distance / extent:.3f} | {loads} | {volume} | {spent} |", flush=True)
         assert abs(step.area_error) <= 1e-9
-    print(f"\n{pressed(steps[: asked.steps + 1], (), plates.pressing.is_stopped, None).curve}")
+    print(f"\n{pressed_mesh(steps[: asked.steps + 1], (), plates.solver.is_stopped, None).curve}")
     if asked.check:
         print(f"frames: {crossed[0]}, crossed: {crossed[1]}")
 

@@ -19,7 +19,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from apd_viewer.files.samples import resource
+from apd_viewer.files.samples import resource_path
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -29,9 +29,9 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pressing.plate_press import PlatePress
 from apd_viewer.geometry.pressing.press_options import PressOptions
 from apd_viewer.geometry.warmup import warm_up
-from apd_viewer.session.file_jobs import opened_sample
+from apd_viewer.session.file_jobs import sample_state
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.processes.deforming import deformation_of
+from apd_viewer.session.processes.document_deformation import deformation_of
 
 COLUMNS = (
     "",
@@ -116,11 +116,11 @@ def turned(axis: int, sign: float, pivot: np.ndarray, degrees: float) -> np.ndar
 
 def fold() -> None:
     """Fold the cloth by its handle, and once more across."""
-    document = opened_sample("cloth").document
+    document = sample_state("cloth").document
     angles = np.arange(LIFTED, 180.0 + LIFTED, LIFTED)
     pivot = document.pivot(0)
     poses = [turned(0, 1.0, pivot, angle) for angle in angles]
-    np.testing.assert_allclose(poses[-1], read_transform(resource("cloth-fold.def")), atol=1e-9)
+    np.testing.assert_allclose(poses[-1], read_transform(resource_path("cloth-fold.def")), atol=1e-9)
     U = frozen(drag("first fold", document, poses, document.mesh.V))
     x = document.mesh.V[:, 0]
     labels = np.where(x < -ACROSS, BASE, np.where(x > ACROSS, HANDLE, FREE)).astype(np.uint8)
@@ -131,19 +131,19 @@ def fold() -> None:
 
 def hand() -> None:
     """Press the cushion by its handle."""
-    document = opened_sample("cushion").document
-    down = read_transform(resource("cushion-press.def"))
+    document = sample_state("cushion").document
+    down = read_transform(resource_path("cushion-press.def"))
     poses = [np.eye(4) + share * (down - np.eye(4)) for share in np.linspace(0.0, 1.0, 21)[1:]]
     drag("pressed by hand", document, poses, document.mesh.V)
 
 
 def plates() -> None:
     """Press the cushion between plates."""
-    document = opened_sample("cushion").document
+    document = sample_state("cushion").document
     V, F = document.mesh.V, document.mesh.F
     weights = document.stiffness, document.area_stiffness, document.shear_stiffness
     options = PressOptions((), document.method, *weights, area=document.area)
-    press = PlatePress(RestMesh(V, F), np.eye(3)[1], 0.4 * np.ptp(V[:, 1]), 24, options=options).pressing
+    press = PlatePress(RestMesh(V, F), np.eye(3)[1], 0.4 * np.ptp(V[:, 1]), 24, options=options).solver
     watch = Watch(V, F)
     for share in np.linspace(0.0, 1.0, 25)[1:]:
         press.aim(share)

@@ -136,7 +136,7 @@ def energies(solver, seconds, most):
 
 def dented(rest, fixed, count):
     """The rest pose with smooth dents of up to a few edges, ``count`` times; held vertices stay."""
-    V, W, rng = rest.V, rest.shape.W, np.random.default_rng(0)
+    V, W, rng = rest.V, rest.solve_mesh.W, np.random.default_rng(0)
     degree = W.sum(axis=1)[:, None]
     edge = np.sqrt(rest.area / len(V))
     for _ in range(count):

@@ -30,13 +30,13 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.studies.case_file import CaseResult, case_path, packed, read_case
-from apd_viewer.studies.cluster import connected
-from apd_viewer.studies.kernels import compile_once
+from apd_viewer.studies.case_file import CaseResult, case_path, case_to_bytes, read_case
+from apd_viewer.studies.case_worker import CaseAnswer, CaseTask
+from apd_viewer.studies.cluster import connected_cluster
+from apd_viewer.studies.kernel_compilation import compile_kernels_once
 from apd_viewer.studies.local_pool import LocalPool
 from apd_viewer.studies.results import read_results
 from apd_viewer.studies.study import Study
-from apd_viewer.studies.worker import CaseAnswer, Task
 
 RESOURCES = Path(__file__).parents[2] / "resources"
 VERTICES = 13_068
@@ -56,7 +56,7 @@ class Simulated:
         readings = dict.fromkeys((f"reading_{k}" for k in range(20)), 1.0 / 3.0)
         curves = {f"curve_{k}": [1.0 / 3.0] * 11 for k in range(12)}
         return CaseAnswer(
-            packed(CaseResult(task.case.key, task.case.said, "done", "", readings, curves, {}, U))
+            case_to_bytes(CaseResult(task.case.key, task.case.to_json, "done", "", readings, curves, {}, U))
         )
 
 
@@ -120,8 +120,8 @@ def engine(pool, workers, work=None):
             found.close(at_once=True)  # so that the time of the processes is counted
         return
     with dask(workers) as (address, _):
-        found = connected(address, None, **given)
-        while found.room() < 2 * workers:
+        found = connected_cluster(address, None, **given)
+        while found.free_slots() < 2 * workers:
             time.sleep(0.1)
         try:
             yield found
@@ -157,9 +157,9 @@ def simulated(options):
 
         workers = options.workers[-1]
         with engine(options.pool, workers, work) as pool:
-            pool.start(next(iter(Task(case) for case in study.left.values()))).result()
+            pool.start(next(iter(CaseTask(case) for case in study.unfinished_cases.values()))).result()
             started, before = time.perf_counter(), time.process_time()
-            study.run(pool, told=told)
+            study.run(pool, on_progress=told)
             wall, own = time.perf_counter() - started, time.process_time() - before
         study.close()
         over = (wall - options.cases * options.seconds / workers) / options.cases
@@ -175,7 +175,7 @@ def simulated(options):
         with engine("local", 1, work) as pool:
             study.run(
                 pool,
-                told=lambda now: (
+                on_progress=lambda now: (
                     now.running and print(f"  resumed after {time.perf_counter() - started:.1f} s")
                 ),
             )
@@ -215,7 +215,7 @@ class Memory:
 
 def bottles(options):
     """Wall time by numbers of workers in turns, and memory of the workers; kernels are compiled before."""
-    compile_once()
+    compile_kernels_once()
     for workers in options.workers:
         with tempfile.TemporaryDirectory() as folder:
             folder = Path(folder)
@@ -224,7 +224,7 @@ def bottles(options):
             with engine(options.pool, workers) as pool, Memory() as memory:
                 before = resource.getrusage(resource.RUSAGE_CHILDREN)
                 started = time.perf_counter()
-                table = study.run(pool, told=memory.tell)
+                table = study.run(pool, on_progress=memory.tell)
                 wall = time.perf_counter() - started
             own = sum(row.readings["seconds"] for row in table.rows)
             study.close()
@@ -291,7 +291,7 @@ def alike(one, other):
     """Whether two studies found the same, bit for bit, but for the time."""
     tables = read_results(one), read_results(other)
     for a, b in zip(*(table.rows for table in tables), strict=True):
-        x, y = read_case(one, a.key, shape=True), read_case(other, b.key, shape=True)
+        x, y = read_case(one, a.key, with_shape=True), read_case(other, b.key, with_shape=True)
         if {**a.readings, "seconds": 0} != {**b.readings, "seconds": 0} or x.curves != y.curves:
             return False
         if a.status != "done" or not np.array_equal(x.U, y.U):

@@ -87,7 +87,9 @@ def main():
         gaps.wait(3.0)
         gc.freeze()  # as the window does
         before = memory()
-        gaps.measure("open", lambda: cases.open(folder), lambda: len(panel.model.rows) == count and drawn)
+        gaps.measure(
+            "open", lambda: cases.open_study(folder), lambda: len(panel.model.rows) == count and drawn
+        )
         print(f"{count:,} cases: {memory() - before:.0f} MiB more", flush=True)
         table, order = panel.table, Qt.SortOrder
         names = [column.name for column in panel.model.columns]
@@ -110,13 +112,17 @@ def main():
         gaps.measure("choose another row", lambda: table.choose([count // 3]))
         gaps.measure("choose all rows", table.selectAll)
         gaps.measure("sort with all of them chosen", partial(sort, "energy", order.DescendingOrder))
-        gaps.measure("Ctrl and a click on a dot", lambda: view.picked.emit(count // 2, True))
+        gaps.measure("Ctrl and a click on a dot", lambda: view.dot_picked.emit(count // 2, True))
         some = [k for k in range(count) if k % 2]
         gaps.measure("choose every other row", lambda: table.choose(some))
         gaps.measure("sort with them chosen", partial(sort, "seconds"))
         gaps.measure("resize", lambda: window.shell.resize(1100, 760))
         gaps.measure("another theme", lambda: cases.set_theme(window.shell.theme))
-        gaps.measure("read again", lambda: cases.watch.watch(folder), lambda: not cases.watch._task.busy)
+        gaps.measure(
+            "read again",
+            lambda: cases.folder_watch.watch_folder(folder),
+            lambda: not cases.folder_watch._task.busy,
+        )
         print(f"{memory() - before:.0f} MiB more at the end", flush=True)
         window.shell.close()
 

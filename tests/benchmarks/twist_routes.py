@@ -29,9 +29,9 @@ from apd_viewer.__main__ import main as command
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import twist
-from apd_viewer.geometry.turns.held_turn import most_lost
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.model.status_text import of_passing
+from apd_viewer.geometry.turns.held_turn import most_lost_turn
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.model.status_text import self_passing_warnings
 
 RESOURCES = Path(__file__).parents[2] / "resources"
 MESH, SELECTION = RESOURCES / "bottle.obj", RESOURCES / "bottle.sel"
@@ -111,14 +111,14 @@ class Twist:
         session.until(lambda: session.jobs.current is None and session.store.state is not None)
         session.settle()
         if not self.contact:
-            session.settings.keep_apart(False)
+            session.settings.set_contact(False)
             session.settle()
-        session.handles.move_by(TypedMotion.TWIST, f"{self.degrees:g}deg", 0)
+        session.handles.move_by(MotionKind.TWIST, f"{self.degrees:g}deg", 0)
         assert session.wait_idle(LONG)
-        session.until(lambda: session.shape_checks.found is not None)
-        state, check = session.store.state, session.shape_checks.found
+        session.until(lambda: session.shape_checks.shape_check is not None)
+        state, check = session.store.state, session.shape_checks.shape_check
         session.close()
-        degrees, said = most_lost(check.turns).degrees, " ".join(of_passing(state, check))
+        degrees, said = most_lost_turn(check.turns).degrees, " ".join(self_passing_warnings(state, check))
         return Found(state.frame.volume, self._crossings(state.frame.U), *degrees, said)
 
 

@@ -21,10 +21,10 @@ def without_opengl(monkeypatch):
 @pytest.fixture
 def cases_run_here(monkeypatch):
     """The cases of a study need no process, which takes longer to start than they take."""
-    monkeypatch.setattr("apd_viewer.commands.studies.study.LocalPool", lambda _: Here(computed))
+    monkeypatch.setattr("apd_viewer.commands.studies.study_command.LocalPool", lambda _: Here(computed))
 
 
 @pytest.fixture
 def undrawn_sweeps(monkeypatch):
     """Sweeps without their figures, which take longer than all else."""
-    monkeypatch.setattr("apd_viewer.figures.sweeps.draw_sweep", lambda *_, **__: None)
+    monkeypatch.setattr("apd_viewer.figures.sweep_curves.draw_sweep_curves", lambda *_, **__: None)

@@ -15,19 +15,19 @@ from meshes import box, ends, grid, rotation, sphere, tube
 
 import apd_viewer
 from apd_viewer.__main__ import main
-from apd_viewer.commands import deform as deform_command
-from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
+from apd_viewer.commands import deform_command
+from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation_result import deform
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.studies.replay import replay
+from apd_viewer.session.studies.session_replay import replay_session
 
 PNG = b"\x89PNG\r\n\x1a\n"
 ENTRY = Path(sys.executable).parent / "apd-viewer"
@@ -168,7 +168,7 @@ def test_deform_keeps_held_vertices_where_they_were_put(bar, deformed):
     np.testing.assert_array_equal(mesh.F, bar.F)
 
 
-@pytest.mark.parametrize("suffix", WRITTEN)
+@pytest.mark.parametrize("suffix", WRITABLE_FORMATS)
 def test_deform_writes_every_format(suffix, bar, command):
     bar.out = bar.folder / f"out{suffix}"
     status, out, err = command(*bar.words("--method", "arap", "--iterations", 2))
@@ -499,7 +499,7 @@ def test_deform_refuses_a_wrong_output(out, words, bar, refused):
 
 @pytest.mark.parametrize(("place", "words"), [(".", "it is a folder"), ("gone/r.json", "There is no folder")])
 def test_deform_names_a_report_that_cannot_be_written_at_once(place, words, bar, refused, monkeypatch):
-    monkeypatch.setattr("apd_viewer.commands.deform.deform", None)  # nothing is deformed before
+    monkeypatch.setattr("apd_viewer.commands.deform_command.deform", None)  # nothing is deformed before
     assert words in refused("--report", bar.folder / place)
 
 
@@ -563,7 +563,7 @@ def test_deform_leaves_no_report_either_if_the_mesh_cannot_be_written(bar, refus
 
 
 def test_deform_leaves_no_picture_either_if_the_report_cannot_be_written(bar, refused, monkeypatch):
-    from apd_viewer.commands import deform as deform_command
+    from apd_viewer.commands import deform_command
 
     def drawn(_, pictures, *__):  # the real one takes its time
         return bool(pictures[0].path.write_bytes(PNG))
@@ -619,13 +619,13 @@ def test_main_refuses_wrong_words_in_one_line(words, said, command):
 @pytest.fixture
 def saved(bar):
     """A session on the bar with its handle moved, and its shape still at rest."""
-    state = opened(open_mesh(bar.mesh), frozen(bar.labels.astype(np.uint8)))
-    state = replace(state, document=state.document.with_pose(0, bar.M)).unsettled()
+    state = initial_state(open_mesh(bar.mesh), frozen(bar.labels.astype(np.uint8)))
+    state = replace(state, document=state.document.with_pose(0, bar.M)).as_unsettled()
     save_session(bar.folder / "a.apd", state, View())
     return bar.folder / "a.apd"
 
 
-def test_replay_from_rest_does_what_deform_does(bar, saved, deformed, command):
+def test_replay_session_from_rest_does_what_deform_does(bar, saved, deformed, command):
     expected, _, summary = deformed(bar)
     content = bar.out.read_bytes()
     bar.out.unlink()
@@ -644,11 +644,11 @@ def test_replay_from_rest_does_what_deform_does(bar, saved, deformed, command):
     assert others == summary.splitlines()[1:]
 
 
-def test_replay_goes_on_and_then_leaves_the_shape_as_it_is(bar, saved, command):
+def test_replay_session_goes_on_and_then_leaves_the_shape_as_it_is(bar, saved, command):
     assert command("replay", saved, "-o", bar.out)[0] == 0
     mesh = open_mesh(bar.mesh)
     state, _ = open_session(saved)
-    document, result = replay(saved)
+    document, result = replay_session(saved)
     frame = replace(state.frame, U=result.U, settled=True, converged=True)
     save_session(saved, replace(state, frame=frame), View())
     save_mesh(document.mesh, result.U, bar.folder / "expected.obj")
@@ -663,14 +663,14 @@ def test_replay_goes_on_and_then_leaves_the_shape_as_it_is(bar, saved, command):
 
 
 @pytest.mark.parametrize("terminal", [True, False])
-def test_replay_draws_progress_on_a_terminal_only(terminal, bar, saved, monkeypatch, capsys):
+def test_replay_session_draws_progress_on_a_terminal_only(terminal, bar, saved, monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
     assert main(["replay", str(saved), "-o", str(bar.out)]) == 0
     assert ("\riteration " in capsys.readouterr().err) is terminal
 
 
 @pytest.mark.night  # by day the architecture has it: of a replay in a process that has a display
-def test_replay_needs_neither_a_display_nor_qt(bar, saved):
+def test_replay_session_needs_neither_a_display_nor_qt(bar, saved):
     script = "import sys; from apd_viewer.__main__ import main; status = main(sys.argv[1:]);"
     script += "sys.exit(status or any(name in sys.modules for name in ('PySide6', 'vtkmodules', 'pyvista')))"
     words = ["replay", saved, "-o", bar.out]
@@ -696,7 +696,7 @@ def _other_mesh(case, path):
 
 
 def _unpainted(case, path):
-    save_session(path, opened(open_mesh(case.mesh)), View())
+    save_session(path, initial_state(open_mesh(case.mesh)), View())
 
 
 WRONG_SESSIONS = {
@@ -725,7 +725,7 @@ def refused_replay(bar, saved, command):
     return run
 
 
-def test_replay_refuses_a_mesh_as_no_session(bar, command):
+def test_replay_session_refuses_a_mesh_as_no_session(bar, command):
     (bar.folder / "plain.off").write_text("OFF")
     status, _, err = command("replay", bar.folder / "plain.off", "-o", bar.out)
     assert (status, err) == (2, "error: plain.off is not a session; give a .apd file.\n")
@@ -741,13 +741,13 @@ def test_deform_refuses_a_selection_without_a_motion(bar, command):
 
 
 @pytest.mark.parametrize("case", WRONG_SESSIONS)
-def test_replay_refuses_a_wrong_session(case, bar, saved, refused_replay):
+def test_replay_session_refuses_a_wrong_session(case, bar, saved, refused_replay):
     change, words = WRONG_SESSIONS[case]
     change(bar, saved)
     assert re.search(words, refused_replay())
 
 
-def test_replay_refuses_wrong_words(bar, refused_replay):
+def test_replay_session_refuses_wrong_words(bar, refused_replay):
     assert "does not have a supported ending" in refused_replay(out=bar.folder / "out.xyz")
     assert "There is no folder" in refused_replay(out=bar.folder / "gone" / "out.obj")
     assert "There is no folder" in refused_replay("--report", bar.folder / "gone" / "r.json")
@@ -993,7 +993,7 @@ def test_deform_writes_scalars_of_a_result_beside_it(bar, command):
     np.testing.assert_allclose(rows[:, names.index("area_change")], areas[1] / areas[0] - 1.0, atol=1e-9)
 
 
-def test_replay_writes_scalars_too(bar, saved, command):
+def test_replay_session_writes_scalars_too(bar, saved, command):
     path = bar.folder / "s.ply"
     assert command("replay", saved, "-o", bar.out, "--scalars", path)[0] == 0
     np.testing.assert_allclose(open_mesh(path).V, open_mesh(bar.out).V, rtol=0, atol=1e-12)

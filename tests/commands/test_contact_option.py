@@ -14,12 +14,12 @@ from meshes import ends, rotation, tube
 import apd_viewer
 from apd_viewer.__main__ import main
 from apd_viewer.geometry.solver import methods
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
-from apd_viewer.session.posing.motion_path import motion_paths, posed_along
+from apd_viewer.session.posing.motion_path import document_along, motion_paths
 from apd_viewer.session.posing.motion_step import MotionStep
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.replay import replay
+from apd_viewer.session.studies.session_replay import replay_session
 
 pytestmark = pytest.mark.usefixtures("undrawn_sweeps", "cases_run_here")
 
@@ -88,11 +88,11 @@ def in_python(turn=TURN, **said):
 
 def replayed(turn=TURN, **changed):
     """What the window does with a typed motion: a session of it, solved from rest."""
-    state = opened(apd_viewer.open_mesh("tube.off"), labels())
+    state = initial_state(apd_viewer.open_mesh("tube.off"), labels())
     document = replace(state.document, **changed)
     motion = [MotionStep(0, "twist", (np.radians(turn),))]
-    save_session("new.apd", state.at(posed_along(document, motion_paths(document, motion))), View())
-    return replay("new.apd", from_rest=True)[1]
+    save_session("new.apd", state.updated(document_along(document, motion_paths(document, motion))), View())
+    return replay_session("new.apd", from_rest=True)[1]
 
 
 BOTH_WAYS = pytest.mark.parametrize("turn", [TURN, pytest.param(-TURN, marks=pytest.mark.night)])
@@ -148,7 +148,7 @@ def test_deform_takes_a_thickness_without_a_word_of_contact(capsys):
 
 
 def test_contact_by_default_is_off_for_large_meshes_which_say_how_it_is_turned_on(monkeypatch, capsys):
-    monkeypatch.setattr(methods, "MOST_IN_CONTACT", len(V) - 1)
+    monkeypatch.setattr(methods, "MOST_VERTICES_IN_CONTACT", len(V) - 1)
     report, _ = deformed()
     assert any("Walls may pass through each other" in said for said in report["warnings"])
     capsys.readouterr()

@@ -7,9 +7,9 @@ from decks import ReadDeck, computed, needs_ccx
 from meshes import box, ends, rotation, tube
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands.motion_options import painted
+from apd_viewer.commands.motion_options import painted_state
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.samples import resource
+from apd_viewer.files.samples import resource_path
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.wall_mass import Wall
@@ -68,7 +68,7 @@ def test_deck_of_a_tube_twisted_in_two_steps_is_computed_by_calculix(deck, tmp_p
 def test_deck_of_the_bottle_is_computed_by_calculix(deck):
     words = (
         "--selection",
-        resource("bottle.sel"),
+        resource_path("bottle.sel"),
         "--twist",
         "1deg",
         "--unit",
@@ -76,13 +76,13 @@ def test_deck_of_the_bottle_is_computed_by_calculix(deck):
         "--material",
         "pet-bottle",
     )
-    status, said, out = deck(resource("bottle.obj"), "--selection", resource("bottle.sel"), *words)
+    status, said, out = deck(resource_path("bottle.obj"), "--selection", resource_path("bottle.sel"), *words)
     assert status == 0, said
     moved, _ = where_ours_are(out)
     assert np.isfinite(np.array(list(moved.values()))).all()
 
 
-def test_deck_writes_a_session_with_its_wall_and_its_pose(deck, tmp_path):
+def test_deck_command_writes_a_session_with_its_wall_and_its_pose(deck, tmp_path):
     V, F = box(2, 2, 6)
     mesh = bar(tmp_path, V, F)
     matrix = np.eye(4)
@@ -91,8 +91,8 @@ def test_deck_writes_a_session_with_its_wall_and_its_pose(deck, tmp_path):
     assert deck(*mesh, "--transform", tmp_path / "turn.def", "--thickness", "0.3")[0] == 0
     of_mesh = ReadDeck((tmp_path / "out.inp").read_text())
     read = open_mesh(mesh[0])
-    state = painted(read, read_selection_file(mesh[2], read))
-    state = state.at(state.document.with_pose(0, matrix))
+    state = painted_state(read, read_selection_file(mesh[2], read))
+    state = state.updated(state.document.with_pose(0, matrix))
     session = tmp_path / "bar.apd"
     save_session(session, state, View(unit="mm", wall=Wall("0.3", "1.2")))
     status, said, out = deck(session)
@@ -103,7 +103,7 @@ def test_deck_writes_a_session_with_its_wall_and_its_pose(deck, tmp_path):
     assert found.steps == of_mesh.steps
     assert found.values["SHELL SECTION"] == [0.3]
     assert found.values["DENSITY"] == pytest.approx([1.2e-9])
-    assert open_session(session)[0].document.posed
+    assert open_session(session)[0].document.is_posed
     assert deck(session, "--twist", "9deg", "--thickness", "0.4")[0] == 0
     assert ReadDeck(out.read_text()).values["SHELL SECTION"] == [0.4]
 
@@ -120,7 +120,7 @@ def test_deck_writes_a_session_with_its_wall_and_its_pose(deck, tmp_path):
         (("--selection", "bar.sel", "--twist", "9deg", "--material", "gold"), "no material"),
     ],
 )
-def test_deck_says_in_one_line_what_makes_none(words, says, deck, tmp_path, monkeypatch):
+def test_deck_command_says_in_one_line_what_makes_none(words, says, deck, tmp_path, monkeypatch):
     mesh = bar(tmp_path, *box(2, 2, 6))
     monkeypatch.chdir(tmp_path)
     status, said, out = deck(mesh[0], *words)

@@ -14,12 +14,12 @@ import pytest
 from PIL import Image
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands.desktop import desktop, desktop_files
-from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
-from apd_viewer.files.meshes import FORMATS
+from apd_viewer.commands.desktop import desktop_command, desktop_files
+from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
+from apd_viewer.files.meshes import MESH_FORMATS
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.state import opened
-from apd_viewer.session.model.view import SUFFIX, View
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.storage.session_file import save_session
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="desktops of freedesktop.org")
@@ -70,15 +70,15 @@ def installed(folder, capsys):
 def examples(tmp_path):
     """A file of each kind that can be written, by suffix."""
     mesh, found = Mesh(*meshes.box(1, 1, 2)), {}
-    for suffix in WRITTEN:
+    for suffix in WRITABLE_FORMATS:
         found[suffix] = tmp_path / f"a bar{suffix}"
         save_mesh(mesh, mesh.V, found[suffix])
-    found[SUFFIX] = tmp_path / f"a bar{SUFFIX}"
-    save_session(found[SUFFIX], opened(mesh), View())
+    found[SESSION_SUFFIX] = tmp_path / f"a bar{SESSION_SUFFIX}"
+    save_session(found[SESSION_SUFFIX], initial_state(mesh), View())
     return found
 
 
-def test_desktop_writes_all_files_and_removes_all(installed, capsys):
+def test_desktop_command_writes_all_files_and_removes_all(installed, capsys):
     assert {MENU, TYPES, THUMBNAILS, ICON} <= files(installed)
     assert main(["desktop", "--install"]) == 0  # once more, over the old ones
     assert main(["desktop", "--remove"]) == 0
@@ -88,7 +88,7 @@ def test_desktop_writes_all_files_and_removes_all(installed, capsys):
     assert "There was nothing to remove" in capsys.readouterr().out
 
 
-def test_desktop_leaves_what_others_have_installed(folder):
+def test_desktop_command_leaves_what_others_have_installed(folder):
     others = {
         "applications/other.desktop": "[Desktop Entry]\nType=Application\nName=Other\nExec=other\n",
         "mime/packages/other.xml": '<mime-info xmlns="http://www.freedesktop.org/standards/shared-mime-info">'
@@ -107,7 +107,7 @@ def test_desktop_leaves_what_others_have_installed(folder):
         assert "*.apd" not in (folder / "mime/globs2").read_text()
 
 
-def test_desktop_names_missing_programs(folder, capsys, monkeypatch):
+def test_desktop_command_names_missing_programs(folder, capsys, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     assert main(["desktop", "--install"]) == 0
     assert "install update-mime-database and update-desktop-database" in capsys.readouterr().out
@@ -116,7 +116,7 @@ def test_desktop_names_missing_programs(folder, capsys, monkeypatch):
 
 
 @pytest.mark.parametrize("content", ["#!/bin/sh\nexec sleep 60\n", "no program"])
-def test_desktop_names_a_program_that_does_not_work_and_removes_all(
+def test_desktop_command_names_a_program_that_does_not_work_and_removes_all(
     content, folder, tmp_path, capsys, monkeypatch
 ):
     program = tmp_path / "collector"
@@ -133,14 +133,14 @@ def test_desktop_names_a_program_that_does_not_work_and_removes_all(
     assert files(folder) == set()
 
 
-def test_desktop_says_that_a_folder_cannot_be_written(folder, capsys):
+def test_desktop_command_says_that_a_folder_cannot_be_written(folder, capsys):
     folder.write_text("a file")
     assert main(["desktop", "--install"]) == 2
     assert "cannot be written" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("system", "said"), [("win32", "Open with"), ("darwin", "Terminal")])
-def test_desktop_tells_other_systems_their_own_way(system, said, monkeypatch, capsys):
+def test_desktop_command_tells_other_systems_their_own_way(system, said, monkeypatch, capsys):
     monkeypatch.setattr(sys, "platform", system)
     assert main(["desktop", "--install"]) == 2
     assert said in capsys.readouterr().err
@@ -156,25 +156,25 @@ def test_own_command_is_the_script_that_was_started(tmp_path, monkeypatch):
     script = tmp_path / "apd-viewer"
     script.touch()
     monkeypatch.setattr(sys, "argv", [str(script)])
-    assert desktop.own_command() == [str(script)]
+    assert desktop_command.own_command() == [str(script)]
     monkeypatch.setattr(sys, "argv", ["elsewhere"])
-    monkeypatch.setattr(desktop.sysconfig, "get_path", lambda _: str(tmp_path))
-    assert desktop.own_command() == [str(script)]
+    monkeypatch.setattr(desktop_command.sysconfig, "get_path", lambda _: str(tmp_path))
+    assert desktop_command.own_command() == [str(script)]
     script.unlink()
-    assert desktop.own_command() == [sys.executable, "-m", "apd_viewer"]
+    assert desktop_command.own_command() == [sys.executable, "-m", "apd_viewer"]
 
 
-def test_desktop_gives_all_formats_a_type_and_opens_all_types(installed):
+def test_desktop_command_gives_all_formats_a_type_and_opens_all_types(installed):
     types = ElementTree.parse(installed / TYPES).getroot().findall(f"{NAMESPACE}mime-type")
     patterns = {glob.get("pattern") for each in types for glob in each.findall(f"{NAMESPACE}glob")}
-    assert patterns == {f"*{suffix}" for suffix in (*FORMATS, SUFFIX)}
+    assert patterns == {f"*{suffix}" for suffix in (*MESH_FORMATS, SESSION_SUFFIX)}
     named = {each.get("type") for each in types}
     for path, section in ((MENU, "Desktop Entry"), (THUMBNAILS, "Thumbnailer Entry")):
         assert set(read(installed / path, section)["MimeType"].strip(";").split(";")) == named
 
 
 @needs("desktop-file-validate", "desktop-file-utils")
-def test_desktop_installs_a_valid_menu_entry(installed):
+def test_desktop_command_installs_a_valid_menu_entry(installed):
     assert asked("desktop-file-validate", str(installed / MENU)) == ""
 
 
@@ -182,7 +182,7 @@ def test_desktop_installs_a_valid_menu_entry(installed):
 @needs("update-desktop-database", "desktop-file-utils")
 @needs("xdg-mime", "xdg-utils")
 @needs("gio", "libglib2.0-bin")
-def test_desktop_lets_files_be_known_and_opened_by_the_program(installed, examples):
+def test_desktop_command_lets_files_be_known_and_opened_by_the_program(installed, examples):
     found = {suffix: asked("xdg-mime", "query", "filetype", str(path)) for suffix, path in examples.items()}
     assert found == {
         ".obj": "model/obj",
@@ -192,15 +192,15 @@ def test_desktop_lets_files_be_known_and_opened_by_the_program(installed, exampl
         ".glb": "model/gltf-binary",
         ".apd": "application/x-apd-viewer-session",
     }
-    nameless = examples[SUFFIX].with_suffix("")
-    shutil.copy(examples[SUFFIX], nameless)
+    nameless = examples[SESSION_SUFFIX].with_suffix("")
+    shutil.copy(examples[SESSION_SUFFIX], nameless)
     assert asked("xdg-mime", "query", "filetype", str(nameless)) == found[".apd"]
     for kind in found.values():
         assert asked("xdg-mime", "query", "default", kind) == "apd-viewer.desktop"
 
 
-@pytest.mark.parametrize("suffix", [SUFFIX, ".stl"])
-def test_desktop_registers_a_command_that_makes_a_thumbnail(suffix, installed, examples, tmp_path):
+@pytest.mark.parametrize("suffix", [SESSION_SUFFIX, ".stl"])
+def test_desktop_command_registers_a_command_that_makes_a_thumbnail(suffix, installed, examples, tmp_path):
     entry = read(installed / THUMBNAILS, "Thumbnailer Entry")
     assert Path(entry["TryExec"]).is_absolute()
     given = {"%i": str(examples[suffix]), "%o": str(tmp_path / "thumbnail"), "%s": "96"}
@@ -214,7 +214,7 @@ def test_desktop_registers_a_command_that_makes_a_thumbnail(suffix, installed, e
 def test_desktop_files_can_say_any_folder_of_the_program(name, tmp_path):
     """A word is read back as the specification says: escapes undone, then quotes, then percent signs."""
     program = str(tmp_path / name / "apd-viewer")
-    desktop_files.install(tmp_path / "data", [program, "-m", "x"])
+    desktop_files.install_files(tmp_path / "data", [program, "-m", "x"])
     for path, section in ((MENU, "Desktop Entry"), (THUMBNAILS, "Thumbnailer Entry")):
         keys = read(tmp_path / "data" / path, section)
         assert keys["TryExec"] == program

@@ -8,7 +8,7 @@ import pytest
 from matplotlib import font_manager
 
 from apd_viewer.figures.fonts import families, font_file
-from apd_viewer.figures.style import draw
+from apd_viewer.figures.style import draw_figure
 
 
 @pytest.fixture
@@ -58,9 +58,9 @@ def test_families_of_chinese_are_those_of_all_on_a_system_without_chinese_fonts(
 
 
 @pytest.mark.parametrize("name", [r"$\frac{$", r"a $ \b $"])
-def test_draw_takes_a_name_with_dollars_for_no_formula(name, tmp_path):
+def test_draw_figure_takes_a_name_with_dollars_for_no_formula(name, tmp_path):
     def fill(figure):
         figure.subplots().set_title(name)
 
-    draw(fill, (3.0, 2.0), tmp_path, "figure")
+    draw_figure(fill, (3.0, 2.0), tmp_path, "figure")
     assert (tmp_path / "figure.svg").stat().st_size > 1000

@@ -15,7 +15,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
 
@@ -85,9 +85,9 @@ def squeezed(mesh) -> Document:
     """Nothing held, and a plate that moves towards another one."""
     plates = (
         NamedObstacle("Wall", ObstacleKind.PLATE, frozen(-1.01 * X), frozen(X)),
-        NamedObstacle("Plate", ObstacleKind.PLATE, frozen(1.01 * X), frozen(-X)).shifted(-0.4 * X),
+        NamedObstacle("Plate", ObstacleKind.PLATE, frozen(1.01 * X), frozen(-X)).with_shift(-0.4 * X),
     )
-    document = opened(mesh).document
+    document = initial_state(mesh).document
     return Document(
         document.mesh,
         document.labels,
@@ -100,8 +100,8 @@ def squeezed(mesh) -> Document:
 
 
 def test_sweep_of_obstacles_alone_tells_the_load_of_every_step(mesh, tmp_path):
-    state = opened(mesh)
-    save_session(tmp_path / "a.apd", state.at(squeezed(mesh)), View())
+    state = initial_state(mesh)
+    save_session(tmp_path / "a.apd", state.updated(squeezed(mesh)), View())
     out = tmp_path / "swept"
     assert not command("sweep", tmp_path / "a.apd", "--steps", 8, "--methods", "exact", "-o", out)
     rows = list(csv.DictReader((out / "sweep.csv").read_text().splitlines()))
@@ -118,6 +118,6 @@ def test_sweep_of_obstacles_alone_tells_the_load_of_every_step(mesh, tmp_path):
 
 
 def test_sweep_refuses_a_method_without_contact_where_obstacles_alone_move(mesh, tmp_path, capsys):
-    save_session(tmp_path / "a.apd", opened(mesh).at(squeezed(mesh)), View())
+    save_session(tmp_path / "a.apd", initial_state(mesh).updated(squeezed(mesh)), View())
     assert command("sweep", tmp_path / "a.apd", "--methods", "exact,paper", "-o", tmp_path / "swept")
     assert "omit it" in capsys.readouterr().err

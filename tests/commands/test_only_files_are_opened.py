@@ -16,10 +16,10 @@ from apd_viewer.__main__ import main
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.studies.database import DATABASE
+from apd_viewer.studies.database import DATABASE_NAME
 
 PAINTED = ("deform", "part.off", "--selection", "part.sel")
 COMMANDS = {
@@ -131,10 +131,10 @@ def test_study_opens_no_pipe_that_a_plan_of_a_stranger_names(named, pipe):
 def test_study_opens_no_pipe_in_a_folder_from_a_stranger(ending, pipe, capsys):
     Path("x").mkdir()
     if ending:
-        (Path("x") / DATABASE).write_bytes(b"")
-    (Path("x") / f"{DATABASE}{ending}").symlink_to(pipe.path)
+        (Path("x") / DATABASE_NAME).write_bytes(b"")
+    (Path("x") / f"{DATABASE_NAME}{ending}").symlink_to(pipe.path)
     said = refused(capsys, ["study", "plan.csv", "-o", "x", "--processes", "1"])
-    assert f"{DATABASE}{ending}" in said
+    assert f"{DATABASE_NAME}{ending}" in said
     assert not pipe.opened
 
 
@@ -153,7 +153,7 @@ def edited(session, change):
 @pytest.mark.parametrize("named", ["pipe", "zero"])
 def test_open_session_opens_no_pipe_that_a_session_of_a_stranger_names(named, pipe, capsys):
     V = open_mesh("part.off").V
-    state = opened(open_mesh("part.off"), np.loadtxt("part.sel").astype(np.uint8))
+    state = initial_state(open_mesh("part.off"), np.loadtxt("part.sel").astype(np.uint8))
     save_session("mesh.apd", state, View())
 
     def change(said):

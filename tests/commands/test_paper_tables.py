@@ -10,8 +10,8 @@ from meshes import box, ends
 from PIL import Image
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands import paper, paper_tables
-from apd_viewer.commands.terminal.columns import columns_of
+from apd_viewer.commands import paper_command, paper_tables
+from apd_viewer.commands.terminal.columns import column_count
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 
@@ -31,15 +31,15 @@ def table(request):
     with pytest.MonkeyPatch.context() as patch:
         if request.param == "bar":
             patch.setattr(paper_tables, "open_sample", standing_bar)
-        yield list(paper_tables.rows())
+        yield list(paper_tables.table_rows())
 
 
 def test_paper_tables_keep_the_area_where_arap_changes_it(table):
-    assert [row.name for row in table] == list(paper_tables.CASES)
+    assert [row.name for row in table] == list(paper_tables.PAPER_CASES)
     for row in table:
         assert row.paper.converged
         assert row.arap.converged
-        assert row.passes
+        assert row.is_within_tolerance
         assert abs(row.paper.area_error) <= 1e-3 < abs(row.arap.area_error)
 
 
@@ -53,9 +53,9 @@ def test_paper_tables_have_the_areas_of_the_shapes(table):
 
 
 def test_paper_tables_say_what_was_measured_beside_what_the_paper_says(table):
-    text = paper_tables.tables(table)
+    text = paper_tables.format_tables(table)
     assert [line for line in text.splitlines() if line.startswith("Table")] == list(
-        paper_tables.TITLES.values()
+        paper_tables.TABLE_TITLES.values()
     )
     cells = [
         [cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if "%" in line
@@ -73,25 +73,25 @@ def test_paper_tables_say_what_was_measured_beside_what_the_paper_says(table):
     assert [line[4] for line in theirs] == ["-1.92 %", "-0.44 %", "-0.68 %", "-1.35 %"]
 
 
-def test_markdown_has_columns_of_equal_width(table):
-    for sample in paper_tables.TITLES:
+def test_format_markdown_has_columns_of_equal_width(table):
+    for sample in paper_tables.TABLE_TITLES:
         rows = [row for row in table if row.case.sample == sample]
-        assert len({len(line) for line in paper_tables.markdown(rows).splitlines()}) == 1
+        assert len({len(line) for line in paper_tables.format_markdown(rows).splitlines()}) == 1
 
 
-def test_markdown_has_columns_of_equal_width_in_chinese(table):
+def test_format_markdown_has_columns_of_equal_width_in_chinese(table):
     row = table[0]._replace(case=table[0].case._replace(title="瓶子扭转 60°"))
-    lines = paper_tables.markdown([row, *table[:2]]).splitlines()
-    assert len(set(map(columns_of, lines))) == 1
+    lines = paper_tables.format_markdown([row, *table[:2]]).splitlines()
+    assert len(set(map(column_count, lines))) == 1
 
 
 def test_row_outside_the_tolerance_does_not_pass(table):
     failed = table[0]._replace(paper=table[0].arap)
-    assert not failed.passes
+    assert not failed.is_within_tolerance
     assert failed.lines()[0][-1] == "fail"
-    assert paper_tables.verdict(table).startswith("Pass")
-    assert "twisted by 60°" in paper_tables.verdict([failed, *table[1:]])
-    assert paper_tables.verdict([failed, *table[1:]]).startswith("Fail")
+    assert paper_tables.tolerance_verdict(table).startswith("Pass")
+    assert "twisted by 60°" in paper_tables.tolerance_verdict([failed, *table[1:]])
+    assert paper_tables.tolerance_verdict([failed, *table[1:]]).startswith("Fail")
 
 
 def test_write_csv_keeps_all_digits(table, tmp_path):
@@ -116,9 +116,9 @@ FILES = {
 def coarse(monkeypatch):
     """Re-run only one move, on a bar that stands like the bottle."""
     name = "bottle-twist-60"
-    for module in (paper_tables, paper):
+    for module in (paper_tables, paper_command):
         monkeypatch.setattr(module, "open_sample", standing_bar)
-    monkeypatch.setattr(paper_tables, "CASES", {name: paper_tables.CASES[name]})
+    monkeypatch.setattr(paper_tables, "PAPER_CASES", {name: paper_tables.PAPER_CASES[name]})
 
 
 def read(path):
@@ -172,6 +172,6 @@ def test_paper_leaves_nothing_when_interrupted(tmp_path, monkeypatch):
     def stop(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(paper, "holds", stop)
+    monkeypatch.setattr(paper_command, "handle_curve", stop)
     assert main(["paper", "-o", str(tmp_path / "out")]) == 130
     assert list(tmp_path.iterdir()) == []

@@ -13,13 +13,13 @@ from meshes import sphere, tube
 from PIL import Image
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands import press as press_command
+from apd_viewer.commands import press_command
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pressing import plate_press
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
 
@@ -62,7 +62,7 @@ def rows(path):
 QUICK = "--axis", "z", "--to", "90%", "--steps", 2, "--stiffness", 0.001
 
 
-def test_press_says_the_same_in_mesh_curve_figure_and_report(ball, press, tmp_path):
+def test_press_command_says_the_same_in_mesh_curve_figure_and_report(ball, press, tmp_path):
     curve, figure, report = tmp_path / "c.csv", tmp_path / "f.png", tmp_path / "r.json"
     status, said, err, out = press(ball, *QUICK, "--curve", curve, "--figure", figure, "--report", report)
     assert (status, err) == (0, "")
@@ -84,7 +84,7 @@ def test_press_says_the_same_in_mesh_curve_figure_and_report(ball, press, tmp_pa
 
 
 @pytest.mark.parametrize("method", ["exact", "local", "arap"])
-def test_press_has_both_plates_carry_the_same_and_no_load_at_first(method, ball, press, tmp_path):
+def test_press_command_has_both_plates_carry_the_same_and_no_load_at_first(method, ball, press, tmp_path):
     words = "--curve", tmp_path / "c.csv", "--method", method
     assert press(ball, *QUICK, *words)[0] == 0
     lines = rows(tmp_path / "c.csv")
@@ -97,16 +97,18 @@ def test_press_has_both_plates_carry_the_same_and_no_load_at_first(method, ball,
 
 
 @pytest.mark.parametrize("text", ["z", "Z", " z ", "0 0 2", "0,0,1", "0, 0, 0.5"])
-def test_axis_of_takes_a_letter_or_three_numbers(text):
-    np.testing.assert_array_equal(press_command.axis_of(text) / max(press_command.axis_of(text)), [0, 0, 1])
+def test_parse_axis_takes_a_letter_or_three_numbers(text):
+    np.testing.assert_array_equal(
+        press_command.parse_axis(text) / max(press_command.parse_axis(text)), [0, 0, 1]
+    )
 
 
 @pytest.mark.parametrize("text", ["60%", " 60 % ", "1.2", "6/5"])
-def test_distance_of_takes_a_length_or_a_percentage(text):
-    assert press_command.distance_of(text, 2.0) == pytest.approx(1.2, rel=1e-12)
+def test_parse_distance_takes_a_length_or_a_percentage(text):
+    assert press_command.parse_distance(text, 2.0) == pytest.approx(1.2, rel=1e-12)
 
 
-def test_press_gives_an_open_surface_the_volume_within_its_caps(press, tmp_path):
+def test_press_command_gives_an_open_surface_the_volume_within_its_caps(press, tmp_path):
     V, F = tube(16, 20)
     save_mesh(Mesh(V, F), V, tmp_path / "tube.off")
     curve = tmp_path / "c.csv"
@@ -121,7 +123,7 @@ def test_press_gives_an_open_surface_the_volume_within_its_caps(press, tmp_path)
 
 
 @pytest.mark.night
-def test_press_writes_the_same_files_when_repeated(ball, press, tmp_path):
+def test_press_command_writes_the_same_files_when_repeated(ball, press, tmp_path):
     for name in ("a", "b"):
         folder = tmp_path / name
         folder.mkdir()
@@ -131,7 +133,7 @@ def test_press_writes_the_same_files_when_repeated(ball, press, tmp_path):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
 
 
-def test_press_says_progress_in_lines(ball, press, monkeypatch):
+def test_press_command_says_progress_in_lines(ball, press, monkeypatch):
     clock = itertools.count()
     monkeypatch.setattr("time.monotonic", lambda: float(next(clock)))
     _, said, _, _ = press(ball, *QUICK, "--progress-lines")
@@ -143,13 +145,13 @@ def test_press_says_progress_in_lines(ball, press, monkeypatch):
     assert {line["doing"] for line in lines} == {"pressing"}
 
 
-def test_press_counts_crossings_in_the_words_of_the_window(ball, press, monkeypatch):
+def test_press_command_counts_crossings_in_the_words_of_the_window(ball, press, monkeypatch):
     monkeypatch.setattr(plate_press, "crossings", lambda *_: np.arange(12))
     _, said, _, _ = press(ball, *QUICK)
     assert "12 intersecting triangles" in said.splitlines()
 
 
-def test_press_names_steps_that_do_not_come_to_rest(ball, press, tmp_path):
+def test_press_command_names_steps_that_do_not_come_to_rest(ball, press, tmp_path):
     beside = "--curve", tmp_path / "c.csv", "--report", tmp_path / "r.json"
     _, said, _, _ = press(ball, *QUICK, "--iterations", 1, *beside)
     assert "Not every step came to rest" in said
@@ -158,7 +160,7 @@ def test_press_names_steps_that_do_not_come_to_rest(ball, press, tmp_path):
     assert report["apparent_stiffness"] is None, "the plates have not moved"
 
 
-def test_press_fills_in_the_wall_by_a_material_and_gives_loads_in_newtons_too(ball, press, tmp_path):
+def test_press_command_fills_in_the_wall_by_a_material_and_gives_loads_in_newtons_too(ball, press, tmp_path):
     """A ball of 2 cm of a wall of 0.3 mm: mass, yield radius, newtons in table, report and summary."""
     curve, report = tmp_path / "c.csv", tmp_path / "r.json"
     words = "--unit", "cm", "--material", "pet-bottle", "--curve", curve, "--report", report
@@ -183,7 +185,7 @@ def test_press_fills_in_the_wall_by_a_material_and_gives_loads_in_newtons_too(ba
 
 
 @pytest.mark.night
-def test_press_tells_the_expected_excess_beside_the_load(smooth_ball, press, tmp_path):
+def test_press_command_tells_the_expected_excess_beside_the_load(smooth_ball, press, tmp_path):
     """0.75 h^2 over D = 2 stiffness area; the edges of a ball are nearly alike. A tenth of it for local."""
     mesh = trimesh.load(smooth_ball, process=False)
     square = (mesh.edges_unique_length**2).mean()
@@ -199,14 +201,14 @@ def test_press_tells_the_expected_excess_beside_the_load(smooth_ball, press, tmp
         assert float(said[1]) == pytest.approx(found["load_excess_percent"], rel=0.05)
 
 
-def test_press_without_stiffness_says_no_excess_but_that_loads_mean_little(ball, press, tmp_path):
+def test_press_command_without_stiffness_says_no_excess_but_that_loads_mean_little(ball, press, tmp_path):
     report = tmp_path / "r.json"
     _, said, _, _ = press(ball, *QUICK, "--stiffness", 0, "--report", report)
     assert json.loads(report.read_text(encoding="utf-8"))["load_excess_percent"] is None
     assert "loads mean little" in said
 
 
-def test_newtons_of_a_shape_that_has_to_stretch_say_by_how_much_they_may_be_too_low(
+def test_newtons_per_load_of_a_shape_that_has_to_stretch_say_by_how_much_they_may_be_too_low(
     smooth_ball, press, tmp_path
 ):
     """A ball resists by the root of D E t: by the root of how much stiffer it was pressed than it is."""
@@ -225,7 +227,7 @@ def test_newtons_of_a_shape_that_has_to_stretch_say_by_how_much_they_may_be_too_
 
 
 @pytest.mark.night
-def test_newtons_of_a_tube_that_is_pressed_flat_need_no_factor_and_along_its_axis_they_do(press, tmp_path):
+def test_newtons_per_load_of_a_tube_pressed_flat_need_no_factor_and_along_its_axis_they_do(press, tmp_path):
     V, F = tube(24, 10, height=1.5)
     save_mesh(Mesh(V, F), V, tmp_path / "tube.off")
     report = tmp_path / "r.json"
@@ -241,7 +243,7 @@ def test_newtons_of_a_tube_that_is_pressed_flat_need_no_factor_and_along_its_axi
     assert "times too low" in said
 
 
-def test_newtons_are_not_said_where_they_are_not_known(ball, press, tmp_path):
+def test_newtons_per_load_are_not_said_where_they_are_not_known(ball, press, tmp_path):
     curve, report = tmp_path / "c.csv", tmp_path / "r.json"
     for words in ((), ("--unit", "cm", "--thickness", "0.3mm"), ("--unit", "cm", "--material", "fabric")):
         status, said, _, _ = press(ball, *QUICK, *words, "--curve", curve, "--report", report)
@@ -250,7 +252,7 @@ def test_newtons_are_not_said_where_they_are_not_known(ball, press, tmp_path):
         assert " N below" not in said
 
 
-def test_press_takes_what_is_typed_before_what_a_material_has(ball, press, tmp_path):
+def test_press_command_takes_what_is_typed_before_what_a_material_has(ball, press, tmp_path):
     report = tmp_path / "r.json"
     words = "--thickness", "0.5mm", "--young", "2GPa", "--poisson", 0.3, "--density", "900 kg/m3"
     words += "--yield-radius", "4mm", "--unit", "mm", "--material", "hdpe"
@@ -261,7 +263,7 @@ def test_press_takes_what_is_typed_before_what_a_material_has(ball, press, tmp_p
     assert found["yield_radius"] == pytest.approx(4.0)
 
 
-def test_press_keeps_the_volume_by_gas_whose_pressure_may_be_in_atmospheres(ball, press, tmp_path):
+def test_press_command_keeps_the_volume_by_gas_whose_pressure_may_be_in_atmospheres(ball, press, tmp_path):
     report, volumes, gas = tmp_path / "r.json", [], []
     wall = "--unit", "cm", "--material", "pet-bottle"
     for words in ((), ("--gas", "1atm"), ("--gas", "101.325 kPa"), ("--gas", "30")):
@@ -311,7 +313,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_press_says_what_is_wrong_in_a_line_and_writes_nothing(case, ball, press, tmp_path):
+def test_press_command_says_what_is_wrong_in_a_line_and_writes_nothing(case, ball, press, tmp_path):
     words, sentence = WRONG[case]
     before = sorted(tmp_path.rglob("*"))
     beside = "--curve", tmp_path / "c.csv", "--figure", tmp_path / "f.png", "--report", tmp_path / "r.json"
@@ -322,7 +324,7 @@ def test_press_says_what_is_wrong_in_a_line_and_writes_nothing(case, ball, press
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_press_names_a_file_to_be_written_twice(ball, press, tmp_path):
+def test_press_command_names_a_file_to_be_written_twice(ball, press, tmp_path):
     same = tmp_path / "same.txt"
     status, out, err, written = press(ball, *QUICK, "--curve", same, "--report", same)
     assert (status, out) == (2, "")
@@ -332,7 +334,7 @@ def test_press_names_a_file_to_be_written_twice(ball, press, tmp_path):
 
 
 @pytest.mark.parametrize("option", ["--curve", "--figure", "--report"])
-def test_press_names_a_folder_in_place_of_a_file_at_once(option, ball, press, tmp_path, monkeypatch):
+def test_press_command_names_a_folder_in_place_of_a_file_at_once(option, ball, press, tmp_path, monkeypatch):
     monkeypatch.setattr(press_command, "PlatePress", None)  # nothing is pressed before
     (tmp_path / "folder.png").mkdir()
     status, out, err, written = press(ball, *QUICK, option, tmp_path / "folder.png")
@@ -342,7 +344,7 @@ def test_press_names_a_folder_in_place_of_a_file_at_once(option, ball, press, tm
 
 
 @pytest.mark.parametrize("option", ["--curve", "--figure", "--report"])
-def test_press_names_a_folder_that_is_not_there_at_once(option, ball, press, tmp_path, monkeypatch):
+def test_press_command_names_a_folder_that_is_not_there_at_once(option, ball, press, tmp_path, monkeypatch):
     before = sorted(tmp_path.rglob("*"))
     monkeypatch.setattr(press_command, "PlatePress", None)  # nothing is pressed before
     status, out, err, _ = press(ball, *QUICK, option, tmp_path / "gone" / "file.png")
@@ -351,13 +353,13 @@ def test_press_names_a_folder_that_is_not_there_at_once(option, ball, press, tmp
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_press_refuses_a_mesh_of_an_unknown_kind_before_anything_is_pressed(ball, press, tmp_path):
+def test_press_command_refuses_a_mesh_of_an_unknown_kind_before_anything_is_pressed(ball, press, tmp_path):
     status, _, err, _ = press(ball, *QUICK, out=tmp_path / "a.xyz")
     assert status == 2
     assert "supported ending" in err
 
 
-def test_press_leaves_nothing_when_interrupted(ball, press, tmp_path, monkeypatch):
+def test_press_command_leaves_nothing_when_interrupted(ball, press, tmp_path, monkeypatch):
     before = sorted(tmp_path.rglob("*"))
 
     def stop(*_):
@@ -369,7 +371,7 @@ def test_press_leaves_nothing_when_interrupted(ball, press, tmp_path, monkeypatc
 
 
 @pytest.mark.parametrize("radius", [pytest.param(None, marks=pytest.mark.night), 4.0])
-def test_press_writes_what_remains_of_creases(press, tmp_path, radius):
+def test_press_command_writes_what_remains_of_creases(press, tmp_path, radius):
     """The plates open until they no longer touch; without creases all springs back."""
     (V, F), ball = sphere(2), tmp_path / "fine.off"
     save_mesh(Mesh(V, F), V, ball)
@@ -388,20 +390,20 @@ def test_press_writes_what_remains_of_creases(press, tmp_path, radius):
     assert volume < 0.99 * whole if radius else volume == pytest.approx(whole, rel=1e-4)
 
 
-def test_press_begins_from_the_shape_of_a_session(press, tmp_path):
+def test_press_command_begins_from_the_shape_of_a_session(press, tmp_path):
     """A flattened tube springs back first, and less where its bends keep creases."""
     V, F = tube(24, 12)
     path = tmp_path / "tube.off"
     save_mesh(Mesh(V, F), V, path)
     mesh = open_mesh(path)
-    state = opened(mesh)
+    state = initial_state(mesh)
     flat = V * (1.0, 0.5, 1.0)
     U = flat * np.array([1.0, 1.0, 0.0]) * (face_areas(V, F).sum() / face_areas(flat, F).sum()) + V * (
         0,
         0,
         1,
     )
-    save_session(tmp_path / "flat.apd", state.at(frame=replace(state.frame, U=U)), View())
+    save_session(tmp_path / "flat.apd", state.updated(frame=replace(state.frame, U=U)), View())
     widths = []
     for radius in ((), ("--yield-radius", 4.0)):
         words = "--axis", "y", "--to", "50%", "--steps", 1, "--stiffness", 0.01
@@ -419,7 +421,7 @@ def test_press_begins_from_the_shape_of_a_session(press, tmp_path):
         (["--yield-radius", 2, "--stiffness", 0], "enter a stiffness, too"),
     ],
 )
-def test_press_says_in_one_sentence_that_a_yield_radius_cannot_be(words, sentence, ball, press):
+def test_press_command_says_in_one_sentence_that_a_yield_radius_cannot_be(words, sentence, ball, press):
     status, _, said, out = press(ball, *QUICK, *words)
     assert status == 2
     assert sentence in said

@@ -10,24 +10,24 @@ from animated import read_pc2
 from painted_meshes import write_bar
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands import replay as replay_command
+from apd_viewer.commands import replay_command
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.geometry.pose.transforms import turned_about
-from apd_viewer.session.model.state import opened
+from apd_viewer.geometry.pose.transforms import rotation_about
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.replay import replay
+from apd_viewer.session.studies.session_replay import replay_session
 
-BENT = turned_about([1, 1, 0], [1, 0, 0], 0.6)
+BENT = rotation_about([1, 1, 0], [1, 0, 0], 0.6)
 
 
 @pytest.fixture
 def session(tmp_path):
     """A session with its handle moved, and its shape still at rest."""
     write_bar(tmp_path)
-    state = opened(open_mesh(tmp_path / "bar.off"), np.loadtxt(tmp_path / "bar.sel", dtype=np.uint8))
+    state = initial_state(open_mesh(tmp_path / "bar.off"), np.loadtxt(tmp_path / "bar.sel", dtype=np.uint8))
     path = tmp_path / "bar.apd"
-    save_session(path, state.at(state.document.with_pose(0, BENT)).unsettled(), View())
+    save_session(path, state.updated(state.document.with_pose(0, BENT)).as_unsettled(), View())
     return path
 
 
@@ -44,7 +44,7 @@ def run(session, tmp_path, capsys):
 
 def test_replay_animation_begins_with_the_shape_saved_and_has_each_iteration(session, run, tmp_path):
     passed = []
-    replay(session, passed=lambda U: passed.append(U.astype(np.float32)))
+    replay_session(session, on_shape=lambda U: passed.append(U.astype(np.float32)))
     words = [word for name in ("a.pc2", "a.pvd") for word in ("--animation", tmp_path / name)]
     assert run(*words) == (0, "")
     shapes, mesh = read_pc2(tmp_path / "a.pc2"), open_mesh(tmp_path / "bar.off")
@@ -66,8 +66,8 @@ def test_replay_animation_has_some_of_many_iterations(run, tmp_path, monkeypatch
 
 def settled(session):
     """Save the session again, with its shape converged."""
-    document, result = replay(session)
-    state = opened(document.mesh)
+    document, result = replay_session(session)
+    state = initial_state(document.mesh)
     frame = replace(state.frame, U=result.U, settled=True, converged=True)
     save_session(session, replace(state, document=document, frame=frame), View())
 
@@ -93,7 +93,7 @@ def test_replay_animation_has_nothing_of_what_has_settled_but_from_rest(session,
         ("out.glb", "a name of its own"),
     ],
 )
-def test_replay_says_what_is_wrong_with_an_animation_and_writes_nothing(name, words, run, tmp_path):
+def test_replay_session_says_what_is_wrong_with_an_animation_and_writes_nothing(name, words, run, tmp_path):
     before = sorted(tmp_path.iterdir())
     status, err = run("-o", tmp_path / "out.glb", "--animation", tmp_path / name)
     assert status == 2
@@ -103,7 +103,7 @@ def test_replay_says_what_is_wrong_with_an_animation_and_writes_nothing(name, wo
 
 
 @pytest.mark.parametrize("option", ["--scalars", "--triangle-scalars", "--report"])
-def test_replay_refuses_a_file_to_be_written_twice(option, run, tmp_path):
+def test_replay_session_refuses_a_file_to_be_written_twice(option, run, tmp_path):
     before = sorted(tmp_path.iterdir())
     name = "a.csv" if option == "--triangle-scalars" else "a.ply"
     more = ["--scalars", tmp_path / "a.csv"] if option == "--triangle-scalars" else ["-o", tmp_path / "a.ply"]
@@ -112,7 +112,7 @@ def test_replay_refuses_a_file_to_be_written_twice(option, run, tmp_path):
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_replay_writes_nothing_where_its_report_cannot_be_written(run, tmp_path):
+def test_replay_session_writes_nothing_where_its_report_cannot_be_written(run, tmp_path):
     before = sorted(tmp_path.iterdir())
     status, _ = run("--animation", tmp_path / "a.pc2", "--report", tmp_path / "gone" / "r.json")
     assert status == 2

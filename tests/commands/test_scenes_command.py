@@ -58,7 +58,7 @@ def test_deform_refuses_a_file_that_cannot_take_the_shape_before_the_work(
     (tmp_path / "a.sel").write_text(" ".join(map(str, labels)))
     call = ["deform", str(path), "--selection", str(tmp_path / "a.sel"), "--move=0 0 0.1m"]
     with monkeypatch.context() as patch:
-        patch.setattr("apd_viewer.commands.deform.deform", lambda *_, **__: pytest.fail("it began"))
+        patch.setattr("apd_viewer.commands.deform_command.deform", lambda *_, **__: pytest.fail("it began"))
         assert main([*call, "-o", str(tmp_path / f"b{suffix}")]) == 2
     said = capsys.readouterr()
     assert words in said.err

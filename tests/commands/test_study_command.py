@@ -37,7 +37,7 @@ def rows_of(folder):
         return list(csv.DictReader(stream))
 
 
-def test_study_is_planned_run_and_gone_on_with(bar, capsys):
+def test_study_command_is_planned_run_and_gone_on_with(bar, capsys):
     words = ["study", plan_of(bar, ["twist 30", "twist", "push 10%", "twist 30"]), "-o", str(bar / "out")]
     assert main([*words, "--dry-run"]) == 0
     said = capsys.readouterr()
@@ -74,7 +74,7 @@ def test_study_is_planned_run_and_gone_on_with(bar, capsys):
 
 
 @pytest.mark.usefixtures("cases_run_here")
-def test_study_counts_a_failed_case_which_may_be_tried_again(bar, capsys):
+def test_study_command_counts_a_failed_case_which_may_be_tried_again(bar, capsys):
     words = ["study", plan_of(bar, ["twist 30"]), "-o", str(bar / "out")]
     assert main([*words, "--processes", "1", "--limit", "1e-9"]) == 0
     assert [row["status"] for row in rows_of(bar / "out")] == ["failed"]
@@ -88,7 +88,7 @@ def test_study_counts_a_failed_case_which_may_be_tried_again(bar, capsys):
 
 
 @pytest.mark.usefixtures("cases_run_here")
-def test_study_computes_a_damaged_result_again_and_keeps_the_others(bar, capsys):
+def test_study_command_computes_a_damaged_result_again_and_keeps_the_others(bar, capsys):
     """As after a fault of a disk, which leaves the size as it is."""
     words = ["study", plan_of(bar, ["twist 30", "push 10%"]), "-o", str(bar / "out"), "--processes", "1"]
     assert main(words) == 0
@@ -111,7 +111,7 @@ def test_study_computes_a_damaged_result_again_and_keeps_the_others(bar, capsys)
     assert rows_of(bar / "out") == rows
 
 
-def test_study_says_what_cannot_be_run(bar, capsys, monkeypatch):
+def test_study_command_says_what_cannot_be_run(bar, capsys, monkeypatch):
     lack(monkeypatch, "distributed")
     plan = plan_of(bar, ["twist 30"])
     for words, said in (
@@ -137,14 +137,14 @@ class OneByOne(Here):
         super().__init__(work)
         self.held = None
 
-    def room(self):
+    def free_slots(self):
         return int(self.held is None)
 
     def start(self, task):
         self.held = Future(), task
         return self.held[0]
 
-    def running(self):
+    def running_count(self):
         if self.held is not None:
             future, task = self.held
             future.set_result(self.work(task))
@@ -153,7 +153,7 @@ class OneByOne(Here):
 
 
 @pytest.mark.parametrize(("times", "done"), [(1, 2), (2, 1)])
-def test_study_finishes_the_running_case_at_an_interrupt_and_ends_at_once_at_a_second(
+def test_study_command_finishes_the_running_case_at_an_interrupt_and_ends_at_once_at_a_second(
     times, done, bar, monkeypatch, capsys
 ):
     """Signals come while the second of three cases runs."""
@@ -164,7 +164,9 @@ def test_study_finishes_the_running_case_at_an_interrupt_and_ends_at_once_at_a_s
             signal.raise_signal(signal.SIGINT)
         return quick(task)
 
-    monkeypatch.setattr("apd_viewer.commands.studies.study.LocalPool", lambda _: OneByOne(interrupted))
+    monkeypatch.setattr(
+        "apd_viewer.commands.studies.study_command.LocalPool", lambda _: OneByOne(interrupted)
+    )
     before = signal.getsignal(signal.SIGINT)
     with pytest.raises(SystemExit, match="130"):
         main(["study", plan_of(bar, ["twist 1", "twist 2", "twist 3"]), "-o", str(bar / "out")])
@@ -177,7 +179,7 @@ def test_study_finishes_the_running_case_at_an_interrupt_and_ends_at_once_at_a_s
 
 @pytest.mark.night
 @pytest.mark.skipif(sys.platform == "win32", reason="os.killpg, by which a terminal is imitated, is of POSIX")
-def test_study_finishes_what_runs_after_an_interrupt_and_ends_at_once_after_a_second(bar):
+def test_study_command_finishes_what_runs_after_an_interrupt_and_ends_at_once_after_a_second(bar):
     plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=9)
 
     def interrupted(times):
@@ -211,7 +213,7 @@ def test_study_finishes_what_runs_after_an_interrupt_and_ends_at_once_after_a_se
     not sys.platform.startswith("linux"), reason="reads the sockets that Linux lists in /proc/net"
 )
 @pytest.mark.parametrize("option", [pytest.param("--processes", marks=pytest.mark.night), "--workers"])
-def test_study_has_processes_to_which_nobody_else_can_speak(bar, option):
+def test_study_command_has_processes_to_which_nobody_else_can_speak(bar, option):
     """Whoever reaches a worker by a socket can have it run anything as the user."""
     plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=30)
     process = subprocess.Popen(

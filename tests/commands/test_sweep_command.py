@@ -15,17 +15,17 @@ from painted_meshes import write_bar
 from PIL import Image
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands import sweep as sweep_command
+from apd_viewer.commands import sweep_command
 from apd_viewer.figures.films import write_film
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
-from apd_viewer.geometry.pose.transforms import turned_about
-from apd_viewer.session.model.state import opened
-from apd_viewer.session.model.view import Standpoint, View
+from apd_viewer.geometry.pose.transforms import rotation_about
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import Sweep
 
-BENT = turned_about([1, 1, 0], [1, 0, 0], 0.6)
+BENT = rotation_about([1, 1, 0], [1, 0, 0], 0.6)
 
 
 @pytest.fixture
@@ -39,10 +39,10 @@ def bar(tmp_path):
 @pytest.fixture
 def session(bar, tmp_path):
     """A session in which the bar is bent."""
-    state = opened(open_mesh(bar[0]), np.loadtxt(bar[2], dtype=np.uint8))
+    state = initial_state(open_mesh(bar[0]), np.loadtxt(bar[2], dtype=np.uint8))
     path = tmp_path / "bar.apd"
-    view = View(Standpoint((9.0, 3.0, 2.0), (0.0, 0.0, 2.0), (0.0, 0.0, 1.0), 0.5))
-    save_session(path, state.at(state.document.with_pose(0, BENT)), view)
+    view = View(CameraPose((9.0, 3.0, 2.0), (0.0, 0.0, 2.0), (0.0, 0.0, 1.0), 0.5))
+    save_session(path, state.updated(state.document.with_pose(0, BENT)), view)
     return path
 
 
@@ -69,7 +69,7 @@ def read(folder):
         return list(csv.DictReader(stream))
 
 
-def test_sweep_gives_the_same_curves_by_a_session_and_by_its_mesh(bar, session, sweep, tmp_path):
+def test_sweep_command_gives_the_same_curves_by_a_session_and_by_its_mesh(bar, session, sweep, tmp_path):
     words = "--steps", 4, "--methods", "arap,exact"
     assert sweep(session, *words, folder=tmp_path / "a")[0] == 0
     assert sweep(*bar, "--transform", tmp_path / "bent.def", *words, folder=tmp_path / "b")[0] == 0
@@ -80,7 +80,7 @@ def test_sweep_gives_the_same_curves_by_a_session_and_by_its_mesh(bar, session, 
     ]
 
 
-def test_sweep_writes_the_meshes_of_its_table(session, sweep):
+def test_sweep_command_writes_the_meshes_of_its_table(session, sweep):
     status, said, err, folder = sweep(session, "--steps", 2, "--methods", "exact", "--meshes")
     assert (status, err) == (0, "")
     assert re.search(r"Exact: area 0.00 % at the end", said)
@@ -103,7 +103,7 @@ def write_tube(bar, V, F):
     return np.ptp(V[:, 2])
 
 
-def test_sweep_says_that_contact_stops_a_handle(bar, sweep):
+def test_sweep_command_says_that_contact_stops_a_handle(bar, sweep):
     """The table has how far it was asked to go, and how much of that it went."""
     height = write_tube(bar, *tube(8, 5))
     words = "--push", "120%", "--methods", "exact", "--steps", 1, "--iterations", 6
@@ -116,7 +116,7 @@ def test_sweep_says_that_contact_stops_a_handle(bar, sweep):
 
 
 @pytest.mark.night
-def test_sweep_draws_a_figure_and_a_film(bar, drawn_sweep, tmp_path):
+def test_sweep_command_draws_a_figure_and_a_film(bar, drawn_sweep, tmp_path):
     film = tmp_path / "film.gif"
     status, _, err, folder = drawn_sweep(
         *bar, "--twist", "200deg", "--steps", 2, "--methods", "arap,exact", "--animation", film
@@ -138,7 +138,7 @@ def test_sweep_draws_a_figure_and_a_film(bar, drawn_sweep, tmp_path):
         assert (colors == color).all(axis=1).sum() > 100
 
 
-def test_sweep_writes_animations_of_the_meshes_of_its_steps(session, sweep, tmp_path):
+def test_sweep_command_writes_animations_of_the_meshes_of_its_steps(session, sweep, tmp_path):
     """Of one method under the name given, in the output folder and beside it."""
     out, names = tmp_path / "out", ("a.pc2", "a.mdd", "a.glb", "a.pvd")
     words = [word for name in names for word in ("--animation", out / name)]
@@ -163,7 +163,7 @@ def test_sweep_writes_animations_of_the_meshes_of_its_steps(session, sweep, tmp_
 
 
 @pytest.mark.parametrize("where", ["out", "."])
-def test_sweep_replaces_a_longer_series_by_a_shorter_one(where, session, sweep, tmp_path):
+def test_sweep_command_replaces_a_longer_series_by_a_shorter_one(where, session, sweep, tmp_path):
     """With all its files, in the output folder and beside it, but with no others."""
     path = tmp_path / where / "a.pvd"
     for steps in (3, 1):
@@ -174,7 +174,7 @@ def test_sweep_replaces_a_longer_series_by_a_shorter_one(where, session, sweep, 
     assert pyvista.get_reader(path).time_values == [0, 1]
 
 
-def test_sweep_gives_each_method_an_animation_of_its_own(session, sweep, tmp_path):
+def test_sweep_command_gives_each_method_an_animation_of_its_own(session, sweep, tmp_path):
     words = "--steps", 2, "--methods", "arap,exact", "--meshes", "--animation", tmp_path / "a.pc2"
     status, _, err, folder = sweep(session, *words)
     assert (status, err) == (0, "")
@@ -184,14 +184,14 @@ def test_sweep_gives_each_method_an_animation_of_its_own(session, sweep, tmp_pat
     assert not (tmp_path / "a.pc2").exists()
 
 
-def test_sweep_writes_the_same_files_when_repeated(session, drawn_sweep, tmp_path):
+def test_sweep_command_writes_the_same_files_when_repeated(session, drawn_sweep, tmp_path):
     for name in ("a", "b"):
         assert drawn_sweep(session, "--steps", 2, "--methods", "exact", folder=tmp_path / name)[0] == 0
     for name in ("sweep.csv", "sweep.svg", "sweep.png"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
 
 
-def test_sweep_caps_the_volume_of_an_open_surface(bar, drawn_sweep, tmp_path):
+def test_sweep_command_caps_the_volume_of_an_open_surface(bar, drawn_sweep, tmp_path):
     write_tube(bar, *tube())
     status, said, err, folder = drawn_sweep(*bar, "--push", "20%", "--steps", 2, "--methods", "arap,exact")
     assert (status, err) == (0, "")
@@ -206,7 +206,7 @@ def test_sweep_caps_the_volume_of_an_open_surface(bar, drawn_sweep, tmp_path):
         assert image.width > image.height
 
 
-def test_sweep_counts_shapes_that_do_not_settle(session, sweep):
+def test_sweep_command_counts_shapes_that_do_not_settle(session, sweep):
     _, said, _, folder = sweep(session, "--steps", 3, "--methods", "exact", "--iterations", 1)
     unsettled = sum(line["settled"] == "0" for line in read(folder))
     assert unsettled > 0
@@ -214,7 +214,7 @@ def test_sweep_counts_shapes_that_do_not_settle(session, sweep):
 
 
 @pytest.mark.usefixtures("without_opengl")
-def test_sweep_without_opengl_writes_no_film_and_all_else(session, drawn_sweep, tmp_path):
+def test_sweep_command_without_opengl_writes_no_film_and_all_else(session, drawn_sweep, tmp_path):
     film = tmp_path / "film.gif"
     status, said, _, folder = drawn_sweep(session, "--steps", 2, "--methods", "arap", "--animation", film)
     assert status == 0
@@ -272,7 +272,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_sweep_says_what_is_wrong_in_a_line_and_writes_nothing(case, bar, sweep, tmp_path):
+def test_sweep_command_says_what_is_wrong_in_a_line_and_writes_nothing(case, bar, sweep, tmp_path):
     words, said = WRONG[case]
     before = sorted(tmp_path.rglob("*"))
     status, out, err, _ = sweep(*words(bar))
@@ -283,7 +283,7 @@ def test_sweep_says_what_is_wrong_in_a_line_and_writes_nothing(case, bar, sweep,
 
 
 @pytest.mark.parametrize(("name", "said"), [("a.pvd", "which is a file"), ("b.gif", "(it is a folder)")])
-def test_sweep_says_before_work_what_is_in_the_way_in_the_output(
+def test_sweep_command_says_before_work_what_is_in_the_way_in_the_output(
     name, said, session, sweep, tmp_path, monkeypatch
 ):
     monkeypatch.setattr(Sweep, "steps", lambda *_: pytest.fail("it has begun"))
@@ -294,7 +294,7 @@ def test_sweep_says_before_work_what_is_in_the_way_in_the_output(
     assert said in err
 
 
-def test_sweep_leaves_nothing_when_interrupted(session, sweep, tmp_path, monkeypatch):
+def test_sweep_command_leaves_nothing_when_interrupted(session, sweep, tmp_path, monkeypatch):
     before = sorted(tmp_path.rglob("*"))
 
     def stop(*_):
@@ -305,7 +305,7 @@ def test_sweep_leaves_nothing_when_interrupted(session, sweep, tmp_path, monkeyp
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_sweep_keeps_other_files_in_the_folder(session, sweep, tmp_path):
+def test_sweep_command_keeps_other_files_in_the_folder(session, sweep, tmp_path):
     folder = tmp_path / "out"
     folder.mkdir()
     (folder / "notes.txt").write_text("mine")
@@ -334,7 +334,7 @@ def test_write_film_writes_mp4_there_and_back(tmp_path):
     gc.collect()  # the library leaves its pipes open until then
 
 
-def test_sweep_refuses_mp4_without_an_encoder(bar, sweep, tmp_path, monkeypatch):
+def test_sweep_command_refuses_mp4_without_an_encoder(bar, sweep, tmp_path, monkeypatch):
     lack(monkeypatch, "imageio_ffmpeg")
     status, _, err, folder = sweep(*bar, "--twist", 9, "--animation", tmp_path / "film.mp4")
     assert status == 2

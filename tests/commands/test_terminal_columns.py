@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apd_viewer.commands.terminal.columns import columns_of, cut, padded, wrapped
-from apd_viewer.commands.volumes_output import written
+from apd_viewer.commands.terminal.columns import column_count, padded_text, shortened_text, wrapped_lines
+from apd_viewer.commands.volumes_output import volume_lines
 from apd_viewer.presentation.published_volumes import VolumeName
-from apd_viewer.presentation.volume_words import VolumeRow
+from apd_viewer.presentation.volume_text import VolumeRow
 
 TEXTS = st.text("a1 中文，。（）“”…", max_size=60)
 
@@ -19,40 +19,40 @@ TEXTS = st.text("a1 中文，。（）“”…", max_size=60)
 @pytest.mark.parametrize(
     ("text", "columns"), [("", 0), ("area", 4), ("面积", 4), ("面积 1 %", 8), ("（ARAP）", 8), ("π × ³…", 6)]
 )
-def test_columns_of_counts_two_for_a_wide_character(text, columns):
-    assert columns_of(text) == columns
+def test_column_count_counts_two_for_a_wide_character(text, columns):
+    assert column_count(text) == columns
 
 
 @given(TEXTS, st.integers(0, 40))
-def test_padded_ends_at_one_column(text, columns):
-    assert columns_of(padded(text, columns)) == max(columns, columns_of(text))
-    assert padded(text, columns).rstrip() == text.rstrip()
+def test_padded_text_ends_at_one_column(text, columns):
+    assert column_count(padded_text(text, columns)) == max(columns, column_count(text))
+    assert padded_text(text, columns).rstrip() == text.rstrip()
 
 
 @given(TEXTS, st.integers(0, 40))
-def test_cut_fits_and_leaves_no_room(text, columns):
-    begun = cut(text, columns)
+def test_shortened_text_fits_and_leaves_no_room(text, columns):
+    begun = shortened_text(text, columns)
     assert text.startswith(begun)
-    assert columns_of(begun) <= columns
-    assert begun == text or columns_of(text[: len(begun) + 1]) > columns
+    assert column_count(begun) <= columns
+    assert begun == text or column_count(text[: len(begun) + 1]) > columns
 
 
 @given(TEXTS, st.integers(2, 40))
-def test_wrapped_loses_nothing_but_spaces(text, columns):
-    assert "".join("".join(wrapped(text, columns)).split()) == "".join(text.split())
+def test_wrapped_lines_loses_nothing_but_spaces(text, columns):
+    assert "".join("".join(wrapped_lines(text, columns)).split()) == "".join(text.split())
 
 
 @given(st.text("中文字", min_size=1, max_size=60), st.integers(2, 40))
-def test_wrapped_fills_lines_of_wide_characters(text, columns):
-    lines = wrapped(text, columns)
-    assert {columns_of(line) for line in lines[:-1]} <= {columns - columns % 2}
-    assert columns_of(lines[-1]) <= columns
+def test_wrapped_lines_fills_lines_of_wide_characters(text, columns):
+    lines = wrapped_lines(text, columns)
+    assert {column_count(line) for line in lines[:-1]} <= {columns - columns % 2}
+    assert column_count(lines[-1]) <= columns
 
 
-def test_wrapped_begins_and_ends_no_line_with_the_wrong_sign():
+def test_wrapped_lines_begins_and_ends_no_line_with_the_wrong_sign():
     text = "移动控制区的 4x4 矩阵；每个控制区（重复一次）。“默认”：关闭，“另一个”"
     for columns in range(8, 40):
-        for line in wrapped(text, columns):
+        for line in wrapped_lines(text, columns):
             assert line[0] not in "，。；：）”", (columns, line)
             assert line[-1] not in "（“", (columns, line)
 
@@ -63,8 +63,8 @@ def test_volumes_output_stands_below_each_other_whatever_the_names():
         VolumeRow(name, title, "", *readings)
         for name, title in zip(VolumeName, ("volume", "封闭体积", "45 l 袋中的物体数"), strict=False)
     ]
-    _, *lines = written("bottle.obj", rows, False).splitlines()
-    assert len({columns_of(line) for line in lines}) == 1
+    _, *lines = volume_lines("bottle.obj", rows, False).splitlines()
+    assert len({column_count(line) for line in lines}) == 1
 
 
 @pytest.mark.parametrize("words", [pytest.param(["deform"], marks=pytest.mark.night), ["study", "design"]])
@@ -76,4 +76,4 @@ def test_parser_fits_chinese_help_into_the_terminal(words):
     )
     lines = done.stdout.splitlines()
     assert any("控制区" in line for line in lines)
-    assert [line for line in lines if columns_of(line) > 80] == []
+    assert [line for line in lines if column_count(line) > 80] == []

@@ -11,11 +11,11 @@ import pytest
 from PIL import Image
 
 from apd_viewer.__main__ import main
-from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
-from apd_viewer.files.picture_files import png
+from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
+from apd_viewer.files.picture_files import png_content
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
@@ -36,8 +36,8 @@ def ball():
     return Mesh(V * [1.0, 2.0, 1.0], F)
 
 
-@pytest.mark.parametrize("suffix", WRITTEN)
-def test_thumbnail_draws_a_mesh_of_each_format(suffix, ball, tmp_path):
+@pytest.mark.parametrize("suffix", WRITABLE_FORMATS)
+def test_thumbnail_command_draws_a_mesh_of_each_format(suffix, ball, tmp_path):
     path = tmp_path / f"ball{suffix}"
     save_mesh(ball, ball.V, path)
     pixels = thumbnail(path, "--size", "64")
@@ -48,16 +48,16 @@ def test_thumbnail_draws_a_mesh_of_each_format(suffix, ball, tmp_path):
     assert covered.sum() / box == pytest.approx(np.pi / 4, abs=0.03)  # an ellipse
 
 
-def test_thumbnail_shows_the_picture_that_a_session_has(ball, tmp_path):
+def test_thumbnail_command_shows_the_picture_that_a_session_has(ball, tmp_path):
     picture = np.random.default_rng(0).integers(0, 256, (40, 50, 4), dtype=np.uint8)
-    save_session(tmp_path / "a.apd", opened(ball), View(), picture=png(picture))
+    save_session(tmp_path / "a.apd", initial_state(ball), View(), picture=png_content(picture))
     np.testing.assert_array_equal(thumbnail(tmp_path / "a.apd"), picture)
     assert thumbnail(tmp_path / "a.apd", "--size", "25").shape == (20, 25, 4)
 
 
-def test_thumbnail_draws_a_session_without_a_picture_in_its_shape_and_its_colors(ball, tmp_path):
+def test_thumbnail_command_draws_a_session_without_a_picture_in_its_shape_and_its_colors(ball, tmp_path):
     labels = np.where(ball.V[:, 1] < 0, 0, 1).astype(np.uint8)
-    state = opened(ball, labels)
+    state = initial_state(ball, labels)
     wide = frozen(ball.V[:, [1, 0, 2]])
     save_session(tmp_path / "a.apd", replace(state, frame=replace(state.frame, U=wide)), View())
     pixels = thumbnail(tmp_path / "a.apd", "--size", "64")
@@ -69,13 +69,13 @@ def test_thumbnail_draws_a_session_without_a_picture_in_its_shape_and_its_colors
     assert thumbnail(tmp_path / "b.apd", "--size", "64").shape[1] == 64
 
 
-def test_thumbnail_says_what_cannot_be_drawn(ball, tmp_path, capsys, monkeypatch):
+def test_thumbnail_command_says_what_cannot_be_drawn(ball, tmp_path, capsys, monkeypatch):
     (tmp_path / "bad.obj").write_text("nonsense")
     (tmp_path / "bad.apd").write_text("nonsense")
     (tmp_path / "note.txt").write_text("nonsense")
     save_mesh(ball, ball.V, tmp_path / "ball.stl")
-    save_session(tmp_path / "odd.apd", opened(ball), View(), picture=b"nonsense")
-    monkeypatch.setattr("apd_viewer.commands.desktop.thumbnail.LARGEST", 1000)
+    save_session(tmp_path / "odd.apd", initial_state(ball), View(), picture=b"nonsense")
+    monkeypatch.setattr("apd_viewer.commands.desktop.thumbnail_command.MOST_BYTES", 1000)
     for name, said in (
         ("bad.obj", "bad.obj"),
         ("bad.apd", "bad.apd is not a valid session"),
@@ -105,9 +105,14 @@ QUICK = """
 
 
 @pytest.mark.parametrize("name", ["a.apd", "ball.obj"])
-def test_thumbnail_waits_for_nothing_that_only_work_needs(name, ball, tmp_path):
+def test_thumbnail_command_waits_for_nothing_that_only_work_needs(name, ball, tmp_path):
     save_mesh(ball, ball.V, tmp_path / "ball.obj")
-    save_session(tmp_path / "a.apd", opened(ball), View(), picture=png(np.zeros((4, 4, 4), dtype=np.uint8)))
+    save_session(
+        tmp_path / "a.apd",
+        initial_state(ball),
+        View(),
+        picture=png_content(np.zeros((4, 4, 4), dtype=np.uint8)),
+    )
     command = [sys.executable, "-c", textwrap.dedent(QUICK), str(tmp_path / name), str(tmp_path / "out.png")]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert (done.returncode, done.stderr) == (0, "")

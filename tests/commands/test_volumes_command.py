@@ -7,9 +7,9 @@ import pytest
 
 import apd_viewer
 from apd_viewer.__main__ import main
-from apd_viewer.commands.volumes_output import written
-from apd_viewer.presentation.published_volumes import PUBLISHED, VolumeName
-from apd_viewer.presentation.volume_words import VolumeRow
+from apd_viewer.commands.volumes_output import volume_lines
+from apd_viewer.presentation.published_volumes import PUBLISHED_FIGURES, VolumeName
+from apd_viewer.presentation.volume_text import VolumeRow
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def files(tmp_path):
     return paths
 
 
-def test_volumes_says_the_reason_of_a_missing_volume(files, tmp_path, capsys):
+def test_volumes_command_says_the_reason_of_a_missing_volume(files, tmp_path, capsys):
     rest, _ = files
     mesh = apd_viewer.open_mesh(rest)
     broken = apd_viewer.Mesh(mesh.V, [*mesh.F, mesh.F[0]])  # two triangles in one place
@@ -34,7 +34,7 @@ def test_volumes_says_the_reason_of_a_missing_volume(files, tmp_path, capsys):
     assert "There is no volume" not in capsys.readouterr().out
 
 
-def test_volumes_writes_and_says_readings_of_both_shapes(files, tmp_path, capsys):
+def test_volumes_command_writes_and_says_readings_of_both_shapes(files, tmp_path, capsys):
     rest, half = files
     words = ["--unit", "cm", "--bag", "45", "--thickness", "0.3mm", "--density", "1"]
     out = tmp_path / "v.json"
@@ -51,15 +51,15 @@ def test_volumes_writes_and_says_readings_of_both_shapes(files, tmp_path, capsys
         assert report["minimum_width" + suffix] == pytest.approx(4.0)
     assert report["material_volume_rest"] == pytest.approx(0.03 * 220)
     assert report["bulk_density_rest"] == pytest.approx(1000 * 0.03 * 220 * 0.64 / 200)
-    assert set(report["published"]) == {quantity.value for quantity in PUBLISHED}
+    assert set(report["published"]) == {quantity.value for quantity in PUBLISHED_FIGURES}
     assert {quantity.value for quantity in VolumeName} <= set(report)
-    for figures in PUBLISHED.values():
+    for figures in PUBLISHED_FIGURES.values():
         for figure in figures:
             assert f"published: {figure.words} [{figure.source}]" in said
     assert "100.0\u00a0cm³ of 200.0\u00a0cm³  −50.0 %" in said
 
 
-def test_volumes_says_no_change_of_a_mesh_alone(files, capsys):
+def test_volumes_command_says_no_change_of_a_mesh_alone(files, capsys):
     assert main(["volumes", str(files[0])]) == 0
     said = capsys.readouterr().out
     assert " of " not in next(line for line in said.splitlines() if line.startswith("Enclosed"))
@@ -77,7 +77,7 @@ def test_volumes_says_no_change_of_a_mesh_alone(files, capsys):
         (["--rest", "gone.obj"], "no file"),
     ],
 )
-def test_volumes_says_no_in_one_line_and_writes_nothing(files, tmp_path, capsys, words, sentence):
+def test_volumes_command_says_no_in_one_line_and_writes_nothing(files, tmp_path, capsys, words, sentence):
     out = tmp_path / "v.json"
     assert main(["volumes", str(files[0]), *words, "--json", str(out)]) == 2
     said = capsys.readouterr()
@@ -91,6 +91,6 @@ def test_volumes_output_has_readings_below_each_other_however_long_the_titles_ar
         VolumeRow(VolumeName.ENCLOSED, title, "", ("-", ""), ("12 cm³", ""), "", ())
         for title in ("Volume", "A title of another language, which is longer")
     ]
-    _, *lines = written("box.obj", rows, has_rest=False).splitlines()
+    _, *lines = volume_lines("box.obj", rows, has_rest=False).splitlines()
     assert len({line.index("12 cm³") for line in lines}) == 1
     assert all("  12 cm³" in line for line in lines)

@@ -8,7 +8,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation_result import deform
 
 SUITE = suite()
 

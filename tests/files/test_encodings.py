@@ -8,7 +8,7 @@ from mesh_contents import CUBE, QUADS, binary_stl, gltf_of, legacy_vtk, obj, off
 from meshes import box
 from opened_files import opened, said_of
 
-from apd_viewer.files.mesh_location import copy_of
+from apd_viewer.files.mesh_location import mesh_members
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
@@ -50,10 +50,10 @@ def test_open_mesh_opens_a_text_in_any_encoding_and_save_mesh_writes_it_back_in_
     assert len(lines) == len(before)
 
 
-def test_copy_of_brings_letters_of_all_languages_back(tmp_path):
+def test_mesh_members_brings_letters_of_all_languages_back(tmp_path):
     text = "# Größe 瓶子 🍾\r\n" + obj(V, QUADS)
     content = codecs.BOM_UTF16_LE + text.encode("utf-16-le")
-    assert copy_of(opened(tmp_path / "a.obj", content)) == {"mesh.obj": content}
+    assert mesh_members(opened(tmp_path / "a.obj", content)) == {"mesh.obj": content}
 
 
 def test_read_obj_lets_other_bytes_stay_after_a_mark_of_utf8(tmp_path):

@@ -10,45 +10,45 @@ import pytest
 from page_parts import PageParts
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.fingerprint import fingerprint, place_of
+from apd_viewer.files.fingerprint import display_path, fingerprint
 from apd_viewer.files.html_page import (
-    Attached,
-    Command,
-    Drawing,
-    Grid,
-    Note,
     Page,
+    PageAttachment,
+    PageCommand,
+    PageDrawing,
+    PageGrid,
+    PageNote,
     PagePicture,
+    PagePictureRow,
     PageSection,
-    PictureRow,
-    Table,
-    html_of,
+    PageTable,
+    page_html,
     write_page,
 )
-from apd_viewer.files.samples import resource
+from apd_viewer.files.samples import resource_path
 
 HOSTILE = "</td><script>alert('x')</script> & \"quoted\" {braces} ü"
 
 
 def page(name="bunny"):
     blocks = (
-        Table(((name, name, name), ("plain", "value", ""))),
-        Grid((name, name), ((((f"{name}!", ""),), ((name, name), ("more", ""))), ((("none", ""),), ()))),
-        Note(name),
-        Note(name, warns=True),
-        Command(name),
-        PictureRow((PagePicture(b"\x89PNG", name),), "<svg></svg>"),
-        Drawing("<svg></svg>", "<svg></svg>", name),
-        Attached(name, b"content", name),
+        PageTable(((name, name, name), ("plain", "value", ""))),
+        PageGrid((name, name), ((((f"{name}!", ""),), ((name, name), ("more", ""))), ((("none", ""),), ()))),
+        PageNote(name),
+        PageNote(name, is_warning=True),
+        PageCommand(name),
+        PagePictureRow((PagePicture(b"\x89PNG", name),), "<svg></svg>"),
+        PageDrawing("<svg></svg>", "<svg></svg>", name),
+        PageAttachment(name, b"content", name),
     )
     return Page(
-        name, name, (name, name), (PageSection(name, blocks), PageSection("empty", (), wide=True)), name
+        name, name, (name, name), (PageSection(name, blocks), PageSection("empty", (), is_wide=True)), name
     )
 
 
 @pytest.mark.parametrize("name", ["bunny", HOSTILE, "a\nb", ""])
-def test_html_of_is_well_formed_and_says_what_it_was_given(name):
-    found = PageParts(html_of(page(name)))
+def test_page_html_is_well_formed_and_says_what_it_was_given(name):
+    found = PageParts(page_html(page(name)))
     assert found.wrong == []
     assert "script" not in found.tags
     assert found.title == name
@@ -66,8 +66,8 @@ def test_html_page_reader_sees_what_is_wrong():
     assert PageParts("<p onclick='x()'></p>").wrong == ["<p> would run onclick"]
 
 
-def test_html_of_makes_a_page_that_needs_nothing_but_itself():
-    text = html_of(page())
+def test_page_html_makes_a_page_that_needs_nothing_but_itself():
+    text = page_html(page())
     found = PageParts(text)
     assert len(found.held) == 2
     assert all(value.startswith("data:") for _, value in found.held)
@@ -97,8 +97,8 @@ def test_fingerprint_knows_a_file_by_its_content(tmp_path):
     assert fingerprint(path)[1:] == (None, "")
 
 
-def test_place_of_a_file_tells_nobodys_name(monkeypatch, tmp_path):
+def test_display_path_a_file_tells_nobodys_name(monkeypatch, tmp_path):
     monkeypatch.setattr(Path, "home", lambda: tmp_path / "somebody")
-    assert place_of(tmp_path / "somebody" / "meshes" / "a.obj") == "~/meshes/a.obj"
-    assert place_of(tmp_path / "else" / "a.obj") == str(tmp_path / "else" / "a.obj")
-    assert place_of(resource("bottle.obj")) == "bottle.obj"
+    assert display_path(tmp_path / "somebody" / "meshes" / "a.obj") == "~/meshes/a.obj"
+    assert display_path(tmp_path / "else" / "a.obj") == str(tmp_path / "else" / "a.obj")
+    assert display_path(resource_path("bottle.obj")) == "bottle.obj"

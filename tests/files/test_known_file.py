@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from apd_viewer.files.known_file import Fate, KnownFile
+from apd_viewer.files.known_file import FileState, KnownFile
 
 OLD, OTHER = b"what was saved", b"what is others"
 assert len(OLD) == len(OTHER)
@@ -82,9 +82,9 @@ def put_pipe(path):
 
 
 ACTS = {
-    Fate.SAME: (touch, set_back, set_forward, sync, write_again, move_away_and_back),
-    Fate.CHANGED: (write_in_place, replace, truncate, append),
-    Fate.GONE: (remove_folder, rename, put_folder) + ((put_pipe,) if hasattr(os, "mkfifo") else ()),
+    FileState.SAME: (touch, set_back, set_forward, sync, write_again, move_away_and_back),
+    FileState.CHANGED: (write_in_place, replace, truncate, append),
+    FileState.GONE: (remove_folder, rename, put_folder) + ((put_pipe,) if hasattr(os, "mkfifo") else ()),
 }
 
 
@@ -107,25 +107,25 @@ def test_known_file_takes_only_another_content_for_a_change(path, written, found
         scratch.replace(path)
     else:
         known = KnownFile(path)
-    assert known.found is Fate.SAME
-    assert [known.look(), known.look()] == [Fate.SAME] * 2
+    assert known.state is FileState.SAME
+    assert [known.check_content(), known.check_content()] == [FileState.SAME] * 2
     act(path)
-    assert [known.look(), known.look(), known.found] == [found] * 3
+    assert [known.check_content(), known.check_content(), known.state] == [found] * 3
 
 
 def test_known_file_is_the_same_again_when_its_content_comes_back(path):
     known = KnownFile(path)
     path.unlink()
-    assert known.look() is Fate.GONE
+    assert known.check_content() is FileState.GONE
     path.write_bytes(OTHER)
-    assert known.look() is Fate.CHANGED
+    assert known.check_content() is FileState.CHANGED
     path.write_bytes(OLD)
-    assert known.look() is Fate.SAME
+    assert known.check_content() is FileState.SAME
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 def test_known_file_does_not_wait_for_a_pipe(path):
     put_pipe(path)
     done = threading.Event()
-    threading.Thread(target=lambda: (KnownFile(path).look(), done.set()), daemon=True).start()
+    threading.Thread(target=lambda: (KnownFile(path).check_content(), done.set()), daemon=True).start()
     assert done.wait(5.0)

@@ -11,12 +11,12 @@ from meshes import box, grid, soup
 
 from apd_viewer.files.formats.polygons import Polygons
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.samples import resource
+from apd_viewer.files.samples import resource_path
 
 
 def fans(polygons, V=CORNERS):
     """Triangles of the polygons, in the order of the file."""
-    return Polygons.of(polygons).triangles(np.array(V))
+    return Polygons.from_faces(polygons).triangles(np.array(V))
 
 
 @pytest.fixture
@@ -208,11 +208,11 @@ def test_read_ply_reads_a_mesh_with_further_elements(opened):
 
 @pytest.mark.parametrize("name", ["bottle", "duck"])
 def test_open_mesh_reads_a_sample_as_another_parser_does(name):
-    text = resource(f"{name}.obj").read_text(encoding="utf-8")
+    text = resource_path(f"{name}.obj").read_text(encoding="utf-8")
     V = [[float(x) for x in row] for row in re.findall(r"(?m)^v +(\S+) +(\S+) +(\S+)", text)]
     words = re.findall(r"(?m)^f +(\S+) +(\S+) +(\S+) *$", text)
     F = [[int(re.match(r"\d+", word)[0]) - 1 for word in row] for row in words]
-    assert_holds(open_mesh(resource(f"{name}.obj")), V, F)
+    assert_holds(open_mesh(resource_path(f"{name}.obj")), V, F)
 
 
 def test_open_mesh_gives_arrays_that_are_read_only(opened):

@@ -14,9 +14,9 @@ import pytest
 from mesh_contents import BOX, CUBE, QUADS, binary_stl, glb, gltf_of, legacy_vtk, obj, off, ply, stl, vtp, vtu
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import FORMATS, open_mesh
+from apd_viewer.files.meshes import MESH_FORMATS, open_mesh
 
-SUFFIXES = [suffix[1:] for suffix in FORMATS]
+SUFFIXES = [suffix[1:] for suffix in MESH_FORMATS]
 MESH = obj(CUBE, QUADS).encode() * 9
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from apd_viewer.files.formats.texture_images import read_image
-from apd_viewer.files.meshes import FORMATS
+from apd_viewer.files.meshes import MESH_FORMATS
 
 SAYS = """
 import logging, sys, warnings
@@ -17,27 +17,27 @@ import numpy as np
 from pathlib import Path
 import apd_viewer
 from apd_viewer.files import meshes
-from apd_viewer.files.formats.parsed import Parsed
+from apd_viewer.files.formats.parsed_mesh import ParsedMesh
 
 def chatty(content, path):
     warnings.warn("a warning of a library")
     logging.getLogger("trimesh").warning("a message of trimesh")
     logging.getLogger("PIL.Image").error("a message of Pillow")
     np.zeros(3) / np.zeros(3)
-    return Parsed(np.eye(3), np.array([[0, 1, 2]]), None)
+    return ParsedMesh(np.eye(3), np.array([[0, 1, 2]]), None)
 
-meshes.parsed = chatty
+meshes.parsed_mesh = chatty
 print([len(apd_viewer.open_mesh(path).F) for path in sys.argv[1:]])
 """
 
 
 def test_open_mesh_says_nothing_whatever_a_reader_calls(tmp_path):
-    paths = [tmp_path / f"a{suffix}" for suffix in FORMATS]
+    paths = [tmp_path / f"a{suffix}" for suffix in MESH_FORMATS]
     for path in paths:
         path.write_text("anything")
     call = [sys.executable, "-c", SAYS, *map(str, paths)]
     done = subprocess.run(call, capture_output=True, text=True, check=True)
-    assert (done.stdout.strip(), done.stderr) == (str([1] * len(FORMATS)), "")
+    assert (done.stdout.strip(), done.stderr) == (str([1] * len(MESH_FORMATS)), "")
 
 
 def test_info_says_one_sentence_of_a_package_that_refers_to_what_is_not_there(tmp_path):

@@ -12,7 +12,7 @@ from meshes import box, rotation, soup, sphere
 
 import apd_viewer.files.storage.atomic_file
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
+from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import area
@@ -33,7 +33,7 @@ def ball():
     return Mesh(V, F)
 
 
-@pytest.mark.parametrize("suffix", WRITTEN)
+@pytest.mark.parametrize("suffix", WRITABLE_FORMATS)
 @pytest.mark.parametrize("unit", [1e-6, 1e-3, 1, 9.999999, 10, 1e6])
 def test_save_mesh_writes_what_reading_back_gives(suffix, unit, ball, tmp_path):
     U = unit * deformed(ball.V)
@@ -47,7 +47,7 @@ def test_save_mesh_writes_what_reading_back_gives(suffix, unit, ball, tmp_path):
     assert area(back.V, back.F) == pytest.approx(area(U, ball.F), rel=1e-6)
 
 
-@pytest.mark.parametrize("suffix", WRITTEN)
+@pytest.mark.parametrize("suffix", WRITABLE_FORMATS)
 def test_save_mesh_writes_what_another_program_reads_the_same(suffix, ball, tmp_path):
     U = deformed(ball.V)
     save_mesh(ball, U, tmp_path / f"out{suffix}")
@@ -65,7 +65,7 @@ def test_save_mesh_keeps_the_digits_of_small_parts_of_large_coordinates(suffix, 
     np.testing.assert_allclose(open_mesh(tmp_path / f"out{suffix}").V, U, rtol=0, atol=1e-14 * 4e6)
 
 
-@pytest.mark.parametrize("suffix", WRITTEN)
+@pytest.mark.parametrize("suffix", WRITABLE_FORMATS)
 def test_save_mesh_writes_positions_that_are_all_zero(suffix, tmp_path):
     mesh = Mesh(*box(1, 1, 1))
     save_mesh(mesh, np.zeros_like(mesh.V), tmp_path / f"out{suffix}")
@@ -73,7 +73,7 @@ def test_save_mesh_writes_positions_that_are_all_zero(suffix, tmp_path):
 
 
 def test_save_mesh_takes_a_capital_suffix_for_the_same_format(ball, tmp_path):
-    for suffix in WRITTEN:
+    for suffix in WRITABLE_FORMATS:
         save_mesh(ball, ball.V, tmp_path / f"a{suffix}")
         save_mesh(ball, ball.V, tmp_path / f"Körper b{suffix.upper()}")
         assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"Körper b{suffix.upper()}").read_bytes()
@@ -89,7 +89,7 @@ def test_save_mesh_leaves_the_positions_alone(ball, tmp_path):
     U = deformed(ball.V)
     before = U.copy()
     U.flags.writeable = False
-    for suffix in WRITTEN:
+    for suffix in WRITABLE_FORMATS:
         save_mesh(ball, U, tmp_path / f"out{suffix}")
     np.testing.assert_array_equal(U, before)
 
@@ -97,7 +97,7 @@ def test_save_mesh_leaves_the_positions_alone(ball, tmp_path):
 # ---- what is refused; the target and its folder stay as they are
 
 
-@pytest.fixture(params=WRITTEN)
+@pytest.fixture(params=WRITABLE_FORMATS)
 def target(request, tmp_path):
     """An older file, which no failure may touch, alone in its folder."""
     path = tmp_path / f"old{request.param}"
@@ -122,7 +122,7 @@ def test_save_mesh_refuses_positions_that_are_no_numbers(value, ball, target):
         save_mesh(ball, U, target)
 
 
-@pytest.mark.parametrize("suffix", WRITTEN)
+@pytest.mark.parametrize("suffix", WRITABLE_FORMATS)
 def test_save_mesh_refuses_positions_beyond_single_precision(suffix, ball, tmp_path):
     with pytest.raises(
         InputError, match=r"A position of [23](\.\d+)?e\+39 is too large; nothing was written"

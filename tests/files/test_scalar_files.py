@@ -9,9 +9,9 @@ from meshes import sphere
 from apd_viewer.errors import InputError
 from apd_viewer.files.formats.ply import read_ply
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.scalar_files import Rows, write_scalars
+from apd_viewer.files.scalar_files import ScalarRows, write_scalars
 from apd_viewer.files.selections.selection_files import read_selection_file
-from apd_viewer.geometry.analysis.scalars import scalars_of
+from apd_viewer.geometry.analysis.scalars import shape_scalars
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 V, F = sphere(1)
@@ -21,7 +21,7 @@ U = V * [1.0, 1.2, 0.9]
 LABELS = np.where(V[:, 2] > 0.5, 2, 1).astype(np.uint8)
 LABELS[V[:, 2] < -0.5] = 0
 MEMBER = (V[:, 0] > 0).astype(np.uint8)
-SCALARS = scalars_of(MESH, U, LABELS, MEMBER)
+SCALARS = shape_scalars(MESH, U, LABELS, MEMBER)
 
 
 def table(path):
@@ -41,7 +41,7 @@ def test_write_scalars_writes_a_table_of_vertices_that_comes_back(tmp_path):
 
 
 def test_write_scalars_writes_a_table_of_triangles_that_comes_back(tmp_path):
-    write_scalars(tmp_path / "s.csv", MESH, U, SCALARS, Rows.TRIANGLES)
+    write_scalars(tmp_path / "s.csv", MESH, U, SCALARS, ScalarRows.TRIANGLES)
     read = table(tmp_path / "s.csv")
     assert np.array_equal(read.pop("triangle"), np.arange(len(F)))
     assert np.array_equal(np.column_stack([read.pop(corner) for corner in "abc"]), F)

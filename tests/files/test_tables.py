@@ -7,7 +7,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.tables import text_cell, text_in, write_table
+from apd_viewer.files.tables import cell_text, text_cell, write_table
 
 SIGNS = "=+-@\N{FULLWIDTH EQUALS SIGN}\N{FULLWIDTH COMMERCIAL AT}"
 FORMULAS = ["=1+1", "+1+1", "-2+3+cmd|' /C calc'!A0", "@SUM(A1)", "\t=1+1", "\r=1+1", " =1+1"]
@@ -67,7 +67,7 @@ def is_number(text):
 @example("'=1+1")
 def test_text_cell_is_never_a_formula_and_comes_back(text):
     cell = text_cell(text)
-    assert text_in(cell) == text
+    assert cell_text(cell) == text
     if is_number(text):
         assert cell == text
     elif re.search("[^-+=@.,;%' \t\r\n0-9]", text):
@@ -81,7 +81,7 @@ def test_write_table_lets_a_formula_stay_text_in_the_file(tmp_path, text):
     with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as stream:
         lines = list(csv.reader(stream))
     assert not any(map(computed, (lines[0][0], lines[1][0])))
-    assert [text_in(lines[0][0]), text_in(lines[1][0])] == [text, text]
+    assert [cell_text(lines[0][0]), cell_text(lines[1][0])] == [text, text]
     assert [lines[1][1], lines[2][0]] == ["-1.5", "-1.5"]
 
 

@@ -14,8 +14,8 @@ from apd_viewer.geometry.contact.patches import Patches
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.laplacian import cotangents
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.signals import late_signals
-from apd_viewer.geometry.signals.late_signals import LATE_SIGNALS
+from apd_viewer.geometry.signals import deferred_signals
+from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="timers of Unix")
 
@@ -51,7 +51,7 @@ def raised_by(number):
 
 
 def test_late_signals_call_handlers_at_the_end_once_each_and_restore_them():
-    with pytest.raises(StoppedError), LATE_SIGNALS, cores_for(10):  # noqa: PT012
+    with pytest.raises(StoppedError), DEFERRED_SIGNALS, cores_for(10):  # noqa: PT012
         CALLED.clear()
         for number in (signal.SIGINT, signal.SIGALRM, signal.SIGINT):
             signal.raise_signal(number)
@@ -65,7 +65,7 @@ def test_late_signals_leave_another_thread_alone():
     seen = []
 
     def look():
-        with LATE_SIGNALS:
+        with DEFERRED_SIGNALS:
             seen.append(signal.getsignal(signal.SIGINT))
 
     thread = threading.Thread(target=look)
@@ -79,7 +79,7 @@ def interrupted_at(step):
     left, done = [step], []
 
     def trace(frame, event, _):
-        if frame.f_code.co_filename != late_signals.__file__:
+        if frame.f_code.co_filename != deferred_signals.__file__:
             return None
         frame.f_trace_opcodes = True
         if event == "opcode":
@@ -90,7 +90,7 @@ def interrupted_at(step):
 
     sys.settrace(trace)
     try:
-        with LATE_SIGNALS:
+        with DEFERRED_SIGNALS:
             done.append(True)
     except StoppedError:
         return True, left[0] > 0
@@ -105,7 +105,7 @@ def test_late_signals_raise_a_signal_at_any_instruction_and_leave_all_in_order()
         if beyond:
             break
         assert stopped, step
-        with pytest.raises(StoppedError), LATE_SIGNALS:  # whatever was left is put in order
+        with pytest.raises(StoppedError), DEFERRED_SIGNALS:  # whatever was left is put in order
             signal.raise_signal(signal.SIGALRM)
         assert raised_by(signal.SIGINT), step
         assert raised_by(signal.SIGALRM), step
@@ -135,15 +135,15 @@ def test_kernel_signals_let_out_of_a_contact_kernel_what_a_handler_raises():
     V, E = V * [1.0, 1.0, 0.05], np.unique(np.sort(F[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0)
     patches = Patches(V, F, E)
     search = PairSearch(V, F, E, patches, np.zeros((0, len(V)), np.int64), 0.05)
-    between = patches.near(patches.boxes(V), 0.1)[0]
+    between = patches.near_pairs(patches.boxes(V), 0.1)[0]
     beyond = np.full(len(between), 0.01)
-    expected, rng = search.near(V, between, beyond)[0], np.random.default_rng(1)
+    expected, rng = search.near_pairs(V, between, beyond)[0], np.random.default_rng(1)
     for _ in range(100):
         with pytest.raises(StoppedError):  # noqa: PT012
             signal.setitimer(signal.ITIMER_REAL, rng.uniform(1e-4, 0.01))
             while True:
-                search.near(V, between, beyond)
-    found = search.near(V, between, beyond)[0]
+                search.near_pairs(V, between, beyond)
+    found = search.near_pairs(V, between, beyond)[0]
     assert all(np.array_equal(*columns) for columns in zip(found, expected, strict=True))
 
 

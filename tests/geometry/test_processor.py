@@ -32,7 +32,7 @@ def compiled_for(code, **environment):
 
 def test_compile_for_level_makes_kernels_fit_every_processor_of_the_level():
     there = binding.get_host_cpu_features()
-    expected = f"{processor.LEVEL} " if there["avx2"] and there["fma"] else compiled_for(TOLD)
+    expected = f"{processor.PROCESSOR_LEVEL} " if there["avx2"] and there["fma"] else compiled_for(TOLD)
     assert compiled_for(OURS + TOLD) == expected
 
 

@@ -115,8 +115,8 @@ CALLS = {
         apd_viewer.Deformation.aim,
     ),
     "surround": (
-        lambda **said: apd_viewer.Deformation(**TOUCHING).surround(**said),
-        apd_viewer.Deformation.surround,
+        lambda **said: apd_viewer.Deformation(**TOUCHING).replace_obstacles(**said),
+        apd_viewer.Deformation.replace_obstacles,
     ),
     "deform": (deformed, apd_viewer.deform),
     "press": (

@@ -12,11 +12,11 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import languages, tr, trn
 from apd_viewer.notation import Notation, notation, use_notation
 from apd_viewer.presentation import number_format
-from apd_viewer.presentation.obstacle_readings import coordinates
-from apd_viewer.session.quantities.clear_numbers import as_typed
-from apd_viewer.session.quantities.expressions import length, number
+from apd_viewer.presentation.obstacle_readings import coordinates_text
+from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
+from apd_viewer.session.quantities.expressions import parse_length, parse_number
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.widgets.fields import Number, percent_field
+from apd_viewer.ui.widgets.fields import NumberField, percent_field
 
 ENGLISH, GERMAN, FRENCH = Notation(), Notation(",", "."), Notation(",", "\u202f")
 EACH = pytest.mark.parametrize("used", [ENGLISH, GERMAN, FRENCH], ids=["English", "German", "French"])
@@ -40,19 +40,21 @@ def some_numbers(count):
 
 
 @EACH
-def test_to_type_shows_in_a_field_what_is_read_again(used):
+def test_format_editable_shows_in_a_field_what_is_read_again(used):
     use_notation(used)
     for x in some_numbers(2000):
-        text = number_format.to_type(x, 12)
-        assert number(as_typed(text), {}) == pytest.approx(x, rel=1e-11), text
-        assert length(as_typed(text + "mm"), Unit.MILLIMETRE, {}) == pytest.approx(x, rel=1e-11), text
+        text = number_format.format_editable(x, 12)
+        assert parse_number(unambiguous_text(text), {}) == pytest.approx(x, rel=1e-11), text
+        assert parse_length(unambiguous_text(text + "mm"), Unit.MILLIMETRE, {}) == pytest.approx(
+            x, rel=1e-11
+        ), text
 
 
 @EACH
-def test_number_fields_show_what_is_entered_again(qtbot, used):
+def test_parse_number_fields_show_what_is_entered_again(qtbot, used):
     use_notation(used)
     wide = {"minimum": -1e9, "maximum": 1e9}
-    plain = Number(brief=True, decimals=9, **wide), Number(decimals=3, suffix=" mm", **wide)
+    plain = NumberField(brief=True, decimals=9, **wide), NumberField(decimals=3, suffix=" mm", **wide)
     for field, sign in (*((each, "") for each in plain), (percent_field("", ""), "%")):
         qtbot.addWidget(field)
         for x in some_numbers(300):
@@ -63,21 +65,21 @@ def test_number_fields_show_what_is_entered_again(qtbot, used):
 
 
 @EACH
-def test_coordinates_that_are_shown_can_be_typed(used):
+def test_coordinates_text_that_are_shown_can_be_typed(used):
     use_notation(used)
     chance = random.Random(3)
     for _ in range(200):
         point = [round(chance.uniform(-20.0, 20.0), chance.randint(0, 4)) for _ in range(3)]
-        text = coordinates(point)
+        text = coordinates_text(point)
         parts = text.split(";" if ";" in text else ",")
-        assert [number(as_typed(part), {}) for part in parts] == pytest.approx(point, rel=1e-5)
+        assert [parse_number(unambiguous_text(part), {}) for part in parts] == pytest.approx(point, rel=1e-5)
 
 
 @EACH
 def test_notation_tells_groups_and_decimals_apart(used):
     use_notation(used)
     for x in some_numbers(500):
-        text = number_format.grouped(x, 3)
+        text = number_format.format_grouped(x, 3)
         plain = text.replace(used.group, "").replace(used.point, ".").replace("−", "-")
         assert float(plain) == pytest.approx(x, abs=6e-4)
         assert "," not in text or "," in used
@@ -87,17 +89,17 @@ def test_notation_tells_groups_and_decimals_apart(used):
     assert tr("{name}: {value:.2f}").format(name="a.b,c", value=0.5) == f"a.b,c: 0{used.point}50"
 
 
-def test_number_reads_as_ever_what_is_read_in_every_language():
+def test_parse_number_reads_as_ever_what_is_read_in_every_language():
     for used in (ENGLISH, GERMAN, FRENCH):
         use_notation(used)
-        assert number("0,3", {}) == number("0.3", {}) == 0.3
-        assert number("1.500", {}) == 1.5, "in a file, and on the command line"
+        assert parse_number("0,3", {}) == parse_number("0.3", {}) == 0.3
+        assert parse_number("1.500", {}) == 1.5, "in a file, and on the command line"
         with pytest.raises(InputError, match="“1,500” can mean"):
-            number("1,500", {})
+            parse_number("1,500", {})
 
 
-def test_as_typed_asks_about_a_point_that_the_window_puts_between_groups(qtbot):
-    field = Number(brief=True, decimals=6, maximum=1e9)
+def test_unambiguous_text_asks_about_a_point_that_the_window_puts_between_groups(qtbot):
+    field = NumberField(brief=True, decimals=6, maximum=1e9)
     qtbot.addWidget(field)
     field.setValue(7.0)
     for used, doubtful in ((ENGLISH, ["1,500"]), (GERMAN, ["1,500", "1.500"]), (FRENCH, ["1,500"])):
@@ -107,18 +109,18 @@ def test_as_typed_asks_about_a_point_that_the_window_puts_between_groups(qtbot):
         assert field.valueFromText("1.5") == field.valueFromText("1,5") == 1.5
     use_notation(GERMAN)
     with pytest.raises(InputError, match=r"“1\.500” can mean 1,5 or 1500; write 1,5 or 1500"):
-        as_typed("2 * 1.500 mm")
+        unambiguous_text("2 * 1.500 mm")
     with pytest.raises(InputError, match=r"can mean 1,2340 or 1234"):
-        number("1,234", {})
-    assert as_typed("1.5 + 0.125 + 10.1234 + 1.500.000") == "1.5 + 0.125 + 10.1234 + 1.500.000"
+        parse_number("1,234", {})
+    assert unambiguous_text("1.5 + 0.125 + 10.1234 + 1.500.000") == "1.5 + 0.125 + 10.1234 + 1.500.000"
 
 
 @pytest.mark.parametrize("language", languages())
 def test_show_numbers_changes_the_point_in_the_window_which_the_command_line_keeps(language):
     code = (
-        "from apd_viewer.language import show_numbers, tr\n"
+        "from apd_viewer.language import localize_numbers, tr\n"
         "say = tr('{value:.3f} {n:,}').format\n"
-        "print(say(value=0.5, n=13010)); show_numbers(); print(say(value=0.5, n=13010))\n"
+        "print(say(value=0.5, n=13010)); localize_numbers(); print(say(value=0.5, n=13010))\n"
         "import subprocess, sys\n"
         "child = \"from apd_viewer.language import tr; print(tr('{x:.1f}').format(x=0.5))\"\n"
         "print(subprocess.run([sys.executable, '-c', child], capture_output=True, text=True).stdout)"

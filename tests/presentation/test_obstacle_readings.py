@@ -11,7 +11,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.presentation import obstacle_readings as readings
 from apd_viewer.presentation.report_settings import obstacle_blocks
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.quantities.units import Unit
 
 
@@ -24,44 +24,50 @@ FINGER = NamedObstacle("Finger", ObstacleKind.CYLINDER, vector(5, 1, 3), vector(
 
 
 def state(contact=True, **of_frame):
-    rest = opened(bar())
+    rest = initial_state(bar())
     document = replace(rest.document, contact=contact, obstacles=(PLATE, FINGER))
     return replace(rest, document=document, frame=replace(rest.frame, **of_frame))
 
 
-def test_load_is_said_where_something_presses_and_only_at_rest():
+def test_load_text_is_said_where_something_presses_and_only_at_rest():
     loads = np.array([[0.0, 0.0, -1.2345], [0.0, 0.0, 0.0]])
-    assert [readings.load(state(loads=loads), k) for k in (0, 1)] == ["load 1.23", ""]
-    assert [readings.load(state(loads=loads, settled=False), k) for k in (0, 1)] == ["touched", ""]
-    assert readings.load(state(loads=loads, contact=False), 0) == ""
-    assert readings.load(state(), 0) == ""
+    assert [readings.load_text(state(loads=loads), k) for k in (0, 1)] == ["load 1.23", ""]
+    assert [readings.load_text(state(loads=loads, settled=False), k) for k in (0, 1)] == ["touched", ""]
+    assert readings.load_text(state(loads=loads, contact=False), 0) == ""
+    assert readings.load_text(state(), 0) == ""
     barely = np.array([[0.0, 0.0, -4e-23], [0.0, 0.0, 0.0]])
-    assert [readings.load(state(loads=barely, settled=settled), 0) for settled in (True, False)] == ["", ""]
+    assert [readings.load_text(state(loads=barely, settled=settled), 0) for settled in (True, False)] == [
+        "",
+        "",
+    ]
 
 
-def test_load_excess_is_said_with_loads_at_rest():
+def test_load_excess_text_is_said_with_loads_at_rest():
     """Of the cells of squares, 0.75 h^2 over D; less by a quarter at the sharp edges of a narrow bar."""
     loads = np.array([[0.0, 0.0, -1.2345], [0.0, 0.0, 0.0]])
     pressed = state(loads=loads)
     stiff = replace(pressed, document=replace(pressed.document, stiffness=0.01, method="exact"))
     known = 100.0 * 0.75 / (2.0 * 0.01 * stiff.inspection.area)
-    said = float(re.fullmatch(r"Expected excess of loads ([\d.]+) %", readings.load_excess(stiff))[1])
+    said = float(re.fullmatch(r"Expected excess of loads ([\d.]+) %", readings.load_excess_text(stiff))[1])
     assert said == pytest.approx(known, rel=0.3)
     (table,) = obstacle_blocks(stiff, Unit.NONE)
-    assert table.rows[0][2].endswith(f"; load 1.23, {readings.load_excess(stiff).lower()}")
+    assert table.rows[0][2].endswith(f"; load 1.23, {readings.load_excess_text(stiff).lower()}")
     assert "excess" not in table.rows[1][2]
-    assert readings.load_excess(pressed).endswith("loads mean little"), "without stiffness"
+    assert readings.load_excess_text(pressed).endswith("loads mean little"), "without stiffness"
     for nothing in (state(), state(loads=loads, settled=False), state(loads=loads, contact=False)):
-        assert readings.load_excess(nothing) == ""
+        assert readings.load_excess_text(nothing) == ""
 
 
-def test_motion_is_said_with_what_contact_has_not_let():
+def test_motion_text_is_said_with_what_contact_has_not_let():
     short = np.array([[0.0, 0.0, 0.2], [0.0, 0.0, 0.0]])
     asked = "asked for 0.5000\u00a0mm, stopped 0.3000\u00a0mm short"
-    assert readings.motion(state(shifts=short), 0, Unit.MILLIMETRE) == asked
-    assert readings.motion(state(shifts=short, settled=False), 0, Unit.NONE) == "moved 0.5000, reached 0.2000"
-    assert readings.motion(state(shifts=short, contact=False), 0, Unit.NONE) == "moved 0.5000"
-    assert readings.motion(state(), 1, Unit.NONE) == "where it was put"
+    assert readings.motion_text(state(shifts=short), 0, Unit.MILLIMETRE) == asked
+    assert (
+        readings.motion_text(state(shifts=short, settled=False), 0, Unit.NONE)
+        == "moved 0.5000, reached 0.2000"
+    )
+    assert readings.motion_text(state(shifts=short, contact=False), 0, Unit.NONE) == "moved 0.5000"
+    assert readings.motion_text(state(), 1, Unit.NONE) == "where it was put"
 
 
 def test_obstacle_blocks_say_enough_to_put_obstacles_again():
@@ -78,5 +84,5 @@ def test_obstacle_blocks_say_enough_to_put_obstacles_again():
 
 
 def test_obstacle_blocks_say_that_there_are_no_obstacles():
-    (note,) = obstacle_blocks(opened(bar()), Unit.NONE)
+    (note,) = obstacle_blocks(initial_state(bar()), Unit.NONE)
     assert "no obstacles" in note.text

@@ -14,18 +14,18 @@ from apd_viewer.presentation.python_script import python_script
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.replay import replay
+from apd_viewer.session.studies.session_replay import replay_session
 
 SETTINGS = {
     "exact": {},
     "all targets": {"set_area": (104.0,), "set_volume": (97.0,), "set_stiffness": (0.01,)},
-    "local": {"set_method": ("local",), "set_material": (7.0, 0.3), "hold_area": (True,)},
+    "local": {"set_method": ("local",), "set_local_stiffness": (7.0, 0.3), "set_hold_area": (True,)},
     "paper": {"set_method": ("paper",), "set_tolerance": (1e-4,)},
     "arap": {"set_method": ("arap",), "set_stiffness": (1 / 3,)},
     "sr-arap": {"set_method": ("sr-arap",), "set_stiffness": (0.02,)},
     "another end": {"set_convergence": (Convergence(40, 1e-4),)},
-    "in contact": {"keep_apart": (True, 0.01)},
-    "what stays": {"let_stay": ((0,), True)},
+    "in contact": {"set_contact": (True, 0.01)},
+    "what stays": {"set_staying": ((0,), True)},
 }
 
 
@@ -56,7 +56,7 @@ def move(session):
 def check_repeats(session, folder, monkeypatch):
     state = session.store.state
     save_session(folder / "a.apd", state, View())
-    expected = replay(folder / "a.apd", from_rest=True)[1].U
+    expected = replay_session(folder / "a.apd", from_rest=True)[1].U
     monkeypatch.chdir(folder)
     names = {}
     exec(python_script(state.document), names)
@@ -84,13 +84,13 @@ def test_python_script_repeats_regions(session, tmp_path, monkeypatch):
 
 
 def test_python_script_repeats_turns_of_more_than_half(session, tmp_path, monkeypatch):
-    session.settings.keep_apart(False)
+    session.settings.set_contact(False)
     session.gestures.begin()
     for angle in np.linspace(0.3, 3.5, 6):
         for k in (0, 1):
             session.handles.drag(pose(angle), k)
     session.gestures.end("Move handles")
-    assert session.store.state.document.winds
+    assert session.store.state.document.has_half_turn
     check_repeats(session, tmp_path, monkeypatch)
 
 
@@ -102,7 +102,7 @@ def put_obstacles(session):
         (ObstacleKind.CYLINDER, -out, (0.0, 1.0, 3.0)),
         (ObstacleKind.SPHERE, -out, (0.0, 1.0, 2.0)),
     ):
-        proposed = session.obstacles.proposed(kind, np.array(point), outwards)
+        proposed = session.obstacles.proposed_obstacle(kind, np.array(point), outwards)
         session.obstacles.add(proposed)
     session.obstacles.move(1, 0.15 * out)
 
@@ -134,7 +134,7 @@ def test_python_script_refuses_what_its_lines_cannot_say(session):
     with pytest.raises(InputError, match="falloff"):
         python_script(session.store.state.document)
     with pytest.raises(InputError, match="no base"):
-        python_script(document.painted(np.arange(len(document.labels)), HANDLE))
+        python_script(document.with_label(np.arange(len(document.labels)), HANDLE))
     session.show_now(bar())
     session.paint_ends()
     with pytest.raises(InputError, match="not in a file"):

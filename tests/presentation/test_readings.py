@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from driven_session import bar
 
-from apd_viewer.files.html_page import Table
+from apd_viewer.files.html_page import PageTable
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about, twist
+from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation, twist
 from apd_viewer.presentation.readings import motion
 from apd_viewer.presentation.report_origin import mesh_blocks
-from apd_viewer.session.model.state import opened
-from apd_viewer.session.quantities.expressions import length
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import UNITS, Unit
 
 X = np.array([1.0, 0.0, 0.0])
@@ -22,13 +22,13 @@ X = np.array([1.0, 0.0, 0.0])
 @pytest.fixture
 def painted():
     """A bar with a handle."""
-    document = opened(bar()).document
+    document = initial_state(bar()).document
     return replace(document, labels=frozen(np.full(len(document.labels), HANDLE, dtype=np.uint8)))
 
 
 def said_of(document) -> str:
     """The motion of its handle, on a mesh of the size 6."""
-    return motion(opened(document.mesh).at(document), 0, Unit.MILLIMETRE)
+    return motion(initial_state(document.mesh).updated(document), 0, Unit.MILLIMETRE)
 
 
 @pytest.mark.parametrize(
@@ -44,8 +44,8 @@ def said_of(document) -> str:
 )
 def test_motion_says_what_it_has(painted, moves, turns, grows, said):
     centre, angle = painted.centre(0), np.deg2rad(turns)
-    pose = shifted(moves * X) @ turned_about(centre, X, angle) @ scaled_about(centre, grows)
-    moved = replace(painted, handles=(painted.handles[0].moved(pose),))
+    pose = translation(moves * X) @ rotation_about(centre, X, angle) @ scaling_about(centre, grows)
+    moved = replace(painted, handles=(painted.handles[0].moved_to(pose),))
     assert said_of(moved) == said
 
 
@@ -56,54 +56,59 @@ def test_motion_gives_a_twist_the_sign_that_it_was_typed_with(painted, axis, tur
     labels = np.where(away > np.median(away), HANDLE, BASE)
     both = replace(painted, labels=frozen(labels.astype(np.uint8)))
     base, handle = (both.grip[both.labels == code].mean(axis=0) for code in (BASE, HANDLE))
-    moved = replace(both, handles=(both.handles[0].moved(twist(base, handle, np.deg2rad(turns))),))
+    moved = replace(both, handles=(both.handles[0].moved_to(twist(base, handle, np.deg2rad(turns))),))
     assert said_of(moved) == said
-    across = turned_about(handle, [0.0, -1.0, 0.0], np.deg2rad(turns))
-    crossed = replace(both, handles=(both.handles[0].moved(across),))
+    across = rotation_about(handle, [0.0, -1.0, 0.0], np.deg2rad(turns))
+    crossed = replace(both, handles=(both.handles[0].moved_to(across),))
     assert said_of(crossed).startswith("rotated")
 
 
 def test_mesh_blocks_say_that_their_unit_is_a_guess():
-    state = opened(bar())
+    state = initial_state(bar())
     for unit, symbol, remark in (
         (Unit.CENTIMETRE, "cm", ""),
-        (Unit.CENTIMETRE.guessed, "cm?", "a guess that nobody confirmed"),
-        (Unit.NONE.guessed, "no unit", ""),
+        (Unit.CENTIMETRE.as_guess, "cm?", "a guess that nobody confirmed"),
+        (Unit.NONE.as_guess, "no unit", ""),
     ):
-        (table, *_) = (block for block in mesh_blocks(state, unit, None) if isinstance(block, Table))
+        (table, *_) = (block for block in mesh_blocks(state, unit, None) if isinstance(block, PageTable))
         assert ("Unit of length", symbol, remark) in table.rows
 
 
 @pytest.mark.parametrize("unit", [unit for unit in UNITS if unit is not Unit.NONE])
 def test_unit_that_is_guessed_measures_as_the_known_one_and_is_marked(unit):
-    guess = unit.guessed
-    assert (guess.is_guess, unit.is_guess, guess.confirmed) == (True, False, unit)
+    guess = unit.as_guess
+    assert (guess.is_guess, unit.is_guess, guess.as_confirmed) == (True, False, unit)
     for value in (1.0, 3e7):
-        (larger, factor), (known, same) = guess.legible(value, 2), unit.legible(value, 2)
-        assert (larger.confirmed, factor, larger.is_guess) == (known, same, True)
-    assert guess.litres(2.0) == unit.litres(2.0)
-    for written in (guess.length("1"), guess.volume("1"), guess.capacity(1.0)[0], guess.mass(5.0)[0]):
+        (larger, factor), (known, same) = guess.legible_unit(value, 2), unit.legible_unit(value, 2)
+        assert (larger.as_confirmed, factor, larger.is_guess) == (known, same, True)
+    assert guess.to_litres(2.0) == unit.to_litres(2.0)
+    for written in (
+        guess.format_length("1"),
+        guess.format_volume("1"),
+        guess.capacity_unit(1.0)[0],
+        guess.mass_unit(5.0)[0],
+    ):
         assert written.endswith("?")
-    assert length("1 in", guess, {}) == length("1 in", unit, {})
+    assert parse_length("1 in", guess, {}) == parse_length("1 in", unit, {})
 
 
 def lagging(document, way, reached, share):
     """The first handle asked along poses, its vertices at another pose on the way."""
     handle, mine = document.handles[0], document.labels == HANDLE
     for pose in way:
-        handle = handle.moved(pose)
-    state = opened(document.mesh).at(document.with_handle(0, handle))
+        handle = handle.moved_to(pose)
+    state = initial_state(document.mesh).updated(document.with_handle(0, handle))
     U = document.mesh.V.copy()
     U[mine] = U[mine] @ reached[:3, :3].T + reached[:3, 3]
-    return state.at(frame=replace(state.frame, U=frozen(U), share_reached=share))
+    return state.updated(frame=replace(state.frame, U=frozen(U), share_reached=share))
 
 
 @pytest.mark.parametrize(
     ("asked", "reached"), [(201.3, 173.1), (-400.0, -310.5), (725.0, 361.0), (20.0, 0.0)]
 )
 def test_motion_says_what_lags_behind_as_asked_and_reached(painted, asked, reached):
-    turn = [turned_about(painted.centre(0), X, np.deg2rad(angle)) for angle in (asked, reached)]
-    way = [turned_about(painted.centre(0), X, np.deg2rad(part * asked)) for part in np.linspace(0, 1, 33)]
+    turn = [rotation_about(painted.centre(0), X, np.deg2rad(angle)) for angle in (asked, reached)]
+    way = [rotation_about(painted.centre(0), X, np.deg2rad(part * asked)) for part in np.linspace(0, 1, 33)]
     state = lagging(painted, [*way, turn[0]], turn[1], reached / asked)
     said = f"rotated {asked:+.1f}°, reached {reached:+.1f}°".replace("-", "−").replace("+0.0", "0.0")
     assert motion(state, 0, Unit.NONE) == said
@@ -112,6 +117,6 @@ def test_motion_says_what_lags_behind_as_asked_and_reached(painted, asked, reach
 
 
 def test_motion_says_a_lag_of_each_part_that_has_one(painted):
-    asked, reached = shifted(0.5 * X), shifted(0.25 * X)
+    asked, reached = translation(0.5 * X), translation(0.25 * X)
     assert motion(lagging(painted, [asked], reached, 0.5), 0, Unit.NONE) == "moved 0.5000, reached 0.2500"
     assert motion(lagging(painted, [np.eye(4)], reached, 0.5), 0, Unit.NONE) == "moved 0, reached 0.2500"

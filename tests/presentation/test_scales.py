@@ -6,7 +6,7 @@ import pytest
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
 from apd_viewer.presentation.number_format import round_step
 from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS
-from apd_viewer.presentation.scales import Measure, Scale, usual
+from apd_viewer.presentation.scales import Measure, Scale, default_scale
 from apd_viewer.session.quantities.units import Unit
 
 # Machado, Oliveira and Fernandes 2009, severity 1.
@@ -75,12 +75,12 @@ def test_color_maps_have_a_neutral_middle_and_ends_that_are_nobody_s_paint():
 
 def test_scale_of_a_ratio_has_ends_that_are_one_over_each_other():
     scale = Scale(Measure.AREA, 0.25, 0.01)
-    assert scale.written(scale.end, Unit.NONE) == "+25\u00a0%"
-    assert scale.written(-scale.end, Unit.NONE) == "−20\u00a0%"
-    assert scale.place(scale.end) == 1.0
-    assert scale.place(0.0) == 0.5
-    assert scale.place(-np.inf) == 0.0
-    assert scale.written(-np.inf, Unit.NONE) == "−100\u00a0%"
+    assert scale.format_value(scale.end, Unit.NONE) == "+25\u00a0%"
+    assert scale.format_value(-scale.end, Unit.NONE) == "−20\u00a0%"
+    assert scale.position(scale.end) == 1.0
+    assert scale.position(0.0) == 0.5
+    assert scale.position(-np.inf) == 0.0
+    assert scale.format_value(-np.inf, Unit.NONE) == "−100\u00a0%"
     middle, near, far = scale.colors(0.5 + np.array([0.0, 0.4, 0.6]) * scale.neutral_share).tolist()
     assert middle == near == DIVERGING.colors(np.array([0.5]))[0].tolist()
     assert far != middle
@@ -91,11 +91,11 @@ def test_round_step_is_the_next_nice_number_above(value, expected):
     assert round_step(value) == pytest.approx(expected)
 
 
-def test_usual_scale_fits_the_size_of_the_mesh():
+def test_default_scale_scale_fits_the_size_of_the_mesh():
     for size in (1e-3, 1.0, 4e4):
         for measure in (Measure.DISPLACEMENT, Measure.DISTANCE):
-            assert 0.1 <= usual(measure, size).reach / size <= 0.6
-        assert 8.0 <= usual(Measure.BENDING, size).reach * size <= 20.0
+            assert 0.1 <= default_scale(measure, size).reach / size <= 0.6
+        assert 8.0 <= default_scale(Measure.BENDING, size).reach * size <= 20.0
 
 
 # Fitting
@@ -103,22 +103,22 @@ def test_usual_scale_fits_the_size_of_the_mesh():
 
 @pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("measure", Measure)
-def test_fitted_scale_suits_what_there_is_on_a_mesh_of_any_size(measure, size):
-    before = usual(measure, size)
+def test_fitted_to_scale_suits_what_there_is_on_a_mesh_of_any_size(measure, size):
+    before = default_scale(measure, size)
     largest = 0.3 * before.end
-    fitted = before.fitted((-largest, 0.5 * largest), size)
+    fitted = before.fitted_to((-largest, 0.5 * largest), size)
     assert largest <= fitted.end < 2.6 * largest
     assert 0.0 <= fitted.neutral <= 0.5 * fitted.reach
-    farther = before.fitted((0.0, 7.0 * before.end), size)
-    assert farther.place(7.0 * before.end) > 0.65, "no colour is wasted on what is not there"
+    farther = before.fitted_to((0.0, 7.0 * before.end), size)
+    assert farther.position(7.0 * before.end) > 0.65, "no colour is wasted on what is not there"
 
 
 @pytest.mark.parametrize("measure", Measure)
-def test_fitted_takes_rounding_for_nothing_to_fit(measure):
-    before = usual(measure, 20.0)
+def test_fitted_to_takes_rounding_for_nothing_to_fit(measure):
+    before = default_scale(measure, 20.0)
     for rounding in (0.0, 1e-15 * before.end):
-        assert before.fitted((-rounding, rounding), 20.0) is before
+        assert before.fitted_to((-rounding, rounding), 20.0) is before
 
 
-def test_fitted_takes_a_ratio_that_has_no_end_too():
-    assert usual(Measure.STRAIN, 1.0).fitted((-np.inf, 0.1)).reach == 10.0
+def test_fitted_to_takes_a_ratio_that_has_no_end_too():
+    assert default_scale(Measure.STRAIN, 1.0).fitted_to((-np.inf, 0.1)).reach == 10.0

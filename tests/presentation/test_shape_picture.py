@@ -96,8 +96,8 @@ def test_shape_picture_hides_what_is_behind_what_is_in_front():
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
     V, F = np.vstack([square, square - [0, 0, 1]]), np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]])
     colors = np.array([[255, 0, 0]] * 2 + [[0, 0, 255]] * 2, dtype=np.uint8)
-    red = shape_picture([V], F, [colors], 32, look=(0, 0, 1))[16, 16]
-    blue = shape_picture([V], F, [colors], 32, look=(0, 0, -1))[16, 16]
+    red = shape_picture([V], F, [colors], 32, view_direction=(0, 0, 1))[16, 16]
+    blue = shape_picture([V], F, [colors], 32, view_direction=(0, 0, -1))[16, 16]
     assert red[0] > 200 > red[2] == 0
     assert blue[2] > 200 > blue[0] == 0
 

@@ -7,10 +7,10 @@ import forked
 import pytest
 from driven_session import Driven, bar
 
-from apd_viewer.geometry.energy import elastic
+from apd_viewer.geometry.energy import elastic_surface
 from apd_viewer.geometry.linalg import linear_solver
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.processes import process_client
+from apd_viewer.session.processes import solver_process
 
 
 class Counter:
@@ -39,15 +39,15 @@ def session(empty):
 @pytest.fixture
 def processes(process, monkeypatch):
     """The solver is a process, which has nothing to import; all that were started, the newest last."""
-    start, started = process_client.start_process, []
+    start, started = solver_process.start_solver_process, []
 
     def noted():
         started.append(start())
         return started[-1]
 
     forked.prepare()
-    monkeypatch.setattr(process_client, "ChildProcess", forked.Quick)
-    monkeypatch.setattr(process_client, "start_process", noted)
+    monkeypatch.setattr(solver_process, "ChildProcess", forked.Quick)
+    monkeypatch.setattr(solver_process, "start_solver_process", noted)
     return started
 
 
@@ -73,5 +73,5 @@ def factored(monkeypatch):
             counter.count += 1
             super().__init__(A, V)
 
-    monkeypatch.setattr(elastic, "LinearSolver", Counting)
+    monkeypatch.setattr(elastic_surface, "LinearSolver", Counting)
     return counter

@@ -13,7 +13,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.store import Activity
+from apd_viewer.session.state_store import Activity
 
 
 def layers(session: Driven, lowest: float, highest: float) -> np.ndarray:
@@ -66,8 +66,11 @@ VERBS: dict[str, Callable[[Driven], object]] = {
 }
 ALIASES: dict[str, tuple[str, Callable[[Driven], object]]] = {
     "the region's name": ("Rename", lambda session: session.parts.rename_region(0, "Waist")),
-    "holding": ("Change area", lambda session: session.settings.hold_area(True)),
-    "the material": ("Change stiffness", lambda session: session.settings.set_material(shear_stiffness=0.5)),
+    "holding": ("Change area", lambda session: session.settings.set_hold_area(True)),
+    "the material": (
+        "Change stiffness",
+        lambda session: session.settings.set_local_stiffness(shear_stiffness=0.5),
+    ),
 }
 
 
@@ -76,12 +79,12 @@ def test_gestures_record_every_verb_as_one_entry_and_undo_it_exactly(parted, nam
     gesture, verb = ALIASES.get(name) or (name, VERBS[name])
     parted.drag(BENT)
     parted.settle()
-    before, entries = parted.store.state, len(parted.gestures.history.past)
+    before, entries = parted.store.state, len(parted.gestures.history.undo_states)
     verb(parted)
     parted.settle()
     after = parted.store.state
     assert parted.gestures.history.next_undo == gesture
-    assert len(parted.gestures.history.past) == entries + 1
+    assert len(parted.gestures.history.undo_states) == entries + 1
     parted.gestures.undo()
     assert parted.store.state is before
     parted.gestures.redo()
@@ -96,27 +99,27 @@ SETTERS: dict[str, tuple[Callable[[Driven, float], None], list[float]]] = {
     "volume": (lambda session, x: session.settings.set_volume(x), [100.0, 102.0, 104.0]),
     "region": (lambda session, x: session.settings.set_region_area(0, x), [99.0, 98.0, 97.0]),
     "stiffness": (lambda session, x: session.settings.set_stiffness(x), [0.01, 0.02, 0.03]),
-    "material": (lambda session, x: session.settings.set_material(x, x), [1.0, 2.0, 3.0]),
+    "material": (lambda session, x: session.settings.set_local_stiffness(x, x), [1.0, 2.0, 3.0]),
 }
 
 
 @pytest.mark.parametrize("what", SETTERS)
 def test_gestures_record_a_sweep_as_one_entry_and_single_settings_as_one_each(parted, what):
     setter, values = SETTERS[what]
-    before, entries = parted.store.state, len(parted.gestures.history.past)
+    before, entries = parted.store.state, len(parted.gestures.history.undo_states)
     parted.gestures.begin()
     for value in values:
         setter(parted, value)
         parted.listen(0.005)
     parted.gestures.end("Sweep")
-    assert len(parted.gestures.history.past) == entries + 1
+    assert len(parted.gestures.history.undo_states) == entries + 1
     parted.settle()
     parted.gestures.undo()
     assert parted.store.state is before
     for value in values:
         setter(parted, value)
         setter(parted, value)
-    assert len(parted.gestures.history.past) == entries + len(values)
+    assert len(parted.gestures.history.undo_states) == entries + len(values)
 
 
 def test_gestures_cancel_leaves_no_trace_of_a_sweep(parted):
@@ -147,13 +150,13 @@ def test_settings_that_are_the_same_do_nothing(parted):
     state, changes = parted.store.state, len(parted.changes)
     document = state.document
     parted.settings.set_area(100)
-    parted.settings.hold_area(False)
+    parted.settings.set_hold_area(False)
     parted.settings.set_volume(None)
     parted.settings.set_method(document.method)
     parted.settings.set_tolerance(document.tolerance)
     parted.settings.set_stiffness(0)
-    parted.settings.set_material()
-    parted.settings.set_material(document.area_stiffness, document.shear_stiffness)
+    parted.settings.set_local_stiffness()
+    parted.settings.set_local_stiffness(document.area_stiffness, document.shear_stiffness)
     parted.settings.set_region_area(0, None)
     parted.parts.rename_handle(0, " ")
     parted.parts.rename_region(0, "Region 1")
@@ -164,7 +167,7 @@ def test_settings_that_are_the_same_do_nothing(parted):
 # Handles
 
 
-def test_handles_drag_takes_two_handles_each_to_its_own_pose(parted):
+def test_handle_editor_drag_takes_two_handles_each_to_its_own_pose(parted):
     poses = pose(0.3, (0.5, 0.0, 0.0)), pose(-0.2, (0.0, 0.4, 0.3))
     parted.gestures.begin()
     for which, there in enumerate(poses):
@@ -191,7 +194,7 @@ def test_remove_handle_lets_go_and_the_others_stay_where_they_are(parted):
     parted.parts.remove_handle(0)
     assert parted.U is U
     document = parted.store.state.document
-    assert not document.posed
+    assert not document.is_posed
     assert [handle.name for handle in document.handles] == ["Handle 2"]
     assert (document.labels[labels == HANDLE] == FREE).all()
     assert parted.store.activity is Activity.IDLE
@@ -257,7 +260,7 @@ def test_parts_are_renamed_without_a_word_to_the_worker(parted, slow, factored):
     document = parted.store.state.document
     assert [handle.name for handle in document.handles] == ["Neck 2", "Neck"]
     assert [region.name for region in document.regions] == ["Waist"]
-    assert document.posed
+    assert document.is_posed
     assert parted.store.activity is Activity.SETTLED
     assert parted.store.state.frame.converged
     assert factored.count == 0
@@ -415,7 +418,7 @@ def test_set_area_is_met_at_once_without_a_pose(session, factored, method):
     assert session.store.activity is Activity.SETTLED
     within = 1.2 * session.store.state.document.tolerance if method == "paper" else 1e-9
     assert abs(session.store.state.frame.area_error - 0.2) < within
-    assert not session.store.state.document.posed
+    assert not session.store.state.document.is_posed
     session.rest_shape.restore()
     assert session.U is session.store.state.document.mesh.V
     assert session.store.state.document.area == 100.0
@@ -433,7 +436,7 @@ def test_rest_shape_restore_asks_for_100_percent_and_leaves_free_what_is_free(pa
     parted.drag(BENT)
     parted.settle()
     parted.rest_shape.restore()
-    assert parted.store.state.document.percentages == (100.0, None, 100.0, None)
+    assert parted.store.state.document.target_percentages == (100.0, None, 100.0, None)
     assert parted.store.state.frame.regions == parted.store.state.document.region_areas(parted.U)
     parted.settings.set_volume(110.0)
     parted.rest_shape.restore()
@@ -441,9 +444,9 @@ def test_rest_shape_restore_asks_for_100_percent_and_leaves_free_what_is_free(pa
     assert parted.store.state.is_at_rest
     undo = parted.gestures.history.next_undo
     parted.rest_shape.restore()
-    assert (parted.gestures.history.next_undo, len(parted.gestures.history.past)) == (
+    assert (parted.gestures.history.next_undo, len(parted.gestures.history.undo_states)) == (
         undo,
-        len(parted.gestures.history.past),
+        len(parted.gestures.history.undo_states),
     )
 
 
@@ -455,8 +458,8 @@ def test_settings_move_nothing_at_rest_with_100_percent_of_everything(parted):
         lambda: parted.settings.set_region_area(0, 100.0),
         lambda: parted.settings.set_stiffness(0.05),
         lambda: parted.settings.set_method("local"),
-        lambda: parted.settings.set_material(5.0, 1.0),
-        lambda: parted.settings.hold_area(True),
+        lambda: parted.settings.set_local_stiffness(5.0, 1.0),
+        lambda: parted.settings.set_hold_area(True),
         lambda: parted.settings.set_method("paper"),
         lambda: parted.settings.set_tolerance(0.01),
         lambda: parted.settings.set_method("arap"),
@@ -559,15 +562,15 @@ def test_set_method_deforms_the_pose_that_is_held_by_another_method(session):
             assert abs(session.store.state.frame.area_error) < 1e-9
     pairs = [(a, b) for a in shapes for b in shapes if a < b]
     assert all(np.abs(shapes[a] - shapes[b]).max() > 1e-3 for a, b in pairs)
-    assert session.store.state.document.posed
+    assert session.store.state.document.is_posed
 
 
-def test_hold_area_holds_the_total_area_in_the_local_method_on_demand(session):
+def test_set_hold_area_holds_the_total_area_in_the_local_method_on_demand(session):
     session.settings.set_method("local")
     session.drag(BENT)
     session.settle()
     assert abs(session.store.state.frame.area_error) > 1e-9
-    session.settings.hold_area(True)
+    session.settings.set_hold_area(True)
     session.settle()
     assert abs(session.store.state.frame.area_error) < 1e-9
 
@@ -591,15 +594,15 @@ def test_settings_factor_for_every_stiffness_and_not_for_targets(parted, factore
     parted.settings.set_stiffness(0.02)
     parted.settle()
     assert factored.count == 1
-    parted.settings.set_material(area_stiffness=10.0)
+    parted.settings.set_local_stiffness(area_stiffness=10.0)
     parted.settle()
     assert factored.count == 2
-    parted.settings.set_material(shear_stiffness=0.3)
+    parted.settings.set_local_stiffness(shear_stiffness=0.3)
     parted.settle()
     assert factored.count == 3
 
 
-def test_solver_is_told_only_what_differs(session, monkeypatch):
+def test_request_solver_is_told_only_what_differs(session, monkeypatch):
     ready(session)
     kept, aimed = [], []
     keep, aim = Deformation.keep, Deformation.aim
@@ -658,7 +661,7 @@ def test_files_open_mesh_begins_with_the_defaults_and_without_parts(parted):
     parted.settings.set_method("local")
     parted.settings.set_tolerance(0.01)
     parted.settings.set_stiffness(0.02)
-    parted.settings.set_material(10.0, 0.5)
+    parted.settings.set_local_stiffness(10.0, 0.5)
     parted.settings.set_area(110.0)
     parted.settings.set_volume(100.0)
     parted.show_now(bar())

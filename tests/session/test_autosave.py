@@ -27,12 +27,12 @@ from meshes import box
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.storage.lock import take
+from apd_viewer.files.storage.lock import acquire_lock
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
-from apd_viewer.session.model.state import opened
-from apd_viewer.session.storage import autosave_writer, recovery
-from apd_viewer.session.storage.recovery import ago, leftovers, lock_path
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.storage import autosave_writer, recovery_file
+from apd_viewer.session.storage.recovery_file import age_text, find_recovery_files, lock_path
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 ROOT = Path(__file__).parents[2]
@@ -59,7 +59,7 @@ def session(folder, bar):
     """A session that keeps what is done, with a painted bar."""
     others = set(threading.enumerate())
     session = Driven()
-    session.autosave.keep_in(folder, lambda: VIEW)
+    session.autosave.start(folder, lambda: VIEW)
     session.show_now(bar)
     session.paint_ends()
     session.settle()
@@ -97,7 +97,7 @@ def left_behind(folder: Path, mesh: Mesh, name: str = "1-1", age: float = 0.0) -
     """What a program has left that is dead."""
     folder.mkdir(exist_ok=True)
     path = folder / f"{name}.apd"
-    save_session(path, opened(mesh), VIEW)
+    save_session(path, initial_state(mesh), VIEW)
     written = time.time() - age
     os.utime(path, (written, written))
     return path
@@ -114,8 +114,8 @@ def test_autosave_has_every_step_in_the_file_soon(session, folder):
     for step in (
         session.gestures.undo,
         session.gestures.redo,
-        lambda: session.gestures.travel(1),
-        lambda: session.gestures.travel(3),
+        lambda: session.gestures.go_to_step(1),
+        lambda: session.gestures.go_to_step(3),
     ):
         step()
         session.settle()
@@ -152,7 +152,7 @@ def test_autosave_does_not_keep_what_is_not_finished(session, folder):
 
 def test_autosave_does_not_keep_a_mesh_that_was_only_opened(folder, bar):
     session = Driven()
-    session.autosave.keep_in(folder)
+    session.autosave.start(folder)
     session.show_now(bar)
     session.listen(0.1)
     assert not folder.exists()
@@ -174,9 +174,9 @@ def test_autosave_no_longer_keeps_work_that_is_safe(session, folder, tmp_path, s
     if safe == "saved":
         session.files.save(tmp_path / "mine.apd", VIEW)
     else:
-        session.gestures.travel(0)
+        session.gestures.go_to_step(0)
     session.until(lambda: kept(folder) is None)
-    assert leftovers(folder) == []
+    assert find_recovery_files(folder) == []
     session.parts.rename_handle(0, "neck")
     check_kept(folder, session)
 
@@ -196,10 +196,10 @@ def test_autosave_keeps_nothing_without_a_folder(tmp_path, bar):
     assert [path.name for path in tmp_path.iterdir()] == ["bar.obj"]
 
 
-def test_save_every_at_an_interval_keeps_the_newest_and_saved_work_does_not_wait(session, folder, tmp_path):
+def test_set_interval_at_an_interval_keeps_the_newest_and_saved_work_does_not_wait(session, folder, tmp_path):
     check_kept(folder, session)
     session.listen(0.5)  # until the writer waits for the next copy: the interval counts from there
-    session.autosave.save_every(1000.0)
+    session.autosave.set_interval(1000.0)
     session.parts.rename_handle(0, "first")
     check_kept(folder, session)
     before = kept(folder).read_bytes()
@@ -207,9 +207,9 @@ def test_save_every_at_an_interval_keeps_the_newest_and_saved_work_does_not_wait
         session.parts.rename_handle(0, name)
     session.listen(0.1)
     assert kept(folder).read_bytes() == before
-    session.autosave.save_every(0.0)
+    session.autosave.set_interval(0.0)
     check_kept(folder, session)
-    session.autosave.save_every(1000.0)
+    session.autosave.set_interval(1000.0)
     session.parts.rename_handle(0, "fourth")
     session.files.save(tmp_path / "mine.apd", VIEW)
     session.until(lambda: kept(folder) is None)
@@ -217,10 +217,10 @@ def test_save_every_at_an_interval_keeps_the_newest_and_saved_work_does_not_wait
 
 def test_autosave_keeps_nothing_turned_off_and_all_turned_on_again(session, folder):
     check_kept(folder, session)
-    session.autosave.save_every(None)
+    session.autosave.set_interval(None)
     session.parts.rename_handle(0, "neck")
     session.until(lambda: kept(folder) is None)
-    session.autosave.save_every(0.0)
+    session.autosave.set_interval(0.0)
     check_kept(folder, session)
 
 
@@ -264,7 +264,7 @@ def test_autosave_lets_a_key_that_is_held_down_wait_for_no_file(session, folder,
 
     monkeypatch.setattr(autosave_writer.AutosaveWriter, "put", noted)
     for k in range(1, 6):
-        session.handles.pose(pose(k / 50), 0, "Nudge handle", repeats=True)
+        session.handles.set_pose(pose(k / 50), 0, "Nudge handle", is_repeat=True)
     assert awaited[0]
     assert not any(awaited[1:])
     check_kept(folder, session)
@@ -276,11 +276,11 @@ def test_autosave_keeps_nobody_waiting_for_a_slow_disk_and_writes_the_newest(ses
     check_kept(folder, session)
     entered, go_on, written = threading.Event(), threading.Event(), []
 
-    def slow(path, state, view, at_once, finish):
+    def slow(path, state, view, is_urgent, finish):
         entered.set()
         assert go_on.wait(SLOW)
         written.append(state.document.handles[0].name)
-        return save_session(path, state, view, at_once=at_once, finish=finish)
+        return save_session(path, state, view, is_urgent=is_urgent, finish=finish)
 
     monkeypatch.setattr(autosave_writer, "save_session", slow)
     session.parts.rename_handle(0, "first")
@@ -338,7 +338,7 @@ def test_autosave_says_that_a_disk_does_not_keep_what_it_took(session, folder, m
 def test_autosave_says_once_that_a_folder_cannot_be_made(tmp_path, bar):
     (tmp_path / "file").write_text("in the way")
     session = Driven()
-    session.autosave.keep_in(tmp_path / "file" / "recovery")
+    session.autosave.start(tmp_path / "file" / "recovery")
     session.show_now(bar)
     session.paint_ends()
     session.until(lambda: session.told)
@@ -355,11 +355,11 @@ def test_autosave_says_that_a_disk_has_no_locks(session, folder, tmp_path, monke
 
     monkeypatch.setattr(pytest.importorskip("fcntl"), "flock", refused)
     session.autosave.close()
-    session.autosave.keep_in(tmp_path / "elsewhere")
+    session.autosave.start(tmp_path / "elsewhere")
     session.parts.rename_handle(0, "neck")
     session.until(lambda: session.told)
     assert "Operation not supported" in session.told[-1]
-    assert leftovers(tmp_path / "elsewhere") == []
+    assert find_recovery_files(tmp_path / "elsewhere") == []
 
 
 def test_autosave_fills_a_cleared_folder_again(session, folder):
@@ -367,29 +367,29 @@ def test_autosave_fills_a_cleared_folder_again(session, folder):
     folder.rename(folder.with_name("cleared"))  # in one act, as it may be written just now
     session.parts.rename_handle(0, "neck")
     check_kept(folder, session)
-    assert leftovers(folder) == []
+    assert find_recovery_files(folder) == []
 
 
 # What is left
 
 
-def test_leftovers_does_not_offer_what_a_living_program_keeps(session, folder):
+def test_find_recovery_files_does_not_offer_what_a_living_program_keeps(session, folder):
     check_kept(folder, session)
-    assert leftovers(folder) == []
+    assert find_recovery_files(folder) == []
     assert kept(folder) is not None
 
 
-def test_leftovers_does_not_offer_elsewhere_what_is_offered_here(folder, bar):
+def test_find_recovery_files_does_not_offer_elsewhere_what_is_offered_here(folder, bar):
     left_behind(folder, bar)
-    (left,) = leftovers(folder)
-    assert leftovers(folder) == []
+    (left,) = find_recovery_files(folder)
+    assert find_recovery_files(folder) == []
     left.release()
-    (left,) = leftovers(folder)
+    (left,) = find_recovery_files(folder)
     left.discard()
     assert list(folder.iterdir()) == []
 
 
-def test_leftovers_has_the_newest_first_and_none_is_too_old(folder, bar):
+def test_find_recovery_files_has_the_newest_first_and_none_is_too_old(folder, bar):
     for name, age in (
         ("1-1", 60.0),
         ("2-1", 0.0),
@@ -401,7 +401,7 @@ def test_leftovers_has_the_newest_first_and_none_is_too_old(folder, bar):
     (folder / "5-1.lock").touch()
     (folder / ".1-1.apd-killed.part.apd").touch()
     (folder / "mine.apd").write_bytes((folder / "3-1.apd").read_bytes())
-    found = leftovers(folder)
+    found = find_recovery_files(folder)
     assert [left.path.stem for left in found] == ["4-1", "2-1", "1-1", "3-1", "6-1"]
     assert {left.name for left in found} == {"bar.obj"}
     for left in found:
@@ -409,7 +409,7 @@ def test_leftovers_has_the_newest_first_and_none_is_too_old(folder, bar):
     assert [path.name for path in folder.iterdir()] == ["mine.apd"], "which is none of the program's"
 
 
-def test_leftovers_lets_stay_what_cannot_be_read_now_or_is_none_of_the_programs(folder, bar, monkeypatch):
+def test_find_recovery_files_lets_stay_what_cannot_be_read_now_or_is_not_its_own(folder, bar, monkeypatch):
     path = left_behind(folder, bar)
     (folder / "2-1.apd").mkdir()
     (folder / "3-1.apd").symlink_to(path)
@@ -423,10 +423,10 @@ def test_leftovers_lets_stay_what_cannot_be_read_now_or_is_none_of_the_programs(
 
     with monkeypatch.context() as patch:
         patch.setattr(os, "open", broken)
-        (left,) = leftovers(folder)
+        (left,) = find_recovery_files(folder)
         assert left.name == "a damaged session"
         left.release()
-    (left,) = leftovers(folder)
+    (left,) = find_recovery_files(folder)
     assert left.name == "bar.obj"
     left.release()
     assert {each.name for each in folder.glob("*.apd")} == {"1-1.apd", "2-1.apd", "3-1.apd", "4-1.apd"}
@@ -444,7 +444,7 @@ def test_keep_private_lets_nobody_else_read_what_is_kept_or_left(session, folder
     path = left_behind(older, bar)
     older.chmod(0o755)
     path.chmod(0o644)
-    (left,) = leftovers(older)
+    (left,) = find_recovery_files(older)
     left.release()
     assert (mode(older), mode(path)) == (0o700, 0o600)
     session.files.save(tmp_path / "mine.apd", VIEW)
@@ -457,7 +457,7 @@ def test_keep_private_closes_a_folder_of_an_older_version_before_anything_is_wri
     folder.mkdir(mode=0o755)
     folder.chmod(0o755)
     again = Driven()
-    again.autosave.keep_in(folder)
+    again.autosave.start(folder)
     again.show_now(bar)
     again.paint_ends()
     again.until(lambda: kept(folder))
@@ -469,11 +469,11 @@ def mode(path):
     return stat.S_IMODE(path.stat().st_mode)
 
 
-def test_leftovers_finds_none_without_a_folder(folder):
-    assert leftovers(folder) == []
+def test_find_recovery_files_finds_none_without_a_folder(folder):
+    assert find_recovery_files(folder) == []
 
 
-def test_take_gives_no_lock_of_a_file_that_is_gone(tmp_path, monkeypatch):
+def test_acquire_lock_gives_no_lock_of_a_file_that_is_gone(tmp_path, monkeypatch):
     fcntl = pytest.importorskip("fcntl")
     lock = fcntl.flock
 
@@ -482,18 +482,18 @@ def test_take_gives_no_lock_of_a_file_that_is_gone(tmp_path, monkeypatch):
         (tmp_path / "a.lock").unlink()
 
     monkeypatch.setattr(fcntl, "flock", late)
-    assert take(tmp_path / "a.lock") is None
-    monkeypatch.setattr(recovery, "take", lambda _: None)
+    assert acquire_lock(tmp_path / "a.lock") is None
+    monkeypatch.setattr(recovery_file, "acquire_lock", lambda _: None)
     with pytest.raises(OSError, match="locked"):
-        recovery.owned(tmp_path)
+        recovery_file.claim_path(tmp_path)
 
 
-def test_ago_says_in_words_how_long_ago():
+def test_age_text_says_in_words_how_long_ago():
     now = time.time()
-    said = [ago(now - seconds) for seconds in (-5, 0, 59, 61, 125, 3598, 3601, 86398, 2 * 86401)]
+    said = [age_text(now - seconds) for seconds in (-5, 0, 59, 61, 125, 3598, 3601, 86398, 2 * 86401)]
     minutes = ["1 minute ago", "2 minutes ago", "59 minutes ago"]
     assert said == ["just now"] * 3 + minutes + ["1 hour ago", "23 hours ago", "2 days ago"]
-    assert {ago(time) for time in (0.0, 86400.0, now + 1e9)} == {"at an unknown time"}
+    assert {age_text(time) for time in (0.0, 86400.0, now + 1e9)} == {"at an unknown time"}
 
 
 def test_autosave_restore_is_one_step_and_is_kept_again_before_the_file_goes(session, folder, bar):
@@ -501,11 +501,11 @@ def test_autosave_restore_is_one_step_and_is_kept_again_before_the_file_goes(ses
     session.settle()
     before = session.store.state
     path = left_behind(folder, bar)
-    (left,) = leftovers(folder)
+    (left,) = find_recovery_files(folder)
     saved = open_session(path)[0]
     session.autosave.restore(left)
     session.until(lambda: session.jobs.current is None)
-    assert left.taken
+    assert left.is_restored
     check_equal(session.store.state, saved)
     assert session.gestures.history.next_undo == "Open bar.obj"
     session.until(lambda: not path.exists() and not lock_path(path).exists())
@@ -521,11 +521,11 @@ def test_autosave_restore_gives_work_that_counts_as_unsaved(session, folder, bar
     check_kept(folder, session)
     path = folder / "1-1.apd"
     save_session(path, session.store.state, VIEW)
-    (left,) = leftovers(folder)
+    (left,) = find_recovery_files(folder)
     again = Driven()
     again.autosave.restore(left)
     again.until(lambda: again.jobs.current is None)
-    assert again.saved_work.unsaved
+    assert again.saved_work.is_unsaved
     assert path.exists(), "as long as it is not kept anywhere else"
     again.close()
     left.release()
@@ -540,14 +540,14 @@ def test_autosave_restore_refuses_in_a_sentence_what_is_damaged_and_it_stays(ses
     else:
         content = path.read_bytes()
         path.write_bytes(b"nonsense" if damage == "nonsense" else content[: len(content) // 2])
-    (left,) = leftovers(folder)
+    (left,) = find_recovery_files(folder)
     state = session.store.state
     session.autosave.restore(left)
     session.until(lambda: session.failed)
     name = "bar.obj" if damage == "no mesh" else "a damaged session"
     assert session.failed[0].startswith(f"The unsaved work on {name} cannot be restored: ")
     assert session.store.state is state
-    assert not left.taken
+    assert not left.is_restored
     session.close()
     assert path.exists()
     left.discard()
@@ -576,12 +576,12 @@ def play(folder: Path) -> None:
     """Do random things without an end, in a session that keeps them; log the number and the time of each."""
     import in_thread
 
-    from apd_viewer.session.processes import process_client
+    from apd_viewer.session.processes import solver_process
 
-    process_client.start_process = in_thread.InThread
+    solver_process.start_solver_process = in_thread.InThread
     chance = random.Random()
     session = Driven()
-    session.autosave.keep_in(folder / "recovery", lambda: VIEW)
+    session.autosave.start(folder / "recovery", lambda: VIEW)
     session.show_now(open_mesh(folder / "bar.obj"))
     session.paint_ends()
     n = len(session.store.state.document.mesh.V)
@@ -621,7 +621,7 @@ def killed_programs(kills: int, folder: Path, seed: int = 0) -> list[float]:
             player = int(nursery.stdout.readline())
             _wait_for_first_step(folder)
             time.sleep(chance.uniform(0.0, 1.0))
-            assert leftovers(folder / "recovery") == [], "it lives"
+            assert find_recovery_files(folder / "recovery") == [], "it lives"
             killed = time.monotonic()
             os.kill(player, signal.SIGKILL)
             assert nursery.stdout.readline() == "dead\n"
@@ -642,7 +642,7 @@ def _lost(folder: Path, killed: float, kill: int) -> float:
     lines = [line.split() for line in (folder / "log").read_text().splitlines()]
     done = {int(line[0]): float(line[1]) for line in lines if len(line) == 2}
     (folder / "log").unlink()
-    last, found = -1, leftovers(folder / "recovery")
+    last, found = -1, find_recovery_files(folder / "recovery")
     if found:
         (left,) = found
         state, view = left.read()

@@ -7,7 +7,7 @@ from meshes import box
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.presentation.obstacle_readings import coordinates
+from apd_viewer.presentation.obstacle_readings import coordinates_text
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import open_session, save_session
 
@@ -19,7 +19,7 @@ def dragged(session: Driven, place):
     """The session on the bar at a place, its upper end moved."""
     session.show_now(Mesh(V + place, F))
     session.paint_ends()
-    session.settings.keep_apart(True)
+    session.settings.set_contact(True)
     pose = BENT.copy()
     pose[:3, 3] += place - pose[:3, :3] @ place
     session.drag(pose)
@@ -27,7 +27,7 @@ def dragged(session: Driven, place):
     return session.store.state
 
 
-def test_handles_drag_far_away_is_the_drag_near(empty, tmp_path):
+def test_handle_editor_drag_far_away_is_the_drag_near(empty, tmp_path):
     near = dragged(empty, np.zeros(3)).frame
     state = dragged(empty, FAR)
     far = state.frame
@@ -40,8 +40,8 @@ def test_handles_drag_far_away_is_the_drag_near(empty, tmp_path):
     assert np.abs(open_mesh(tmp_path / "far.obj").V - far.U).max() < 1e-8, "it has 15 digits"
 
 
-def test_coordinates_keep_the_digits_of_typed_places():
+def test_coordinates_text_keep_the_digits_of_typed_places():
     place = FAR + [0.125, 0.0625, -0.03125]
-    said = [float(word) for word in coordinates(place, 6.0, 5).split(",")]
+    said = [float(word) for word in coordinates_text(place, 6.0, 5).split(",")]
     assert np.abs(said - place).max() < 1e-4 * 6.0
-    assert coordinates(np.array([1.5, -20.0, 0.0]), 6.0, 5) == "1.5, -20, 0"
+    assert coordinates_text(np.array([1.5, -20.0, 0.0]), 6.0, 5) == "1.5, -20, 0"

@@ -12,17 +12,17 @@ from meshes import tube
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.pose.transforms import shifted, turned_about
+from apd_viewer.geometry.pose.transforms import rotation_about, translation
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.report_settings import handle_rows
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.quantities.deck_wall import WallWords, deck_wall
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.studies.deck_setup import deck_of
-from apd_viewer.session.studies.replay import replay
+from apd_viewer.session.studies.session_replay import replay_session
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
 
@@ -33,7 +33,7 @@ def twisted(empty: Driven) -> Driven:
     z = V(empty)[:, 2]
     empty.stroke(np.flatnonzero(z == z.min()), BASE)
     empty.stroke(np.flatnonzero(z == z.max()), HANDLE)
-    empty.settings.keep_apart(False)
+    empty.settings.set_contact(False)
     twist(empty, 20)
     return empty
 
@@ -47,7 +47,7 @@ def document(session):
 
 
 def twist(session, degrees: float, to: bool = False) -> None:
-    session.handles.move_by(TypedMotion.TWIST, f"{degrees}deg", 0, to=to)
+    session.handles.move_by(MotionKind.TWIST, f"{degrees}deg", 0, is_total=to)
     session.settle()
 
 
@@ -59,7 +59,7 @@ def turned_by(session, degrees: float) -> np.ndarray:
     """The rest shape, turned about the line from the base to the handle."""
     painted = document(session)
     base, top = (V(session)[painted.labels == code].mean(axis=0) for code in (BASE, HANDLE))
-    pose = turned_about(base, (top - base) / np.linalg.norm(top - base), np.deg2rad(degrees))
+    pose = rotation_about(base, (top - base) / np.linalg.norm(top - base), np.deg2rad(degrees))
     moved: np.ndarray = V(session) @ pose[:3, :3].T + pose[:3, 3]
     return moved
 
@@ -96,7 +96,7 @@ def another_handle(session) -> None:
 
 
 def a_grown_base(session) -> None:
-    session.painting.reshape(Part(BASE), PartOperation.GROW)
+    session.painting.apply_operation(PaintedPart(BASE), PartOperation.GROW)
 
 
 def a_handle_less(session) -> None:
@@ -112,7 +112,7 @@ def a_region(session) -> None:
 
 def names_and_locks(session) -> None:
     session.parts.rename_handle(0, "Neck")
-    session.parts.lock(Part(HANDLE), True)
+    session.parts.lock(PaintedPart(HANDLE), True)
 
 
 EDITS = [
@@ -129,7 +129,7 @@ EDITS = [
 
 
 @pytest.mark.parametrize("edit", EDITS)
-def test_from_rest_forgets_no_motion_in_any_edit_of_the_paint(twisted, edit, tmp_path):
+def test_relative_to_rest_forgets_no_motion_in_any_edit_of_the_paint(twisted, edit, tmp_path):
     before, rest = twisted.store.state, V(twisted)
     edit(twisted)
     twisted.settle()
@@ -148,14 +148,14 @@ def test_from_rest_forgets_no_motion_in_any_edit_of_the_paint(twisted, edit, tmp
         return  # a twist is about another line now
     twist(twisted, 60, to=True)
     assert said(twisted) == "twisted +60.0°"
-    held = document(twisted).from_rest.handles[0].pose
+    held = document(twisted).relative_to_rest.handles[0].pose
     kept = before.document.labels == HANDLE
     kept &= document(twisted).labels == HANDLE
     moved = rest[kept] @ held[:3, :3].T + held[:3, 3]
     np.testing.assert_allclose(twisted.U[kept], moved, atol=1e-9)
     assert np.degrees(np.arccos((np.trace(held[:3, :3]) - 1) / 2)) == pytest.approx(60.0)
 
-    twisted.handles.reset(0)
+    twisted.handles.reset_handle(0)
     twisted.settle()
     assert said(twisted) == "at rest"
     np.testing.assert_allclose(twisted.U, rest, atol=1e-4)
@@ -166,11 +166,11 @@ def test_from_rest_forgets_no_motion_in_any_edit_of_the_paint(twisted, edit, tmp
 def test_open_session_gives_a_session_of_before_the_places_that_it_had(twisted, tmp_path):
     """It says only where its handles are held, not how they came there."""
     a_longer_handle(twisted)
-    old = replace(document(twisted).handles[0], earlier=(), line=None)
-    path, state = tmp_path / "old.apd", twisted.store.state.at(document(twisted).with_handle(0, old))
+    old = replace(document(twisted).handles[0], earlier_poses=(), former_twist_axis=None)
+    path, state = tmp_path / "old.apd", twisted.store.state.updated(document(twisted).with_handle(0, old))
     save_session(path, state, VIEW, embed=True)
     opened, _ = open_session(path)
-    assert opened.document.from_rest is opened.document
+    assert opened.document.relative_to_rest is opened.document
     assert readings.motion(opened, 0, Unit.NONE) == "not moved since it was painted"
     held, there = opened.document.constraints(), document(twisted).constraints()
     np.testing.assert_array_equal(held.targets, there.targets)
@@ -180,13 +180,15 @@ def test_open_session_gives_a_session_of_before_the_places_that_it_had(twisted, 
 @pytest.mark.parametrize("said", [np.zeros((4, 4)), np.diag([1.0, 1.0, 0.0, 1.0])])
 def test_open_session_refuses_a_damaged_way(twisted, tmp_path, said):
     path = tmp_path / "damaged.apd"
-    handle = replace(document(twisted).handles[0], earlier=(said,))
-    save_session(path, twisted.store.state.at(document(twisted).with_handle(0, handle)), VIEW, embed=True)
+    handle = replace(document(twisted).handles[0], earlier_poses=(said,))
+    save_session(
+        path, twisted.store.state.updated(document(twisted).with_handle(0, handle)), VIEW, embed=True
+    )
     with pytest.raises(InputError):
         open_session(path)
 
 
-def test_from_rest_takes_studies_of_a_painted_shape_along_the_whole_motion(twisted, tmp_path):
+def test_relative_to_rest_takes_studies_of_a_painted_shape_along_the_whole_motion(twisted, tmp_path):
     a_base_stroke(twisted)
     twist(twisted, 10)
     sweep = sweep_of(document(twisted), 3, methods=["arap"])
@@ -197,8 +199,8 @@ def test_from_rest_takes_studies_of_a_painted_shape_along_the_whole_motion(twist
     np.testing.assert_allclose(steps[0].frame.U[top], V(twisted)[top], atol=1e-12)
     np.testing.assert_allclose(steps[3].frame.U[top], twisted.U[top], atol=1e-9)
 
-    deck = deck_of(document(twisted), deck_wall(WallWords(), Unit.NONE, 1.0), 2)
-    at_top = next(k for k, part in enumerate(deck.held) if part.name == "HANDLE")
+    deck = deck_of(document(twisted), deck_wall(DeckWallText(), Unit.NONE, 1.0), 2)
+    at_top = next(k for k, part in enumerate(deck.held_sets) if part.name == "HANDLE")
     np.testing.assert_allclose(deck.V[top] + deck.steps[-1][at_top], twisted.U[top], atol=1e-9)
     halfway = deck.V[top] + deck.steps[0][at_top]
     np.testing.assert_allclose(halfway, turned_by(twisted, 15)[top], atol=1e-9)
@@ -206,7 +208,7 @@ def test_from_rest_takes_studies_of_a_painted_shape_along_the_whole_motion(twist
     path = tmp_path / "painted.apd"
     save_session(path, twisted.store.state, VIEW, embed=True)
     shapes = []
-    replay(path, from_rest=True, passed=shapes.append)
+    replay_session(path, from_rest=True, on_shape=shapes.append)
     np.testing.assert_allclose(shapes[0][top], V(twisted)[top], atol=1e-12)
     np.testing.assert_allclose(shapes[-1], twisted.U, atol=2e-2)
 
@@ -214,11 +216,11 @@ def test_from_rest_takes_studies_of_a_painted_shape_along_the_whole_motion(twist
 def test_readings_claim_no_motion_of_a_handle_painted_on_a_deformed_shape(twisted):
     another_handle(twisted)
     assert said(twisted, 1) == "not moved since it was painted"
-    assert twisted.store.state.is_away(1)
-    twisted.handles.move_by(TypedMotion.MOVE_Z, "0.1", 1)
+    assert twisted.store.state.is_handle_moved(1)
+    twisted.handles.move_by(MotionKind.MOVE_Z, "0.1", 1)
     twisted.settle()
     assert said(twisted, 1) == "moved 0.1000"
-    twisted.handles.reset(1)
+    twisted.handles.reset_handle(1)
     twisted.settle()
     assert said(twisted, 1) == "at rest"
     assert said(twisted, 0) == "twisted +20.0°"
@@ -226,25 +228,27 @@ def test_readings_claim_no_motion_of_a_handle_painted_on_a_deformed_shape(twiste
     np.testing.assert_allclose(twisted.U[mine], V(twisted)[mine], atol=1e-12)
 
 
-def test_set_part_lets_a_handle_painted_elsewhere_start_again(twisted):
-    twisted.painting.set_part(Part(HANDLE), np.isin(np.arange(len(V(twisted))), ring(twisted, 0.0)), "Paint")
+def test_set_members_lets_a_handle_painted_elsewhere_start_again(twisted):
+    twisted.painting.set_members(
+        PaintedPart(HANDLE), np.isin(np.arange(len(V(twisted))), ring(twisted, 0.0)), "Paint"
+    )
     twisted.stroke(ring(twisted, 1.0), BASE)
     assert said(twisted) == "at rest"
-    assert not document(twisted).handles[0].earlier
+    assert not document(twisted).handles[0].earlier_poses
 
 
-def test_from_rest_keeps_full_turns_and_they_are_wound_back(twisted):
+def test_relative_to_rest_keeps_full_turns_and_they_are_wound_back(twisted):
     twist(twisted, 340)
     a_base_stroke(twisted)
     assert said(twisted) == "twisted +360.0°"
     twist(twisted, 40)
     assert said(twisted) == "twisted +400.0°"
-    assert not document(twisted).winds, "it goes on from what is on screen"
-    assert document(twisted).from_rest.winds
+    assert not document(twisted).has_half_turn, "it goes on from what is on screen"
+    assert document(twisted).relative_to_rest.has_half_turn
     twist(twisted, 90, to=True)
     assert said(twisted) == "twisted +90.0°"
     a_longer_handle(twisted)
-    twisted.handles.reset(0)
+    twisted.handles.reset_handle(0)
     twisted.settle()
     assert said(twisted) == "at rest"
     np.testing.assert_allclose(twisted.U, V(twisted), atol=1e-3)
@@ -252,11 +256,14 @@ def test_from_rest_keeps_full_turns_and_they_are_wound_back(twisted):
 
 @pytest.mark.parametrize(
     "back",
-    [lambda s: s.handles.reset(0), pytest.param(lambda s: twist(s, 0, to=True), marks=pytest.mark.night)],
+    [
+        lambda s: s.handles.reset_handle(0),
+        pytest.param(lambda s: twist(s, 0, to=True), marks=pytest.mark.night),
+    ],
 )
-def test_handles_unwind_a_wound_shape_with_contact(twisted, back):
+def test_handle_editor_unwinds_a_wound_shape_with_contact(twisted, back):
     """The shortest way from 300 degrees back to rest leads on to a full turn."""
-    twisted.settings.keep_apart(True)
+    twisted.settings.set_contact(True)
     twist(twisted, 280)
     assert said(twisted) == "twisted +300.0°"
     back(twisted)
@@ -266,13 +273,13 @@ def test_handles_unwind_a_wound_shape_with_contact(twisted, back):
 
 
 def test_poses_go_finds_a_kept_pose_again_after_a_stroke(twisted):
-    twisted.poses.keep()
+    twisted.poses.add()
     twist(twisted, 300)
     a_longer_handle(twisted)
-    twisted.poses.go(0)
+    twisted.poses.go_to(0)
     twisted.settle()
     assert said(twisted) == "twisted +20.0°"
-    pose = document(twisted).from_rest.handles[0].pose
+    pose = document(twisted).relative_to_rest.handles[0].pose
     np.testing.assert_allclose(pose, document(twisted).poses[0].placements[0].pose, atol=1e-9)
 
 
@@ -281,13 +288,13 @@ def test_paint_partner_takes_a_mirror_handle_along_the_whole_motion(empty):
     x, z = V(empty)[:, 0], V(empty)[:, 2]
     empty.stroke(np.flatnonzero(z == z.min()), BASE)
     empty.stroke(np.flatnonzero((z == z.max()) & (x > 0.2)), HANDLE)
-    empty.handles.move_by(TypedMotion.MOVE_X, "0.1", 0)
+    empty.handles.move_by(MotionKind.MOVE_X, "0.1", 0)
     empty.settle()
     empty.stroke(ring(empty, 0.2), BASE)
-    empty.symmetric.mirror_along(0)
-    empty.symmetric.paint_partner(0)
+    empty.symmetric_posing.mirror_along(0)
+    empty.symmetric_posing.paint_partner(0)
     empty.settle()
-    first, second = document(empty).from_rest.handles
+    first, second = document(empty).relative_to_rest.handles
     assert first.pose[0, 3] == pytest.approx(0.1)
     assert second.pose[0, 3] == pytest.approx(-0.1)
     other = document(empty).labels == HANDLE + 1
@@ -299,7 +306,7 @@ def test_bake_begins_anew_from_what_is_on_screen(twisted):
     twisted.rest_shape.bake()
     twisted.until(lambda: twisted.jobs.current is None)
     assert said(twisted) == "at rest"
-    assert not twisted.store.state.is_away(0)
+    assert not twisted.store.state.is_handle_moved(0)
     assert twisted.store.state.is_at_rest
 
 
@@ -310,7 +317,7 @@ STEPS = st.lists(MOVES | STROKES | st.tuples(st.just("undo"), st.just(0), st.jus
 
 @settings(max_examples=10, deadline=None)
 @given(steps=STEPS)
-def test_from_rest_has_the_product_of_all_motions(steps):
+def test_relative_to_rest_has_the_product_of_all_motions(steps):
     """Whatever is painted between them, and whatever is undone."""
     session = Driven()
     try:
@@ -330,22 +337,22 @@ def test_from_rest_has_the_product_of_all_motions(steps):
                 continue
             before = session.store.state.document
             if step == "move":
-                by = shifted([b, 0.0, -b]) @ turned_about([0.0, 0.0, z.max()], [0.3, 0.2, 1.0], a)
-                session.handles.pose(by @ document(session).handles[0].pose, 0, "Move")
+                by = translation([b, 0.0, -b]) @ rotation_about([0.0, 0.0, z.max()], [0.3, 0.2, 1.0], a)
+                session.handles.set_pose(by @ document(session).handles[0].pose, 0, "Move")
             else:
                 session.stroke(ring(session, a), b)
             if document(session) is not before:
                 done.append(total)
                 total = by @ total if step == "move" else total
             session.settle()
-            whole = document(session).from_rest
+            whole = document(session).relative_to_rest
             np.testing.assert_allclose(whole.handles[0].pose, total, atol=1e-9)
             there = V(session)[first] @ total[:3, :3].T + total[:3, 3]
             np.testing.assert_allclose(session.U[first], there, atol=1e-9)
-        session.handles.reset(0)
+        session.handles.reset_handle(0)
         assert not session.failed
         held = document(session).constraints()
-        assert not session.store.state.is_away(0)
+        assert not session.store.state.is_handle_moved(0)
         np.testing.assert_array_equal(held.targets[np.isin(held.fixed, first)], V(session)[first])
     finally:
         session.close()

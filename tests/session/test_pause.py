@@ -3,7 +3,7 @@
 import pytest
 from driven_session import BENT, pose
 
-from apd_viewer.session.store import Activity
+from apd_viewer.session.state_store import Activity
 
 pytestmark = pytest.mark.usefixtures("slow")
 

@@ -7,7 +7,7 @@ import pytest
 from driven_session import VIEW, bar, pose
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.contact.mesh_contact import thickness_of
+from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
@@ -22,11 +22,11 @@ def now(session):
 
 def steps(session):
     """Names of the steps since contact was turned off."""
-    return session.gestures.history.done[1:]
+    return session.gestures.history.undo_names[1:]
 
 
 def apart(session):
-    return thickness_of(diagonal(now(session).mesh.V), now(session).thickness)
+    return contact_thickness(diagonal(now(session).mesh.V), now(session).thickness)
 
 
 def least_distance(obstacle):
@@ -41,7 +41,7 @@ def least_distance(obstacle):
 def opened(empty):
     """A session with a bar of 2 x 2 x 6, nothing painted and contact off."""
     empty.show_now(bar())
-    empty.settings.keep_apart(False)
+    empty.settings.set_contact(False)
     return empty
 
 
@@ -56,9 +56,9 @@ def bent(empty):
     return empty
 
 
-def test_put_floor_puts_a_floor_under_the_lowest_point_and_turns_contact_on(opened):
+def test_add_floor_puts_a_floor_under_the_lowest_point_and_turns_contact_on(opened):
     before = now(opened)
-    assert opened.obstacles.put_floor(UP) == 0
+    assert opened.obstacles.add_floor(UP) == 0
     (floor,) = now(opened).obstacles
     assert (floor.name, floor.kind) == ("Floor", ObstacleKind.PLATE)
     np.testing.assert_array_equal(floor.axis, UP)
@@ -72,9 +72,9 @@ def test_put_floor_puts_a_floor_under_the_lowest_point_and_turns_contact_on(open
     assert now(opened).obstacles == (floor,)
 
 
-def test_put_plates_lets_two_plates_touch_the_shape_from_both_sides(opened):
+def test_add_plates_lets_two_plates_touch_the_shape_from_both_sides(opened):
     axis = np.array([3.0, 4.0, 0.0])
-    opened.obstacles.put_plates(axis)
+    opened.obstacles.add_plates(axis)
     one, two = now(opened).obstacles
     assert (one.name, two.name) == ("Plate 1", "Plate 2")
     np.testing.assert_allclose(one.axis, axis / 5.0)
@@ -85,18 +85,18 @@ def test_put_plates_lets_two_plates_touch_the_shape_from_both_sides(opened):
     assert len(steps(opened)) == 1
 
 
-def test_put_floor_and_put_plates_keep_the_thickness_of_the_walls(opened):
-    opened.obstacles.put_floor(UP, thickness=0.05)
+def test_add_floor_and_put_plates_keep_the_thickness_of_the_walls(opened):
+    opened.obstacles.add_floor(UP, thickness=0.05)
     assert now(opened).thickness == 0.05
     assert now(opened).obstacles[0].place[2] == pytest.approx(opened.U[:, 2].min() - 0.05)
-    opened.obstacles.put_plates(np.eye(3)[0], thickness=0.02)  # contact is on already
+    opened.obstacles.add_plates(np.eye(3)[0], thickness=0.02)  # contact is on already
     assert now(opened).thickness == 0.05
 
 
 @pytest.mark.parametrize("kind", ObstacleKind)
 def test_proposed_touches_the_point_and_points_into_the_shape(opened, kind):
     point, outwards = np.array([2.0, 1.0, 3.0]), np.array([1.0, 0.0, 0.0])
-    obstacle = opened.obstacles.proposed(kind, point, outwards)
+    obstacle = opened.obstacles.proposed_obstacle(kind, point, outwards)
     np.testing.assert_array_equal(obstacle.axis, -outwards)
     front = obstacle.place + (obstacle.radius + 0.5 * obstacle.length) * obstacle.axis
     np.testing.assert_allclose(front, point + apart(opened) * outwards, atol=1e-12)
@@ -109,9 +109,9 @@ def test_proposed_touches_the_point_and_points_into_the_shape(opened, kind):
 def test_proposed_moves_back_until_it_is_clear_what_another_part_is_in_the_way_of(bent, kind):
     outwards = np.array([-1.5, 0.0, 1.0]) / np.hypot(1.5, 1.0)
     point = np.array([0.1, 0.5, 0.15])
-    first = bent.obstacles.proposed(kind, point, outwards, at_once=True)
+    first = bent.obstacles.proposed_obstacle(kind, point, outwards, is_preview=True)
     assert least_distance(first) < 0.0
-    clear = bent.obstacles.proposed(kind, point, outwards)
+    clear = bent.obstacles.proposed_obstacle(kind, point, outwards)
     assert least_distance(clear) == pytest.approx(apart(bent), rel=0.05)
     back = clear.place - first.place
     assert np.cross(back, outwards) == pytest.approx(0.0, abs=1e-12)
@@ -122,12 +122,14 @@ def test_proposed_moves_back_until_it_is_clear_what_another_part_is_in_the_way_o
 
 def test_proposed_moves_a_plate_back_behind_all_of_the_shape_even_at_once(bent):
     outwards = np.array([0.0, 0.0, -1.0])
-    plate = bent.obstacles.proposed(ObstacleKind.PLATE, np.array([0.5, 0.5, 0.75]), outwards, at_once=True)
+    plate = bent.obstacles.proposed_obstacle(
+        ObstacleKind.PLATE, np.array([0.5, 0.5, 0.75]), outwards, is_preview=True
+    )
     assert plate.place[2] == pytest.approx(-apart(bent))
 
 
 def test_obstacles_move_is_one_step_with_the_distance_in_the_title(opened):
-    opened.obstacles.put_floor(UP)
+    opened.obstacles.add_floor(UP)
     opened.obstacles.move(0, 0.25 * UP)
     np.testing.assert_allclose(now(opened).obstacles[0].shift, 0.25 * UP)
     opened.obstacles.move(0, -0.5 * UP)
@@ -141,13 +143,13 @@ def test_obstacles_move_is_one_step_with_the_distance_in_the_title(opened):
 
 
 def test_obstacles_drag_is_one_step_and_can_be_given_up(opened):
-    opened.obstacles.put_floor(UP)
+    opened.obstacles.add_floor(UP)
     before = now(opened)
     opened.gestures.begin()
     for share in (0.1, 0.2, 0.3):
         opened.obstacles.drag(0, share * UP)
     np.testing.assert_allclose(now(opened).obstacles[0].shift, 0.3 * UP)
-    opened.obstacles.release(0)
+    opened.obstacles.end_drag(0)
     assert steps(opened) == ["Add floor", "Move Floor by 0.3"]
     opened.gestures.undo()
     assert now(opened) is before
@@ -160,7 +162,7 @@ def test_obstacles_drag_is_one_step_and_can_be_given_up(opened):
 
 
 def test_obstacles_replace_places_an_obstacle_anew_by_typed_numbers(opened):
-    opened.obstacles.put_floor(UP)
+    opened.obstacles.add_floor(UP)
     opened.obstacles.move(0, 0.1 * UP)
     floor = now(opened).obstacles[0]
     lower = replace(floor, place=frozen(floor.place - UP), axis=frozen(np.array([0.0, 1.0, 5.0])))
@@ -173,7 +175,7 @@ def test_obstacles_replace_places_an_obstacle_anew_by_typed_numbers(opened):
 
 
 def test_obstacles_replace_moves_back_a_plate_that_would_cut_the_shape_and_says_so(opened):
-    opened.obstacles.put_floor(UP)
+    opened.obstacles.add_floor(UP)
     floor = now(opened).obstacles[0]
     opened.obstacles.replace(0, replace(floor, place=frozen(floor.place + 3.0 * UP)))
     np.testing.assert_allclose(now(opened).obstacles[0].place, floor.place, atol=1e-9)
@@ -182,7 +184,7 @@ def test_obstacles_replace_moves_back_a_plate_that_would_cut_the_shape_and_says_
 
 def test_obstacles_replace_refuses_a_sphere_in_the_shape_with_a_place_that_is_taken(opened):
     point, outwards = np.array([2.0, 1.0, 3.0]), np.array([1.0, 0.0, 0.0])
-    opened.obstacles.add(opened.obstacles.proposed(ObstacleKind.SPHERE, point, outwards))
+    opened.obstacles.add(opened.obstacles.proposed_obstacle(ObstacleKind.SPHERE, point, outwards))
     before, sphere = now(opened), now(opened).obstacles[0]
     inside = replace(sphere, place=frozen(sphere.place - 0.3 * outwards))
     with pytest.raises(InputError, match="would stand in the shape"):
@@ -195,7 +197,7 @@ def test_obstacles_replace_refuses_a_sphere_in_the_shape_with_a_place_that_is_ta
 
 
 def test_obstacles_have_names_of_their_own_and_can_be_removed(opened):
-    opened.obstacles.put_plates(UP)
+    opened.obstacles.add_plates(UP)
     opened.obstacles.rename(0, "Plate 2")
     assert [each.name for each in now(opened).obstacles] == ["Plate 2 2", "Plate 2"]
     opened.obstacles.rename(0, "Press")
@@ -203,15 +205,15 @@ def test_obstacles_have_names_of_their_own_and_can_be_removed(opened):
     opened.obstacles.remove(1)
     assert [each.name for each in now(opened).obstacles] == ["Press"]
     assert steps(opened)[1:] == ["Rename", "Rename", "Remove Plate 2"]
-    opened.obstacles.put_floor(UP)
-    opened.obstacles.put_floor(UP)
+    opened.obstacles.add_floor(UP)
+    opened.obstacles.add_floor(UP)
     assert [each.name for each in now(opened).obstacles] == ["Press", "Floor", "Floor 2"]
 
 
 def test_obstacles_are_refused_with_a_method_without_contact_and_when_too_many(opened):
     opened.settings.set_method("paper")
     before = now(opened)
-    assert opened.obstacles.put_floor(UP) is None
+    assert opened.obstacles.add_floor(UP) is None
     assert "contact" in opened.failed[-1]
     assert now(opened) is before
     opened.settings.set_method("exact")
@@ -224,16 +226,16 @@ def test_obstacles_are_refused_with_a_method_without_contact_and_when_too_many(o
 
 
 def test_rest_shape_restore_brings_obstacles_back_clear_of_the_rest_shape(session):
-    session.obstacles.put_floor(UP)
-    session.obstacles.put_plates(np.eye(3)[0])
+    session.obstacles.add_floor(UP)
+    session.obstacles.add_plates(np.eye(3)[0])
     floor = now(session).obstacles[0]
     assert session.store.state.is_at_rest
     session.obstacles.move(0, -2.0 * UP)
     assert not session.store.state.is_at_rest
-    session.settings.keep_apart(False)
+    session.settings.set_contact(False)
     session.drag(pose(0.6, (0.5, 0.0, -4.0)))  # the upper end goes down below the floor
     session.settle()
-    session.obstacles.put_floor(np.array([0.0, 0.0, -1.0]))
+    session.obstacles.add_floor(np.array([0.0, 0.0, -1.0]))
     lid = now(session).obstacles[3]
     session.rest_shape.restore()
     assert not any(each.shift.any() for each in now(session).obstacles)
@@ -246,10 +248,10 @@ def test_rest_shape_restore_brings_obstacles_back_clear_of_the_rest_shape(sessio
 
 
 def test_bake_keeps_obstacles_where_they_are(session):
-    session.settings.keep_apart(False)
+    session.settings.set_contact(False)
     session.drag(pose(0.6, (0.5, 0.0, 0.2)))
     session.settle()
-    session.obstacles.put_floor(UP)
+    session.obstacles.add_floor(UP)
     session.obstacles.move(0, -0.5 * UP)
     session.settle()
     where = now(session).obstacles[0].centre
@@ -261,21 +263,21 @@ def test_bake_keeps_obstacles_where_they_are(session):
 
 
 def test_save_session_keeps_an_obstacle_that_was_just_added(opened, tmp_path):
-    opened.obstacles.put_floor(UP)
+    opened.obstacles.add_floor(UP)
     save_session(tmp_path / "a.apd", opened.store.state, VIEW)
     found, _ = open_session(tmp_path / "a.apd")
     (floor,) = found.document.obstacles
     np.testing.assert_array_equal(floor.place, now(opened).obstacles[0].place)
 
 
-def test_keep_apart_moves_out_what_stands_in_the_shape_once_contact_is_on(opened):
-    opened.obstacles.put_floor(UP)
+def test_set_contact_moves_out_what_stands_in_the_shape_once_contact_is_on(opened):
+    opened.obstacles.add_floor(UP)
     opened.settle()
-    opened.settings.keep_apart(False)
+    opened.settings.set_contact(False)
     within = replace(now(opened).obstacles[0], place=frozen(np.array([0.0, 0.0, 0.3])))
     opened.store.set_document(replace(now(opened), obstacles=(within,)))  # as of another shape
     before = now(opened)
-    opened.settings.keep_apart(True)
+    opened.settings.set_contact(True)
     opened.settle()
     (floor,) = now(opened).obstacles
     assert floor.centre[2] == pytest.approx(opened.U[:, 2].min() - apart(opened), abs=1e-9)

@@ -9,15 +9,15 @@ from meshes import sphere
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.presentation.time_left import Forecast
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.presentation.time_left import TimeLeftEstimate
+from apd_viewer.session.model.motion_kind import MotionKind
 
 pytestmark = [pytest.mark.usefixtures("processes"), pytest.mark.alone]
 
 MINUTES = 5.0
 
 
-def test_forecast_knows_the_time_left_before_half_of_the_way_to_the_minimum(empty: Driven):
+def test_time_left_estimate_knows_the_time_left_before_half_of_the_way_to_the_minimum(empty: Driven):
     """Nothing can be told until the matrix is analysed, and that is up to 0.43 of a solve of six seconds."""
     ball, F = sphere(7)
     V = ball * [1.0, 1.0, 2.0]
@@ -26,18 +26,18 @@ def test_forecast_knows_the_time_left_before_half_of_the_way_to_the_minimum(empt
     empty.stroke(np.flatnonzero(V[:, 2] < -1.68), BASE)
     empty.stroke(np.flatnonzero(V[:, 2] > 1.68), HANDLE)
     empty.settings.set_stiffness(1e-3)
-    empty.handles.move_by(TypedMotion.MOVE_Z, "0.04", 0)
+    empty.handles.move_by(MotionKind.MOVE_Z, "0.04", 0)
     seen = empty.store.state.frame
     empty.until(lambda: empty.store.state.frame is not seen, 60.0)  # decimated, and on its way
-    began, forecast, said = time.monotonic(), Forecast(0.0), []
+    began, forecast, said = time.monotonic(), TimeLeftEstimate(0.0), []
 
     def arrived() -> bool:
         nonlocal seen
         frame, now = empty.store.state.frame, time.monotonic() - began
         if frame is not seen:
             seen = frame
-            forecast.add(now, frame.gap, frame.seconds_left)
-        said.append((now, forecast.left(now)))
+            forecast.add_gap(now, frame.gap, frame.seconds_left)
+        said.append((now, forecast.seconds_left(now)))
         return frame.gap is not None and frame.gap <= 1.0
 
     empty.until(arrived, 60.0 * MINUTES)

@@ -8,14 +8,14 @@ import pytest
 from driven_session import BENT, Driven, bar, pose, ready, solver_threads
 from meshes import box, ends
 
-from apd_viewer.geometry.energy import elastic
+from apd_viewer.geometry.energy import elastic_surface
 from apd_viewer.geometry.linalg import linear_solver
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.history import History
-from apd_viewer.session.store import Activity
+from apd_viewer.session.state_store import Activity
 
 # Undo and redo
 
@@ -141,19 +141,19 @@ def test_paint_region_that_replaces_a_region_by_itself_is_no_step_and_it_is_stil
     session.settings.set_region_area(0, 103.0)
     session.drag(BENT)
     session.settle()
-    before, steps = session.store.state.document, len(session.gestures.history.done)
+    before, steps = session.store.state.document, len(session.gestures.history.undo_names)
     session.gestures.begin()
     session.painting.paint_region(ids, 0)
     session.settle()  # as it is without what was asked
     session.painting.paint_region(ids, 1)
     session.painting.end_stroke("Paint region")
     assert session.store.state.document is before
-    assert len(session.gestures.history.done) == steps
+    assert len(session.gestures.history.undo_names) == steps
     session.settle()
     assert session.store.state.frame.regions[0] == pytest.approx(1.03 * before.rest_areas[0], rel=1e-6)
 
 
-def test_handles_drag_settles_when_it_ends_while_a_stroke_without_effect_is_painted(session):
+def test_handle_editor_drag_settles_when_it_ends_while_a_stroke_without_effect_is_painted(session):
     ready(session)
     session.drag(BENT)
     session.gestures.begin()
@@ -232,7 +232,7 @@ def test_undo_to_a_shape_that_had_not_settled_goes_on(session):
 
 
 @pytest.mark.parametrize("detour", ["undo and redo", "cancel", "setting"])
-def test_handles_drag_without_a_frame_yet_reaches_its_pose_after_a_detour(session, slow, detour):
+def test_handle_editor_drag_without_a_frame_yet_reaches_its_pose_after_a_detour(session, slow, detour):
     session.settings.set_method("arap")
     ready(session)
     session.drag(BENT if detour != "setting" else np.eye(4))
@@ -318,7 +318,7 @@ def test_files_open_mesh_within_a_gesture_can_be_undone_to_a_whole_state(session
 # Factorizations
 
 
-def test_handles_drag_never_factors(session, factored):
+def test_handle_editor_drag_never_factors(session, factored):
     ready(session)
     factored.count = 0
     session.gestures.begin()
@@ -330,7 +330,7 @@ def test_handles_drag_never_factors(session, factored):
     assert factored.count == 0
 
 
-def test_solver_factors_once_after_a_stroke_before_the_first_drag(empty, factored):
+def test_request_solver_factors_once_after_a_stroke_before_the_first_drag(empty, factored):
     empty.show_now(bar())
     empty.paint_ends()
     empty.until(lambda: factored.count == 1)
@@ -339,11 +339,11 @@ def test_solver_factors_once_after_a_stroke_before_the_first_drag(empty, factore
     assert factored.count == 1
 
 
-def test_solver_gets_to_know_a_mesh_while_it_is_painted(empty, monkeypatch):
+def test_request_solver_gets_to_know_a_mesh_while_it_is_painted(empty, monkeypatch):
     known = []
-    monkeypatch.setattr("apd_viewer.session.processes.solver.make_ready", known.append)
+    monkeypatch.setattr("apd_viewer.session.processes.request_solver.compute_decimations", known.append)
     empty.show_now(bar())
-    assert empty.store.state.document.problem
+    assert empty.store.state.document.paint_problem
     empty.until(lambda: known)
     assert np.array_equal(known[0].V, empty.store.state.document.mesh.V)
     empty.stroke(np.arange(2), BASE)
@@ -351,26 +351,26 @@ def test_solver_gets_to_know_a_mesh_while_it_is_painted(empty, monkeypatch):
     assert len({id(rest) for rest in known}) == 1, "once for all strokes"
 
 
-def test_preparing_lasts_until_the_first_shape(empty):
+def test_is_preparing_lasts_until_the_first_shape(empty):
     empty.show_now(bar())
     empty.paint_ends()
-    assert not empty.store.preparing, "nobody waits for it yet"
+    assert not empty.store.is_preparing, "nobody waits for it yet"
     empty.gestures.begin()
     empty.handles.drag(pose(0.1))
-    assert empty.store.preparing
-    empty.until(lambda: not empty.store.preparing)
+    assert empty.store.is_preparing
+    empty.until(lambda: not empty.store.is_preparing)
     assert empty.store.state.frame.iteration >= 1
     empty.handles.drag(pose(0.2))
-    assert not empty.store.preparing
+    assert not empty.store.is_preparing
     empty.gestures.end("Move handle")
     empty.settle()
     empty.settings.set_method("arap")
-    assert empty.store.preparing, "another method is factored for"
+    assert empty.store.is_preparing, "another method is factored for"
     empty.settle()
-    assert not empty.store.preparing
+    assert not empty.store.is_preparing
 
 
-def test_solver_does_not_factor_for_settings_undo_and_reset(session, factored):
+def test_request_solver_does_not_factor_for_settings_undo_and_reset(session, factored):
     ready(session)
     factored.count = 0
     session.settings.set_tolerance(0.01)
@@ -386,7 +386,7 @@ def test_solver_does_not_factor_for_settings_undo_and_reset(session, factored):
 
 
 @pytest.mark.parametrize("what", ["labels", "method", "mesh"])
-def test_solver_factors_for_other_labels_another_method_and_another_mesh(session, factored, what):
+def test_request_solver_factors_for_other_labels_another_method_and_another_mesh(session, factored, what):
     ready(session)
     factored.count = 0
     if what == "labels":
@@ -403,7 +403,7 @@ def test_solver_factors_for_other_labels_another_method_and_another_mesh(session
 # The newest request wins
 
 
-def test_solver_aims_at_few_of_a_burst_of_poses_and_the_last_one_settles(session, slow, monkeypatch):
+def test_request_solver_aims_at_few_of_a_burst_of_poses_and_the_last_one_settles(session, slow, monkeypatch):
     session.settings.set_method("arap")
     ready(session)
     aimed = []
@@ -486,7 +486,7 @@ def _jumps(session: Driven) -> dict[str, Callable[[], None]]:
 
 
 @pytest.mark.parametrize("jump", ["undo", "cancel", "reset", "stroke"])
-def test_jump_is_followed_by_no_frame_from_before_it(session, slow, jump):
+def test_jump_to_is_followed_by_no_frame_from_before_it(session, slow, jump):
     session.settings.set_method("arap")
     for k in range(8):
         session.gestures.begin()
@@ -580,7 +580,7 @@ def test_painting_after_a_drag_moves_nothing(session, method, settled):
 
 
 @pytest.mark.parametrize(("method", "most"), [("arap", 1e-3), ("paper", 1e-2)])
-def test_handles_drag_does_not_leap_when_it_is_the_first_after_painting(session, method, most):
+def test_handle_editor_drag_does_not_leap_when_it_is_the_first_after_painting(session, method, most):
     """paper: its area may still close by the tolerance, which shows as 5e-4 of the bar's length."""
     session.settings.set_method(method)
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
@@ -614,7 +614,7 @@ def test_store_tells_of_a_failing_solver_and_the_session_lives_on(session, monke
             raise type(error)(*error.args)  # one that does not outlive the test, and the solver with it
         return real(A, V)
 
-    monkeypatch.setattr(elastic, "LinearSolver", failing_once)
+    monkeypatch.setattr(elastic_surface, "LinearSolver", failing_once)
     session.settings.set_method("arap")
     session.until(lambda: session.failed)
     assert len(session.failed) == 1
@@ -646,7 +646,7 @@ def test_store_tells_of_a_failure_while_making_ready(empty, monkeypatch, capfd):
     def failing(*_):
         raise MemoryError
 
-    monkeypatch.setattr(elastic, "LinearSolver", failing)
+    monkeypatch.setattr(elastic_surface, "LinearSolver", failing)
     empty.show_now(bar())
     empty.paint_ends()
     empty.until(lambda: empty.failed)
@@ -659,7 +659,7 @@ def test_store_tells_of_a_failure_while_making_ready(empty, monkeypatch, capfd):
     assert empty.store.state is state
 
 
-def test_handles_drag_to_a_pose_that_is_not_finite_is_told_and_can_be_undone(session):
+def test_handle_editor_drag_to_a_pose_that_is_not_finite_is_told_and_can_be_undone(session):
     before = session.store.state
     session.drag(np.full((4, 4), np.nan))
     session.until(lambda: session.failed)
@@ -734,7 +734,7 @@ def test_activity_is_unreached_after_a_run_that_never_settles(session, monkeypat
 
 
 @pytest.mark.parametrize("painted", [(), (BASE,), (HANDLE,)])
-def test_handles_drag_moves_nothing_without_base_or_handle(empty, painted):
+def test_handle_editor_drag_moves_nothing_without_base_or_handle(empty, painted):
     empty.show_now(bar())
     ids = dict(zip((BASE, HANDLE), ends(empty.store.state.document.mesh.V), strict=True))
     for label in painted:
@@ -747,7 +747,7 @@ def test_handles_drag_moves_nothing_without_base_or_handle(empty, painted):
     assert empty.failed == []
 
 
-def test_handles_drag_moves_nothing_where_everything_is_held(session):
+def test_handle_editor_drag_moves_nothing_where_everything_is_held(session):
     session.stroke(np.arange(len(session.U)), BASE)
     session.stroke(ends(session.store.state.document.mesh.V)[1], HANDLE)
     session.drag(BENT)
@@ -756,7 +756,7 @@ def test_handles_drag_moves_nothing_where_everything_is_held(session):
     assert session.failed == []
 
 
-def test_worker_sleeps_when_it_has_settled(session):
+def test_solver_worker_sleeps_when_it_has_settled(session):
     session.drag(BENT)
     session.settle()
     (thread,) = solver_threads()
@@ -779,7 +779,7 @@ def test_session_verbs_without_a_mesh_say_so(empty):
             verb()
 
 
-def test_handles_drag_copies_the_pose_and_what_is_kept_is_read_only(session):
+def test_handle_editor_drag_copies_the_pose_and_what_is_kept_is_read_only(session):
     mine = BENT.copy()
     session.drag(mine)
     mine[:] = 0.0

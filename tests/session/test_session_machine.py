@@ -15,11 +15,11 @@ from meshes import box, rotation
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.model.document_parts import painted_alike
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.model.document_parts import have_same_paint
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.selecting.part_operation import PartOperation
-from apd_viewer.session.store import Activity
+from apd_viewer.session.state_store import Activity
 
 SIZES = ((1, 1, 3), (2, 1, 3), (1, 1, 4))
 
@@ -139,7 +139,7 @@ class Use(RuleBasedStateMachine):
         else:
             assert self.session.U is now.frame.U
             assert self.session.store.state.document.grip is now.frame.U
-            assert not self.session.store.state.document.posed
+            assert not self.session.store.state.document.is_posed
             self._motions_are_kept(before.document, now.frame.U)
         if before.document is not now.document:
             self._recorded(before)
@@ -151,7 +151,7 @@ class Use(RuleBasedStateMachine):
         for k, handle in enumerate(before.handles):
             mine = before.labels == HANDLE + k
             held = before.grip[mine] @ handle.pose[:3, :3].T + handle.pose[:3, 3]
-            whole, now = before.from_rest.handles[k], document.from_rest.handles[k]
+            whole, now = before.relative_to_rest.handles[k], document.relative_to_rest.handles[k]
             if not (mine & (document.labels == HANDLE + k)).any():
                 assert np.array_equal(now.pose, np.eye(4))
             elif np.allclose(U[mine], held, rtol=0, atol=1e-12):
@@ -227,8 +227,8 @@ class Use(RuleBasedStateMachine):
     def _acted(self, before, gesture=None) -> None:
         """After an act that is a step of its own, or a part of the one before, or nothing."""
         if self.session.store.state.document is before.document:
-            assert len(self.session.gestures.history.done) == len(self.undos)
-        elif len(self.session.gestures.history.done) > len(self.undos):
+            assert len(self.session.gestures.history.undo_names) == len(self.undos)
+        elif len(self.session.gestures.history.undo_names) > len(self.undos):
             self._recorded(before)
         else:
             assert self.session.gestures.history.next_undo == gesture == "Nudge handle"
@@ -245,20 +245,20 @@ class Use(RuleBasedStateMachine):
             return
         before = self._before_act()
         if of == "region":
-            part = Part(1 + k % len(document.regions), is_region=True)
+            part = PaintedPart(1 + k % len(document.regions), is_region=True)
         else:
-            part = Part(BASE if of == "base" else HANDLE + k % len(document.handles))
-        others = ~part.of(document) & (part.codes(document) != part.nothing)
-        self.session.painting.reshape(part, change)
+            part = PaintedPart(BASE if of == "base" else HANDLE + k % len(document.handles))
+        others = ~part.mask(document) & (part.codes(document) != part.unpainted_code)
+        self.session.painting.apply_operation(part, change)
         now = self.session.store.state.document
         assert np.array_equal(part.codes(now)[others], part.codes(document)[others])
-        assert len(self.session.gestures.history.done) == len(self.undos) + (now is not document)
+        assert len(self.session.gestures.history.undo_names) == len(self.undos) + (now is not document)
         if now is not document:
             self._recorded(before)
 
     @rule(
         k=NUMBERS,
-        motion=st.sampled_from(list(TypedMotion)),
+        motion=st.sampled_from(list(MotionKind)),
         text=st.sampled_from(["10", "0.05L", "1.1", "mm"]),
     )
     def type_motion(self, k, motion, text) -> None:
@@ -276,7 +276,7 @@ class Use(RuleBasedStateMachine):
             self.session.gestures.cancel()
             pose = self.session.store.state.document.handles[k].pose.copy()
             pose[0, 3] += 0.02
-            self.session.handles.pose(pose, k, "Nudge handle", repeats=True)
+            self.session.handles.set_pose(pose, k, "Nudge handle", is_repeat=True)
             self._problem_was_said(before)
         self._acted(before, "Nudge handle")
 
@@ -284,26 +284,26 @@ class Use(RuleBasedStateMachine):
     def put_back(self, k) -> None:
         before = self._before_act()
         k %= len(before.document.handles)
-        self.session.handles.reset(k)
+        self.session.handles.reset_handle(k)
         self._problem_was_said(before)
         self._acted(before)
         now = self.session.store.state.document
-        if now.problem is None:
-            assert not self.session.store.state.is_away(k)
+        if now.paint_problem is None:
+            assert not self.session.store.state.is_handle_moved(k)
             held, mine = now.constraints(), np.flatnonzero(now.labels == HANDLE + k)
             assert np.array_equal(held.targets[np.isin(held.fixed, mine)], now.mesh.V[mine])
 
     def _problem_was_said(self, before) -> None:
-        if self.session.store.state.document.problem:
+        if self.session.store.state.document.paint_problem:
             assert self.session.store.state.document is before.document
-            assert set(self.session.failed) <= {before.document.problem}
+            assert set(self.session.failed) <= {before.document.paint_problem}
             self.session.failed.clear()
 
     # Settings, which become part of a gesture, but take back a stroke that they come in the middle of.
 
     def _set(self, verb, *values) -> None:
         now = self.session.store.state
-        painted = self.gesture and not painted_alike(now.document, self.before.document)
+        painted = self.gesture and not have_same_paint(now.document, self.before.document)
         before = self.before if painted else now
         getattr(self.session.settings, verb)(*values)
         if self.session.store.state.document is now.document:
@@ -408,8 +408,8 @@ class Use(RuleBasedStateMachine):
         while len(self.undos) < steps:
             self.undos.append(target)
             target = self.redos.pop()
-        self.session.gestures.travel(steps)
-        assert len(self.session.gestures.history.done) == steps
+        self.session.gestures.go_to_step(steps)
+        assert len(self.session.gestures.history.undo_names) == steps
         self._expected(target, now)
 
     # Time
@@ -433,7 +433,7 @@ class Use(RuleBasedStateMachine):
             assert np.array_equal(U[held.fixed][~moving], held.targets[~moving])
             if document.method != "paper":
                 assert np.allclose(U[held.fixed], held.targets, rtol=0, atol=1e-12)
-            assert not state.lacks
+            assert not state.has_unmet_target
         # One place measures: what the worker says, and what is said while it sleeps, is the same.
         assert np.allclose(state.frame.regions, document.region_areas(U), rtol=1e-12)
 

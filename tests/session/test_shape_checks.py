@@ -17,9 +17,9 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.listener import Listener
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import shape_checker
-from apd_viewer.session.processes.shape_checker import Shape, ShapeChecker
+from apd_viewer.session.processes.shape_checker import ShapeChecker, ShapeQuery
 from apd_viewer.session.session import Session
 
 LONG = 30.0
@@ -28,8 +28,8 @@ SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    monkeypatch.setattr(shape_checker, "AT_FIRST", 0.0)
-    monkeypatch.setattr(shape_checker, "CALM", 0.0)
+    monkeypatch.setattr(shape_checker, "FIRST_PAUSE", 0.0)
+    monkeypatch.setattr(shape_checker, "NEXT_PAUSE", 0.0)
 
 
 @pytest.fixture(autouse=True)
@@ -43,9 +43,9 @@ def processes(monkeypatch):
             self.sent = 0
             started.append(self)
 
-        def send(self, *messages):
+        def send_messages(self, *messages):
             self.sent += 1
-            return super().send(*messages)
+            return super().send_messages(*messages)
 
     forked.prepare()
     monkeypatch.setattr(shape_checker, "ChildProcess", Noted)
@@ -72,7 +72,7 @@ def taken(checker_, woken):
 
 def two_spheres(apart):
     V, F = meshes.sphere(2)
-    return Shape(np.vstack([V, V + [apart, 0.1, 0.2]]), np.vstack([F, F + len(V)]))
+    return ShapeQuery(np.vstack([V, V + [apart, 0.1, 0.2]]), np.vstack([F, F + len(V)]))
 
 
 def test_shape_checker_says_what_is_found_here_too(checker_, woken):
@@ -89,7 +89,7 @@ def test_shape_checker_says_what_is_found_here_too(checker_, woken):
 
 def test_shape_checker_lets_the_newest_shape_win_and_does_not_tell_what_is_forgotten(checker_, woken):
     checker_.ask(two_spheres(1.0))
-    checker_.forget()
+    checker_.cancel()
     for apart in (1.1, 1.2):
         checker_.ask(two_spheres(apart))
     last = two_spheres(1.3)
@@ -103,12 +103,12 @@ def test_shape_checker_ends_its_process_when_the_shape_has_moved_on(checker_, wo
     (process,) = processes
     pid = process.pid
     V, F = meshes.sphere(6)
-    checker_.ask(Shape(V + 0.3 * np.random.default_rng(0).normal(size=V.shape), F))  # takes for ever
+    checker_.ask(ShapeQuery(V + 0.3 * np.random.default_rng(0).normal(size=V.shape), F))  # takes for ever
     end = time.monotonic() + LONG
     while process.sent < 2:
         assert time.monotonic() < end
         time.sleep(0.001)
-    checker_.forget()
+    checker_.cancel()
     while process.pid == pid:
         assert time.monotonic() < end
         time.sleep(0.001)
@@ -180,9 +180,11 @@ def session():
         Listener(
             **nothing,
             changed=lambda *_: None,
-            told=print,
+            message_sent=print,
             failed=pytest.fail,
-            measured=lambda: told.append((session.shape_checks.under_way, session.shape_checks.found)),
+            measurements_changed=lambda: told.append(
+                (session.shape_checks.is_checking, session.shape_checks.shape_check)
+            ),
         )
     )
     session.said = told
@@ -192,17 +194,17 @@ def session():
 
 def passing(state):
     """The state with contact off, so that walls pass through each other."""
-    return state.at(replace(state.document, contact=False))
+    return state.updated(replace(state.document, contact=False))
 
 
 def known(session):
     end = time.monotonic() + LONG
     assert session.wait_idle(LONG)
-    while session.shape_checks.found is None:
+    while session.shape_checks.shape_check is None:
         assert time.monotonic() < end
         session.receive()
         time.sleep(0.002)
-    return session.shape_checks.found
+    return session.shape_checks.shape_check
 
 
 def test_shape_checks_look_at_every_shape_that_has_settled_and_none_that_moves(session):
@@ -212,27 +214,27 @@ def test_shape_checks_look_at_every_shape_that_has_settled_and_none_that_moves(s
     labels[V[:, 2] < 0.5] = BASE
     labels[V[:, 2] > 3.5] = HANDLE
     mesh = Mesh(V, F)
-    session.files.open_with("tube", lambda: passing(opened(mesh, labels)))
+    session.files.open_result("tube", lambda: passing(initial_state(mesh, labels)))
     first = known(session)
-    assert first is session.shape_checks.at_rest
+    assert first is session.shape_checks.rest_check
     assert len(first.crossing) == 0
     assert session.said[0] == (True, None)
     session.gestures.begin()
-    assert session.shape_checks.found is first, "nothing has moved"
+    assert session.shape_checks.shape_check is first, "nothing has moved"
     pose = np.eye(4)
     pose[:3, 3] = 0.7, 0.0, -6.0  # through the base
     session.handles.drag(pose)
     session.wait_idle(LONG)
-    assert session.shape_checks.found is None
-    assert not session.shape_checks.under_way, "the gesture is not over"
+    assert session.shape_checks.shape_check is None
+    assert not session.shape_checks.is_checking, "the gesture is not over"
     session.gestures.end("Move handle")
-    assert session.shape_checks.under_way
+    assert session.shape_checks.is_checking
     crossed = known(session)
     U = session.store.state.frame.U
     assert np.array_equal(crossed.crossing, crossings(U, mesh.joined_F))
     assert len(crossed.crossing) > 10
     assert crossed.packed == pytest.approx(hull_readings(U).box, rel=1e-9)
-    assert session.shape_checks.at_rest is first
+    assert session.shape_checks.rest_check is first
     session.gestures.undo()
-    assert session.shape_checks.found is first, "it is known already"
-    assert not session.shape_checks.under_way
+    assert session.shape_checks.shape_check is first, "it is known already"
+    assert not session.shape_checks.is_checking

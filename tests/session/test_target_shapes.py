@@ -14,9 +14,9 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.state import opened
-from apd_viewer.session.processes import process_client
-from apd_viewer.session.processes.messages import Order
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.processes import solver_process
+from apd_viewer.session.processes.messages import RequestMessage
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 
@@ -40,8 +40,8 @@ def mesh(tmp_path):
 @pytest.fixture
 def compared(file, mesh):
     """The bar with its target shape."""
-    state = opened(mesh)
-    return state.at(replace(state.document, target=TargetShape(open_mesh(file))))
+    state = initial_state(mesh)
+    return state.updated(replace(state.document, target_shape=TargetShape(open_mesh(file))))
 
 
 def load(session, path):
@@ -53,21 +53,21 @@ def test_target_shapes_load_and_clear_are_steps_of_undo(session, file):
     first = session.store.state.document
     load(session, file)
     second = session.store.state.document
-    assert second.target.mesh.path == file
-    assert second.target.corresponds(second.mesh)
+    assert second.target_shape.mesh.path == file
+    assert second.target_shape.has_same_triangles(second.mesh)
     assert session.told[-1] == "Comparing with longer.obj."
-    assert session.saved_work.unsaved
+    assert session.saved_work.is_unsaved
     session.target_shapes.clear()
-    assert session.store.state.document.target is None
+    assert session.store.state.document.target_shape is None
     session.gestures.undo()
     assert session.store.state.document is second
     session.gestures.undo()
     assert session.store.state.document is first
     session.gestures.redo()
     assert session.store.state.document is second
-    assert session.gestures.history.done[-1] == "Load target shape"
+    assert session.gestures.history.undo_names[-1] == "Load target shape"
     session.show_now(Mesh(*sphere(1)))
-    assert session.store.state.document.target is None, "it was for another mesh"
+    assert session.store.state.document.target_shape is None, "it was for another mesh"
 
 
 def test_target_shapes_leave_the_shape_to_be_solved_as_without_a_target(session, file, monkeypatch):
@@ -77,14 +77,14 @@ def test_target_shapes_leave_the_shape_to_be_solved_as_without_a_target(session,
 
     def noted(number, request, *others):
         sent.append(request.document)
-        return Order(number, request, *others)
+        return RequestMessage(number, request, *others)
 
-    monkeypatch.setattr(process_client, "Order", noted)
+    monkeypatch.setattr(solver_process, "RequestMessage", noted)
     session.drag(np.diag([1.0, 1.0, 1.1, 1.0]))
     session.settle()
-    assert session.store.state.document.target is document.target
+    assert session.store.state.document.target_shape is document.target_shape
     assert session.store.state.frame.converged
-    assert {each.target for each in sent} == {None}
+    assert {each.target_shape for each in sent} == {None}
     assert sent[-1].labels is document.labels
 
 
@@ -125,15 +125,15 @@ def test_open_session_opens_a_session_with_its_target(compared, file, tmp_path, 
         file.unlink()
     found, _ = open_session(path)
     check_equal(found, compared)
-    assert found.document.target.mesh.name == file.name
+    assert found.document.target_shape.mesh.name == file.name
 
 
 def test_save_session_embeds_a_target_that_is_in_no_file(compared, tmp_path):
     target = TargetShape(Mesh(*sphere(1)))
-    state = compared.at(replace(compared.document, target=target))
+    state = compared.updated(replace(compared.document, target_shape=target))
     assert save_session(tmp_path / "a.apd", state, VIEW) is False, "the mesh itself is in its file"
     found, _ = open_session(tmp_path / "a.apd")
-    assert found.document.target.mesh.digest == target.mesh.digest
+    assert found.document.target_shape.mesh.digest == target.mesh.digest
 
 
 def test_open_session_misses_a_missing_target_and_does_not_forget_it(session, compared, file, tmp_path):
@@ -143,16 +143,16 @@ def test_open_session_misses_a_missing_target_and_does_not_forget_it(session, co
     session.files.open(path)
     session.until(lambda: session.jobs.current is None)
     document = session.store.state.document
-    assert document.target is None
+    assert document.target_shape is None
     assert session.told[-1].startswith(
         "The target shape is not shown: longer.obj, a mesh of a.apd, is missing (looked for at"
     )
     save_session(tmp_path / "again.apd", session.store.state, VIEW)
     away.rename(file)
     found, _ = open_session(tmp_path / "again.apd")
-    assert found.document.target.mesh.path == file
+    assert found.document.target_shape.mesh.path == file
     session.target_shapes.clear()
-    assert session.store.state.document.missing_target is None
+    assert session.store.state.document.missing_target_shape is None
 
 
 def test_open_session_refuses_a_damaged_target(compared, tmp_path):

@@ -10,11 +10,11 @@ from meshes import box
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.selecting.vertex_expression import chosen
+from apd_viewer.session.selecting.vertex_expression import parse_vertices
 
-STATE = opened(Mesh(*box(2, 3, 5)))
+STATE = initial_state(Mesh(*box(2, 3, 5)))
 V = STATE.document.mesh.V
 X, Y, Z = V.T
 N = len(V)
@@ -30,8 +30,8 @@ N = len(V)
         (f"{N - 1}", [N - 1]),
     ],
 )
-def test_chosen_takes_ids_and_ranges(text, ids):
-    assert chosen(text, STATE, Unit.NONE).tolist() == list(ids)
+def test_parse_vertices_takes_ids_and_ranges(text, ids):
+    assert parse_vertices(text, STATE, Unit.NONE).tolist() == list(ids)
 
 
 @pytest.mark.parametrize(
@@ -49,8 +49,8 @@ def test_chosen_takes_ids_and_ranges(text, ids):
         ("z > 80% Z - 1", Z > 3),
     ],
 )
-def test_chosen_takes_the_vertices_for_which_conditions_hold(text, holds):
-    np.testing.assert_array_equal(chosen(text, STATE, Unit.NONE), np.flatnonzero(holds))
+def test_parse_vertices_takes_the_vertices_for_which_conditions_hold(text, holds):
+    np.testing.assert_array_equal(parse_vertices(text, STATE, Unit.NONE), np.flatnonzero(holds))
 
 
 @pytest.mark.parametrize("shift", [0.0, -2.5, 1e3 / 7])
@@ -68,18 +68,18 @@ def test_chosen_takes_the_vertices_for_which_conditions_hold(text, holds):
         ("x < 51% < z", (X < 1.02) & (Z > 2.55)),
     ],
 )
-def test_chosen_takes_a_percentage_of_the_way_through_the_mesh_wherever_the_mesh_stands(text, holds, shift):
-    state = opened(Mesh(V + shift, STATE.document.mesh.F))
-    np.testing.assert_array_equal(chosen(text, state, Unit.NONE), np.flatnonzero(holds))
+def test_parse_vertices_takes_a_percentage_of_the_way_through_the_mesh_anywhere(text, holds, shift):
+    state = initial_state(Mesh(V + shift, STATE.document.mesh.F))
+    np.testing.assert_array_equal(parse_vertices(text, state, Unit.NONE), np.flatnonzero(holds))
 
 
-def test_chosen_takes_a_percentage_of_the_shape_on_screen():
-    state = STATE.at(frame=replace(STATE.frame, U=np.column_stack((X, Y, np.minimum(Z, 3.0)))))
-    np.testing.assert_array_equal(chosen("z > 50%", state, Unit.NONE), np.flatnonzero(Z > 1.5))
+def test_parse_vertices_takes_a_percentage_of_the_shape_on_screen():
+    state = STATE.updated(frame=replace(STATE.frame, U=np.column_stack((X, Y, np.minimum(Z, 3.0)))))
+    np.testing.assert_array_equal(parse_vertices("z > 50%", state, Unit.NONE), np.flatnonzero(Z > 1.5))
 
 
-def test_chosen_takes_lengths_with_units():
-    np.testing.assert_array_equal(chosen("z > 15mm", STATE, Unit.CENTIMETRE), np.flatnonzero(Z > 1.5))
+def test_parse_vertices_takes_lengths_with_units():
+    np.testing.assert_array_equal(parse_vertices("z > 15mm", STATE, Unit.CENTIMETRE), np.flatnonzero(Z > 1.5))
 
 
 @pytest.mark.parametrize(
@@ -102,17 +102,17 @@ def test_chosen_takes_lengths_with_units():
         ("z > 8.0.0%", "operator is missing"),
     ],
 )
-def test_chosen_says_what_cannot_be_read(text, words):
+def test_parse_vertices_says_what_cannot_be_read(text, words):
     with pytest.raises(InputError, match=r"\.$") as refused:
-        chosen(text, STATE, Unit.NONE)
+        parse_vertices(text, STATE, Unit.NONE)
     assert words in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
 @given(st.text(alphabet="xyz0123456789 <>=&|andor-,;.()LXYZmk≤–%", max_size=25))
-def test_chosen_reads_or_refuses_whatever_is_typed(text):
+def test_parse_vertices_reads_or_refuses_whatever_is_typed(text):
     try:
-        ids = chosen(text, STATE, Unit.NONE)
+        ids = parse_vertices(text, STATE, Unit.NONE)
     except InputError as error:
         refused = str(error)
         ids = np.empty(0, dtype=int)

@@ -60,7 +60,7 @@ def test_weld_is_a_step_of_undo(tube):
     assert document.mesh.V is before.document.mesh.V
     assert tube.U is document.mesh.V, "at rest it stays"
     assert np.array_equal(document.labels, document.labels[COPIES]), "both sides are painted alike"
-    assert document.counts[BASE] == document.counts[HANDLE] == 14
+    assert document.label_counts[BASE] == document.label_counts[HANDLE] == 14
     tube.gestures.undo()
     assert tube.store.state is before
     tube.gestures.redo()
@@ -123,9 +123,9 @@ def test_bake_leaves_a_welded_shape_welded(tube, tmp_path):
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
-def test_in_place_is_so_in_any_unit(scale):
+def test_in_place_tolerance_is_so_in_any_unit(scale):
     large = Mesh(scale * V, F).welded()
-    there = [memo.in_place(mesh.V, mesh.weld) for mesh in (Mesh(V, F).welded(), large)]
+    there = [memo.in_place_tolerance(mesh.V, mesh.weld) for mesh in (Mesh(V, F).welded(), large)]
     assert there[1] == pytest.approx(scale * there[0], rel=1e-3)
 
 

@@ -5,8 +5,8 @@ import csv
 import pytest
 from painted_meshes import write_bar
 
+from apd_viewer.studies.plans.input_files import InputFiles
 from apd_viewer.studies.plans.plan import read_plan
-from apd_viewer.studies.plans.sources import Sources
 
 
 @pytest.fixture
@@ -36,4 +36,4 @@ def written(bar):
 @pytest.fixture
 def planned(written, bar):
     """Write such a plan and read it."""
-    return lambda *rows: read_plan(written(*rows), Sources(bar / "inputs"))
+    return lambda *rows: read_plan(written(*rows), InputFiles(bar / "inputs"))

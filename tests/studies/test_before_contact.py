@@ -12,7 +12,7 @@ import pytest
 
 from apd_viewer.__main__ import main
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.session.studies.replay import replay
+from apd_viewer.session.studies.session_replay import replay_session
 from apd_viewer.studies.case_file import case_sizes
 from apd_viewer.studies.case_session import case_session
 
@@ -35,7 +35,7 @@ def rows(path):
 def test_open_session_gives_a_session_without_the_word_no_contact(old):
     state, _ = open_session(old / "twisted.apd")
     assert state.document.contact is False
-    _, result = replay(old / "twisted.apd", from_rest=True)
+    _, result = replay_session(old / "twisted.apd", from_rest=True)
     assert result.volume_capped == pytest.approx(14.552742878085184, rel=1e-7)
     assert result.volume_capped_rest == pytest.approx(14.553841441395733, rel=1e-12)
 

@@ -8,12 +8,12 @@ import study_work
 from dask_cluster import dask_cluster
 
 from apd_viewer.errors import InputError
-from apd_viewer.studies.case_document import OpenedMeshes
+from apd_viewer.studies.case_document import CaseDocuments
 from apd_viewer.studies.case_file import read_case
-from apd_viewer.studies.cluster import Cluster, connected
+from apd_viewer.studies.case_worker import run_task
+from apd_viewer.studies.cluster import Cluster, connected_cluster
 from apd_viewer.studies.run_case import run_case
 from apd_viewer.studies.study import Study
-from apd_viewer.studies.worker import work
 
 # A file descriptor that Dask closes late is no fault of ours.
 pytestmark = [
@@ -34,11 +34,11 @@ def scheduler(tmp_path_factory):
 def run(scheduler, written, bar):
     """Run a study of rows by its workers; return its table."""
 
-    def study(rows, work=work, told=lambda _: None):
-        engine = connected(None, scheduler, work)
+    def study(rows, work=run_task, told=lambda _: None):
+        engine = connected_cluster(None, scheduler, work)
         study = Study(written(*rows), bar / "out")
         try:
-            return study.run(engine, told=told)
+            return study.run(engine, on_progress=told)
         finally:
             study.close()
             engine.close(at_once=False)
@@ -49,7 +49,7 @@ def run(scheduler, written, bar):
 def test_cluster_gives_the_bits_of_this_process_though_workers_see_no_files(run, planned, bar, monkeypatch):
     rows = [{"motion": f"twist {angle}deg; push 10%", "iterations": "20"} for angle in (50, 100, 200)]
     cases = planned(*rows).cases
-    meshes = OpenedMeshes(lambda source: source.path.read_bytes())
+    meshes = CaseDocuments(lambda source: source.path.read_bytes())
     here = [run_case(case, meshes) for case in cases.values()]
     sent = []
 
@@ -58,14 +58,14 @@ def test_cluster_gives_the_bits_of_this_process_though_workers_see_no_files(run,
 
     def start(self, task, start=Cluster.start):
         """Start it on workers of other machines, in effect."""
-        sent.append(sum(map(len, task.sent.values())))
+        sent.append(sum(map(len, task.sent_inputs.values())))
         case = task.case
         hidden = replace(case, mesh=elsewhere(case.mesh), selection=elsewhere(case.selection))
         return start(self, task._replace(case=hidden))
 
     monkeypatch.setattr(Cluster, "start", start)
     for row, mine in zip(run(rows).rows, here, strict=True):
-        there = read_case(bar / "out", row.key, shape=True)
+        there = read_case(bar / "out", row.key, with_shape=True)
         assert there.status == "done"
         assert mine.curves == there.curves
         assert mine.U.tobytes() == there.U.tobytes()
@@ -99,7 +99,7 @@ def test_cluster_names_a_case_that_kills_every_worker(run):
     assert "died each time" in table.rows[0].sentence
 
 
-def test_connected_says_that_there_is_no_scheduler(monkeypatch):
-    monkeypatch.setattr("apd_viewer.studies.cluster.PATIENCE", 1)
+def test_connected_cluster_says_that_there_is_no_scheduler(monkeypatch):
+    monkeypatch.setattr("apd_viewer.studies.cluster.ANSWER_SECONDS", 1)
     with pytest.raises(InputError, match=r"No scheduler answers at tcp://127\.0\.0\.1:9"):
-        connected("tcp://127.0.0.1:9", None)
+        connected_cluster("tcp://127.0.0.1:9", None)

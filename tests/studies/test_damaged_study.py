@@ -11,13 +11,13 @@ import pytest
 from immediate import Here
 
 from apd_viewer.errors import InputError
-from apd_viewer.studies.case_file import CaseResult, case_path, packed
+from apd_viewer.studies.case_file import CaseResult, case_path, case_to_bytes
 from apd_viewer.studies.case_session import case_session
-from apd_viewer.studies.database import DATABASE
-from apd_viewer.studies.forecast import work_left
+from apd_viewer.studies.case_worker import CaseAnswer
+from apd_viewer.studies.database import DATABASE_NAME
 from apd_viewer.studies.results import read_results
 from apd_viewer.studies.study import Study
-from apd_viewer.studies.worker import CaseAnswer
+from apd_viewer.studies.study_forecast import study_forecast
 
 ROWS = [{"motion": f"twist {angle}deg", "# who": "=me"} for angle in range(1, 13)]
 TABLES = "results.csv", "curves.csv"
@@ -29,7 +29,7 @@ def curved(task):
     readings = {"seconds": 0.5, "volume": float(task.case.motion[0].split()[-1].removesuffix("deg"))}
     curves = {"part": part, "volume": [x / 3.0 for x in part]}
     told = "done", "Fine.", readings, curves, {}, np.ones((4, 3)) / 3.0
-    return CaseAnswer(packed(CaseResult(task.case.key, task.case.said, *told)))
+    return CaseAnswer(case_to_bytes(CaseResult(task.case.key, task.case.to_json, *told)))
 
 
 def run(plan, folder):
@@ -40,7 +40,7 @@ def run(plan, folder):
     finally:
         study.close()
     ran = [motion.split()[-1] for motion in engine.ran]
-    return ran, study.damaged, [(folder / name).read_bytes() for name in TABLES]
+    return ran, study.damaged_count, [(folder / name).read_bytes() for name in TABLES]
 
 
 @pytest.fixture
@@ -60,20 +60,20 @@ def damages(content, places):
 
 def test_study_makes_a_database_damaged_on_any_page_anew_from_its_cases(whole):
     plan, folder, tables = whole
-    sound = (folder / DATABASE).read_bytes()
+    sound = (folder / DATABASE_NAME).read_bytes()
     places = [(page, 4096) for page in range(0, len(sound), 4096)]
     for broken in damages(sound, places):
-        (folder / DATABASE).write_bytes(broken)
+        (folder / DATABASE_NAME).write_bytes(broken)
         assert run(plan, folder) == ([], 0, tables)
 
 
 def test_study_changes_no_result_by_a_byte_turned_over_anywhere_in_the_database(whole):
     plan, folder, tables = whole
-    sound = (folder / DATABASE).read_bytes()
+    sound = (folder / DATABASE_NAME).read_bytes()
     chance = np.random.default_rng(1)
     used = np.flatnonzero(np.frombuffer(sound, np.uint8))
     for place in [*range(0, 100, 9), *chance.choice(used, 25, replace=False)]:
-        (folder / DATABASE).write_bytes(
+        (folder / DATABASE_NAME).write_bytes(
             sound[:place] + bytes([sound[place] ^ 1 << chance.integers(8)]) + sound[place + 1 :]
         )
         assert run(plan, folder) == ([], 0, tables), place
@@ -82,8 +82,8 @@ def test_study_changes_no_result_by_a_byte_turned_over_anywhere_in_the_database(
 def test_read_results_takes_an_error_of_sqlite_that_is_no_text_for_damage(whole):
     """It quotes the name of a table, in which there may be any byte."""
     plan, folder, tables = whole
-    sound = (folder / DATABASE).read_bytes()
-    (folder / DATABASE).write_bytes(sound.replace(b"tablefactsfacts", b"tablef\xe9ctsfacts", 1))
+    sound = (folder / DATABASE_NAME).read_bytes()
+    (folder / DATABASE_NAME).write_bytes(sound.replace(b"tablefactsfacts", b"tablef\xe9ctsfacts", 1))
     with pytest.raises(InputError, match="damaged; run the study again"):
         read_results(folder)
     assert run(plan, folder) == ([], 0, tables)
@@ -131,7 +131,7 @@ def test_study_loses_nothing_by_damage_while_it_runs(whole, written, damage):
     """Who writes next finds it, and goes on with a database made anew."""
     plan, folder, _ = whole
     study = Study(written(*ROWS, {"motion": "twist 90deg"}), folder)
-    damage(folder / DATABASE)
+    damage(folder / DATABASE_NAME)
     table = study.run(Here(curved))
     study.close()
     assert [row.status for row in table.rows] == ["done"] * (len(ROWS) + 1)
@@ -141,12 +141,12 @@ def test_study_loses_nothing_by_damage_while_it_runs(whole, written, damage):
 
 def test_read_results_tells_readers_of_a_damaged_database_what_to_do(whole, planned):
     plan, folder, tables = whole
-    with closing(sqlite3.connect(folder / DATABASE)) as base:
+    with closing(sqlite3.connect(folder / DATABASE_NAME)) as base:
         base.execute('update cases set readings = \'{"volume": "much"}\'')
         base.commit()
     with pytest.raises(InputError, match="damaged; run the study again"):
         read_results(folder)
-    left = work_left(planned(*ROWS), folder)
+    left = study_forecast(planned(*ROWS), folder)
     assert (left.cases, left.done) == (len(ROWS), len(ROWS))
     assert run(plan, folder) == ([], 0, tables)
 
@@ -154,7 +154,7 @@ def test_read_results_tells_readers_of_a_damaged_database_what_to_do(whole, plan
 def test_read_results_does_not_run_a_database_that_is_a_program(whole):
     """A view can take for ever."""
     plan, folder, tables = whole
-    with closing(sqlite3.connect(folder / DATABASE)) as base:
+    with closing(sqlite3.connect(folder / DATABASE_NAME)) as base:
         base.executescript(
             "drop table facts; create view facts as with recursive n(value) as"
             " (select 1 union all select value from n) select 'columns' as name, value from n"
@@ -166,13 +166,13 @@ def test_read_results_does_not_run_a_database_that_is_a_program(whole):
 
 def test_study_puts_a_folder_in_the_place_of_the_database_aside(whole):
     plan, folder, tables = whole
-    (folder / DATABASE).unlink()
-    (folder / DATABASE).mkdir()
+    (folder / DATABASE_NAME).unlink()
+    (folder / DATABASE_NAME).mkdir()
     assert run(plan, folder) == ([], 0, tables)
 
 
 @pytest.mark.parametrize(
-    "name", ["results.csv", "curves.csv", ".lock", DATABASE, "cases", "inputs", "a copy"]
+    "name", ["results.csv", "curves.csv", ".lock", DATABASE_NAME, "cases", "inputs", "a copy"]
 )
 def test_study_writes_nothing_through_a_link_out_of_its_folder(whole, planned, name):
     """An unpacked folder of a stranger can have one in the place of anything that is written."""
@@ -210,7 +210,7 @@ def test_study_puts_a_case_in_the_place_of_a_link(whole):
 def test_study_makes_a_damaged_copy_of_a_mesh_again(whole, planned):
     plan, folder, _ = whole
     case = next(iter(planned(*ROWS[:1]).cases.values()))
-    copies = [folder / "inputs" / each.path.parent.name / each.path.name for each in case.sources]
+    copies = [folder / "inputs" / each.path.parent.name / each.path.name for each in case.input_files]
     sound = [copy.read_bytes() for copy in copies]
     for copy in copies:
         copy.write_bytes(copy.read_bytes().replace(b"1", b"2"))
@@ -234,7 +234,7 @@ def test_case_session_of_a_stranger_reaches_nothing_outside_its_folder(whole, pl
     _, folder, _ = whole
     key, case = next(iter(planned(*ROWS[:1]).cases.items()))
     (folder / "inputs" / "0000000000000000").mkdir()
-    made = CaseResult(key, {**case.said, **change}, "done", "", {}, {}, {}, np.ones((4, 3)))
-    case_path(folder, key).write_bytes(packed(made))
+    made = CaseResult(key, {**case.to_json, **change}, "done", "", {}, {}, {}, np.ones((4, 3)))
+    case_path(folder, key).write_bytes(case_to_bytes(made))
     with pytest.raises(InputError, match=r"damaged|steps"):
         case_session(folder, key)

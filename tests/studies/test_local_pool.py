@@ -9,12 +9,12 @@ from types import SimpleNamespace
 import pytest
 import study_work
 
-from apd_viewer.studies.case_document import OpenedMeshes
-from apd_viewer.studies.case_file import read_case, unpacked
+from apd_viewer.studies.case_document import CaseDocuments
+from apd_viewer.studies.case_file import case_from_bytes, read_case
+from apd_viewer.studies.case_worker import CaseTask
 from apd_viewer.studies.local_pool import LocalPool
 from apd_viewer.studies.run_case import run_case
 from apd_viewer.studies.study import Study
-from apd_viewer.studies.worker import Task
 
 
 @pytest.fixture
@@ -78,7 +78,7 @@ def test_local_pool_replaces_processes_and_killed_idle_ones_too(pool, planned):
     engine = pool(1, study_work.quick, recycle=2)
 
     def process():
-        return int(unpacked(engine.start(Task(case)).result().content).readings["process"])
+        return int(case_from_bytes(engine.start(CaseTask(case)).result().content).readings["process"])
 
     first, second, third = process(), process(), process()
     assert first == second != third
@@ -92,9 +92,9 @@ def test_local_pool_replaces_processes_and_killed_idle_ones_too(pool, planned):
 def test_local_pool_gives_the_bits_of_this_process(pool, run, planned, bar):
     rows = [{"motion": f"twist {angle}deg; push 10%", "iterations": "20"} for angle in (50, 200)]
     table = run(rows, pool(1))
-    meshes = OpenedMeshes(lambda source: source.path.read_bytes())
+    meshes = CaseDocuments(lambda source: source.path.read_bytes())
     for row, case in zip(table.rows, planned(*rows).cases.values(), strict=True):
-        here, there = run_case(case, meshes), read_case(bar / "out", row.key, shape=True)
+        here, there = run_case(case, meshes), read_case(bar / "out", row.key, with_shape=True)
         assert there.status == "done"
         assert here.curves == there.curves
         assert here.U.tobytes() == there.U.tobytes()

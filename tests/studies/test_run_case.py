@@ -10,16 +10,16 @@ from meshes import ends, tube
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.pose.transforms import turned_about
+from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.document_selection import with_selection
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion_step import MotionStep
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.studies.sweep_setup import sweep_of
 from apd_viewer.studies import run_case as module
-from apd_viewer.studies.case_document import OpenedMeshes
-from apd_viewer.studies.case_file import case_path, packed, write_case
+from apd_viewer.studies.case_document import CaseDocuments
+from apd_viewer.studies.case_file import case_path, case_to_bytes, write_case
 from apd_viewer.studies.case_session import write_case_session
 from apd_viewer.studies.run_case import run_case
 
@@ -31,7 +31,7 @@ def run(planned):
     def result(limit=None, **cells):
         (row,) = planned(cells).rows
         assert row.mistake == ""
-        return run_case(row.case, OpenedMeshes(lambda source: source.path.read_bytes()), limit)
+        return run_case(row.case, CaseDocuments(lambda source: source.path.read_bytes()), limit)
 
     return result
 
@@ -39,7 +39,7 @@ def run(planned):
 @pytest.fixture
 def document(bar):
     mesh = open_mesh(bar / "bar.off")
-    return with_selection(opened(mesh).document, read_selection_file(bar / "bar.sel", mesh))
+    return with_selection(initial_state(mesh).document, read_selection_file(bar / "bar.sel", mesh))
 
 
 @pytest.mark.parametrize("contact", ["", "no", "auto", "yes"])
@@ -81,7 +81,7 @@ def test_run_case_gives_the_readings_of_the_shape(run, document):
 )
 def test_write_case_session_lets_a_case_open_as_a_session(cells, run, bar):
     result = run(**cells, iterations="30", unit="cm")
-    write_case(case_path(bar, result.key), packed(result))
+    write_case(case_path(bar, result.key), case_to_bytes(result))
     write_case_session(bar, result.key, bar / "case.apd")
     state, view = open_session(bar / "case.apd")
     assert np.array_equal(state.frame.U, result.U)
@@ -96,11 +96,13 @@ def test_write_case_session_lets_a_case_open_as_a_session(cells, run, bar):
 
 
 def test_run_case_walks_the_own_motion_of_a_session_or_a_given_one(bar, document, planned):
-    pose = turned_about([1, 1, 0], [1, 0, 0], 0.5)
-    save_session(bar / "bar.apd", opened(document.mesh).at(document.with_pose(0, pose)), View(unit="mm"))
+    pose = rotation_about([1, 1, 0], [1, 0, 0], 0.5)
+    save_session(
+        bar / "bar.apd", initial_state(document.mesh).updated(document.with_pose(0, pose)), View(unit="mm")
+    )
     nothing = {"mesh": "bar.apd", "selection": "", "motion": "", "method": "arap"}
     plan = planned(nothing, {**nothing, "motion": "push 1mm"})
-    meshes = OpenedMeshes(lambda source: source.path.read_bytes())
+    meshes = CaseDocuments(lambda source: source.path.read_bytes())
     own, pushed = (run_case(case, meshes) for case in plan.cases.values())
     handle, X = document.labels == 2, document.mesh.V
     np.testing.assert_allclose(own.U[handle], X[handle] @ pose[:3, :3].T + pose[:3, 3], atol=1e-12)
@@ -142,7 +144,7 @@ def test_part_of_motion_is_a_smaller_motion(run, bar):
     part, whole = run(motion="twist 40deg", to="50%"), run(motion="twist 20deg")
     np.testing.assert_array_equal(part.U, whole.U)
     assert part.key != whole.key
-    write_case(case_path(bar, part.key), packed(part))
+    write_case(case_path(bar, part.key), case_to_bytes(part))
     write_case_session(bar, part.key, bar / "part.apd")
     state, _ = open_session(bar / "part.apd")
     turned = np.degrees(np.arccos((np.trace(state.document.handles[0].pose[:3, :3]) - 1.0) / 2.0))

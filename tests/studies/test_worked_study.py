@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from apd_viewer.studies.case_document import OpenedMeshes
+from apd_viewer.studies.case_document import CaseDocuments
+from apd_viewer.studies.plans.input_files import InputFiles
 from apd_viewer.studies.plans.plan import read_plan
-from apd_viewer.studies.plans.sources import Sources
 from apd_viewer.studies.run_case import run_case
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -67,7 +67,7 @@ def test_run_case_computes_a_case_as_in_the_table(results, tmp_path):
     columns = list(rows_of(STUDY / "plan.csv")[0])
     cells = [str(STUDY / row[name]) if name in ("mesh", "selection") else row[name] for name in columns]
     (tmp_path / "plan.csv").write_text(",".join(columns) + "\n" + ",".join(cells) + "\n", encoding="utf-8")
-    (planned,) = read_plan(tmp_path / "plan.csv", Sources(tmp_path / "inputs")).rows
-    found = run_case(planned.case, OpenedMeshes(lambda source: source.path.read_bytes()))
+    (planned,) = read_plan(tmp_path / "plan.csv", InputFiles(tmp_path / "inputs")).rows
+    found = run_case(planned.case, CaseDocuments(lambda source: source.path.read_bytes()))
     assert found.readings["volume"] == pytest.approx(float(row["volume"]), rel=1e-3)
     assert found.readings["energy"] == pytest.approx(float(row["energy"]), rel=1e-2)

@@ -4,7 +4,7 @@ import struct
 
 import numpy as np
 
-from apd_viewer.files.animations.shapes import Animation
+from apd_viewer.files.animations.animation_shapes import Animation
 
 
 def animated(mesh, folder, count=4, labels=None, member=None):

@@ -20,16 +20,16 @@ from apd_viewer.presentation.palette import (
     label_colors,
 )
 from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 from apd_viewer.ui.workbench import Workbench
 
 NONE = Qt.KeyboardModifier.NoModifier
 ALT = Qt.KeyboardModifier.AltModifier
 CONTROL = Qt.KeyboardModifier.ControlModifier
-OUTLINES = Way.BOX, Way.LASSO, Way.POLYGON
-TOUCHES = Way.FILL, Way.PIECE, Way.LOOP
+OUTLINES = SelectionMode.BOX, SelectionMode.LASSO, SelectionMode.POLYGON
+TOUCHES = SelectionMode.FILL, SelectionMode.PIECE, SelectionMode.LOOP
 COLORS = {
     Tool.BASE: BASE_COLOR,
     Tool.HANDLE: HANDLE_COLORS[0],
@@ -77,12 +77,12 @@ class Sight:
     _found: dict[tuple, Any] = {}  # noqa: RUF012 - it is slow, and the same views come again
 
     def __init__(self, window):
-        state, self.eye = window.session.store.state, window.canvas.viewport.look.eye
+        state, self.eye = window.session.store.state, window.canvas.viewport.camera_controller.camera
         mesh = state.document.mesh
         _, first, place = np.unique(mesh.V, axis=0, return_index=True, return_inverse=True)
         self.place = place.ravel()
         self.F, self.U = self.place[mesh.F], state.frame.U[first]
-        self.screen = window.canvas.viewport.look.eye.project(self.U)
+        self.screen = window.canvas.viewport.camera_controller.camera.project(self.U)
         self.surface = self.F.tobytes()
 
     def _once(self, name, find, *key):
@@ -225,7 +225,7 @@ class Sight:
     def dab(self, at, pixels):
         """Connected with the triangle under a brush, and under it."""
         face, here = self.hit(at)
-        radius = pixels * self.eye.pixel * ((here - self.eye.position) @ self.eye.axes[2])
+        radius = pixels * self.eye.pixel_height * ((here - self.eye.position) @ self.eye.axes[2])
         under = np.linalg.norm(self.U - here, axis=1) <= radius
         seeds, found = self.F[face], set()
         front = {int(seeds[np.argmin(np.linalg.norm(self.U[seeds] - here, axis=1))])}
@@ -252,29 +252,29 @@ class Gesture:
         middle, size = 0.5 * (low + high), high - low
         if way not in OUTLINES:
             aim = sight.aim(middle)
-        if way is Way.BOX:
+        if way is SelectionMode.BOX:
             self.press, end = middle - (0.31, 0.22) * size, middle + (0.27, 0.33) * size
             self.moves = [middle, end]
             corners = [self.press, (end[0], self.press[1]), end, (self.press[0], end[1])]
-        elif way is Way.LASSO:
+        elif way is SelectionMode.LASSO:
             turn = np.linspace(0.0, 6.0, 40)[:, None]
             reach = 0.3 + 0.08 * np.sin(5 * turn)
             corners = middle + reach * size * np.hstack([np.cos(turn), np.sin(turn)])
             self.press, *self.moves = corners
-        elif way is Way.POLYGON:
+        elif way is SelectionMode.POLYGON:
             corners = middle + size * [(-0.4, -0.3), (0.35, -0.3), (0.05, 0.05), (0.3, 0.4), (-0.3, 0.3)]
             self.press, *self.moves = corners
-        elif way is Way.SLAB:
+        elif way is SelectionMode.SLAB:
             self.press, self.moves = aim, [aim - (3.0, 40.0), aim - (7.0, 0.21 * size[1])]
-            places = sight.slab(self.press, self.moves[-1], window.canvas.ways[way].axis)
+            places = sight.slab(self.press, self.moves[-1], window.canvas.selectors[way].axis)
         else:
             self.press, self.moves = aim, [aim]
             face = sight.hit(aim)[0]
-            if way is Way.BRUSH:
-                places = sight.dab(aim, window.canvas.painter.size.radius)
-            elif way is Way.FILL:
-                places = sight.fill(face, window.canvas.ways[way].crease)
-            elif way is Way.PIECE:
+            if way is SelectionMode.BRUSH:
+                places = sight.dab(aim, window.canvas.brush.size.radius)
+            elif way is SelectionMode.FILL:
+                places = sight.fill(face, window.canvas.selectors[way].crease_angle)
+            elif way is SelectionMode.PIECE:
                 places = set(sight.rings(set(sight.F[face].tolist())))
             else:
                 places = sight.loop(face)
@@ -290,18 +290,18 @@ class Gesture:
             return mouse
         mouse.press(self.press, modifiers=modifiers)
         for at in self.moves:
-            if self.way is Way.POLYGON:
+            if self.way is SelectionMode.POLYGON:
                 mouse.release(self.press, modifiers=modifiers)
                 mouse.move(at, modifiers)
                 mouse.press(at, modifiers=modifiers)
             else:
                 mouse.move(at, modifiers)
-        if self.way is Way.POLYGON:
+        if self.way is SelectionMode.POLYGON:
             mouse.release(at, modifiers=modifiers)
         return mouse
 
     def end(self, mouse, modifiers=NONE):
-        if self.way is Way.POLYGON:
+        if self.way is SelectionMode.POLYGON:
             mouse.double_click(self.moves[-1])
             return
         if self.way in TOUCHES:
@@ -326,7 +326,7 @@ class Scene:
         if name != "bare":
             self._make_up(mesh)
         idle(qtbot, window)
-        self.state, self.eye = window.session.store.state, self.view.look.eye
+        self.state, self.eye = window.session.store.state, self.view.camera_controller.camera
 
     def _make_up(self, mesh):
         """Ends to bend it by, and a pattern in which every stroke finds some of all."""
@@ -335,7 +335,7 @@ class Scene:
         self.paint(y < np.quantile(y, 0.2), BASE)
         self.paint(y > np.quantile(y, 0.8), HANDLE)
         if self.name == "bent":
-            window.tools.take(Tool.MOVE)
+            window.tools.choose_tool(Tool.MOVE)
             work_off()
             drag(qtbot, window, arrow_grip(window, 0), (70, -20), steps=4)
             idle(qtbot, window)
@@ -350,20 +350,20 @@ class Scene:
         (how or session.painting.paint)(np.flatnonzero(member), code)
         session.painting.end_stroke("Paint")
 
-    def reset(self, qtbot, tool=Tool.HANDLE, way=Way.BRUSH):
+    def reset(self, qtbot, tool=Tool.HANDLE, way=SelectionMode.BRUSH):
         """All as it was, with another tool in the hand."""
         self.qtbot = qtbot
         self.view.mouse.cancel()
-        self.take(Tool.ORBIT, Way.BRUSH)
+        self.take(Tool.ORBIT, SelectionMode.BRUSH)
         while self.document is not self.state.document:
             assert self.steps, "the way back is lost"
             self.window.actions_.undo.trigger()
         idle(qtbot, self.window)
-        self.view.look.eye = self.eye
-        self.window.actions_.select.through.setChecked(False)
-        self.canvas.ways[Way.FILL].crease = CREASE
-        self.canvas.ways[Way.SLAB].axis = 1
-        self.canvas.painter.size.radius = 60.0
+        self.view.camera_controller.camera = self.eye
+        self.window.actions_.select.select_hidden.setChecked(False)
+        self.canvas.selectors[SelectionMode.FILL].crease_angle = CREASE
+        self.canvas.selectors[SelectionMode.SLAB].axis = 1
+        self.canvas.brush.size.radius = 60.0
         self.take(tool, way)
         self.window.shell.setUpdatesEnabled(False)  # what is drawn is looked at by few
 
@@ -374,8 +374,8 @@ class Scene:
         self.window.shell.setUpdatesEnabled(False)
 
     def take(self, tool, way):
-        self.window.tools.choose_way(way)
-        self.window.tools.take(tool)
+        self.window.tools.choose_mode(way)
+        self.window.tools.choose_tool(tool)
 
     @property
     def document(self):
@@ -384,7 +384,7 @@ class Scene:
     @property
     def steps(self):
         """Number of the steps that can be undone."""
-        return len(self.window.session.gestures.history.past)
+        return len(self.window.session.gestures.history.undo_states)
 
     @property
     def colors(self):
@@ -398,12 +398,12 @@ class Scene:
     @property
     def previewed(self):
         """Which vertices are previewed, (n,) bool array."""
-        selector = self.canvas.ways[self.canvas.way]
-        if hasattr(selector, "preview"):
-            self.qtbot.waitUntil(lambda: not selector.preview.isActive(), timeout=2_000)
+        selector = self.canvas.selectors[self.canvas.selection_mode]
+        if hasattr(selector, "preview_timer"):
+            self.qtbot.waitUntil(lambda: not selector.preview_timer.isActive(), timeout=2_000)
         found = np.zeros(len(self.document.labels), dtype=bool)
-        if self.canvas.coloring.previewed is not None:
-            found[self.canvas.coloring.previewed] = True
+        if self.canvas.coloring.previewed_ids is not None:
+            found[self.canvas.coloring.previewed_ids] = True
         return found
 
     def leave(self):
@@ -411,7 +411,7 @@ class Scene:
         QApplication.sendEvent(self.view, QEvent(QEvent.Type.Leave))
 
     def assert_nothing_is_previewed(self):
-        assert self.canvas.coloring.previewed is None
+        assert self.canvas.coloring.previewed_ids is None
         np.testing.assert_array_equal(self.colors, self.own_colors)
 
     def assert_nothing_has_changed(self):
@@ -476,7 +476,7 @@ class Theatre:
     def opened(cls, folder):
         """Itself, for a fixture, and its end."""
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+            patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
             theatre = cls(folder)
             yield theatre
             theatre.window.shell.close()

@@ -9,7 +9,7 @@ from meshes import rotation, tube
 
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.store import Activity
+from apd_viewer.session.state_store import Activity
 
 TUBE = Mesh(*tube(16, 16))
 EDGES = ipctk.edges(np.asfortranarray(TUBE.F))
@@ -33,7 +33,7 @@ class TouchingUser(User):
     def open_mesh(self) -> None:
         self.show_now(TUBE)
         self.paint_ends()
-        self.settings.keep_apart(True)
+        self.settings.set_contact(True)
 
     def ring(self) -> None:
         z = TUBE.V[:, 2]
@@ -66,7 +66,7 @@ class TouchingUser(User):
         self.settings.set_area(self.random.choice([90.0, 100.0, 110.0]))
 
     def other_thickness(self) -> None:
-        self.settings.keep_apart(True, self.random.choice([None, 0.002, 0.02]))
+        self.settings.set_contact(True, self.random.choice([None, 0.002, 0.02]))
 
     def act(self, verb) -> None:
         verb()

@@ -14,8 +14,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.state import State, opened
-from apd_viewer.session.model.view import Standpoint, View
+from apd_viewer.session.model.state import State, initial_state
+from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.session import Session
 
 LONG = 20.0  # seconds; nothing here should come near it
@@ -43,7 +43,7 @@ class Driven(Session):
             wake=lambda: self.woken.append(threading.current_thread().name),
             changed=self._note_change,
             status_changed=lambda: None,
-            told=self.told.append,
+            message_sent=self.told.append,
             failed=self._note_failure,
         )
         super().__init__(listener)
@@ -92,7 +92,7 @@ class Driven(Session):
         self.gestures.begin()
         for pose in poses:
             self.handles.drag(pose, which)
-        self.handles.release(which)
+        self.handles.end_drag(which)
 
     @property
     def U(self) -> np.ndarray:
@@ -130,7 +130,7 @@ def ready(session: Driven) -> None:
 
 
 VIEW = View(
-    Standpoint((0.1, -2.0, 30.0), (0.0, 1 / 3, 0.0), (0.0, 1.0, -0.0), 0.5235987755982988),
+    CameraPose((0.1, -2.0, 30.0), (0.0, 1 / 3, 0.0), (0.0, 1.0, -0.0), 0.5235987755982988),
     "mm",
     overlay="bending",
 )
@@ -150,9 +150,9 @@ def check_equal(found: State, saved: State) -> None:
             check_same_array(mine.pivot, other.pivot)
     assert [(part.name, part.area) for part in a.regions] == [(part.name, part.area) for part in b.regions]
     assert a.flags == b.flags
-    assert (a.target and a.target.mesh.digest) == (b.target and b.target.mesh.digest)
+    assert (a.target_shape and a.target_shape.mesh.digest) == (b.target_shape and b.target_shape.mesh.digest)
     check_same_obstacles(a, b)
-    arrays = {"mesh", "labels", "member", "grip", "handles", "regions", "target", "obstacles"}
+    arrays = {"mesh", "labels", "member", "grip", "handles", "regions", "target_shape", "obstacles"}
     for field in fields(a):
         if field.name not in arrays:
             assert getattr(a, field.name) == getattr(b, field.name), field.name
@@ -187,5 +187,5 @@ def check_same_array(mine: np.ndarray, other: np.ndarray) -> None:
 def document(method: str = "paper", at: np.ndarray = BENT) -> Document:
     mesh = Mesh(*box(2, 2, 6))
     base, handle = ends(mesh.V)
-    rest = opened(mesh).document.painted(base, BASE).painted(handle, HANDLE)
+    rest = initial_state(mesh).document.with_label(base, BASE).with_label(handle, HANDLE)
     return replace(rest.with_pose(0, at), method=method)

@@ -7,7 +7,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QObject, QPoint, QPointF, Q
 from PySide6.QtGui import QGuiApplication, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
 
-from apd_viewer.session.store import Activity
+from apd_viewer.session.state_store import Activity
 
 NONE = Qt.KeyboardModifier.NoModifier
 LEFT = Qt.MouseButton.LeftButton
@@ -102,17 +102,17 @@ def show(qtbot, widget, view):
     widget.show()
     qtbot.waitExposed(widget)
     if QGuiApplication.platformName() != "offscreen":
-        qtbot.waitUntil(lambda: view.draws > 0, timeout=10_000)
+        qtbot.waitUntil(lambda: view.draw_count > 0, timeout=10_000)
         settle(qtbot, view)
 
 
 def settle(qtbot, view):
     """Wait until the scene is drawn, and leave out the smooth frame of a resting view."""
     if QGuiApplication.platformName() != "offscreen":
-        still = view.antialiasing.still
+        still = view.antialiasing.idle_timer
         interval = still.interval()
         still.setInterval(10**6)  # on a busy machine it would be over before the draw is seen
-        qtbot.waitUntil(lambda: not view.stale, timeout=5_000)
+        qtbot.waitUntil(lambda: not view.is_stale, timeout=5_000)
         still.stop()
         still.setInterval(interval)
 
@@ -163,7 +163,9 @@ def document(window):
 
 
 def on_screen(window, vertex):
-    return window.canvas.viewport.look.eye.project(window.session.store.state.frame.U[[vertex]])[0]
+    return window.canvas.viewport.camera_controller.camera.project(
+        window.session.store.state.frame.U[[vertex]]
+    )[0]
 
 
 def stroke(qtbot, window, middle, half_width=30):

@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 
-from apd_viewer.studies.case_file import CaseResult, case_path, packed
+from apd_viewer.studies.case_file import CaseResult, case_path, case_to_bytes
 from apd_viewer.studies.database import opened_database
 from apd_viewer.studies.results import READINGS
 
@@ -28,7 +28,7 @@ def write_study(folder, count, failed=0.01):
         cells = ["session.apd", str(_STEPS), said["motion"], f"{said['stiffness']:.6g}"]
         base.execute("insert into plan values (?, ?, ?, '', null, ?)", (k, k + 2, key, json.dumps(cells)))
         result = _result(key, said, luck < failed, (1.0 + k) * twist, push)
-        content = packed(result)
+        content = case_to_bytes(result)
         path = case_path(folder, key)
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(content)

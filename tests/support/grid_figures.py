@@ -23,7 +23,7 @@ def figures(window):
     image = QImage(view.size(), QImage.Format.Format_ARGB32)  # which the painter does not keep
     pen = _Pen(image)
     pen.setFont(window.shell.font())
-    window.looks.ground.paint(pen)
+    window.display_options.ground.paint(pen)
     pen.end()
     plain = [(text.replace("−", "-").replace(",", ""), room) for text, room in pen.written]
     return [(float(text), room) for text, room in plain if re.fullmatch(r"-?[\d.]+", text)]

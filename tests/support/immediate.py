@@ -14,16 +14,16 @@ class Here:
         First step of the motion of each case.
     """
 
-    knows_whose_fault = True
+    can_blame_case = True
 
     def __init__(self, work=quick):
         self.work, self.ran, self.overdue = work, [], set()
 
-    def room(self):
+    def free_slots(self):
         """One at a time."""
         return 1
 
-    def running(self):
+    def running_count(self):
         """None, as they are done at once."""
         return 0
 
@@ -34,7 +34,7 @@ class Here:
         future.set_result(self.work(task))
         return future
 
-    def look_after(self):
+    def check_workers(self):
         """Nothing is ever overdue."""
 
     def close(self, at_once):

@@ -13,9 +13,9 @@ from collections.abc import Callable
 from typing import Any, BinaryIO
 
 from apd_viewer.session.processes.child_process import ChildProcess
-from apd_viewer.session.processes.messages import Compiling, Message, Order
-from apd_viewer.session.processes.solver import Solver
-from apd_viewer.session.processes.solver_main import Teller, serve
+from apd_viewer.session.processes.messages import CompilationProgress, RequestMessage, SolverMessage
+from apd_viewer.session.processes.request_solver import RequestSolver
+from apd_viewer.session.processes.solver_main import SolverMessageSender, serve
 
 NAME = "process"
 
@@ -27,16 +27,16 @@ class Compiler:
         self._shares: queue.Queue[float] = queue.Queue()
         self.tell = self._shares.put
 
-    def __call__(self, tell: Teller) -> None:
+    def __call__(self, tell: SolverMessageSender) -> None:
         """Compile, as the solver would at leisure."""
         share = 0.0
         while share < 1.0:
             share = self._shares.get()
-            tell(Message(0, Compiling(share)))
+            tell(SolverMessage(0, CompilationProgress(share)))
         self._shares.put(share)  # for a solver that was started anew meanwhile
 
 
-class LateSolver(Solver):
+class LateSolver(RequestSolver):
     """Prepares for a mesh only once it is to move: most tests of a window move none.
 
     Then it answers first what it has left, so that it goes on as any other.
@@ -44,9 +44,9 @@ class LateSolver(Solver):
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
-        self._left: Order | None = None
+        self._left: RequestMessage | None = None
 
-    def answer(self, order: Order) -> None:
+    def answer(self, order: RequestMessage) -> None:
         self.turn_to(order.request.document.mesh)
         if not (order.request.iterate or order.request.with_cost):
             self._left = order
@@ -63,7 +63,7 @@ class InThread(ChildProcess):
     It compiles nothing at leisure, unless that is done by a ``compiler``.
     """
 
-    def __init__(self, compiler: Callable[[Teller], object] = lambda _: None) -> None:
+    def __init__(self, compiler: Callable[[SolverMessageSender], object] = lambda _: None) -> None:
         super().__init__("solver", "")
         self._compiler = compiler
         self.start()
@@ -72,8 +72,8 @@ class InThread(ChildProcess):
         return ServingThread(self._serve_orders)
 
     def _serve_orders(self, source: BinaryIO, sink: BinaryIO) -> None:
-        tell = Teller(sink)
-        serve(source, tell, at_leisure=lambda _: self._compiler(tell))
+        tell = SolverMessageSender(sink)
+        serve(source, tell, when_idle=lambda _: self._compiler(tell))
 
 
 class ServedInThread(ChildProcess):

@@ -11,7 +11,7 @@ from meshes import box
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.store import Activity
+from apd_viewer.session.state_store import Activity
 
 MESHES = Mesh(*box(2, 2, 6)), Mesh(*box(4, 4, 12))
 METHODS = ("exact", "arap", "local")  # these have the handle exactly where it was put
@@ -33,19 +33,19 @@ class User(Driven):
         self.allowed: set[float] = set()
 
     def _count_jumps(self) -> None:
-        self.jumps, jump = 0, self.store.jump
+        self.jumps, jump = 0, self.store.jump_to
 
         def counted(*args, **words) -> None:
             self.jumps += 1
             jump(*args, **words)
 
-        self.store.jump = counted
+        self.store.jump_to = counted
 
     def look(self) -> None:
         state = self.store.state
         V, U = state.document.mesh.V, state.frame.U
         assert U.shape == V.shape, "a frame of the wrong mesh"
-        if self.allowed and not state.document.problem:
+        if self.allowed and not state.document.paint_problem:
             x = self.handle_x(U)
             assert min(abs(x - a) for a in self.allowed) < 1e-9, "a frame of a pose that was undone"
         self.frames += 1
@@ -131,10 +131,10 @@ def play(times: int, seed: int = 1) -> int:
     """So many interleavings, one after another in one session; the number of frames that were seen."""
     user = User(seed)
     # In contact the handle comes later than it is asked to.
-    with patch("apd_viewer.geometry.solver.methods.MOST_IN_CONTACT", 0), closing(user):
+    with patch("apd_viewer.geometry.solver.methods.MOST_VERTICES_IN_CONTACT", 0), closing(user):
         began = time.monotonic()
         for k in range(times):
             user.play()
             assert time.monotonic() - began < LONG * (k + 1), "it hangs"
-        assert (HANDLE in user.store.state.document.labels) or user.store.state.document.problem
+        assert (HANDLE in user.store.state.document.labels) or user.store.state.document.paint_problem
         return user.frames

@@ -7,14 +7,14 @@ from PySide6.QtWidgets import QAbstractButton, QApplication
 from shiboken6 import isValid
 
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.history import History
-from apd_viewer.session.model.state import opened
-from apd_viewer.session.store import Activity
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.brush_size import USUAL
+from apd_viewer.ui.tools.brush_size import DEFAULT_RADIUS
 from apd_viewer.ui.tools.toolbox import FIRST_TOOL
 from apd_viewer.ui.workbench import Workbench
 
@@ -55,7 +55,7 @@ def bottle_in(qtbot, window, painted):
     """The window with a painted mesh, read anew: a window tells meshes by their identity."""
     mesh, labels = painted.document.mesh, painted.document.labels
     window.shell.setUpdatesEnabled(False)  # it is drawn once
-    window.session.files.open_with("bottle", lambda: opened(open_mesh(mesh.path), labels))
+    window.session.files.open_result("bottle", lambda: initial_state(open_mesh(mesh.path), labels))
     idle(qtbot, window)
     window.shell.setUpdatesEnabled(True)
     return at_rest(qtbot, window)
@@ -110,17 +110,17 @@ class KeptWindow:
         window, session = self._window, self._window.session
         while (popup := QApplication.activePopupWidget()) is not None:
             popup.close()
-        window.editing.give_up()
+        window.edits.cancel_drag()
         session.gestures.cancel()
         session.jobs.cancel()
         if session.store.activity is Activity.REFINING:
             session.store.pause_or_resume()
         while window.help.close():
             pass
-        for card in window.editing.typed.cards:
+        for card in window.edits.text_entries.cards:
             card.close_card()
-        window.health.close()
-        window.recovery.close_all()
+        window.findings.close()
+        window.recovery.postpone_all()
         window.case_studies.close()
         for top in QApplication.topLevelWidgets():
             if top.isVisible() and not isinstance(top, Shell):
@@ -129,35 +129,37 @@ class KeptWindow:
     def _forget_mesh(self):
         """Have the next mesh be the first one; answers about the last one come too late for another."""
         window, store, gestures = self._window, self._window.session.store, self._window.session.gestures
-        store.jump(opened(Mesh(*box())))
+        store.jump_to(initial_state(Mesh(*box())))
         store.state, store.activity, store.seconds_per_iteration = None, Activity.IDLE, 0.0
         gestures.history = History()
-        gestures.history.forgot = window.session.saved_work.forget
-        window.session.saved_work.forget()
+        gestures.history.entries_dropped = window.session.saved_work.forget_unreachable
+        window.session.saved_work.forget_unreachable()
         window.next_step.has_moved = False
-        window.invitation.say("")
-        window.measure.choose_kind(Kind.DISTANCE)
-        window.tools.take(FIRST_TOOL)
+        window.invitation.show_text("")
+        window.measurements.choose_kind(MeasurementKind.DISTANCE)
+        window.tools.choose_tool(FIRST_TOOL)
         window.signals.status_changed.emit()
 
     def _restore_choices(self):
         window, shell = self._window, self._window.shell
         self._settings.clear()
-        window.memory.values.restore(row for group in GROUPS for row in group.rows)
+        window.preferences.values.restore_defaults(row for group in GROUPS for row in group.rows)
         window.help.shortcuts.reset_all()
         for each, on in sorted(self._checked.items(), key=lambda item: -item[1]):  # of one of several the one
             if isValid(each) and each.isChecked() != on:
                 each.setChecked(on)
-        window.looks.heat.scales.clear()
-        Mouse(window.looks.legend).double_click((0, 0))  # puts the cards back
-        window.actions_.looks.off.trigger()
-        window.looks.cut.slider.setValue(window.looks.cut.slider.maximum() // 2)
-        window.canvas.painter.size.radius = USUAL
+        window.display_options.overlay.scales.clear()
+        Mouse(window.display_options.legend).double_click((0, 0))  # puts the cards back
+        window.actions_.display.no_overlay.trigger()
+        window.display_options.cutting_plane.slider.setValue(
+            window.display_options.cutting_plane.slider.maximum() // 2
+        )
+        window.canvas.brush.size.radius = DEFAULT_RADIUS
         window.panel.obstacles.fields.along.setCurrentIndex(0)
         shell.showNormal()
         shell.resize(self._size)
         shell.restoreState(self._layout)
-        window.panel.folded = window.memory.folded
+        window.panel.folded_sections = window.preferences.folded_sections
         window.panel.verticalScrollBar().setValue(0)
         window.status.clearMessage()
         window.notice.hide()

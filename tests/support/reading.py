@@ -30,22 +30,22 @@ from PySide6.QtWidgets import (
 )
 from walked_dialogs import dialogs
 
-from apd_viewer.files.known_file import Fate
+from apd_viewer.files.known_file import FileState
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
-from apd_viewer.session.processes import process_client
+from apd_viewer.session.processes import solver_process
 from apd_viewer.session.selecting.part_operation import PartOperation
+from apd_viewer.session.state_store import Activity
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.store import Activity
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.filing import changed_file_question, file_dialogs, unsaved_question
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import Wish
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.sharing.pictures import PictureSettings
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 PROPERTIES = (
     "text", "toolTip", "statusTip", "whatsThis", "accessibleName", "accessibleDescription", "windowTitle",
@@ -57,7 +57,7 @@ def is_cut(widget):
     """Whether a button, a box or a label of one line has no room for its words, or leaves the window."""
     if not widget.isVisible() or not widget.text() or getattr(widget, "wordWrap", lambda: False)():
         return False
-    if type(widget).__name__ == "Hint":  # which ends in dots, and has a tip
+    if type(widget).__name__ == "ElidedLabel":  # which ends in dots, and has a tip
         return False
     shown = widget.visibleRegion().boundingRect()
     aside = shown.width() < widget.width() and not shown.isEmpty()
@@ -144,7 +144,7 @@ class Driver:
     def __init__(self, folder, size):
         from apd_viewer.ui.shell import Shell
 
-        process_client.start_process = InThread  # a process would compile at leisure, for nobody
+        solver_process.start_solver_process = InThread  # a process would compile at leisure, for nobody
         self.application = make_application([])
         self.reader = Reader()
         self.folder = folder
@@ -162,7 +162,7 @@ class Driver:
         folder.mkdir()
         mesh, labels = open_sample("duck")
         for name, written in (("1-1.apd", time.time() - 7300.0), ("2-1.apd", 0.0)):
-            save_session(folder / name, opened(mesh, labels), View())
+            save_session(folder / name, initial_state(mesh, labels), View())
             os.utime(folder / name, (written,) * 2)
 
     def wait(self, until=lambda: True, seconds=60.0):
@@ -207,7 +207,7 @@ def start(driver):
     window.recovery.next.click()
     driver.scene("work of an unknown time")
     window.recovery.later.click()
-    window.filing.open_sample("bottle")
+    window.files.open_sample("bottle")
     driver.scene("opening")
     driver.idle()
     driver.scene("the bottle")
@@ -231,7 +231,7 @@ def settings(driver):
     driver.idle()
     session.files.load_selection(driver.folder / "bar.sel")
     driver.idle()
-    session.handles.move_by(TypedMotion.TWIST, "30", 0)
+    session.handles.move_by(MotionKind.TWIST, "30", 0)
     driver.idle()
     for method in ("exact", "local", "paper", "arap"):
         session.settings.set_method(method)
@@ -249,12 +249,12 @@ def settings(driver):
 
 
 def comparing(driver):
-    driver.window.comparing.open()
-    side = driver.window.comparing.window
+    driver.window.comparison.open()
+    side = driver.window.comparison.window
     driver.scene("methods begin to be compared")
-    driver.wait(lambda: any(view.said[1] or view.values is not None for view in side.views.values()))
+    driver.wait(lambda: any(view.status_texts[1] or view.values is not None for view in side.views.values()))
     driver.scene("methods being compared")
-    driver.wait(lambda: side.comparison.under_way is None)
+    driver.wait(lambda: side.comparison.current_method is None)
     driver.scene("methods compared")
     for k in range(side.table.columnCount()):
         head = side.table.horizontalHeaderItem(k)
@@ -269,7 +269,7 @@ def comparing(driver):
 
 def many_cases(driver):
     window, cases = driver.window, driver.window.case_studies
-    cases.design()
+    cases.design_study()
     dialog = cases.dialog
     dialog.folder.setText(str(driver.folder / "there.obj"))
     driver.scene("a study")
@@ -294,7 +294,7 @@ def many_cases(driver):
         dialog.engine.address.setText(text)
         dialog.begin()
         driver.scene("the address of a scheduler", dialog.words)
-    driver.wait(lambda: not dialog.engine.check.waits)
+    driver.wait(lambda: not dialog.engine.check.is_waiting)
     dialog.engine.check.failed.emit("")
     driver.scene("a study by a scheduler")
     dialog.close()
@@ -309,7 +309,7 @@ def results(driver, cases):
     driver.scene("no results")
     write_study(driver.folder / "many.obj", 60, failed=0.1)
     (driver.folder / "many.obj" / "plan.csv").write_text("")
-    cases.open(driver.folder / "many.obj")
+    cases.open_study(driver.folder / "many.obj")
     driver.wait(lambda: panel.model.rows)
     for column in range(panel.model.columnCount()):
         for role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
@@ -319,7 +319,7 @@ def results(driver, cases):
     for column in panel.model.columns:
         driver.reader.note(column.texts[0] if column.name == "status" else "", "a state")
     panel.table.choose([1, 2])
-    for button in panel.parts.buttons:
+    for button in panel.panes.buttons:
         button.click()
         driver.scene("results behind a tab")
     said = {"cases": 60, "finished": 20, "running": 2, "failed": 1, "rate": 1.0, "seconds_left": 40.0}
@@ -338,23 +338,23 @@ def parts(driver):
     window, session = driver.window, driver.window.session
     window.docks["history"].show()
     window.parts.add_handle()
-    window.tools.take(Tool.HANDLE)
-    window.panel.show_motion()
+    window.tools.choose_tool(Tool.HANDLE)
+    window.panel.focus_motion_field()
     driver.scene("a second handle")
     for tool in Tool:
-        window.tools.take(tool)
-        for way in Way if tool.words.is_brush else ():
-            window.tools.choose_way(way)
+        window.tools.choose_tool(tool)
+        for way in SelectionMode if tool.words.is_brush else ():
+            window.tools.choose_mode(way)
             driver.scene("a way to choose", window.status.words)
-    window.tools.take(Tool.BASE)
+    window.tools.choose_tool(Tool.BASE)
     window.parts.remove_handle(1)
-    window.editing.add_region()
+    window.edits.add_region()
     driver.scene("an empty region")
-    window.editing.choose_by_numbers()
-    card = window.editing.typed.vertices
+    window.edits.open_vertex_entry()
+    card = window.edits.text_entries.vertices
     for text in ("y > 90%", "y > ", "9-2", "3-", "999999", "q", "z"):
         card.text.setText(text)
-        driver.scene("chosen by numbers", card, card.said)
+        driver.scene("chosen by numbers", card, card.message_label)
     card.text.setText("y > 90%")
     driver.press(card.text, Qt.Key.Key_Return)
     card.close_card()
@@ -365,7 +365,7 @@ def parts(driver):
     bar.setValue(bar.maximum())
     driver.scene("the end of the panel")
     for operation in list(PartOperation)[:5]:
-        window.editing.reshape(operation)
+        window.edits.reshape(operation)
     driver.idle()
     driver.scene("the history")
     session.settings.set_method("paper")
@@ -381,7 +381,7 @@ def mistakes(driver):
         ("MOVE_X", "5mm"), ("SCALE", "x + 1"), ("SCALE", "1/0"), ("SCALE", "sin"), ("SCALE", "sqrt(L)"),
         ("SCALE", "(2"), ("TWIST", "1+1deg"), ("SCALE", "1,234"), ("SCALE", "asin(2)"), ("SCALE", "9" * 400),
     ):  # fmt: skip
-        driver.window.editing.move_by(TypedMotion[motion], text, False)
+        driver.window.edits.move_by(MotionKind[motion], text, False)
         driver.scene("a motion that is none", field.problem)
         field.problem.hide()
     for name in ("gone.obj", "odd.xyz", "broken.obj"):
@@ -401,23 +401,23 @@ def help_(driver):
     driver.scene("nothing found")
     sheet.search.setText("")
     frame, edges = sheet.rows["frame"], sheet.rows["edges"]
-    frame.keys.wait_for_keys(True)
+    frame.keys.set_recording(True)
     driver.scene("keys are waited for")
-    frame.keys.wait_for_keys(False)
+    frame.keys.set_recording(False)
     for keys in ("Esc", "Alt+F"):
-        frame.keys.chosen.emit(keys)
+        frame.keys.keys_chosen.emit(keys)
         driver.scene("keys that are refused")
-    frame.keys.chosen.emit(edges.entry.keys)
+    frame.keys.keys_chosen.emit(edges.entry.keys)
     driver.scene("keys of another action")
     sheet.swap.click()
     driver.scene("keys that were swapped")
-    sheet.back.click()
+    sheet.restore_all.click()
     driver.scene("default keys")
     window.help.close()
     window.session.files.open_sample("bottle")
     driver.idle()
     window.help.begin_tour()
-    driver.wait(lambda: window.help.tour.active)
+    driver.wait(lambda: window.help.tour.is_active)
     for number in range(5):
         driver.scene(f"the tour {number}")
         window.help.tour.card.next.click()
@@ -425,29 +425,29 @@ def help_(driver):
 
 def questions(driver):
     window, session, folder = driver.window, driver.window.session, driver.folder
-    file_dialogs.about(window.shell)
+    file_dialogs.show_about_box(window.shell)
     for closes in (True, False):
         unsaved_question.ask_before_leaving(window.shell, "mesh.obj", closes)
-    for found in Fate:
+    for found in FileState:
         unsaved_question.ask_before_leaving(window.shell, "mesh.apd", True, found)
-    changed_file_question.ask_soon(window.shell, "mesh.apd", {})
+    changed_file_question.ask_about_changed_file(window.shell, "mesh.apd", {})
     driver.wait()
     file_dialogs.ask_for_mesh(window, folder)
-    file_dialogs.ask_for_session(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_put_session(window, folder, session.store.state.document.mesh)
     file_dialogs.ask_for_selection(window, folder)
     file_dialogs.ask_where_to_put_selection(window, folder, session.store.state.document.mesh)
-    file_dialogs.ask_for_target(window, folder, session.store.state.document.mesh)
-    file_dialogs.ask_where_to_report(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_put_mesh(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_put_report(window, folder, session.store.state.document.mesh)
     file_dialogs.ask_where_to_put_picture(window, folder, session.store.state.document.mesh)
     (folder / "there.obj.apd").write_text("")
-    file_dialogs.ask_for_session(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_put_session(window, folder, session.store.state.document.mesh)
 
 
 def files(driver):
     window, session, folder = driver.window, driver.window.session, driver.folder
     for write in (
         lambda: session.files.export(folder / "out.obj"),
-        lambda: session.files.save(folder / "out.apd", window.canvas.view.saved(""), True),
+        lambda: session.files.save(folder / "out.apd", window.canvas.view.saved_view(""), True),
         lambda: session.files.save_selection(folder / "out.sel"),
         lambda: session.files.save_selection(folder / "out.json"),
         lambda: session.files.load_selection(folder / "out.json"),
@@ -463,9 +463,9 @@ def files(driver):
     window.session.files.open(folder / "bad.obj")
     driver.idle()
     driver.scene("findings")
-    window.health.open()
+    window.findings.toggle_list()
     driver.wait()
-    window.health.list.rows[0].chosen.emit()
+    window.findings.list.rows[0].chosen.emit()
     driver.scene("mesh check")
 
 
@@ -473,8 +473,8 @@ def handouts(driver):
     from page_parts import PageParts
 
     window, path = driver.window, driver.folder / "out.html"
-    pictures = window.reporting.pictures
-    dialog = PictureDialog(window.shell, pictures, Wish(pictures.view_size))
+    pictures = window.reports.pictures
+    dialog = PictureDialog(window.shell, pictures, PictureSettings(pictures.view_size))
     dialog.show()
     driver.scene("a picture", dialog)
     dialog.width_.setValue(32_768)
@@ -482,8 +482,8 @@ def handouts(driver):
     dialog.reject()
     for act in (
         pictures.copy,
-        lambda: pictures.save(driver.folder / "out.png", Wish(pictures.view_size)),
-        lambda: window.reporting.write(path),
+        lambda: pictures.save(driver.folder / "out.png", PictureSettings(pictures.view_size)),
+        lambda: window.reports.write_report(path),
     ):
         act()
         driver.scene("handing out")

@@ -15,11 +15,11 @@ from reading import Driver
 from walked_dialogs import dialogs
 
 from apd_viewer.files.mesh_writing import save_mesh
-from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.workbench import Workbench
 
@@ -30,16 +30,16 @@ def begin(driver):
     driver.wait()
     driver.scene("empty")
     window.recovery.later.click()
-    window.filing.open_sample("bottle")
+    window.files.open_sample("bottle")
     driver.idle()
     driver.scene("bottle")
     session = window.session
-    session.obstacles.put_floor(np.eye(3)[1])
-    session.handles.move_by(TypedMotion.TWIST, "40", 0)
+    session.obstacles.add_floor(np.eye(3)[1])
+    session.handles.move_by(MotionKind.TWIST, "40", 0)
     driver.idle()
     driver.scene("twisted")
-    session.poses.keep()
-    window.editing.add_region()
+    session.poses.add()
+    window.edits.add_region()
     driver.idle()
 
 
@@ -47,33 +47,35 @@ def panel(driver):
     """The panel from its top to its end, with something in every section."""
     window, session = driver.window, driver.window.session
     mesh = session.store.state.document.mesh
-    session.measurements.add(Kind.SECTION, plane=Plane((0.0, 1.0, 0.0), float(mesh.V[:, 1].mean())))
+    session.measurements.add(
+        MeasurementKind.SECTION, plane=Plane((0.0, 1.0, 0.0), float(mesh.V[:, 1].mean()))
+    )
     ends = [SurfacePoint(face, (1.0, 0.0, 0.0)) for face in (0, len(mesh.F) // 2)]
-    session.measurements.add(Kind.DISTANCE, tuple(ends))
+    session.measurements.add(MeasurementKind.DISTANCE, tuple(ends))
     save_mesh(mesh, 1.01 * mesh.V, driver.folder / "target.obj")
     session.target_shapes.load(driver.folder / "target.obj")
     driver.idle()
-    window.panel.folded = []
+    window.panel.folded_sections = []
     driver.shell.activateWindow()
     bar = window.panel.verticalScrollBar()
     for step in range(6):
         bar.setValue(step * window.panel.viewport().height())
         driver.scene(f"panel {step}")
     for tool in (Tool.MOVE, Tool.MEASURE, Tool.BASE):
-        window.tools.take(tool)
+        window.tools.choose_tool(tool)
         driver.scene(f"tool {tool.name.lower()}")
     for measure in (Measure.AREA, Measure.CONTACT):
-        window.actions_.looks.measures[measure].trigger()
+        window.actions_.display.measures[measure].trigger()
         driver.idle()
         driver.scene(f"overlay {measure.name.lower()}")
     for name in ("cut", "compare"):
-        window.actions_.looks.switches[name].trigger()
+        window.actions_.display.switches[name].trigger()
     driver.scene("cards")
     for name in ("history", "plots", "study"):
         window.docks[name].show()
         driver.scene(f"dock {name}")
         window.docks[name].hide()
-    window.health.open()
+    window.findings.toggle_list()
     driver.scene("mesh check")
 
 

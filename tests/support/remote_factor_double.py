@@ -6,7 +6,7 @@ from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 class Elsewhere:
     """A factor that is there once the test says so."""
 
-    elsewhere = True
+    is_in_other_process = True
     there = False
     seconds = 0.0
 

@@ -17,9 +17,9 @@ from PySide6.QtWidgets import QApplication
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import Wish
+from apd_viewer.ui.sharing.pictures import PictureSettings
 from apd_viewer.ui.tools.toolbox import Tool
 
 ALLOWED = 0.02  # of a core
@@ -77,7 +77,7 @@ def states(window, folder, gestures, state=None):
     window.shell.activateWindow()  # or no text cursor would blink
     yield from _tour(window)
     if state is not None:
-        window.session.files.open_with("bottle", lambda: state)
+        window.session.files.open_result("bottle", lambda: state)
         settle(window)
     for part in (_twisted, _notices, _tools, _looks, _cards, _docks, _dialogs, _away):
         yield from part(window, folder)
@@ -102,7 +102,7 @@ def settle(window):
 def drawn(window):
     """Let the event loop run until a file that is being opened is on the screen."""
     settle(window)
-    while window.canvas.viewport.stale:
+    while window.canvas.viewport.is_stale:
         QApplication.processEvents()
         time.sleep(0.002)
 
@@ -111,24 +111,24 @@ def _tour(window):
     window.help.begin_tour()
     QApplication.processEvents()
     for number in range(5):
-        assert window.help.tour.number == number
+        assert window.help.tour.step_number == number
         yield f"tour, card {number + 1}"
         window.help.tour.card.next.click()
-    assert not window.help.tour.active
+    assert not window.help.tour.is_active
     yield "bottle at rest, its invitation"
 
 
 def _twisted(window, _):
-    window.session.handles.move_by(TypedMotion.TWIST, "40deg", 0)
+    window.session.handles.move_by(MotionKind.TWIST, "40deg", 0)
     settle(window)
     yield "bottle twisted"
 
 
 def _notices(window, _):
-    window.notice.tell("A message.")
+    window.notice.show_message("A message.")
     window.notice.timer.stop()  # it is in the way for longer
     yield "message"
-    window.notice.fail("A failure.")
+    window.notice.show_failure("A failure.")
     yield "failure"
     window.notice.hide()
     window.recovery.offer([Leftover()])
@@ -148,17 +148,17 @@ class Leftover:
 def _tools(window, _):
     view = window.canvas.viewport
     for tool in Tool:
-        window.tools.take(tool)
+        window.tools.choose_tool(tool)
         Mouse(view).move(centre(view))
         yield f"tool {tool.name.lower()}"
-    window.tools.take(Tool.MOVE)
+    window.tools.choose_tool(Tool.MOVE)
     Mouse(view).move(arrow_grip(window, 1))
     yield "an arrow under the mouse"
     Mouse(view).move((5, 5))
 
 
 def _looks(window, _):
-    looks = window.actions_.looks
+    looks = window.actions_.display
     for name, switch in looks.switches.items():
         if not switch.isEnabled() or name == "turntable":
             continue
@@ -173,13 +173,13 @@ def _looks(window, _):
     for name in ("cut", "compare", "ghost", "ground"):
         looks.switches[name].setChecked(True)
     yield "all looks"
-    looks.off.trigger()
+    looks.no_overlay.trigger()
 
 
 def _cards(window, _):
-    typed = window.editing.typed
+    typed = window.edits.text_entries
     for name in ("vertices", "brush", "pivot"):
-        typed.open(getattr(typed, name))
+        typed.open_entry(getattr(typed, name))
         yield f"typing {name}"
         getattr(typed, name).close_card()
     window.help.open_search()
@@ -193,10 +193,10 @@ def _cards(window, _):
     window.session.files.open_mesh(Mesh(V, F))
     settle(window)
     yield "findings, badge"
-    window.health.open()
-    window.health.list.rows[0].chosen.emit()
+    window.findings.toggle_list()
+    window.findings.list.rows[0].chosen.emit()
     yield "findings, list and marks"
-    window.health.close()
+    window.findings.close()
     window.session.gestures.undo()
     settle(window)
     assert document(window).mesh is before
@@ -211,7 +211,7 @@ def _docks(window, folder):
         button.setChecked(True)
     write_study(folder / "study", 60, failed=0.1)
     (folder / "study" / "plan.csv").write_text("")
-    window.case_studies.open(folder / "study")
+    window.case_studies.open_study(folder / "study")
     panel = window.case_studies.panel
     end = time.monotonic() + 30.0
     while not panel.model.rows and time.monotonic() < end:
@@ -235,32 +235,39 @@ def _dialogs(window, _):
     window.settings_page.open()
     yield "settings"
     window.settings_page.close()
-    for name in ("sweep", "animate", "press", "paper"):
-        getattr(window.studies, name)()
+    runs = window.runs
+    opened = {
+        "sweep": runs.open_sweep,
+        "animate": runs.open_animation,
+        "press": runs.open_press,
+        "paper": runs.open_paper,
+    }
+    for name, open_dialog in opened.items():
+        open_dialog()
         yield f"dialog {name}"
-        window.studies.dialogs[name].close()
-    window.case_studies.design()
+        window.runs.dialogs[name].close()
+    window.case_studies.design_study()
     yield "dialog study"
     window.case_studies.dialog.close()
-    pictures = window.reporting.pictures
-    dialog = PictureDialog(window.shell, pictures, Wish(pictures.view_size))
+    pictures = window.reports.pictures
+    dialog = PictureDialog(window.shell, pictures, PictureSettings(pictures.view_size))
     dialog.show()
     yield "dialog picture"
     dialog.reject()
     dialog.deleteLater()
-    window.comparing.open()
-    side = window.comparing.window
+    window.comparison.open()
+    side = window.comparison.window
     end = time.monotonic() + 120.0
-    while side.comparison.under_way is not None and time.monotonic() < end:
+    while side.comparison.current_method is not None and time.monotonic() < end:
         QApplication.processEvents()
         time.sleep(0.002)
     yield "comparison"
     side.close()
-    window.actions_.looks.off.trigger()
+    window.actions_.display.no_overlay.trigger()
 
 
 def _away(window, _):
-    window.notice.fail("A failure.")
+    window.notice.show_failure("A failure.")
     window.docks["plots"].show()
     iconify(window.shell, True)
     yield "minimised"
@@ -293,13 +300,13 @@ def gesture(window, k):
         QApplication.processEvents()
         return
     if kind == 1:
-        window.tools.take(Tool.REGION)
+        window.tools.choose_tool(Tool.REGION)
         start, way = centre(view).toTuple(), rng.uniform(-60.0, 60.0, 2)
     elif kind == 3:
-        window.tools.take(Tool.ORBIT)
+        window.tools.choose_tool(Tool.ORBIT)
         start, way = (20.0, 20.0), rng.uniform(-60.0, 60.0, 2)
     else:
-        window.tools.take(Tool.MOVE)
+        window.tools.choose_tool(Tool.MOVE)
         start, way = arrow_grip(window, rng.integers(3)), rng.uniform(-20.0, 20.0, 2)
     mouse.move(start)
     mouse.press(start)

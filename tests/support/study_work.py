@@ -7,16 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.studies.case_document import OpenedMeshes
-from apd_viewer.studies.case_file import CaseResult, packed
+from apd_viewer.studies.case_document import CaseDocuments
+from apd_viewer.studies.case_file import CaseResult, case_to_bytes
+from apd_viewer.studies.case_worker import CaseAnswer
 from apd_viewer.studies.run_case import run_case
-from apd_viewer.studies.worker import CaseAnswer
 
 
 def answer(task, **readings):
     """The answer to a case with such readings, and a small shape."""
     U = np.full((4, 3), float(task.case.steps))
-    return CaseAnswer(packed(CaseResult(task.case.key, task.case.said, "done", "", readings, {}, {}, U)))
+    return CaseAnswer(
+        case_to_bytes(CaseResult(task.case.key, task.case.to_json, "done", "", readings, {}, {}, U))
+    )
 
 
 def quick(task):
@@ -26,8 +28,8 @@ def quick(task):
 
 def computed(task):
     """Answer with what a worker would compute."""
-    meshes = OpenedMeshes(lambda source: source.path.read_bytes())
-    return CaseAnswer(packed(run_case(task.case, meshes, task.limit)))
+    meshes = CaseDocuments(lambda source: source.path.read_bytes())
+    return CaseAnswer(case_to_bytes(run_case(task.case, meshes, task.time_limit)))
 
 
 def deadly(task):

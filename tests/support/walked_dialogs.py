@@ -6,10 +6,12 @@ def dialogs(driver):
     window = driver.window
     window.settings_page.open()
     show(driver, "settings", window.settings_page.dialog)
-    for name in ("sweep", "animate", "press", "paper"):
-        getattr(window.studies, name)()
-        show(driver, name, window.studies.dialogs[name])
-    window.case_studies.design()
+    runs = window.runs
+    openers = (runs.open_sweep, runs.open_animation, runs.open_press, runs.open_paper)
+    for name, open_dialog in zip(("sweep", "animate", "press", "paper"), openers, strict=True):
+        open_dialog()
+        show(driver, name, runs.dialogs[name])
+    window.case_studies.design_study()
     for row in window.case_studies.dialog.varied.rows.values():
         row.check.setChecked(True)
     show(driver, "study", window.case_studies.dialog)

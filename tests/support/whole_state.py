@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from shiboken6 import isValid
 
 from apd_viewer.ui.settings_page.preference_table import GROUPS
-from apd_viewer.ui.widgets.fields import Choice
+from apd_viewer.ui.widgets.fields import ComboBox
 
 _PLAIN = str, int, float, bool, Enum, type(None)
 _TOLD = (
@@ -21,7 +21,16 @@ _TOLD = (
 )
 _ROUNDING = 2  # pixels, by which a row of a layout is moved by what it has shown
 _DEEPEST = 5
-_COUNTS = {"draws", "revision", "shape_revision", "moment", "compiled", "step"}
+_COUNTS = {
+    "draw_count",
+    "revision",
+    "shape_revision",
+    "moment",
+    "compiled_share",
+    "step",
+    "dab_spacing",
+    "grid_step",
+}
 _NOTHING = "–"
 
 
@@ -47,7 +56,7 @@ def _in_sight(thing):
 
 
 def _tell_shown(found, child):
-    if type(child) is Choice:  # hidden, too; those of results come with them
+    if type(child) is ComboBox:  # hidden, too; those of results come with them
         found[f"{_free(found, child)}.chosen"] = child.currentIndex()
     if not _in_sight(child) or child.objectName().startswith("qt_"):
         return
@@ -89,7 +98,7 @@ def _tell_attributes(found, thing, place, seen, level):
 
 def _surroundings(window):
     view = window.canvas.viewport
-    eye, picture = view.look.eye, np.asarray(view.screenshot(return_img=True))
+    eye, picture = view.camera_controller.camera, np.asarray(view.screenshot(return_img=True))
     return {
         "threads": sorted(thread.name for thread in threading.enumerate() if _is_ours(thread)),
         "handles": len(list(Path("/proc/self/fd").iterdir())),
@@ -97,9 +106,9 @@ def _surroundings(window):
         "focus": type(window.shell.focusWidget()).__name__,
         "clipboard": QApplication.clipboard().text(),
         "camera": [repr(np.round(part, 4)) for part in (eye.position, eye.focal, eye.up)],
-        "brush": (window.canvas.painter.size.radius, window.canvas.painter.size.length),
-        "kind": window.measure.tool.kind,
-        "preferences": [window.memory.values[row] for group in GROUPS for row in group.rows],
+        "brush": (window.canvas.brush.size.radius, window.canvas.brush.size.length),
+        "kind": window.measurements.tool.kind,
+        "preferences": [window.preferences.values[row] for group in GROUPS for row in group.rows],
         "picture": hash(picture.tobytes()),
     }
 

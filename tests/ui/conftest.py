@@ -18,8 +18,8 @@ from shiboken6 import isValid
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.picking.surface_index import Skin
-from apd_viewer.session.model.state import opened
+from apd_viewer.geometry.picking.surface_index import SurfaceIndex
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import (
     geodesic_finder,
     geodesic_main,
@@ -28,9 +28,9 @@ from apd_viewer.session.processes import (
     solver_main,
 )
 from apd_viewer.ui.appearance import antialiasing
-from apd_viewer.ui.application import HARMLESS
+from apd_viewer.ui.application import HARMLESS_MESSAGE
 from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.shell import Shell
@@ -38,7 +38,7 @@ from apd_viewer.ui.workbench import Workbench
 
 
 def pytest_configure(config):
-    config.addinivalue_line("qt_log_ignore", HARMLESS)
+    config.addinivalue_line("qt_log_ignore", HARMLESS_MESSAGE)
     if os.environ.get("QT_QPA_PLATFORM") == "offscreen":  # all but the pixels works without OpenGL
         config.addinivalue_line("qt_log_ignore", "QOpenGLWidget")
 
@@ -46,13 +46,13 @@ def pytest_configure(config):
 @pytest.fixture(autouse=True)
 def smooth_frames(monkeypatch):
     """A view at rest is not drawn once more, with smooth edges, unless the test is about that."""
-    monkeypatch.setattr(antialiasing, "STILL", 10**6)
+    monkeypatch.setattr(antialiasing, "IDLE_DELAY", 10**6)
 
 
 @pytest.fixture(autouse=True)
 def solver_prepares_late(monkeypatch):
     """The solver that is a thread prepares nothing ahead."""
-    monkeypatch.setattr(solver_main, "Solver", LateSolver)
+    monkeypatch.setattr(solver_main, "RequestSolver", LateSolver)
 
 
 @pytest.fixture(autouse=True)
@@ -95,9 +95,9 @@ def surface(qtbot, view, ball):
     """The ball in the viewport, seen from the front."""
     F, U = ball
     surface = Surface(view)
-    surface.set_mesh(Skin.of(F, len(U)), U, grey(len(U)))
-    view.look.along("front")
-    view.look.frame(U)
+    surface.set_mesh(SurfaceIndex.from_triangles(F, len(U)), U, grey(len(U)))
+    view.camera_controller.look_along("front")
+    view.camera_controller.frame(U)
     settle(qtbot, view)
     return surface
 
@@ -118,7 +118,7 @@ def settings(stored):
 @pytest.fixture
 def unasked(monkeypatch):
     """Windows do not ask before they are closed."""
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
 
 
 @pytest.fixture(scope="module")
@@ -127,7 +127,7 @@ def kept(qapp, stored):
     kept = KeptWindow(stored)
     with pytest.MonkeyPatch.context() as patch:
         yield kept
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
         kept.close()
 
 
@@ -152,7 +152,7 @@ def painted_bottle(tmp_path_factory):
     V, F, labels = sample_bottle(edge=2.0)
     path = tmp_path_factory.mktemp("sample") / "bottle.obj"
     save_mesh(Mesh(V, F), V, path)
-    return opened(open_mesh(path), labels.astype(np.uint8))
+    return initial_state(open_mesh(path), labels.astype(np.uint8))
 
 
 @pytest.fixture
@@ -165,7 +165,9 @@ def bottle(qtbot, kept_window, painted_bottle):
 def coarse(qtbot, kept_window):
     """The window of all tests of a file on a bottle of half as many vertices, painted, for long ways."""
     V, F, labels = sample_bottle(edge=3.0)
-    kept_window.session.files.open_with("bottle", lambda: opened(Mesh(V, F), labels.astype(np.uint8)))
+    kept_window.session.files.open_result(
+        "bottle", lambda: initial_state(Mesh(V, F), labels.astype(np.uint8))
+    )
     return at_rest(qtbot, kept_window)
 
 
@@ -197,7 +199,7 @@ def started(qtbot, folder, settings, unasked, painted_bottle):
         shell = Shell(settings)
         window = Workbench(shell, folder)
         mesh = Mesh(document.mesh.V, document.mesh.F)
-        window.session.files.open_with("bottle", lambda: opened(mesh, document.labels))
+        window.session.files.open_result("bottle", lambda: initial_state(mesh, document.labels))
         show(qtbot, shell, window.canvas.viewport)
         idle(qtbot, window)
         windows.append(window)

@@ -4,7 +4,7 @@ import weakref
 
 from PySide6.QtCore import QCoreApplication, QMessageLogContext, QObject, Qt, QtMsgType
 
-from apd_viewer.ui.application import HARMLESS, make_application, report
+from apd_viewer.ui.application import HARMLESS_MESSAGE, log_qt_message, make_application
 from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 
 
@@ -14,10 +14,12 @@ def test_make_application_gives_the_one_application(qapp):
     assert sys.getswitchinterval() <= 0.001
 
 
-def test_report_passes_messages_on_but_for_the_harmless_one(qapp, capsys):
-    report(QtMsgType.QtWarningMsg, QMessageLogContext(), f"{HARMLESS} with a different version")
+def test_log_qt_message_passes_messages_on_but_for_the_harmless_one(qapp, capsys):
+    log_qt_message(
+        QtMsgType.QtWarningMsg, QMessageLogContext(), f"{HARMLESS_MESSAGE} with a different version"
+    )
     assert capsys.readouterr().err == ""
-    report(QtMsgType.QtWarningMsg, QMessageLogContext(), "something else")
+    log_qt_message(QtMsgType.QtWarningMsg, QMessageLogContext(), "something else")
     assert "something else" in capsys.readouterr().err
 
 

@@ -5,23 +5,23 @@ import time
 from numba import njit
 
 from apd_viewer.geometry import warmup
-from apd_viewer.session.processes.compilation import CompilersBeside
+from apd_viewer.session.processes.compilation import CompilerProcesses
 from apd_viewer.ui.background_imports import BackgroundImports
 
 
 def test_background_imports_join_waits_for_no_more_than_the_kernel_being_compiled(qtbot, monkeypatch):
     compiled, others = [], []
 
-    def compile_many(*_, enough):
+    def compile_many(*_, is_cancelled):
         for _ in range(200):
-            if enough():
+            if is_cancelled():
                 break
             njit(lambda x: x + 1)(1)
             compiled.append(time.monotonic())
 
     monkeypatch.setattr(warmup, "warm_up", compile_many)
-    monkeypatch.setattr(CompilersBeside, "start", lambda _: others.append("started"))
-    monkeypatch.setattr(CompilersBeside, "end", lambda _: others.append("ended"))
+    monkeypatch.setattr(CompilerProcesses, "start", lambda _: others.append("started"))
+    monkeypatch.setattr(CompilerProcesses, "end", lambda _: others.append("ended"))
     imports = BackgroundImports()
     imports.begin()
     qtbot.waitUntil(lambda: len(compiled) > 1 and bool(others), timeout=60_000)

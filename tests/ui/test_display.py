@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from apd_viewer.ui.display import reached_display
+from apd_viewer.ui.display import display_connection
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="others always have a display")
 
@@ -34,11 +34,11 @@ def run(*words, **variables):
         ({"QT_QPA_PLATFORM": "nonsense"}, "QT_QPA_PLATFORM names “nonsense”" + NOT_OPENED),
     ],
 )
-def test_reached_display_tells_an_unreachable_display_in_a_sentence(variables, sentence):
+def test_display_connection_tells_an_unreachable_display_in_a_sentence(variables, sentence):
     assert run("-m", "apd_viewer", **variables) == (2, "", f"error: {sentence}{WITHOUT}\n")
 
 
-def test_reached_display_tells_of_an_x_server_that_refuses_in_a_sentence(tmp_path):
+def test_display_connection_tells_of_an_x_server_that_refuses_in_a_sentence(tmp_path):
     """With the address of a server, and without the cookie that it asks for."""
     read, write = os.pipe()
     cookies = tmp_path / "server"
@@ -56,14 +56,15 @@ def test_reached_display_tells_of_an_x_server_that_refuses_in_a_sentence(tmp_pat
         status, out, err = run("-m", "apd_viewer", DISPLAY=name, XAUTHORITY=str(tmp_path / "user"))
         assert (status, out) == (2, "")
         assert re.fullmatch(f"error: DISPLAY names “{name}”, where no display can be reached; .+\n", err)
-        starts = "from apd_viewer.ui.display import reached_display\nwith reached_display(): print('reached')"
+        starts = "from apd_viewer.ui.display import display_connection\n"
+        starts += "with display_connection(): print('reached')"
         assert run("-c", starts, DISPLAY=name, XAUTHORITY=str(cookies)) == (0, "reached\n", "")
     finally:
         server.terminate()
         server.wait()
 
 
-def test_reached_display_names_a_library_that_is_missing(tmp_path):
+def test_display_connection_names_a_library_that_is_missing(tmp_path):
     (tmp_path / "libxcb-cursor.so.0").touch()  # found first, and no library
     status, out, err = run("-m", "apd_viewer", DISPLAY=os.environ["DISPLAY"], LD_LIBRARY_PATH=str(tmp_path))
     assert (status, out) == (2, "")
@@ -72,22 +73,22 @@ def test_reached_display_names_a_library_that_is_missing(tmp_path):
     )
 
 
-def test_reached_display_keeps_qt_s_own_choice_of_another_display():
+def test_display_connection_keeps_qt_s_own_choice_of_another_display():
     code = (
         "from PySide6.QtWidgets import QApplication\n"
-        "from apd_viewer.ui.display import reached_display\n"
-        "with reached_display(): application = QApplication([])\n"
+        "from apd_viewer.ui.display import display_connection\n"
+        "with display_connection(): application = QApplication([])\n"
         "print(application.platformName())"
     )
     status, out, _ = run("-c", code, WAYLAND_DISPLAY="gone", DISPLAY=os.environ["DISPLAY"])
     assert (status, out) == (0, "xcb\n")
 
 
-def test_reached_display_is_not_hindered_by_a_closed_standard_error(monkeypatch):
+def test_display_connection_is_not_hindered_by_a_closed_standard_error(monkeypatch):
     kept = os.dup(2)
     os.close(2)
     try:
-        with reached_display():
+        with display_connection():
             pass
     finally:
         os.dup2(kept, 2)

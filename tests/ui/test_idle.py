@@ -15,7 +15,7 @@ from resting import Watch, drawn, gesture, iconify, states
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 
 GESTURES = 5
 
@@ -38,8 +38,8 @@ def test_workbench_rests_in_every_state(sample, painted_bottle, tmp_path, most, 
 def test_typed_card_text_cursor_does_not_have_the_window_composed_anew(qtbot, bottle):
     """In software: for each of its blinks the whole window would be composed."""
     bottle.shell.activateWindow()
-    bottle.editing.typed.open(bottle.editing.typed.vertices)
-    qtbot.waitUntil(bottle.editing.typed.vertices.text.hasFocus)
+    bottle.edits.text_entries.open_entry(bottle.edits.text_entries.vertices)
+    qtbot.waitUntil(bottle.edits.text_entries.vertices.text.hasFocus)
     assert Watch().restless(1.2) == ""
 
 
@@ -52,17 +52,17 @@ def test_viewport_draws_nothing_while_not_seen_though_the_shape_changes(qtbot, b
     settle(qtbot, view)
     iconify(window.shell, True) if away == "minimised" else window.shell.hide()
     qtbot.waitUntil(lambda: not window.shell.windowHandle().isExposed())
-    draws, before, watch = view.draws, window.session.store.state, Watch()
-    window.session.handles.move_by(TypedMotion.TWIST, "60deg", 0)
-    window.actions_.looks.switches["turntable"].setChecked(True)
+    draws, before, watch = view.draw_count, window.session.store.state, Watch()
+    window.session.handles.move_by(MotionKind.TWIST, "60deg", 0)
+    window.actions_.display.switches["turntable"].setChecked(True)
     counts = watch.count(0.6)
     idle(qtbot, window)
     assert window.session.store.state.frame is not before.frame
-    assert view.draws == draws
+    assert view.draw_count == draws
     assert [who for who, kind in counts if kind == "Paint"] == []
-    window.actions_.looks.switches["turntable"].setChecked(False)
+    window.actions_.display.switches["turntable"].setChecked(False)
     iconify(window.shell, False) if away == "minimised" else window.shell.show()
-    qtbot.waitUntil(lambda: view.draws > draws)
+    qtbot.waitUntil(lambda: view.draw_count > draws)
 
 
 @pytest.fixture
@@ -80,7 +80,7 @@ def test_workbench_keeps_nothing_of_meshes_that_undo_no_longer_reaches(window, f
     """Neither by the window nor by the solver nor by what was noted as saved."""
     history, first = window.session.gestures.history, []
     for k, path in enumerate([*files, *files]):
-        window.filing.open_path(path)
+        window.files.open_path(path)
         drawn(window)
         window.session.gestures.begin()
         window.session.painting.paint(np.arange(40), 0)
@@ -88,11 +88,14 @@ def test_workbench_keeps_nothing_of_meshes_that_undo_no_longer_reaches(window, f
         drawn(window)
         if k == 2:
             state, before = window.session.store.state, things(window)
-            first = [weakref.ref(each) for each in (state, state.document, state.document.mesh, state.skin)]
+            first = [
+                weakref.ref(each)
+                for each in (state, state.document, state.document.mesh, state.surface_index)
+            ]
             del state
     assert things(window) == before
     assert all(each() is not None for each in first), "undo leads there"
-    history.limit(1)
+    history.limit_memory(1)
     gesture(window, 0)
     drawn(window)
     gc.collect()

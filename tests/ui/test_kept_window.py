@@ -16,11 +16,11 @@ from whole_state import differences, whole_state
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.settings_page import preference_table
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 
 def drags(qtbot, window, _):
@@ -36,21 +36,21 @@ def breaks_off_a_drag(qtbot, window, _):
 
 
 def paints(qtbot, window, _):
-    window.actions_.select.ways[Way.LASSO].trigger()
-    window.actions_.select.ways[Way.BRUSH].trigger()
+    window.actions_.select.modes[SelectionMode.LASSO].trigger()
+    window.actions_.select.modes[SelectionMode.BRUSH].trigger()
     window.actions_.tools[Tool.REGION].trigger()
     window.actions_.select.sizes[0].trigger()
-    window.actions_.select.through.trigger()
+    window.actions_.select.select_hidden.trigger()
     stroke(qtbot, window, centre(window.canvas.viewport).toTuple())
 
 
 def pauses(qtbot, window, _):
-    window.session.handles.move_by(TypedMotion.TWIST, "40deg", 0)
+    window.session.handles.move_by(MotionKind.TWIST, "40deg", 0)
     window.session.store.pause_or_resume()
 
 
 def undoes(qtbot, window, _):
-    window.session.handles.move_by(TypedMotion.TWIST, "4deg", 0)
+    window.session.handles.move_by(MotionKind.TWIST, "4deg", 0)
     window.actions_.undo.trigger()
 
 
@@ -64,27 +64,27 @@ def types_what_is_wrong(qtbot, window, _):
 
 
 def types_on_cards(qtbot, window, _):
-    typed = window.editing.typed
-    typed.open_brush()
-    typed.open(typed.vertices)
+    typed = window.edits.text_entries
+    typed.open_brush_entry()
+    typed.open_entry(typed.vertices)
 
 
 def shows_an_overlay(qtbot, window, _):
-    looks = window.actions_.looks
+    looks = window.actions_.display
     looks.measures[Measure.AREA].trigger()
-    qtbot.waitUntil(lambda: window.looks.heat.reading.values is not None, timeout=60_000)
-    window.looks.legend.scaled.emit(0.3, 0.1)
-    looks.worst[0].trigger()
+    qtbot.waitUntil(lambda: window.display_options.overlay.reading.values is not None, timeout=60_000)
+    window.display_options.legend.scale_changed.emit(0.3, 0.1)
+    looks.extremes[0].trigger()
 
 
 def switches_all_on(qtbot, window, _):
-    for switch in window.actions_.looks.switches.values():
+    for switch in window.actions_.display.switches.values():
         switch.setChecked(True)
 
 
 def cuts(qtbot, window, _):
-    window.actions_.looks.switches["cut"].trigger()
-    cut = window.looks.cut
+    window.actions_.display.switches["cut"].trigger()
+    cut = window.display_options.cutting_plane
     cut.axes[0].click()
     cut.flip.click()
     cut.slider.setValue(30)
@@ -101,7 +101,7 @@ def moves_docks(qtbot, window, _):
     window.docks["history"].show()
     window.docks["readings"].setFloating(True)
     window.shell.resize(900, 700)
-    window.panel.folded = ["Handles"]
+    window.panel.folded_sections = ["Handles"]
     window.shell.history.setFocus()
 
 
@@ -114,52 +114,52 @@ def looks_from_elsewhere(qtbot, window, _):
 
 
 def chooses_preferences(qtbot, window, _):
-    values = window.memory.values
+    values = window.preferences.values
     values.choose(preference_table.COLOR_SCHEME, Qt.ColorScheme.Dark)
     values.choose(preference_table.UNIT, Unit.MILLIMETRE)
-    values.choose(preference_table.SELECTION_MODE, Way.BOX)
+    values.choose(preference_table.SELECTION_MODE, SelectionMode.BOX)
     values.choose(preference_table.UNDO_MEMORY, 64 * 2**20)
     window.panel.area.unit.chosen.emit(Unit.CENTIMETRE)
 
 
 def changes_shortcuts(qtbot, window, _):
     shortcuts = window.help.shortcuts
-    shortcuts.give(next(entry for entry in shortcuts.entries if entry.name == "undo"), "Ctrl+K")
+    shortcuts.assign_keys(next(entry for entry in shortcuts.entries if entry.name == "undo"), "Ctrl+K")
 
 
 def opens_dialogs(qtbot, window, _):
-    window.studies.press()
-    window.studies.sweep()
-    window.case_studies.design()
+    window.runs.open_press()
+    window.runs.open_sweep()
+    window.case_studies.design_study()
     window.settings_page.open()
 
 
 def compares(qtbot, window, _):
-    window.session.handles.move_by(TypedMotion.TWIST, "4deg", 0)
-    window.comparing.open()
+    window.session.handles.move_by(MotionKind.TWIST, "4deg", 0)
+    window.comparison.open()
 
 
 def opens_a_study(qtbot, window, folder):
     write_study(folder / "study", 6)
-    window.case_studies.open(folder / "study")
+    window.case_studies.open_study(folder / "study")
     qtbot.waitUntil(lambda: bool(window.case_studies.panel.model.rows))
 
 
 def keeps_poses(qtbot, window, _):
-    window.poses.keep()
-    window.session.handles.move_by(TypedMotion.TWIST, "4deg", 0)
-    window.poses.keep()
-    window.symmetry.switch(True)
+    window.poses.keep_pose()
+    window.session.handles.move_by(MotionKind.TWIST, "4deg", 0)
+    window.poses.keep_pose()
+    window.symmetry.set_symmetric(True)
 
 
 def presses_on_a_floor(qtbot, window, _):
-    window.obstacles.put_floor()
+    window.obstacles.add_floor()
     window.parts.choose_obstacle(0)
     window.panel.obstacles.fields.along.setCurrentIndex(2)
 
 
 def measures(qtbot, window, _):
-    measure = window.actions_.measure
+    measure = window.actions_.measurements
     list(measure.kinds.values())[-1].trigger()
     Mouse(window.canvas.viewport).drag(on_screen(window, 0), on_screen(window, 0))
 
@@ -171,7 +171,7 @@ def asks_for_help(qtbot, window, _):
 
 
 def hears_of_failures(qtbot, window, _):
-    window.notice.fail("A failure.")
+    window.notice.show_failure("A failure.")
     window.status.showMessage("A message.")
     QApplication.clipboard().setText("copied")
 
@@ -180,7 +180,7 @@ def opens_a_bad_mesh(qtbot, window, _):
     V, F = box()
     window.session.files.open_mesh(Mesh(V, np.vstack([F, F[:1]])))
     idle(qtbot, window)
-    window.health.open()
+    window.findings.toggle_list()
 
 
 USES = (

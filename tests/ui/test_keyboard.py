@@ -10,7 +10,7 @@ from PySide6.QtGui import QAccessible, QImage
 from PySide6.QtWidgets import QAbstractButton, QWidget
 
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.ui.tools.toolbox import Tool
 
 SCHEMES = Qt.ColorScheme.Light, Qt.ColorScheme.Dark
@@ -20,18 +20,18 @@ LEAST_CONTRAST = 2.9  # of what is drawn with the focus, against what is there w
 def everything(window):
     """Open all that can be open side by side."""
     actions = window.actions_
-    actions.looks.measures[Measure.AREA].trigger()
+    actions.display.measures[Measure.AREA].trigger()
     for name in ("cut", "compare"):
-        actions.looks.switches[name].trigger()
+        actions.display.switches[name].trigger()
     for name in ("history", "plots"):
         window.docks[name].show()
-    actions.pose.parts[0].trigger()
-    actions.pose.parts[2].trigger()
+    actions.pose.part_actions[0].trigger()
+    actions.pose.part_actions[2].trigger()
     window.session.settings.set_region_area(0, 100.0)
-    window.session.handles.move_by(TypedMotion.TWIST, "20", 0)
-    window.tools.take(Tool.HANDLE)
-    window.panel.folded = []
-    window.notice.fail("Something went wrong; do something else.")
+    window.session.handles.move_by(MotionKind.TWIST, "20", 0)
+    window.tools.choose_tool(Tool.HANDLE)
+    window.panel.folded_sections = []
+    window.notice.show_failure("Something went wrong; do something else.")
 
 
 def sheet(window):
@@ -44,7 +44,7 @@ def tour(window):
 
 
 def numbers(window):
-    window.actions_.select.numbers.trigger()
+    window.actions_.select.by_expression.trigger()
 
 
 SCENES = {"everything": everything, "sheet": sheet, "tour": tour, "numbers": numbers}
@@ -111,8 +111,14 @@ def test_workbench_has_tab_go_as_one_reads(qtbot, active):
     work_off()
     active.canvas.viewport.setFocus()
     way = walked(qtbot, active)
-    legend = active.looks.legend
-    for part in (active.panel.widget(), legend, active.looks.cut, active.looks.before_after, active.plots):
+    legend = active.display_options.legend
+    for part in (
+        active.panel.widget(),
+        legend,
+        active.display_options.cutting_plane,
+        active.display_options.before_after,
+        active.plots,
+    ):
         inside = [widget for widget in way if part.isAncestorOf(widget)]
         assert len(inside) > 1
         at = [way.index(widget) for widget in inside]

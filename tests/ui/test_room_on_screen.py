@@ -8,15 +8,15 @@ from PySide6.QtCore import QPointF, QRect, QSize
 from PySide6.QtWidgets import QDialog, QToolButton, QWidget
 
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
 
 @pytest.fixture
 def full(qtbot, bottle):
     """The bottle with a tool that paints, and all that can be switched on."""
-    looks = bottle.actions_.looks
-    bottle.tools.take(Tool.HANDLE)
+    looks = bottle.actions_.display
+    bottle.tools.choose_tool(Tool.HANDLE)
     looks.measures[Measure.AREA].trigger()
     for switch in ("ghost", "compare", "cut", "ground"):
         looks.switches[switch].trigger()
@@ -27,13 +27,13 @@ def full(qtbot, bottle):
 def on_canvas(window):
     """What lies on the canvas, by its name, in the canvas' coordinates."""
     parts = {
-        "ways": window.way_bar,
+        "ways": window.mode_bar,
         "invitation": window.invitation,
         "notice": window.notice,
-        "findings": window.health.list,
-        "compare": window.looks.before_after,
-        "cut": window.looks.cut,
-        "legend": window.looks.legend,
+        "findings": window.findings.list,
+        "compare": window.display_options.before_after,
+        "cut": window.display_options.cutting_plane,
+        "legend": window.display_options.legend,
     }
     view = window.canvas.viewport
     return {
@@ -48,7 +48,7 @@ def on_canvas(window):
 def test_workbench_lets_nothing_on_the_canvas_meet_or_be_cut_with_everything_on(qtbot, full, size, plots):
     full.shell.resize(*size)
     full.docks["plots"].setVisible(plots)
-    full.invitation.say("")
+    full.invitation.show_text("")
     work_off()
     found = on_canvas(full)
     assert {"ways", "compare", "cut", "legend"} <= set(found)
@@ -56,7 +56,11 @@ def test_workbench_lets_nothing_on_the_canvas_meet_or_be_cut_with_everything_on(
         assert full.canvas.viewport.rect().contains(room), name
         for other, others in found.items():
             assert name == other or not room.intersects(others), (name, other)
-    for card in (full.looks.before_after, full.looks.cut, full.looks.legend):
+    for card in (
+        full.display_options.before_after,
+        full.display_options.cutting_plane,
+        full.display_options.legend,
+    ):
         assert card.height() == card.sizeHint().height(), "neither squeezed nor spread"
         for part in card.findChildren(QWidget):
             if part.isVisible() and part.parent() is card:
@@ -65,18 +69,18 @@ def test_workbench_lets_nothing_on_the_canvas_meet_or_be_cut_with_everything_on(
 
 def test_cards_do_not_cover_what_is_typed_into(qtbot, full):
     full.shell.resize(1280, 720)
-    full.actions_.select.numbers.trigger()
-    card, cards = full.editing.typed.vertices, full.looks.cards
+    full.actions_.select.by_expression.trigger()
+    card, cards = full.edits.text_entries.vertices, full.display_options.cards
     qtbot.waitUntil(lambda: card.isVisible() and not card.geometry().intersects(cards.geometry()))
     assert full.canvas.viewport.rect().contains(cards.geometry())
 
 
 def test_click_selector_says_so_where_there_is_no_border(full):
-    full.tools.choose_way(Way.LOOP)
+    full.tools.choose_mode(SelectionMode.LOOP)
     view = full.canvas.viewport
-    x, y = view.look.eye.project(full.canvas.surface.U[:1])[0]
+    x, y = view.camera_controller.camera.project(full.canvas.surface.U[:1])[0]
     mouse = Mouse(view)
-    full.actions_.looks.switches["cut"].trigger()
+    full.actions_.display.switches["cut"].trigger()
     mouse.move((x, y - 60))
     mouse.drag((x, y - 60), (x, y - 60))
     assert full.canvas.surface.hit(QPointF(x, y - 60)) is not None
@@ -84,35 +88,35 @@ def test_click_selector_says_so_where_there_is_no_border(full):
 
 
 def test_legend_lines_come_back_with_the_room(qtbot, full):
-    legend = full.looks.legend
+    legend = full.display_options.legend
     full.shell.resize(1280, 720)
     full.docks["plots"].show()
     qtbot.waitUntil(lambda: not legend.neutral.isVisible())
     assert legend.bar.isVisible()
     full.docks["plots"].hide()
     qtbot.waitUntil(legend.neutral.isVisible)
-    legend.chosen.emit(Measure.DISPLACEMENT)
+    legend.measure_chosen.emit(Measure.DISPLACEMENT)
     work_off()
     assert not legend.neutral.isVisible(), "there is none on this scale"
     assert legend.reach.isVisible()
 
 
 def test_cards_lay_out_one_that_comes_back_alone_for_its_own_size(qtbot, full):
-    looks = full.actions_.looks
+    looks = full.actions_.display
     looks.switches["compare"].trigger()
     looks.switches["cut"].trigger()
     work_off()
-    looks.off.trigger()
+    looks.no_overlay.trigger()
     work_off()
     looks.switches["cut"].trigger()
     work_off()
-    cut = full.looks.cut
+    cut = full.display_options.cutting_plane
     assert cut.rect().contains(cut.slider.geometry())
     assert cut.rect().contains(cut.axes[0].geometry())
 
 
-def test_way_bar_has_ways_for_which_there_is_no_room_in_a_menu(qtbot, full):
-    more = full.way_bar.findChild(QToolButton, "qt_toolbar_ext_button")
+def test_selection_mode_bar_has_ways_for_which_there_is_no_room_in_a_menu(qtbot, full):
+    more = full.mode_bar.findChild(QToolButton, "qt_toolbar_ext_button")
     full.shell.resize(1280, 720)
     qtbot.waitUntil(lambda: not more.isVisible())
     full.docks["plots"].show()
@@ -121,10 +125,10 @@ def test_way_bar_has_ways_for_which_there_is_no_room_in_a_menu(qtbot, full):
 
 
 def test_ground_writes_no_figure_over_another(qtbot, bottle, monkeypatch):
-    bottle.actions_.looks.switches["ground"].trigger()
+    bottle.actions_.display.switches["ground"].trigger()
     written = []
     for axis in ("front", "side", "top", "-front"):
-        bottle.canvas.viewport.look.along(axis)
+        bottle.canvas.viewport.camera_controller.look_along(axis)
         settle(qtbot, bottle.canvas.viewport)
         taken = [room for _, room in figures(bottle)]
         written += taken

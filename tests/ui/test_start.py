@@ -26,7 +26,7 @@ def test_workbench_says_that_settings_cannot_be_kept(qtbot, tmp_path):
     show(qtbot, shell, shell.canvas.viewport)
     corners, faces = np.vstack([np.zeros(3), np.eye(3)]), [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
     shell.requests.show_mesh(Mesh(corners, np.array(faces)))
-    window = build_workbench(shell, None, on_bottle=False)
+    window = build_workbench(shell, None, opens_sample=False)
     idle(qtbot, window)
     assert window.notice.text == (
         f"Settings and recent files are not kept, since {place} cannot be written; check its permissions."
@@ -74,7 +74,7 @@ def test_shell_lets_nothing_break_before_the_start(qtbot, early):
     assert not early.panel.isEnabled()
     window = Workbench(early)
     assert early.panel.isEnabled() is False
-    assert window.empty.isVisible(), "there is nothing to show, and that is said"
+    assert window.empty_state.isVisible(), "there is nothing to show, and that is said"
 
 
 def menus(window):
@@ -129,35 +129,35 @@ def test_inert_chrome_menu_that_is_open_at_the_start_is_opened_again(qtbot, earl
 def test_build_workbench_starts_nothing_in_a_window_closed_before_the_start(early):
     early.requests.open_sample("bottle")
     assert early.close()
-    assert build_workbench(early, None, on_bottle=False) is None
+    assert build_workbench(early, None, opens_sample=False) is None
 
 
-def test_sketch_shows_the_bottle_before_the_start_and_it_is_not_touched(qtbot, early):
+def test_preview_surface_shows_the_bottle_before_the_start_and_it_is_not_touched(qtbot, early):
     view = early.canvas.viewport
     mesh, labels = open_sample("bottle")
     empty = view.screenshot().copy() if QGuiApplication.platformName() != "offscreen" else None
-    early.canvas.sketch(mesh, labels)
+    early.canvas.show_opening_mesh(mesh, labels)
     early.requests.open_sample("bottle")
     settle(qtbot, view)
-    early.canvas.take(Tool.BASE)
-    mouse, framed = Mouse(view), view.look.eye.key
+    early.canvas.choose_tool(Tool.BASE)
+    mouse, framed = Mouse(view), view.camera_controller.camera.key
     mouse.drag(centre(view), centre(view) + QPoint(20, 0))  # which is no stroke, but turns the camera
-    moved = view.look.eye.key
+    moved = view.camera_controller.camera.key
     window = Workbench(early)
     idle(qtbot, window)
     assert moved != framed
-    assert view.look.eye.key == moved, "the camera stays where it was turned to"
+    assert view.camera_controller.camera.key == moved, "the camera stays where it was turned to"
     assert np.array_equal(document(window).labels, labels)
     if empty is not None:
-        view.antialiasing.still.stop()
+        view.antialiasing.idle_timer.stop()
         assert (view.screenshot() != empty).any()
 
 
-def test_sketch_looks_like_the_opened_mesh(qtbot, early):
+def test_preview_surface_looks_like_the_opened_mesh(qtbot, early):
     if QGuiApplication.platformName() == "offscreen":
         pytest.skip("the offscreen platform has no OpenGL, so there is no picture to compare")
     view = early.canvas.viewport
-    early.canvas.sketch(*open_sample("bottle"))
+    early.canvas.show_opening_mesh(*open_sample("bottle"))
     early.requests.open_sample("bottle")
     sketch = view.screenshot().astype(int)
     idle(qtbot, Workbench(early))
@@ -165,21 +165,23 @@ def test_sketch_looks_like_the_opened_mesh(qtbot, early):
     assert differs.mean() <= 0.02, "only sharp edges are shaded later"
 
 
-def test_sketch_leaves_room_for_the_gizmo(qtbot, early):
-    early.canvas.sketch(*open_sample("bottle"))
+def test_preview_surface_leaves_room_for_the_gizmo(qtbot, early):
+    early.canvas.show_opening_mesh(*open_sample("bottle"))
     early.requests.open_sample("bottle")
-    sketched = early.canvas.viewport.look.eye
+    sketched = early.canvas.viewport.camera_controller.camera
     idle(qtbot, Workbench(early))
     early.canvas.frame_mesh()
-    np.testing.assert_allclose(early.canvas.viewport.look.eye.position, sketched.position, rtol=1e-9)
+    np.testing.assert_allclose(
+        early.canvas.viewport.camera_controller.camera.position, sketched.position, rtol=1e-9
+    )
 
 
 def test_canvas_frames_another_mesh_than_the_sketched_one(qtbot, early):
-    early.canvas.sketch(*open_sample("bottle"))
+    early.canvas.show_opening_mesh(*open_sample("bottle"))
     early.requests.open_sample("duck")
-    before = early.canvas.viewport.look.eye.key
+    before = early.canvas.viewport.camera_controller.camera.key
     idle(qtbot, Workbench(early))
-    assert early.canvas.viewport.look.eye.key != before
+    assert early.canvas.viewport.camera_controller.camera.key != before
 
 
 MISSING = """
@@ -263,7 +265,7 @@ import os, signal, sys
 from pathlib import Path
 from PySide6.QtCore import QTimer
 from apd_viewer.__main__ import main
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.ui import application
 
 signal.signal(signal.SIGHUP, signal.SIG_DFL)  # which nohup may have the tests ignore
@@ -273,9 +275,9 @@ def built(*given, build=application.build_workbench):
     session, own, stage = workbench.session, Path(os.environ["TMPDIR"]), []
     def look():
         if not stage and session.store.state is not None and session.jobs.current is None:
-            session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
+            session.handles.move_by(MotionKind.TWIST, "20deg", 0)
             workbench.actions_.pose.press.trigger()
-            workbench.studies.dialogs["press"].run.start.click()
+            workbench.runs.dialogs["press"].run.start.click()
             stage.append("presses")
         kept = list(given[1].glob("*.apd")) and list(own.glob("apd-viewer-*/results"))
         if kept and stage == ["presses"]:

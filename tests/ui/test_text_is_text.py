@@ -29,18 +29,18 @@ from watched_pipe import WatchedPipe
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.handles_and_regions import NamedRegion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
-from apd_viewer.session.model.named_parts import NamedRegion
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
-from apd_viewer.session.storage.recovery import owned
+from apd_viewer.session.storage.recovery_file import claim_path
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.filing import file_dialogs, unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
-from apd_viewer.ui.widgets.names import told_apart
+from apd_viewer.ui.widgets.display_names import distinct_names
 from apd_viewer.ui.workbench import Workbench
 
 ASK = unsaved_question.ask_before_leaving  # before the fixture of the window answers by itself
@@ -143,7 +143,7 @@ def named(tmp_path):
     save_mesh(Mesh(V, F), V, path)
     labels = np.ones(len(V), dtype=np.uint8)
     labels[ends(V)[0]], labels[ends(V)[1]] = 0, 2
-    state = opened(open_mesh(path), labels)
+    state = initial_state(open_mesh(path), labels)
     document = state.document
     handle = replace(document.handles[0], name=NAME)
     ball = NamedObstacle(NAME, ObstacleKind.SPHERE, np.array([0.0, 0.0, 3.0]), radius=0.5)
@@ -153,7 +153,7 @@ def named(tmp_path):
         regions=(NamedRegion(NAME),),
         obstacles=(ball,),
     )
-    return state.at(document)
+    return state.updated(document)
 
 
 @pytest.fixture
@@ -202,12 +202,12 @@ def test_workbench_shows_what_a_session_says_as_it_is(qtbot, here, looker):
     for dock in ("history", "plots", "study"):
         here.docks[dock].show()
     for tool in Tool:
-        here.tools.take(tool)
+        here.tools.choose_tool(tool)
         looker.look()
-    here.poses.keep()
+    here.poses.keep_pose()
     here.session.poses.rename(0, NAME)
-    here.session.poses.go(0)
-    here.session.handles.move_by(TypedMotion.TWIST, "3", 0)
+    here.session.poses.go_to(0)
+    here.session.handles.move_by(MotionKind.TWIST, "3", 0)
     idle(qtbot, here)
     looker.look()
     here.help.open_search()
@@ -218,22 +218,22 @@ def test_workbench_shows_what_a_session_says_as_it_is(qtbot, here, looker):
 
 @pytest.mark.night
 def test_workbench_dialogs_show_what_a_session_says_as_it_is(qtbot, here, looker):
-    here.session.handles.move_by(TypedMotion.TWIST, "3", 0)
+    here.session.handles.move_by(MotionKind.TWIST, "3", 0)
     idle(qtbot, here)
     for open_dialog in (
-        here.studies.sweep,
-        here.studies.animate,
-        here.studies.press,
-        here.studies.paper,
-        here.case_studies.design,
-        here.comparing.open,
+        here.runs.open_sweep,
+        here.runs.open_animation,
+        here.runs.open_press,
+        here.runs.open_paper,
+        here.case_studies.design_study,
+        here.comparison.open,
         here.settings_page.open,
         here.help.open_sheet,
-        here.editing.choose_by_numbers,
+        here.edits.open_vertex_entry,
     ):
         open_dialog()
         looker.look()
-    here.editing.typed.vertices.text.setText(NAME)
+    here.edits.text_entries.vertices.text.setText(NAME)
     dialog = here.case_studies.dialog
     dialog.folder.setText(NAME)
     dialog.engine.where.setCurrentIndex(1)
@@ -242,10 +242,10 @@ def test_workbench_dialogs_show_what_a_session_says_as_it_is(qtbot, here, looker
     work_off()
     looker.look()
     here.panel.handles.motion.amount.setText(NAME)
-    here.editing.move_by(TypedMotion.TWIST, NAME, False)
+    here.edits.move_by(MotionKind.TWIST, NAME, False)
     work_off()
     looker.look()
-    here.comparing.window.close()
+    here.comparison.window.close()
     assert looker.seen >= {f"the title of a {kind}" for kind in DIALOGS}
 
 
@@ -278,21 +278,25 @@ def test_notice_waits_for_nothing_in_a_window_that_is_not_on_the_screen_yet(
     qtbot, settings, looker, pipe, monkeypatch
 ):
     """A failure may be said before the window is shown, when no style has been asked for yet."""
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
     window = Workbench(Shell(settings))
-    for say in (window.notice.fail, window.invitation.say, window.editing.typed.vertices.say):
+    for say in (
+        window.notice.show_failure,
+        window.invitation.show_text,
+        window.edits.text_entries.vertices.show_message,
+    ):
         say(f'{SIGN}<img src="{pipe.path}">')
-    window.editing.typed.vertices.open_card()
+    window.edits.text_entries.vertices.open_card()
     show(qtbot, window.shell, window.canvas.viewport)
     looker.look()
-    assert {"QLabel notice", "Invitation canvas"} & looker.seen
+    assert {"QLabel notice", "CanvasHint canvas"} & looker.seen
     window.shell.close()
     window.shell.deleteLater()
     work_off()
 
 
 def test_recovery_bar_shows_what_a_killed_program_left_as_it_is(qtbot, folder, named, started, looker):
-    path, lock = owned(folder)
+    path, lock = claim_path(folder)
     save_session(path, named, View(), embed=True)
     lock.release()
     window = started()
@@ -301,22 +305,22 @@ def test_recovery_bar_shows_what_a_killed_program_left_as_it_is(qtbot, folder, n
 
 
 def test_question_shows_names_as_they_are(qtbot, here, session, looker, tmp_path, monkeypatch):
-    assert asked(looker, lambda: ASK(here.shell, session.name, True)) is Answer.CANCEL
+    assert asked(looker, lambda: ASK(here.shell, session.name, True)) is UnsavedAnswer.CANCEL
     assert "QLabel" in " ".join(looker.seen)
     looker.seen.clear()
     chosen = str(tmp_path / NAME), ""
     monkeypatch.setattr(file_dialogs.QFileDialog, "getSaveFileName", lambda *_: chosen)
     mesh = here.session.store.state.document.mesh
-    assert asked(looker, lambda: file_dialogs.ask_for_session(here.shell, tmp_path, mesh)) is None
+    assert asked(looker, lambda: file_dialogs.ask_where_to_put_session(here.shell, tmp_path, mesh)) is None
     assert any(where.startswith("QLabel") for where in looker.seen)
     looker.seen.clear()
     here.case_studies.panel.folder = tmp_path
     (tmp_path / "run.json").write_text(json.dumps({"options": ["--scheduler", NAME]}))
-    asked(looker, here.case_studies.panel.go_on_asked.emit)
+    asked(looker, here.case_studies.panel.continue_requested.emit)
     assert any(where.startswith("QLabel") for where in looker.seen)
 
 
-def test_about_shows_the_only_mark_up_that_there_is(qtbot, window):
+def test_show_about_box_shows_the_only_mark_up_that_there_is(qtbot, window):
     found = []
 
     def look():
@@ -325,7 +329,7 @@ def test_about_shows_the_only_mark_up_that_there_is(qtbot, window):
         box.reject()
 
     QTimer.singleShot(300, look)
-    file_dialogs.about(window.shell)
+    file_dialogs.show_about_box(window.shell)
     ((form, text),) = found
     assert form is Qt.TextFormat.RichText
     assert "<h3>" in text
@@ -340,10 +344,10 @@ def test_results_panel_shows_results_of_a_study_as_they_are(qtbot, window, looke
     base.commit()
     base.close()
     window.docks["study"].show()
-    window.case_studies.open(folder)
+    window.case_studies.open_study(folder)
     qtbot.waitUntil(lambda: bool(window.case_studies.panel.model.rows))
     looker.look()
-    window.case_studies.open(tmp_path / f"{NAME}2")
+    window.case_studies.open_study(tmp_path / f"{NAME}2")
     looker.look()
     assert {"Hint heading", "QLabel notice"} & looker.seen
     header = window.case_studies.panel.table.horizontalHeader()
@@ -379,5 +383,5 @@ def test_fill_recent_shows_names_of_files_as_they_are_and_tells_them_apart(qtbot
         (["/x.obj", "/a/x.obj"], ["x.obj – /", "x.obj – a"]),
     ],
 )
-def test_told_apart_tells_files_of_one_name_apart_by_as_little_as_needed(paths, names):
-    assert told_apart([Path(path) for path in paths]) == names
+def test_distinct_names_tells_files_of_one_name_apart_by_as_little_as_needed(paths, names):
+    assert distinct_names([Path(path) for path in paths]) == names

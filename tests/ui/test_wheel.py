@@ -15,9 +15,9 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import Wish
+from apd_viewer.ui.sharing.pictures import PictureSettings
 from apd_viewer.ui.tools.toolbox import Tool
 
 CONTROLS = QAbstractSpinBox, QComboBox, QAbstractSlider, QTabBar, QLineEdit
@@ -74,16 +74,16 @@ def full(qtbot, bottle):
     """All cards open, the panels behind tabs, a region kept, and the canvas in use."""
     bottle.shell.resize(1280, 1000)
     actions = bottle.actions_
-    actions.looks.measures[Measure.AREA].trigger()
+    actions.display.measures[Measure.AREA].trigger()
     for name in ("cut", "compare"):
-        actions.looks.switches[name].trigger()
+        actions.display.switches[name].trigger()
     bottle.docks["history"].show()
     bottle.shell.tabifyDockWidget(bottle.docks["history"], bottle.docks["readings"])
     bottle.docks["readings"].raise_()
-    actions.pose.parts[2].trigger()
+    actions.pose.part_actions[2].trigger()
     bottle.session.settings.set_region_area(0, 100.0)
-    bottle.tools.take(Tool.MOVE)
-    bottle.panel.folded = []
+    bottle.tools.choose_tool(Tool.MOVE)
+    bottle.panel.folded_sections = []
     idle(qtbot, bottle)
     bottle.shell.activateWindow()
     qtbot.waitUntil(bottle.shell.isActiveWindow)
@@ -133,15 +133,15 @@ def test_wheel_scrolls_the_panel_over_a_field_that_was_clicked_into(qtbot, full)
 
 
 def case_study(window):
-    window.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
-    window.case_studies.design()
+    window.session.handles.move_by(MotionKind.TWIST, "20deg", 0)
+    window.case_studies.design_study()
     return window.case_studies.dialog
 
 
 def studied(name):
     def dialog(window):
         getattr(window.actions_.pose, name).trigger()
-        return window.studies.dialogs[name]
+        return window.runs.dialogs[name]
 
     return dialog
 
@@ -152,25 +152,25 @@ def settings(window):
 
 
 def paper(window):
-    window.studies.paper()
-    return window.studies.dialogs["paper"]
+    window.runs.open_paper()
+    return window.runs.dialogs["paper"]
 
 
 def comparison(window):
-    window.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
+    window.session.handles.move_by(MotionKind.TWIST, "20deg", 0)
     window.actions_.pose.compare.trigger()
-    return window.comparing.window
+    return window.comparison.window
 
 
 def animation(window):
-    window.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
-    window.studies.animate()
-    return window.studies.dialogs["animate"]
+    window.session.handles.move_by(MotionKind.TWIST, "20deg", 0)
+    window.runs.open_animation()
+    return window.runs.dialogs["animate"]
 
 
 def picture(window):
-    pictures = window.reporting.pictures
-    dialog = PictureDialog(window.shell, pictures, Wish(pictures.view_size))
+    pictures = window.reports.pictures
+    dialog = PictureDialog(window.shell, pictures, PictureSettings(pictures.view_size))
     dialog.show()
     return dialog
 

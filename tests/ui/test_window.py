@@ -33,13 +33,13 @@ from apd_viewer.geometry.mesh.operators import area
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, transform
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.session import session as session_module
-from apd_viewer.session.processes.worker import Worker
-from apd_viewer.session.store import Activity
+from apd_viewer.session.processes.solver_worker import SolverWorker
+from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
-from apd_viewer.ui.widgets.fields import Entry, Number
+from apd_viewer.ui.widgets.fields import NumberField, TextField
 from apd_viewer.ui.workbench import Workbench
 
 
@@ -83,7 +83,7 @@ def test_workbench_paints_erases_undoes_redoes_drags_and_exports(
     qtbot, kept_window, painted_bottle, tmp_path, monkeypatch, watch_frames
 ):
     window = kept_window
-    window.filing.open_path(painted_bottle.document.mesh.path)
+    window.files.open_path(painted_bottle.document.mesh.path)
     idle(qtbot, window)
     work_off()
     assert (document(window).labels == FREE).all()
@@ -187,14 +187,14 @@ def test_painting_after_a_drag_does_not_move_the_mesh(qtbot, bottle, watch_frame
     drag(qtbot, bottle, ring_grip(bottle, 1), (60, 0))
     idle(qtbot, bottle)
     before = bottle.session.store.state.frame.U
-    bottle.tools.take(Tool.BASE)
+    bottle.tools.choose_tool(Tool.BASE)
     free = np.flatnonzero((document(bottle).labels == FREE) & (document(bottle).mesh.V[:, 2] > 3.0))
     stroke(qtbot, bottle, on_screen(bottle, free[len(free) // 2]))
     idle(qtbot, bottle)
     assert bottle.session.store.state.frame.U is before
     assert np.array_equal(pose_of(bottle), np.eye(4))
 
-    bottle.tools.take(Tool.MOVE)
+    bottle.tools.choose_tool(Tool.MOVE)
     shown = watch_frames(bottle)
     drag(qtbot, bottle, arrow_grip(bottle, 0), (4, 0), steps=4)
     qtbot.waitUntil(lambda: bool(shown), timeout=5_000)
@@ -222,10 +222,10 @@ def test_gizmo_gives_back_the_shape_before_the_drag_on_escape(qtbot, bottle):
     assert bottle.session.gestures.history.next_undo is None
 
 
-def test_reset_brings_the_rest_shape_back_and_keeps_the_paint(qtbot, bottle):
+def test_reset_all_brings_the_rest_shape_back_and_keeps_the_paint(qtbot, bottle):
     labels = document(bottle).labels
     drag(qtbot, bottle, ring_grip(bottle, 1), (60, 0))
-    bottle.panel.handles.reset.click()
+    bottle.panel.handles.reset_all.click()
     idle(qtbot, bottle)
     assert bottle.session.store.state.frame.U is document(bottle).mesh.V
     assert document(bottle).labels is labels
@@ -248,14 +248,14 @@ def big(process, qtbot, kept_window, request):
     """A window on a ball of 2,562 vertices or more, its poles painted, and the solver ready for it."""
     window = kept_window
     V, F = meshes.sphere(request.param)
-    window.filing.show_mesh(Mesh(V, F))
+    window.files.show_mesh(Mesh(V, F))
     idle(qtbot, window)
     session = window.session
     for pole, label in ((-1, BASE), (1, HANDLE)):
         session.gestures.begin()
         session.painting.paint(np.flatnonzero(pole * V[:, 1] > 0.9), label)
         session.painting.end_stroke("Paint")
-    window.tools.take(Tool.MOVE)
+    window.tools.choose_tool(Tool.MOVE)
     session.gestures.begin()
     session.handles.drag(np.eye(4) + np.eye(4, k=3) * 1e-6)
     qtbot.waitUntil(lambda: session.store.state.frame.iteration > 0, timeout=20_000)
@@ -299,8 +299,8 @@ def test_viewport_is_never_starved_by_a_drag_of_a_large_mesh(qtbot, big, monkeyp
     paints, asked = [], []
     bare = bare_frame(qtbot, big)
     big.canvas.viewport.pre_draw.append(lambda: paints.append(time.perf_counter()))
-    ask = Worker.ask
-    monkeypatch.setattr(Worker, "ask", lambda *request: asked.append(1) or ask(*request))
+    ask = SolverWorker.put_request
+    monkeypatch.setattr(SolverWorker, "put_request", lambda *request: asked.append(1) or ask(*request))
     shown = watch_frames(big)
     longest = np.inf  # time without a picture, in bare ones
     for _ in range(3):  # other work on the machine can only make it longer
@@ -318,7 +318,7 @@ def test_viewport_is_never_starved_by_a_drag_of_a_large_mesh(qtbot, big, monkeyp
     assert longest < MOST_FRAMES
 
 
-def test_worker_replies_never_pile_up(qtbot, bottle):
+def test_solver_worker_replies_never_pile_up(qtbot, bottle):
     """While the window is busy elsewhere the worker wakes nobody twice, and afterwards goes on."""
     bottle.session.settings.set_convergence(Convergence(energy_tolerance=1e-15))  # not meanwhile
     woken = []
@@ -339,12 +339,12 @@ def test_open_path_leaves_open_what_is_open_when_a_file_is_bad(qtbot, bottle, tm
     state = bottle.session.store.state
     bad = tmp_path / "bad.obj"
     bad.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
-    bottle.filing.open_path(bad)
+    bottle.files.open_path(bad)
     idle(qtbot, bottle)
     assert bottle.session.store.state is state
     assert "bad.obj" in bottle.notice.text
     assert "missing vertices" in bottle.notice.text
-    bottle.notice.cross.click()
+    bottle.notice.close_button.click()
     assert not bottle.notice.text
 
 
@@ -352,14 +352,14 @@ def test_workbench_announces_a_separate_piece_that_nothing_holds_and_it_goes_alo
     window = kept_window
     V, F = meshes.sphere(3)
     n = len(V)
-    window.filing.show_mesh(Mesh(np.vstack([V, V + [3, 0, 0]]), np.vstack([F, F + n])))
+    window.files.show_mesh(Mesh(np.vstack([V, V + [3, 0, 0]]), np.vstack([F, F + n])))
     idle(qtbot, window)
     session = window.session
     session.gestures.begin()
     session.painting.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
     session.painting.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
     session.painting.end_stroke("Paint")
-    window.tools.take(Tool.MOVE)
+    window.tools.choose_tool(Tool.MOVE)
     work_off()
     drag(qtbot, window, arrow_grip(window, 1), (0, -40))
     idle(qtbot, window)
@@ -404,7 +404,7 @@ def test_export_says_so_where_it_fails_and_leaves_the_old_file(qtbot, bottle, tm
 # The keyboard
 
 
-def test_number_gives_the_keyboard_back_once_it_is_typed(qtbot, bottle):
+def test_number_field_gives_the_keyboard_back_once_it_is_typed(qtbot, bottle):
     bottle.session.settings.set_method("paper")
     field = bottle.panel.method.tolerance
     field.setFocus()  # without a window manager no widget has it, but the window knows who would
@@ -422,7 +422,7 @@ def test_number_gives_the_keyboard_back_once_it_is_typed(qtbot, bottle):
 def test_undo_takes_back_the_motion_not_the_text_after_enter(qtbot, bottle):
     bottle.shell.activateWindow()
     qtbot.waitUntil(bottle.shell.isActiveWindow)
-    bottle.actions_.pose.typed.trigger()
+    bottle.actions_.pose.enter_motion.trigger()
     amount = bottle.panel.handles.motion.amount
     assert bottle.shell.focusWidget() is amount
     before = document(bottle)
@@ -435,14 +435,14 @@ def test_undo_takes_back_the_motion_not_the_text_after_enter(qtbot, bottle):
     assert amount.text() == "60deg"
 
 
-def test_return_keys_after_enter_in_any_field_of_the_panel_to_the_document(qtbot, bottle):
+def test_return_focus_after_enter_in_any_field_of_the_panel_to_the_document(qtbot, bottle):
     bottle.session.parts.add_region()
     bottle.session.settings.set_region_area(0, 100.0)
     bottle.session.settings.set_method("local")
     bottle.session.settings.set_volume(100.0)
-    bottle.panel.folded = []
+    bottle.panel.folded_sections = []
     idle(qtbot, bottle)
-    fields = [*bottle.panel.findChildren(Number), *bottle.panel.findChildren(Entry)]
+    fields = [*bottle.panel.findChildren(NumberField), *bottle.panel.findChildren(TextField)]
     used = [field for field in fields if field.isVisible() and field.isEnabled()]
     assert len(used) > 8
     for field in used:
@@ -469,7 +469,7 @@ def test_undo_within_a_drag_takes_back_the_drag_and_no_more(qtbot, bottle):
 
 
 def test_shell_puts_a_brush_away_on_escape(qtbot, bottle):
-    bottle.tools.take(Tool.BASE)
+    bottle.tools.choose_tool(Tool.BASE)
     qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_Escape)
     assert bottle.canvas.tool is Tool.ORBIT
 
@@ -495,9 +495,9 @@ def test_surface_far_from_the_origin_looks_like_one_at_the_origin(qtbot, kept_wi
     V, F = meshes.sphere(4)
     pictures = []
     for offset in (0.0, 1e6):
-        window.filing.show_mesh(Mesh(V + offset, F))
+        window.files.show_mesh(Mesh(V + offset, F))
         idle(qtbot, window)
-        window.invitation.say("")
+        window.invitation.show_text("")
         window.notice.hide()
         pictures.append(np.asarray(window.canvas.viewport.screenshot(return_img=True), dtype=float))
     assert np.abs(pictures[0] - pictures[1]).mean() < 1.0
@@ -556,16 +556,16 @@ def shells():
 
 @pytest.mark.parametrize("count", [2, pytest.param(20, marks=pytest.mark.night)])
 def test_workbench_leaves_nothing_behind(qtbot, settings, monkeypatch, count):
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
     others = shells()
     alive, workers = [], []
 
     def noted(*given):
-        worker = Worker(*given)
+        worker = SolverWorker(*given)
         workers.append(weakref.ref(worker))
         return worker
 
-    monkeypatch.setattr(session_module, "Worker", noted)
+    monkeypatch.setattr(session_module, "SolverWorker", noted)
     for k in range(count):
         window = Workbench(Shell(settings))
         show(qtbot, window.shell, window.canvas.viewport)
@@ -601,6 +601,6 @@ def test_gizmo_ends_its_drag_when_another_mesh_opens(qtbot, bottle):
         mouse.move(at + [30 + 10 * k, 0])
         work_off()
     mouse.release(at + [80, 0])
-    assert not document(window).posed
+    assert not document(window).is_posed
     assert window.session.store.state.frame.U is document(window).mesh.V
     assert np.array_equal(window.canvas.gizmo.pose, np.eye(4))

@@ -10,8 +10,8 @@ import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
-from apd_viewer.files.samples import resource
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.samples import resource_path
+from apd_viewer.files.storage.atomic_file import replacing_file
 
 _NAME = "apd-viewer"
 # Where each resource belongs in a folder of data.
@@ -42,7 +42,7 @@ def data_folder() -> Path:
     return named if named.is_absolute() else Path.home() / ".local" / "share"  # as the specification says
 
 
-def install(folder: Path, command: Sequence[str]) -> list[str]:
+def install_files(folder: Path, command: Sequence[str]) -> list[str]:
     """Write all files; return the names of collectors that are missing or fail.
 
     Parameters
@@ -61,12 +61,12 @@ def install(folder: Path, command: Sequence[str]) -> list[str]:
         path = folder / place
         with contextlib.suppress(OSError):  # said below
             path.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(path) as scratch:
-            scratch.write_bytes(_started_by(command, resource(source).read_bytes()))
+        with replacing_file(path) as scratch:
+            scratch.write_bytes(_started_by(command, resource_path(source).read_bytes()))
     return [program for program, part, _ in _COLLECTORS if not _collected(program, folder / part)]
 
 
-def remove(folder: Path) -> bool:
+def remove_files(folder: Path) -> bool:
     """Remove all files and folders left empty; False if there were none.
 
     Raises

@@ -5,65 +5,71 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from apd_viewer.language import listed, tr, trn
-from apd_viewer.presentation.number_format import grouped
-from apd_viewer.presentation.time_left import duration
+from apd_viewer.language import comma_separated, tr, trn
+from apd_viewer.presentation.number_format import format_grouped
+from apd_viewer.presentation.time_left import duration_text
 from apd_viewer.studies.case_file import FAILED
-from apd_viewer.studies.results import status_words
+from apd_viewer.studies.results import status_text
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from apd_viewer.studies.forecast import WorkLeft
     from apd_viewer.studies.plans.plan import Plan
     from apd_viewer.studies.results import ResultTable
+    from apd_viewer.studies.study_forecast import StudyForecast
 
 _MOST_SAID = 20  # sentences; the table has all of them
 
 
-def mistakes(plan: Plan) -> str:
+def mistake_lines(plan: Plan) -> str:
     """A line for each wrong or repeated row."""
     lines = [_on_line(row.line, row.mistake) for row in plan.rows if row.mistake]
     return "".join(f"{line}\n" for line in _first(lines))
 
 
-def planned(left: WorkLeft, processes: int) -> str:
+def work_left_lines(work_left: StudyForecast, processes: int) -> str:
     """Lines on the work left."""
     lines = [
         trn(
             "{cases:,} case, {done:,} done, {left:,} to do",
             "{cases:,} cases, {done:,} of them done, {left:,} to do",
-            left.cases,
-        ).format(cases=left.cases, done=left.done, left=left.cases - left.done)
+            work_left.cases,
+        ).format(cases=work_left.cases, done=work_left.done, left=work_left.cases - work_left.done)
     ]
-    if left.failed:
-        lines.append(tr("failed so far: {failed:,}; --retry-failed tries again").format(failed=left.failed))
-    if left.wrong:
-        said = trn(
-            "{wrong:,} row is wrong and is left out", "{wrong:,} rows are wrong and are left out", left.wrong
+    if work_left.failed:
+        lines.append(
+            tr("failed so far: {failed:,}; --retry-failed tries again").format(failed=work_left.failed)
         )
-        lines.append(said.format(wrong=left.wrong))
-    if left.seconds is None:
+    if work_left.wrong:
+        said = trn(
+            "{wrong:,} row is wrong and is left out",
+            "{wrong:,} rows are wrong and are left out",
+            work_left.wrong,
+        )
+        lines.append(said.format(wrong=work_left.wrong))
+    if work_left.seconds is None:
         lines.append(tr("No case was timed yet, so nobody knows how long they take."))
-    elif left.cases > left.done:
+    elif work_left.cases > work_left.done:
         lines.append(
             tr("about {time} by {processes} processes, as measured so far").format(
-                time=duration(left.seconds / processes), processes=processes
+                time=duration_text(work_left.seconds / processes), processes=processes
             )
         )
     return "\n".join(lines)
 
 
-def summary(table: ResultTable, folder: Path) -> str:
+def study_summary(table: ResultTable, folder: Path) -> str:
     """Lines on the results."""
     count = Counter(row.status for row in table.rows)
-    words = listed(f"{grouped(number, 0)} {status_words(status)}" for status, number in count.items())
+    words = comma_separated(
+        f"{format_grouped(number, 0)} {status_text(status)}" for status, number in count.items()
+    )
     lines = [tr("{folder}: {words}").format(folder=folder / "results.csv", words=words)]
     failed = [_on_line(row.line, row.sentence) for row in table.rows if row.status == FAILED]
     return "\n".join([*lines, *_first(failed)])
 
 
-def damaged(count: int) -> str:
+def damaged_results_line(count: int) -> str:
     """A line on damaged results; empty without any."""
     said = trn(
         "{count:,} damaged result is computed again", "{count:,} damaged results are computed again", count

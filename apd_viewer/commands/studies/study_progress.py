@@ -7,11 +7,11 @@ import time
 from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.progress import Progress
-from apd_viewer.language import listed, tr
-from apd_viewer.presentation.time_left import duration
+from apd_viewer.language import comma_separated, tr
+from apd_viewer.presentation.time_left import duration_text
 
 if TYPE_CHECKING:
-    from apd_viewer.studies.pace import CaseCounts
+    from apd_viewer.studies.progress_meter import CaseCounts
 
 _LOG = 30.0  # s between two lines of a log
 
@@ -21,44 +21,44 @@ class StudyProgress:
 
     Parameters
     ----------
-    lines : bool
+    is_json : bool
         As lines of JSON on the standard output. Beside ``done``, a share, and ``doing`` they have
         ``cases``, ``finished``, ``running``, ``failed``, ``rate`` (cases a second) and ``seconds_left``.
     """
 
-    def __init__(self, lines: bool = False) -> None:
-        self._display = Progress(lines)
-        self._log = not lines and not sys.stderr.isatty()
+    def __init__(self, is_json: bool = False) -> None:
+        self._display = Progress(is_json)
+        self._log = not is_json and not sys.stderr.isatty()
         self._logged = time.monotonic()
 
-    def show(self, now: CaseCounts) -> None:
+    def show(self, counts: CaseCounts) -> None:
         """Show the state of the study."""
         self._display.show(
-            now.done / max(now.cases, 1),
-            said(now),
-            cases=now.cases,
-            finished=now.done,
-            running=now.running,
-            failed=now.failed,
-            rate=now.rate,
-            seconds_left=now.seconds_left,
+            counts.done / max(counts.cases, 1),
+            counts_text(counts),
+            cases=counts.cases,
+            finished=counts.done,
+            running=counts.running,
+            failed=counts.failed,
+            rate=counts.rate,
+            seconds_left=counts.seconds_left,
         )
         if self._log and time.monotonic() - self._logged > _LOG:
             self._logged = time.monotonic()
-            print(said(now), file=sys.stderr, flush=True)
+            print(counts_text(counts), file=sys.stderr, flush=True)
 
     def end(self) -> None:
         """Remove the line."""
         self._display.end()
 
 
-def said(now: CaseCounts) -> str:
+def counts_text(counts: CaseCounts) -> str:
     """The state of a study in a few words."""
-    words = [tr("{done:,} of {cases:,}").format(done=now.done, cases=now.cases)]
-    words.append(tr("{running} running").format(running=now.running))
-    if now.failed:
-        words.append(tr("{failed} failed").format(failed=now.failed))
-    if now.rate is not None and now.seconds_left is not None:
-        words.append(tr("{rate:.3g}/min").format(rate=60.0 * now.rate))
-        words.append(tr("{time} left").format(time=duration(now.seconds_left)))
-    return listed(words)
+    words = [tr("{done:,} of {cases:,}").format(done=counts.done, cases=counts.cases)]
+    words.append(tr("{running} running").format(running=counts.running))
+    if counts.failed:
+        words.append(tr("{failed} failed").format(failed=counts.failed))
+    if counts.rate is not None and counts.seconds_left is not None:
+        words.append(tr("{rate:.3g}/min").format(rate=60.0 * counts.rate))
+        words.append(tr("{time} left").format(time=duration_text(counts.seconds_left)))
+    return comma_separated(words)

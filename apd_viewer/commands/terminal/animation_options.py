@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.output_files import check_names
-from apd_viewer.files.animations.animation_files import ANIMATED, check_animation
-from apd_viewer.files.storage.atomic_folder import filling
-from apd_viewer.files.storage.links import followed
+from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, check_animation
+from apd_viewer.files.storage.atomic_folder import filling_folder
+from apd_viewer.files.storage.links import resolved_path
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def add_animation_option(parser: Parser, films: bool = True) -> None:
 
 def is_film(path: Path) -> bool:
     """True for the ending of a film, which is drawn."""
-    return path.suffix.lower() not in ANIMATED
+    return path.suffix.lower() not in ANIMATION_FORMATS
 
 
 class AnimationTargets:
@@ -63,7 +63,7 @@ class AnimationTargets:
 
     def __init__(self, options: argparse.Namespace, versions: Sequence[str]) -> None:
         self._asked: list[Path] = options.animation
-        self._folder: Path = followed(options.output)
+        self._folder: Path = resolved_path(options.output)
         self._versions = versions
         self._check()
 
@@ -72,7 +72,7 @@ class AnimationTargets:
         from apd_viewer.figures.films import check_film
 
         for path in filter(is_film, self._asked):
-            check_film(path, ANIMATED)
+            check_film(path, ANIMATION_FORMATS)
         named = [*self.films(), *self.all_files()]
         check_names(named)
         for path in named:
@@ -101,16 +101,16 @@ class AnimationTargets:
 
     def _is_in_output(self, path: Path) -> bool:
         """True in the output folder, possibly not created yet."""
-        return followed(path).parent == self._folder
+        return resolved_path(path).parent == self._folder
 
-    def begun(self, path: Path, scratch: Path, beside: ExitStack) -> Path:
+    def scratch_path(self, path: Path, scratch: Path, stack: ExitStack) -> Path:
         """Scratch path of a file until all is written.
 
-        In ``scratch`` if it belongs in the output folder, or else where it moves from when ``beside`` closes.
+        In ``scratch`` if it belongs in the output folder, or else where it moves from when ``stack`` closes.
         """
-        return scratch / path.name if self._is_in_output(path) else begun_beside(path, beside)
+        return scratch / path.name if self._is_in_output(path) else scratch_path_beside(path, stack)
 
 
-def begun_beside(path: Path, beside: ExitStack) -> Path:
-    """Scratch path of an animation, moved to ``path`` when ``beside`` closes."""
-    return beside.enter_context(filling(path.parent)) / path.name
+def scratch_path_beside(path: Path, stack: ExitStack) -> Path:
+    """Scratch path of an animation, moved to ``path`` when ``stack`` closes."""
+    return stack.enter_context(filling_folder(path.parent)) / path.name

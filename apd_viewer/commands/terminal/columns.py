@@ -15,7 +15,7 @@ _PIECE = re.compile(
 )
 
 
-def columns_of(text: str) -> int:
+def column_count(text: str) -> int:
     """Columns taken by a ``text``."""
     return sum(map(_columns, text))
 
@@ -24,22 +24,22 @@ def _columns(sign: str) -> int:
     return 2 if unicodedata.east_asian_width(sign) in ("W", "F") else 1
 
 
-def padded(text: str, columns: int) -> str:
+def padded_text(text: str, columns: int) -> str:
     """A ``text`` with spaces up to a number of columns."""
-    return text + " " * (columns - columns_of(text))
+    return text + " " * (columns - column_count(text))
 
 
-def cut(text: str, columns: int) -> str:
+def shortened_text(text: str, columns: int) -> str:
     """Beginning of a ``text``, of at most so many columns."""
     ends = itertools.accumulate(map(_columns, text))
     return text[: sum(end <= columns for end in ends)]
 
 
-def wrapped(text: str, columns: int) -> list[str]:
+def wrapped_lines(text: str, columns: int) -> list[str]:
     """Lines of a ``text``, of at most so many columns unless one word is longer."""
     lines = [""]
     for piece in _PIECE.findall(text):
-        if lines[-1] and columns_of(lines[-1] + piece.rstrip()) > columns:
+        if lines[-1] and column_count(lines[-1] + piece.rstrip()) > columns:
             lines.append("")
         lines[-1] += piece if lines[-1] else piece.lstrip()
     return [line.rstrip() for line in lines]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from apd_viewer.geometry.solver.methods import MOST_IN_CONTACT, contact_by_default
+from apd_viewer.geometry.solver.methods import MOST_VERTICES_IN_CONTACT, contact_by_default
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -20,11 +20,11 @@ def add_contact_option(parser: Parser) -> None:
         help=tr(
             "keep walls from passing through each other, or not; default: up to {most:,} vertices, by "
             "methods that can"
-        ).format(most=MOST_IN_CONTACT),
+        ).format(most=MOST_VERTICES_IN_CONTACT),
     )
 
 
-def contact_of(options: argparse.Namespace, vertices: int) -> bool:
+def has_contact(options: argparse.Namespace, vertices: int) -> bool:
     """True if the options of ``deform`` mean contact for so many vertices."""
     if options.contact is not None:
         return bool(options.contact)

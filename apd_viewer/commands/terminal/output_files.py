@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import check_place
-from apd_viewer.files.storage.links import followed
+from apd_viewer.files.mesh_writing import check_writable
+from apd_viewer.files.storage.links import resolved_path
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -19,14 +19,14 @@ def check_files(paths: Iterable[Path | None]) -> None:
     asked = [path for path in paths if path is not None]
     check_names(asked)
     for path in asked:
-        check_place(path)
+        check_writable(path)
 
 
 def check_names(paths: Iterable[Path]) -> None:
     """Raise InputError if two of the files are the same."""
     seen = set()
     for path in paths:
-        place = followed(path)
+        place = resolved_path(path)
         if place in seen:
             raise InputError(
                 tr("{name} would be written twice; give each file a name of its own.").format(name=path.name)

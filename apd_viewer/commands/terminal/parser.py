@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from apd_viewer.commands.terminal.columns import columns_of, wrapped
+from apd_viewer.commands.terminal.columns import column_count, wrapped_lines
 from apd_viewer.language import tr, trn
 
 if TYPE_CHECKING:
@@ -45,18 +45,18 @@ class _Formatter(argparse.HelpFormatter):
         prefix: str | None,
     ) -> str:
         head = tr("usage: ") if prefix is None else prefix
-        room = columns_of(head)
+        room = column_count(head)
         return head + super()._format_usage(usage, actions, groups, " " * room)[room:]
 
     def _split_lines(self, text: str, width: int) -> list[str]:
-        if columns_of(text) == len(text):
+        if column_count(text) == len(text):
             return super()._split_lines(text, width)
-        return wrapped(text, width)
+        return wrapped_lines(text, width)
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
-        if columns_of(text) == len(text):
+        if column_count(text) == len(text):
             return super()._fill_text(text, width, indent)
-        return "\n".join(indent + line for line in wrapped(text, width - len(indent)))
+        return "\n".join(indent + line for line in wrapped_lines(text, width - len(indent)))
 
 
 class Parser(argparse.ArgumentParser):

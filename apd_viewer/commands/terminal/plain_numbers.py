@@ -5,6 +5,6 @@ from __future__ import annotations
 from apd_viewer.presentation import number_format
 
 
-def signed(value: float, decimals: int) -> str:
+def format_signed(value: float, decimals: int) -> str:
     """The number with its sign; no sign if it rounds to zero."""
-    return number_format.signed(value, decimals).replace("−", "-")
+    return number_format.format_signed(value, decimals).replace("−", "-")

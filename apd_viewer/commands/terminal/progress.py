@@ -6,7 +6,7 @@ import json
 import sys
 import time
 
-from apd_viewer.commands.terminal.columns import columns_of, cut, padded
+from apd_viewer.commands.terminal.columns import column_count, padded_text, shortened_text
 
 _WIDTH = 24
 _INTERVAL = 0.1  # s
@@ -17,32 +17,32 @@ class Progress:
 
     Parameters
     ----------
-    lines : bool
+    is_json : bool
         Say it on the standard output, as lines of JSON such as ``{"done": 0.5, "doing": "..."}``.
     """
 
-    def __init__(self, lines: bool = False) -> None:
-        self._lines = lines
-        self._bar = not lines and sys.stderr.isatty()
+    def __init__(self, is_json: bool = False) -> None:
+        self._lines = is_json
+        self._bar = not is_json and sys.stderr.isatty()
         self._last = -_INTERVAL
         self._shown = ""
 
-    def show(self, done: float, doing: str, **more: float | None) -> None:
+    def show(self, done: float, doing: str, **numbers: float | None) -> None:
         """Show the share of work done, 0 to 1, and the current step.
 
-        Lines have ``more`` numbers as well.
+        Lines have ``numbers`` numbers as well.
         """
         now = time.monotonic()
         if not (self._lines or self._bar) or (now - self._last < _INTERVAL and done < 1.0):
             return
         self._last = now
         if self._lines:
-            print(json.dumps({"done": round(done, 4), "doing": doing, **more}), flush=True)
+            print(json.dumps({"done": round(done, 4), "doing": doing, **numbers}), flush=True)
             return
         full = round(_WIDTH * done)
         said = f"{'━' * full}{'╌' * (_WIDTH - full)} {100 * done:3.0f} %  {doing}"
         # A longer text would wrap and not be overwritten.
-        self._draw(cut(said, 79))
+        self._draw(shortened_text(said, 79))
 
     def end(self) -> None:
         """Remove the bar."""
@@ -50,6 +50,6 @@ class Progress:
             self._draw("")
             print("\r", end="", file=sys.stderr, flush=True)
 
-    def _draw(self, said: str) -> None:
-        print(f"\r{padded(said, columns_of(self._shown))}", end="", file=sys.stderr, flush=True)
-        self._shown = said
+    def _draw(self, text: str) -> None:
+        print(f"\r{padded_text(text, column_count(self._shown))}", end="", file=sys.stderr, flush=True)
+        self._shown = text

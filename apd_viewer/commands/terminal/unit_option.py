@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def naming_the_option() -> Iterator[None]:
+def naming_unit_option() -> Iterator[None]:
     """Name the option in the refusal of a length without the unit of the mesh."""
     try:
         yield

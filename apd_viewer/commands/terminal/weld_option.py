@@ -27,7 +27,7 @@ def add_weld_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def opened_mesh(path: str | Path, weld: bool, unit: str = "") -> Mesh:
+def open_input_mesh(path: str | Path, weld: bool, unit: str = "") -> Mesh:
     """The mesh in a file, with its seams welded on request; raises InputError.
 
     Another ``unit`` than the file's counts, if it is given.

@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.morph_targets import write_morph_targets
 from apd_viewer.files.animations.point_cache import write_mdd, write_pc2
-from apd_viewer.files.mesh_writing import check_place
+from apd_viewer.files.mesh_writing import check_writable
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from apd_viewer.files.animations.shapes import Animation
+    from apd_viewer.files.animations.animation_shapes import Animation
 
 _SERIES = ".pvd"
 _WRITERS = {".pc2": write_pc2, ".mdd": write_mdd, ".glb": write_morph_targets}
-ANIMATED = (*_WRITERS, _SERIES)
+ANIMATION_FORMATS = (*_WRITERS, _SERIES)
 
 
 def check_animation(path: Path) -> None:
     """Raise InputError unless an animation can be written to ``path``."""
-    check_place(path)
+    check_writable(path)
     if os.path.isdir(path):  # noqa: PTH112
         raise InputError(
             tr("{path} cannot be written (it is a folder); choose another name.").format(path=path)
@@ -37,7 +37,7 @@ def check_animation(path: Path) -> None:
 
 
 def write_animation(animation: Animation, path: Path) -> None:
-    """Write the shapes in the format of the ending, one of ``ANIMATED``.
+    """Write the shapes in the format of the ending, one of ``ANIMATION_FORMATS``.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.mesh import Baked
+from apd_viewer.geometry.mesh.mesh import BakedOrigin
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -26,7 +26,7 @@ def imported_vertices(mesh: Mesh) -> np.ndarray:
     they first come. Of OBJ and glTF only the vertices of faces are imported. Of all other formats, and of a
     mesh without a file, each vertex is.
     """
-    read = mesh.origin.mesh if isinstance(mesh.origin, Baked) else mesh
+    read = mesh.origin.mesh if isinstance(mesh.origin, BakedOrigin) else mesh
     suffix = mesh.origin.suffix if mesh.origin else ""
     if suffix == ".stl":
         corners = read.V.astype(np.float32) + np.float32(0.0)  # one zero, and not two of either sign

@@ -17,16 +17,16 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.shading_normals import shading_normals
 from apd_viewer.files.mesh_writing import METRES
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from apd_viewer.files.animations.shapes import Animation
+    from apd_viewer.files.animations.animation_shapes import Animation
 
 _FLOAT, _UINT = 5126, 5125  # component types of four bytes each
 _VERTICES, _INDICES = 34962, 34963  # targets of buffer views
 _WIDTH = {"SCALAR": 1, "VEC3": 3}
-LONGEST = 2**32 - 1  # bytes; the format counts no farther
+LARGEST_FILE = 2**32 - 1  # bytes; the format counts no farther
 _SECONDS, _FASTEST = 3.0, 24.0  # for all shapes, and at most so many a second
 _LOOK = {
     "pbrMetallicRoughness": {
@@ -91,11 +91,11 @@ def write_morph_targets(animation: Animation, path: Path) -> None:
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     whole = 12 + 8 + len(text) + 8 + length
-    if whole > LONGEST:
+    if whole > LARGEST_FILE:
         raise InputError(
             tr("{name} would be longer than 4 GiB; use fewer steps, or .pc2 or .pvd.").format(name=path.name)
         )
-    with replacing(path) as scratch, scratch.open("wb") as stream:
+    with replacing_file(path) as scratch, scratch.open("wb") as stream:
         stream.write(struct.pack("<4sIII4s", b"glTF", 2, whole, len(text), b"JSON") + text)
         stream.write(struct.pack("<I4s", length, b"BIN\0"))
         _write_arrays(animation, stream)

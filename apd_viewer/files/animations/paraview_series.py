@@ -12,14 +12,14 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import VTK_TRIANGLE, vtkCellArray, vtkUnstructuredGrid
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
-from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.files.storage.atomic_folder import filling
-from apd_viewer.geometry.analysis.scalars import scalars_of
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.files.storage.atomic_folder import filling_folder
+from apd_viewer.geometry.analysis.scalars import shape_scalars
 
 if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes
 
-    from apd_viewer.files.animations.shapes import Animation
+    from apd_viewer.files.animations.animation_shapes import Animation
 
 _HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
 _ROW = '    <DataSet timestep="{time!r}" part="0" file={file}/>\n'
@@ -40,14 +40,14 @@ def write_series(animation: Animation, path: Path) -> None:
     folder, digits = path.with_suffix(""), len(str(len(animation) - 1))
     names = [f"{path.stem}-{number:0{digits}d}.vtu" for number in range(len(animation))]
     cells = _cells(animation.mesh.F)
-    with filling(folder) as scratch:
+    with filling_folder(folder) as scratch:
         for U, name in zip(animation, names, strict=True):
             _write(_grid(animation, U, cells), scratch / name)
     rows = [
         _ROW.format(time=float(time), file=quoteattr(f"{folder.name}/{name}"))
         for time, name in zip(animation.times, names, strict=True)
     ]
-    with replacing(path) as part:
+    with replacing_file(path) as part:
         part.write_text(_HEAD + "".join(rows) + _END, encoding="utf-8")
 
 
@@ -60,7 +60,7 @@ def _cells(F: np.ndarray) -> vtkCellArray:
 
 def _grid(animation: Animation, U: np.ndarray, cells: vtkCellArray) -> vtkUnstructuredGrid:
     mesh = animation.mesh
-    scalars = scalars_of(mesh, U, animation.labels, animation.member, animation.target)
+    scalars = shape_scalars(mesh, U, animation.labels, animation.member, animation.target)
     grid, points = vtkUnstructuredGrid(), vtkPoints()
     points.SetData(numpy_to_vtk(np.ascontiguousarray(U), deep=True))
     grid.SetPoints(points)

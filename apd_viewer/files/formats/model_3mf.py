@@ -30,33 +30,33 @@ _MAY_REQUIRE = (
 )
 
 
-class Use(NamedTuple):
+class ObjectUse(NamedTuple):
     """An object shown by a component or by the build.
 
     Attributes
     ----------
     path : str
         Part of the object; empty is the same part.
-    number : str
+    object_id : str
         Of the object in its part.
     matrix : (4, 4) float array
         To where it is shown.
     """
 
     path: str
-    number: str
+    object_id: str
     matrix: np.ndarray
 
 
 @dataclass
-class Object:
+class ModelObject:
     """Vertices, triangles and components of one object."""
 
     coordinates: array[float] = field(default_factory=lambda: array("d"))
     corners: array[int] = field(default_factory=lambda: array("q"))
-    components: list[Use] = field(default_factory=list)
-    beams: bool = False
-    slices: bool = False
+    components: list[ObjectUse] = field(default_factory=list)
+    has_beams: bool = False
+    has_slices: bool = False
 
     @cached_property
     def V(self) -> np.ndarray:
@@ -86,61 +86,63 @@ class Model:
         As the part names it.
     objects : dict
         By their numbers.
-    build : list of Use
+    build_items : list of ObjectUse
     """
 
     def __init__(self, content: bytes) -> None:
         self.unit = "millimeter"
-        self.objects: dict[str, Object] = {}
-        self.build: list[Use] = []
-        self._object = Object()  # takes what is outside of any
+        self.objects: dict[str, ModelObject] = {}
+        self.build_items: list[ObjectUse] = []
+        self._object = ModelObject()  # takes what is outside of any
         self._spaces: dict[str, str] = {}
         read_xml(content, self._begin, self._declare)
 
     def _declare(self, prefix: str | None, space: str | None) -> None:
         self._spaces[prefix or ""] = space or ""
 
-    def _begin(self, name: str, told: dict[str, str]) -> None:
+    def _begin(self, name: str, attributes: dict[str, str]) -> None:
         space, _, element = name.rpartition(" ")
         if space.startswith(_CORE):
             if element in _ELEMENTS:
-                _ELEMENTS[element](self, told)
+                _ELEMENTS[element](self, attributes)
         elif space.startswith(_BEAMS) and element == "beam":
-            self._object.beams = True
+            self._object.has_beams = True
 
-    def _read_model(self, told: dict[str, str]) -> None:
-        self.unit = told.get("unit", self.unit)
-        for prefix in told.get("requiredextensions", "").split():
+    def _read_model(self, attributes: dict[str, str]) -> None:
+        self.unit = attributes.get("unit", self.unit)
+        for prefix in attributes.get("requiredextensions", "").split():
             space = self._spaces.get(prefix, prefix)
             if not space.startswith(_MAY_REQUIRE):
                 raise ValueError(
                     tr("it requires {extension}, which is not supported").format(extension=space)
                 )
 
-    def _read_object(self, told: dict[str, str]) -> None:
-        number = _text(told, "id")
+    def _read_object(self, attributes: dict[str, str]) -> None:
+        number = _text(attributes, "id")
         if number in self.objects:
             raise ValueError(tr("two objects of one part have the number {number}").format(number=number))
-        self._object = self.objects[number] = Object()
-        self._object.slices = any(name.startswith(_SLICES) for name in told)
+        self._object = self.objects[number] = ModelObject()
+        self._object.has_slices = any(name.startswith(_SLICES) for name in attributes)
 
-    def _read_vertex(self, told: dict[str, str]) -> None:
+    def _read_vertex(self, attributes: dict[str, str]) -> None:
         try:
-            self._object.coordinates.extend((float(told["x"]), float(told["y"]), float(told["z"])))
+            self._object.coordinates.extend(
+                (float(attributes["x"]), float(attributes["y"]), float(attributes["z"]))
+            )
         except (KeyError, ValueError):
             raise ValueError(tr("a vertex has a coordinate that is not a number")) from None
 
-    def _read_triangle(self, told: dict[str, str]) -> None:
+    def _read_triangle(self, attributes: dict[str, str]) -> None:
         try:
-            self._object.corners.extend((int(told["v1"]), int(told["v2"]), int(told["v3"])))
+            self._object.corners.extend((int(attributes["v1"]), int(attributes["v2"]), int(attributes["v3"])))
         except (KeyError, ValueError, OverflowError):
             raise ValueError(tr("a triangle has a vertex that is not a number")) from None
 
-    def _read_component(self, told: dict[str, str]) -> None:
-        self._object.components.append(_use(told))
+    def _read_component(self, attributes: dict[str, str]) -> None:
+        self._object.components.append(_use(attributes))
 
-    def _read_item(self, told: dict[str, str]) -> None:
-        self.build.append(_use(told))
+    def _read_item(self, attributes: dict[str, str]) -> None:
+        self.build_items.append(_use(attributes))
 
 
 _ELEMENTS = {
@@ -153,9 +155,13 @@ _ELEMENTS = {
 }
 
 
-def _use(told: dict[str, str]) -> Use:
-    paths = [path for name, path in told.items() if name.startswith(_PRODUCTION) and name.endswith(" path")]
-    return Use(paths[0] if paths else "", _text(told, "objectid"), _transform(told.get("transform")))
+def _use(attributes: dict[str, str]) -> ObjectUse:
+    paths = [
+        path for name, path in attributes.items() if name.startswith(_PRODUCTION) and name.endswith(" path")
+    ]
+    return ObjectUse(
+        paths[0] if paths else "", _text(attributes, "objectid"), _transform(attributes.get("transform"))
+    )
 
 
 def _transform(said: str | None) -> np.ndarray:
@@ -169,7 +175,7 @@ def _transform(said: str | None) -> np.ndarray:
     return M
 
 
-def _text(told: dict[str, str], name: str) -> str:
-    if name not in told:
+def _text(attributes: dict[str, str], name: str) -> str:
+    if name not in attributes:
         raise ValueError(tr("an object of it has no number"))
-    return told[name].strip()
+    return attributes[name].strip()

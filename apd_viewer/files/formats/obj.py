@@ -13,12 +13,12 @@ from itertools import chain
 
 import numpy as np
 
-from apd_viewer.files.formats.obj_faces import faces_of
-from apd_viewer.files.formats.obj_materials import images_of
-from apd_viewer.files.formats.parsed import Parsed, turned
-from apd_viewer.files.formats.text import Edits, numbers, plain
-from apd_viewer.files.formats.texture_images import image_beside, textured
-from apd_viewer.files.formats.vertex_colors import guessed
+from apd_viewer.files.formats.obj_faces import parse_faces
+from apd_viewer.files.formats.obj_materials import material_images
+from apd_viewer.files.formats.parsed_mesh import ParsedMesh, updated_normals
+from apd_viewer.files.formats.text import TextEdits, parse_numbers, with_line_feeds
+from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
+from apd_viewer.files.formats.vertex_colors import text_colors_to_uint8
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
@@ -64,13 +64,13 @@ class ObjFile:
         words = _COLORED.findall(text)
         if len(words) != len(_ANY_POSITION.findall(text)):
             return None
-        return guessed(numbers([word for row in words for word in row]).reshape(-1, 3))
+        return text_colors_to_uint8(parse_numbers([word for row in words for word in row]).reshape(-1, 3))
 
     def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
         """Normals (k, 3), and which of them each corner has, (m, 3)."""
         text = _lines(self.content)
         words = [word for row in _NORMAL.findall(text) for word in row]
-        N = numbers(words).reshape(-1, 3)
+        N = parse_numbers(words).reshape(-1, 3)
         return (N, _normal_of(text, mesh, len(N))) if words else None
 
     def texture(self, mesh: Mesh) -> Texture | None:
@@ -79,30 +79,30 @@ class ObjFile:
         words = [word for row in _TEXTURE.findall(text) for word in row]
         if not words or mesh.path is None:
             return None
-        faces = faces_of(text)
-        names, image_of = images_of(text, mesh.path, faces)
+        faces = parse_faces(text)
+        names, image_of = material_images(text, mesh.path, faces)
         each = np.repeat(image_of, np.maximum(np.diff(faces.polygons.start) - 2, 0))
         if not (each >= 0).any():
             return None
-        images = [image_beside(name, mesh.path) for name in names]
-        uv_of = faces.texture[faces.polygons.split(mesh.V)]
-        return textured(numbers(words).reshape(-1, 2), uv_of, each, images)
+        images = [sibling_image(name, mesh.path) for name in names]
+        uv_of = faces.texture[faces.polygons.triangle_corners(mesh.V)]
+        return joined_texture(parse_numbers(words).reshape(-1, 2), uv_of, each, images)
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""
-        text, edits = _lines(self.content), Edits(self.content)
-        edits.numbers(_spans(_POSITION, text), mesh.V.ravel(), U.ravel())
+        text, edits = _lines(self.content), TextEdits(self.content)
+        edits.replace_numbers(_spans(_POSITION, text), mesh.V.ravel(), U.ravel())
         normals = [word for words in _NORMAL.findall(text) for word in words]
         if normals:
-            N = numbers(normals).reshape(-1, 3)
-            new = turned(mesh.V, U, mesh.F, N, _normal_of(text, mesh, len(N)))
-            edits.numbers(_spans(_NORMAL, text), N.ravel(), new.ravel())
-        return edits.done()
+            N = parse_numbers(normals).reshape(-1, 3)
+            new = updated_normals(mesh.V, U, mesh.F, N, _normal_of(text, mesh, len(N)))
+            edits.replace_numbers(_spans(_NORMAL, text), N.ravel(), new.ravel())
+        return edits.edited_content()
 
 
 def _lines(content: bytes) -> bytes:
     """Content framed by line ends."""
-    return b"\n%s\n" % plain(content)
+    return b"\n%s\n" % with_line_feeds(content)
 
 
 def _spans(pattern: re.Pattern[bytes], text: bytes) -> Iterator[tuple[int, int]]:
@@ -113,12 +113,12 @@ def _spans(pattern: re.Pattern[bytes], text: bytes) -> Iterator[tuple[int, int]]
 
 def _normal_of(text: bytes, mesh: Mesh, count: int) -> np.ndarray:
     """Normals (m, 3) of the corners of the triangles, from 0; -1 for missing ones."""
-    faces = faces_of(text)
+    faces = parse_faces(text)
     own = np.where(faces.normal < count, faces.normal, -1)
-    return own[faces.polygons.split(mesh.V)]
+    return own[faces.polygons.triangle_corners(mesh.V)]
 
 
-def read_obj(content: bytes) -> Parsed:
+def read_obj(content: bytes) -> ParsedMesh:
     """Positions (n, 3) and triangles (m, 3) of an OBJ file; polygons become triangles.
 
     Raises
@@ -134,7 +134,7 @@ def read_obj(content: bytes) -> Parsed:
         V = np.fromiter(map(float, chain.from_iterable(words)), np.float64, 3 * len(words)).reshape(-1, 3)
     except ValueError as error:
         raise ValueError(_not_understood(text)) from error
-    return Parsed(V, faces_of(text).polygons.triangles(V), ObjFile(content))
+    return ParsedMesh(V, parse_faces(text).polygons.triangles(V), ObjFile(content))
 
 
 def _not_understood(text: bytes) -> str:

@@ -17,7 +17,7 @@ _CORNER, _NUMBER = re.compile(rb"\d+(?:/\d*){0,2}"), re.compile(rb"\d+")
 _BEYOND = 1 << 62  # index of no normal
 
 
-class Faces(NamedTuple):
+class ObjFaces(NamedTuple):
     """Polygons, with the normals and texture coordinates (c,) of their corners.
 
     Numbers from 0; -1 for missing ones.
@@ -28,7 +28,7 @@ class Faces(NamedTuple):
     texture: np.ndarray
 
 
-def faces_of(text: bytes) -> Faces:
+def parse_faces(text: bytes) -> ObjFaces:
     """Faces of a text framed by line ends.
 
     Raises
@@ -44,10 +44,10 @@ def faces_of(text: bytes) -> Faces:
         np.array([min(max(k, -1), _BEYOND) for face in corners for k in face[at]], dtype=np.int64)
         for at in (1, 2)
     )
-    return Faces(Polygons.of([face[0] for face in corners]), normal, texture)
+    return ObjFaces(Polygons.from_faces([face[0] for face in corners]), normal, texture)
 
 
-def _faces_alike(text: bytes) -> Faces | None:
+def _faces_alike(text: bytes) -> ObjFaces | None:
     """Faces written alike, much faster; else None."""
     face = None if b"\\\n" in text or b"\\\r\n" in text else _FACE.search(text)
     corners = face[1].split() if face else []
@@ -63,7 +63,7 @@ def _faces_alike(text: bytes) -> Faces | None:
     words, none = corners[0].split(b"/"), np.full(len(values), -1)
     normal = values[:, -1] if len(words) == 3 and words[2] else none
     texture = values[:, 1] if len(words) > 1 and words[1] else none
-    return Faces(Polygons.alike(values[:, 0].reshape(-1, len(corners))), normal, texture)
+    return ObjFaces(Polygons.from_array(values[:, 0].reshape(-1, len(corners))), normal, texture)
 
 
 def _corners(text: bytes) -> Iterator[tuple[list[int], list[int], list[int]]]:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.files.formats.obj_faces import Faces
-from apd_viewer.files.formats.text import decoded, plain
-from apd_viewer.files.storage.neighbours import content_beside
+from apd_viewer.files.formats.obj_faces import ObjFaces
+from apd_viewer.files.formats.text import decoded_text, with_line_feeds
+from apd_viewer.files.storage.sibling_files import sibling_content
 
 _LIBRARY = re.compile(rb"\n[ \t]*mtllib[ \t]+([^\n#]+)")
 _USED = re.compile(rb"\n[ \t]*usemtl[ \t]+([^\n#]+)")
@@ -20,7 +20,7 @@ _IMAGE = re.compile(rb"\n[ \t]*map_Kd[ \t]+([^\n#]+)", re.IGNORECASE)
 _OPTION = re.compile(r"-(?:s|o|t)(?:\s+[-+.\deE]+){1,3}\s+|-mm(?:\s+\S+){2}\s+|-\w+\s+\S+\s+")
 
 
-def images_of(text: bytes, mesh: Path, faces: Faces) -> tuple[list[str], np.ndarray]:
+def material_images(text: bytes, mesh: Path, faces: ObjFaces) -> tuple[list[str], np.ndarray]:
     """Images of the materials, and the one of each polygon, (p,); -1 is none.
 
     The images are named relative to the folder of ``mesh``; raises InputError if a material file is outside.
@@ -41,10 +41,10 @@ def _named_images(text: bytes, mesh: Path) -> dict[str, str]:
     """Image of each material, by its name."""
     named = {}
     for library in dict.fromkeys(map(_decoded, _LIBRARY.findall(text))):
-        content = content_beside(library, mesh)
+        content = sibling_content(library, mesh)
         if content is None:
             continue
-        said = b"\n" + plain(decoded(content)[0])
+        said = b"\n" + with_line_feeds(decoded_text(content)[0])
         folder = posixpath.dirname(library.replace("\\", "/"))
         begins = [*_NEW.finditer(said)]
         for match, end in zip(begins, [*(m.start() for m in begins[1:]), len(said)], strict=True):

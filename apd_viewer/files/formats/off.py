@@ -7,12 +7,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed import Parsed, of_rest, turned
-from apd_viewer.files.formats.ply_header import Element
+from apd_viewer.files.formats.parsed_mesh import ParsedMesh, trailing_bytes_remark, updated_normals
+from apd_viewer.files.formats.ply_header import PlyElement
 from apd_viewer.files.formats.ply_rows import one_row_a_line
 from apd_viewer.files.formats.polygons import Polygons
-from apd_viewer.files.formats.text import Edits, lines, numbers, plain, shown, whole_numbers
-from apd_viewer.files.formats.vertex_colors import guessed
+from apd_viewer.files.formats.text import (
+    TextEdits,
+    content_lines,
+    excerpt,
+    parse_integers,
+    parse_numbers,
+    with_line_feeds,
+)
+from apd_viewer.files.formats.vertex_colors import text_colors_to_uint8
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
@@ -43,7 +50,7 @@ class OffFile:
             return None
         first = 6 if self.has_normals else 3
         rows = [row.split()[first : first + 3] for _, row in self.rows]
-        return guessed(numbers([word for row in rows for word in row]).reshape(-1, 3))
+        return text_colors_to_uint8(parse_numbers([word for row in rows for word in row]).reshape(-1, 3))
 
     def normals(self, _: Mesh) -> None:
         """None: those of the faces follow from the positions."""
@@ -53,12 +60,14 @@ class OffFile:
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""
-        edits = Edits(self.content)
-        edits.numbers(self._spans(0), mesh.V.ravel(), U.ravel())
+        edits = TextEdits(self.content)
+        edits.replace_numbers(self._spans(0), mesh.V.ravel(), U.ravel())
         if self.has_normals:
-            N = numbers([word for _, row in self.rows for word in row.split()[3:6]]).reshape(-1, 3)
-            edits.numbers(self._spans(3), N.ravel(), turned(mesh.V, U, mesh.F, N, mesh.F).ravel())
-        return edits.done()
+            N = parse_numbers([word for _, row in self.rows for word in row.split()[3:6]]).reshape(-1, 3)
+            edits.replace_numbers(
+                self._spans(3), N.ravel(), updated_normals(mesh.V, U, mesh.F, N, mesh.F).ravel()
+            )
+        return edits.edited_content()
 
     def _spans(self, first: int) -> list[tuple[int, int]]:
         """Spans of three words of every row."""
@@ -71,7 +80,7 @@ class OffFile:
         return spans
 
 
-def read_off(content: bytes) -> Parsed:
+def read_off(content: bytes) -> ParsedMesh:
     """Positions (n, 3) and triangles (m, 3) of an OFF file.
 
     Raises
@@ -79,7 +88,7 @@ def read_off(content: bytes) -> Parsed:
     ValueError
         If the file cannot be understood or ends too early.
     """
-    text = plain(content)
+    text = with_line_feeds(content)
     try:
         return _read(content, text)
     except ValueError:
@@ -89,8 +98,8 @@ def read_off(content: bytes) -> Parsed:
     return _read(content, whole)
 
 
-def _read(content: bytes, text: bytes) -> Parsed:
-    head, n, m, rows = _header(list(lines(text)))
+def _read(content: bytes, text: bytes) -> ParsedMesh:
+    head, n, m, rows = _header(list(content_lines(text)))
     if n < 0 or m < 0 or len(rows) < n + m:
         raise ValueError(
             tr("it ends before its last face: its header declares {n:,} vertices and {m:,} faces").format(
@@ -100,19 +109,21 @@ def _read(content: bytes, text: bytes) -> Parsed:
     vertices, has_normals = rows[:n], bool(head[2])
     if any(len(row.split()) < (6 if has_normals else 3) for _, row in vertices):
         raise ValueError(tr("a vertex has fewer than three coordinates"))
-    polygons = Polygons.of([_polygon(row) for _, row in rows[n : n + m]])
-    V = numbers([word for _, row in vertices for word in row.split()[:3]]).reshape(-1, 3)
+    polygons = Polygons.from_faces([_polygon(row) for _, row in rows[n : n + m]])
+    V = parse_numbers([word for _, row in vertices for word in row.split()[:3]]).reshape(-1, 3)
     file = OffFile(content, vertices, bool(head[1]), has_normals)
-    return Parsed(V, polygons.triangles(V), file, of_rest(sum(len(row) for _, row in rows[n + m :])))
+    return ParsedMesh(
+        V, polygons.triangles(V), file, trailing_bytes_remark(sum(len(row) for _, row in rows[n + m :]))
+    )
 
 
 def _one_row_a_line(text: bytes) -> bytes | None:
     """Wrapped text of a file without colours, a row on each line again."""
     text = _COMMENT.sub(lambda match: b" " * len(match[0]), text)
-    head, n, m, rows = _header(list(lines(text)))
+    head, n, m, rows = _header(list(content_lines(text)))
     numbers_of_a_row = ("x", "y", "z", "nx", "ny", "nz")[: 6 if head[2] else 3]
-    vertex = Element("vertex", n, [(name, None, "f8") for name in numbers_of_a_row])
-    elements = vertex, Element("face", m, [("vertices", "u4", "i8")])
+    vertex = PlyElement("vertex", n, [(name, None, "f8") for name in numbers_of_a_row])
+    elements = vertex, PlyElement("face", m, [("vertices", "u4", "i8")])
     return one_row_a_line(text, rows[0][0], elements) if rows else None
 
 
@@ -130,14 +141,14 @@ def _header(rows: list[tuple[int, bytes]]) -> tuple[re.Match[bytes], int, int, l
         counts, rows = rows[1][1].split() if len(rows) > 1 else [], rows[1:]
     if len(counts) < 2:
         raise ValueError(tr("the numbers of vertices and faces are missing"))
-    n, m = whole_numbers(counts[:2])
+    n, m = parse_integers(counts[:2])
     return head, n, m, rows[1:]
 
 
 def _polygon(line: bytes) -> list[int]:
     """Vertices of a face: their number, then they; a colour may follow."""
     words = line.split()
-    (count,) = whole_numbers(words[:1])
+    (count,) = parse_integers(words[:1])
     if count < 0 or len(words) < 1 + count:
-        raise ValueError(tr("a face is incomplete: {text}").format(text=shown(line)))
-    return whole_numbers(words[1 : 1 + count])
+        raise ValueError(tr("a face is incomplete: {text}").format(text=excerpt(line)))
+    return parse_integers(words[1 : 1 + count])

@@ -14,19 +14,19 @@ from urllib.parse import unquote
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.model_3mf import Model, Object
-from apd_viewer.files.formats.parsed import Parsed
+from apd_viewer.files.formats.model_3mf import Model, ModelObject
+from apd_viewer.files.formats.parsed_mesh import ParsedMesh
 from apd_viewer.files.formats.xml_3mf import read_xml
-from apd_viewer.files.storage.archive import BROKEN, most_unpacked
-from apd_viewer.files.storage.neighbours import LARGEST, too_large
+from apd_viewer.files.storage.archive import ARCHIVE_ERRORS, largest_unpacked_size
+from apd_viewer.files.storage.sibling_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-MOST = 1 << 31  # bytes; a larger archive is broken or malicious
-_MOST_VERTICES = LARGEST // 24  # a position is three doubles
-MOST_USES = 1 << 16  # of objects, a few seconds; components of components multiply
+MOST_BYTES = 1 << 31  # bytes; a larger archive is broken or malicious
+_MOST_VERTICES = LARGEST_FILE // 24  # a position is three doubles
+MOST_OBJECT_USES = 1 << 16  # of objects, a few seconds; components of components multiply
 _START = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 _RELATIONSHIP = "http://schemas.openxmlformats.org/package/2006/relationships Relationship"
 _USUAL = "3D/3dmodel.model"  # the main part where none is named
@@ -42,7 +42,7 @@ _UNITS = {
 _DEEPEST = 100  # components of components
 
 
-def read_3mf(content: bytes) -> Parsed:
+def read_3mf(content: bytes) -> ParsedMesh:
     """Positions (n, 3) and triangles (m, 3) of all objects of a 3MF build.
 
     Raises
@@ -57,33 +57,33 @@ def read_3mf(content: bytes) -> Parsed:
         raise ValueError(tr("its unit “{unit}” is unknown").format(unit=package.main.unit))
     unit, factor = _UNITS[package.main.unit]
     V, F, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
-    shown: list[Object] = []
+    shown: list[ModelObject] = []
     for each, matrix in package.placed():
         shown.append(each)
         if not len(each.F):  # the ends of beams
             continue
         if count + len(each.V) > _MOST_VERTICES:
-            raise too_large(tr("all its components"))
+            raise too_large_error(tr("all its components"))
         with np.errstate(all="ignore"):  # absurd positions are refused later
             V.append((each.V @ matrix[:3, :3].T + matrix[:3, 3]) * factor)
             mirrors = np.linalg.det(matrix[:3, :3]) < 0.0
         F.append((each.F[:, [0, 2, 1]] if mirrors else each.F) + count)
         count += len(each.V)
-    return Parsed(np.vstack(V), np.vstack(F), None, tuple(_remarks(shown, count > 0)), unit)
+    return ParsedMesh(np.vstack(V), np.vstack(F), None, tuple(_remarks(shown, count > 0)), unit)
 
 
-def _remarks(shown: list[Object], has_triangles: bool) -> Iterator[str]:
+def _remarks(shown: list[ModelObject], has_triangles: bool) -> Iterator[str]:
     """Sentences on things not read; raise InputError if there is nothing else."""
     if not shown:
         raise ValueError(tr("its build places no object"))
     for there, alone, beside in (
         (
-            any(each.beams for each in shown),
+            any(each.has_beams for each in shown),
             tr("The file holds beam lattices and no triangles; export them as a mesh first."),
             tr("The beam lattices of the file are not read; its triangles are."),
         ),
         (
-            any(each.slices for each in shown),
+            any(each.has_slices for each in shown),
             tr("The file holds slices and no triangles; export the mesh that they were cut from."),
             tr("The slices of the file are not read; its triangles are."),
         ),
@@ -107,10 +107,10 @@ class _Package:
         try:
             self._archive = zipfile.ZipFile(io.BytesIO(content))
             entries = self._archive.infolist()
-        except BROKEN as error:
+        except ARCHIVE_ERRORS as error:
             raise ValueError(tr("it is not an archive, or it is damaged")) from error
         size = sum(entry.file_size for entry in entries)
-        if size > min(MOST, most_unpacked(len(content))):
+        if size > min(MOST_BYTES, largest_unpacked_size(len(content))):
             raise ValueError(tr("it would unpack to {size:,} bytes").format(size=size))
         # Names of parts are the same in small and large letters (ECMA-376, part 2, 6.2.2).
         self._names = {entry.filename.lower(): entry.filename for entry in entries}
@@ -118,26 +118,27 @@ class _Package:
         self._main = self._start()
         self.main = self._model(self._main)
 
-    def placed(self) -> Iterator[tuple[Object, np.ndarray]]:
+    def placed(self) -> Iterator[tuple[ModelObject, np.ndarray]]:
         """Objects of the build and of its components, each with its matrix (4, 4)."""
         todo = [
-            (use, self._main, np.eye(4), frozenset[tuple[str, str]]()) for use in reversed(self.main.build)
+            (use, self._main, np.eye(4), frozenset[tuple[str, str]]())
+            for use in reversed(self.main.build_items)
         ]
-        left = MOST_USES
+        left = MOST_OBJECT_USES
         while todo:
             use, home, matrix, above = todo.pop()
             path = _part_name(use.path) if use.path else home
-            found, left = self._model(path).objects.get(use.number), left - 1
+            found, left = self._model(path).objects.get(use.object_id), left - 1
             if found is None:
                 raise ValueError(
-                    tr("its object {number} is missing from {part}").format(number=use.number, part=path)
+                    tr("its object {number} is missing from {part}").format(number=use.object_id, part=path)
                 )
-            if (path, use.number) in above or len(above) > _DEEPEST or left < 0:
+            if (path, use.object_id) in above or len(above) > _DEEPEST or left < 0:
                 raise ValueError(tr("its components are nested without end"))
             with np.errstate(all="ignore"):  # absurd positions are refused later
                 there = matrix @ use.matrix
             yield found, there
-            below = above | {(path, use.number)}
+            below = above | {(path, use.object_id)}
             todo += [(component, path, there, below) for component in reversed(found.components)]
 
     def _start(self) -> str:
@@ -164,7 +165,7 @@ class _Package:
             raise ValueError(tr("its part {part} is missing").format(part=name))
         try:
             return self._archive.read(self._names[name])
-        except BROKEN as error:  # or its compression is unknown
+        except ARCHIVE_ERRORS as error:  # or its compression is unknown
             raise ValueError(tr("it is not an archive, or it is damaged")) from error
 
 

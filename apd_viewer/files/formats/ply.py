@@ -9,24 +9,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.parsed import Parsed, of_rest, turned
-from apd_viewer.files.formats.ply_header import AXES, Element, read_header
+from apd_viewer.files.formats.parsed_mesh import ParsedMesh, trailing_bytes_remark, updated_normals
+from apd_viewer.files.formats.ply_header import AXES, PlyElement, read_header
 from apd_viewer.files.formats.ply_rows import (
-    CODES,
-    INDICES,
-    after_text,
-    ends_within,
-    faces_of_strips,
+    INDEX_PROPERTIES,
+    STRUCT_CODES,
     one_row_a_line,
     read_faces,
-    rows_alike,
+    strip_faces,
+    text_end,
     text_rows,
+    truncation_message,
+    uniform_rows,
     walk_rows,
 )
-from apd_viewer.files.formats.polygons import joined
-from apd_viewer.files.formats.text import Edits, numbers
-from apd_viewer.files.formats.texture_images import image_beside, textured
-from apd_viewer.files.formats.vertex_colors import eight_bit
+from apd_viewer.files.formats.polygons import concatenated
+from apd_viewer.files.formats.text import TextEdits, parse_numbers
+from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
+from apd_viewer.files.formats.vertex_colors import colors_to_uint8
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import in_quotes, tr
@@ -44,7 +44,7 @@ class PlyFile:
     content: bytes
     text: bytes
     order: str
-    elements: list[Element]
+    elements: list[PlyElement]
     starts: list[int]  # of the elements
     suffix = ".ply"
 
@@ -53,7 +53,7 @@ class PlyFile:
         """Contents besides positions and triangles, in words."""
         names = {name for element in self.elements for name in element.names}
         found = [what for name, what in _EXTRAS.items() if name in names]
-        known = {*AXES, *_NORMAL, *INDICES, *_EXTRAS, "green", "blue", "t"}
+        known = {*AXES, *_NORMAL, *INDEX_PROPERTIES, *_EXTRAS, "green", "blue", "t"}
         return (*found, *map(in_quotes, sorted(names - known)))
 
     @property
@@ -62,7 +62,7 @@ class PlyFile:
         if not set(_COLORS) <= set(self._scalars):
             return None
         kind = np.dtype(self._scalars[_COLORS[0]])
-        return eight_bit(
+        return colors_to_uint8(
             self.columns(self._at, _COLORS), 1.0 if kind.kind == "f" else float(np.iinfo(kind).max)
         )
 
@@ -77,8 +77,10 @@ class PlyFile:
         if named is None or uv is None or mesh.path is None:
             return None
         name = named[1].decode("utf-8", errors="replace").strip()
-        image = image_beside(name, mesh.path)
-        return textured(self.columns(self._at, uv), mesh.F, np.zeros(len(mesh.F), dtype=np.int64), [image])
+        image = sibling_image(name, mesh.path)
+        return joined_texture(
+            self.columns(self._at, uv), mesh.F, np.zeros(len(mesh.F), dtype=np.int64), [image]
+        )
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""
@@ -88,7 +90,7 @@ class PlyFile:
         new: dict[tuple[str, ...], np.ndarray] = {AXES: U}
         if all(kinds.get(name, "")[:1] == "f" for name in _NORMAL):
             N = self.columns(at, _NORMAL)
-            new[_NORMAL] = turned(mesh.V, U, mesh.F, N, mesh.F)
+            new[_NORMAL] = updated_normals(mesh.V, U, mesh.F, N, mesh.F)
         if not self.order:
             return self._text(at, new)
         body = bytearray(self.content)
@@ -111,31 +113,31 @@ class PlyFile:
     def _put(self, body: bytearray, name: str, values: np.ndarray, which: np.ndarray) -> None:
         element, start, kind = self.elements[self._at], self.starts[self._at], self._scalars[name]
         if not element.has_lists:
-            table = np.frombuffer(body, element.table(self.order), element.rows, start)
+            table = np.frombuffer(body, element.row_dtype(self.order), element.rows, start)
             table[name][which] = values[which]
             return
         for row, offsets in enumerate(walk_rows(self.content, start, element, self.order)):
             if which[row]:
-                struct.pack_into(self.order + CODES[kind], body, offsets[name], values[row])
+                struct.pack_into(self.order + STRUCT_CODES[kind], body, offsets[name], values[row])
 
-    def columns(self, at: int, names: tuple[str, ...]) -> np.ndarray:
+    def columns(self, element_index: int, names: tuple[str, ...]) -> np.ndarray:
         """Columns of an element, (rows, len(names)) float array."""
-        element, start = self.elements[at], self.starts[at]
+        element, start = self.elements[element_index], self.starts[element_index]
         if not self.order:
             places = [element.names.index(name) for name in names]
-            words = None if element.has_lists else rows_alike(self.text, start, element)
+            words = None if element.has_lists else uniform_rows(self.text, start, element)
             if words is not None and len(words[0]) >= len(element.names):
-                return numbers([row[c] for row in words for c in places]).reshape(-1, len(names))
+                return parse_numbers([row[c] for row in words for c in places]).reshape(-1, len(names))
             rows = text_rows(self.text, start, element)
-            return numbers([row[c][0] for row in rows for c in places]).reshape(-1, len(names))
+            return parse_numbers([row[c][0] for row in rows for c in places]).reshape(-1, len(names))
         if not element.has_lists:
-            table = np.frombuffer(self.content, element.table(self.order), element.rows, start)
+            table = np.frombuffer(self.content, element.row_dtype(self.order), element.rows, start)
             columns = np.empty((element.rows, len(names)))
             with np.errstate(invalid="ignore"):  # NaN is refused later
                 for k, name in enumerate(names):
                     columns[:, k] = table[name]
             return columns
-        codes = {name: self.order + CODES[kind] for name, _, kind in element.properties}
+        codes = {name: self.order + STRUCT_CODES[kind] for name, _, kind in element.properties}
         return np.array(
             [
                 [struct.unpack_from(codes[name], self.content, offsets[name])[0] for name in names]
@@ -145,17 +147,17 @@ class PlyFile:
 
     def _text(self, at: int, new: dict[tuple[str, ...], np.ndarray]) -> bytes:
         element, start = self.elements[at], self.starts[at]
-        edits = Edits(self.content)
+        edits = TextEdits(self.content)
         rows = list(text_rows(self.text, start, element))
         for names, values in new.items():
             columns = [element.names.index(name) for name in names]
             cells = [row[c] for row in rows for c in columns]
-            old = numbers([word for word, _ in cells])
-            edits.numbers([span for _, span in cells], old, values.ravel())
-        return edits.done()
+            old = parse_numbers([word for word, _ in cells])
+            edits.replace_numbers([span for _, span in cells], old, values.ravel())
+        return edits.edited_content()
 
 
-def read_ply(content: bytes) -> Parsed:
+def read_ply(content: bytes) -> ParsedMesh:
     """Positions (n, 3) and triangles (m, 3) of a PLY file.
 
     Raises
@@ -174,24 +176,24 @@ def read_ply(content: bytes) -> Parsed:
     return _read(replace(file, text=text, starts=[]), start)
 
 
-def _read(file: PlyFile, start: int) -> Parsed:
+def _read(file: PlyFile, start: int) -> ParsedMesh:
     text, order, faces = file.text, file.order, []
     V, origin = np.empty((0, 3)), None
     for at, element in enumerate(file.elements):
-        if order and element.rows * element.least > len(text) - start:
-            raise ValueError(ends_within(element))
+        if order and element.rows * element.least_row_size > len(text) - start:
+            raise ValueError(truncation_message(element))
         file.starts.append(start)
         if element.name == "vertex":
             V, origin = file.columns(at, AXES), file
         if element.name in ("face", "tristrips") and element.rows:
             found, start = read_faces(text, start, element, order)
-            faces.append(found if element.name == "face" else faces_of_strips(found))
+            faces.append(found if element.name == "face" else strip_faces(found))
         elif not order:
-            start = after_text(text, start, element)
+            start = text_end(text, start, element)
         elif not element.has_lists:
-            start += element.rows * element.table(order).itemsize
+            start += element.rows * element.row_dtype(order).itemsize
         else:
             for offsets in walk_rows(text, start, element, order):
                 start = offsets[""]
     rest = text[start:] if order else text[start:].strip()
-    return Parsed(V, joined(faces).triangles(V), origin, of_rest(len(rest)))
+    return ParsedMesh(V, concatenated(faces).triangles(V), origin, trailing_bytes_remark(len(rest)))

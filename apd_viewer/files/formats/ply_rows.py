@@ -8,57 +8,57 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from apd_viewer.files.formats.ply_header import LINE, Element
+from apd_viewer.files.formats.ply_header import LINE_PATTERN, PlyElement
 from apd_viewer.files.formats.polygons import Polygons, strip_triangles
-from apd_viewer.files.formats.text import whole_numbers
+from apd_viewer.files.formats.text import parse_integers
 from apd_viewer.language import tr
 
-CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "i8": "q", "u8": "Q"}
-CODES |= {"f4": "f", "f8": "d"}
-INDICES = ("vertex_indices", "vertex_index")
+STRUCT_CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "i8": "q", "u8": "Q"}
+STRUCT_CODES |= {"f4": "f", "f8": "d"}
+INDEX_PROPERTIES = ("vertex_indices", "vertex_index")
 _WORD = re.compile(rb"\S+")
 _BLANK = bytes.maketrans(b"\r\n", b"  ")
 
 
-def read_faces(content: bytes, start: int, element: Element, order: str) -> tuple[Polygons, int]:
+def read_faces(content: bytes, start: int, element: PlyElement, order: str) -> tuple[Polygons, int]:
     """Faces, and the offset of the next element."""
-    name = next((name for name, length, _ in element.properties if length and name in INDICES), None)
+    name = next((name for name, length, _ in element.properties if length and name in INDEX_PROPERTIES), None)
     if name is None:
         raise ValueError(tr("its faces have no vertex_indices list"))
     if any(name == other and kind[0] == "f" for other, _, kind in element.properties):
         raise ValueError(tr("its faces have fractional vertex indices"))
     if not order:
         column = element.names.index(name)
-        words = rows_alike(content, start, element) if len(element.names) == 1 else None
+        words = uniform_rows(content, start, element) if len(element.names) == 1 else None
         if words is not None and all(row[0] == words[0][0] for row in words):
-            (k,) = whole_numbers([words[0][0]])
+            (k,) = parse_integers([words[0][0]])
             if 0 < k < len(words[0]):
-                corners = whole_numbers([word for row in words for word in row[1 : 1 + k]])
+                corners = parse_integers([word for row in words for word in row[1 : 1 + k]])
                 alike = [corners[at : at + k] for at in range(0, len(corners), k)]
-                return Polygons.of(alike), after_text(content, start, element)
-        faces = [whole_numbers(row[column][0].split()) for row in text_rows(content, start, element)]
-        return Polygons.of(faces), after_text(content, start, element)
+                return Polygons.from_faces(alike), text_end(content, start, element)
+        faces = [parse_integers(row[column][0].split()) for row in text_rows(content, start, element)]
+        return Polygons.from_faces(faces), text_end(content, start, element)
     binary = _faces_alike(content, start, element, order, name)
     if binary is not None:
         return binary
-    code = next(CODES[kind] for other, _, kind in element.properties if other == name)
+    code = next(STRUCT_CODES[kind] for other, _, kind in element.properties if other == name)
     size = struct.calcsize(code)
     faces = []
     for offsets in walk_rows(content, start, element, order):
         count = (offsets[f"{name} end"] - offsets[name]) // size
         faces.append(list(struct.unpack_from(f"{order}{count}{code}", content, offsets[name])))
         end = offsets[""]
-    return Polygons.of(faces), end
+    return Polygons.from_faces(faces), end
 
 
-def faces_of_strips(strips: Polygons) -> Polygons:
+def strip_faces(strips: Polygons) -> Polygons:
     """Triangles of strips, without the degenerate ones between strips."""
     T = strip_triangles(np.insert(strips.corner, strips.start[1:-1], -1))
-    return Polygons.alike(T[(np.roll(T, 1, axis=1) != T).all(axis=1)])
+    return Polygons.from_array(T[(np.roll(T, 1, axis=1) != T).all(axis=1)])
 
 
 def _faces_alike(
-    content: bytes, start: int, element: Element, order: str, name: str
+    content: bytes, start: int, element: PlyElement, order: str, name: str
 ) -> tuple[Polygons, int] | None:
     """The same, if all rows are as long as the first one."""
     first = next(walk_rows(content, start, element, order))
@@ -67,21 +67,21 @@ def _faces_alike(
         for other, length, kind in element.properties
         if length is not None
     }
-    table = element.table(order, lengths)
+    table = element.row_dtype(order, lengths)
     if element.rows * table.itemsize > len(content) - start:
         return None
     rows = np.frombuffer(content, table, element.rows, start)
     if any((rows[f"{other} count"] != length).any() for other, length in lengths.items()):
         return None
-    return Polygons.alike(rows[name].astype(np.int64)), start + rows.nbytes
+    return Polygons.from_array(rows[name].astype(np.int64)), start + rows.nbytes
 
 
-def walk_rows(content: bytes, start: int, element: Element, order: str) -> Iterator[dict[str, int]]:
+def walk_rows(content: bytes, start: int, element: PlyElement, order: str) -> Iterator[dict[str, int]]:
     """Offsets of every property by row ("... end" for list ends, "" for row ends)."""
     sizes = [
         (
             name,
-            length and (order + CODES[length]),
+            length and (order + STRUCT_CODES[length]),
             np.dtype(length or kind).itemsize,
             np.dtype(kind).itemsize,
         )
@@ -104,20 +104,22 @@ def walk_rows(content: bytes, start: int, element: Element, order: str) -> Itera
                     start += size
             offsets[""] = start
             if start > len(content):
-                raise ValueError(ends_within(element))
+                raise ValueError(truncation_message(element))
             yield offsets
     except struct.error:
-        raise ValueError(ends_within(element)) from None
+        raise ValueError(truncation_message(element)) from None
 
 
-def ends_within(element: Element) -> str:
+def truncation_message(element: PlyElement) -> str:
     """Error phrase for a file truncated within the element."""
     return tr("it ends before the last of its {rows:,} rows of {element}").format(
         rows=element.rows, element=element.name
     )
 
 
-def text_rows(content: bytes, start: int, element: Element) -> Iterator[list[tuple[bytes, tuple[int, int]]]]:
+def text_rows(
+    content: bytes, start: int, element: PlyElement
+) -> Iterator[list[tuple[bytes, tuple[int, int]]]]:
     """Words of every row by property, lists joined, with their spans."""
     rows = 0
     for begin, end in _text_lines(content, start) if element.rows else ():
@@ -127,33 +129,33 @@ def text_rows(content: bytes, start: int, element: Element) -> Iterator[list[tup
         if rows == element.rows:
             return
     if rows < element.rows:
-        raise ValueError(ends_within(element))
+        raise ValueError(truncation_message(element))
 
 
 def _text_lines(content: bytes, start: int) -> Iterator[tuple[int, int]]:
     """Begin and end of the non-empty lines."""
-    for line in LINE.finditer(content, start):
+    for line in LINE_PATTERN.finditer(content, start):
         if not line[0].isspace():
             yield line.span()
 
 
-def rows_alike(content: bytes, start: int, element: Element) -> list[list[bytes]] | None:
+def uniform_rows(content: bytes, start: int, element: PlyElement) -> list[list[bytes]] | None:
     """Words of all rows if equally many in each, else None."""
-    end = after_text(content, start, element)
+    end = text_end(content, start, element)
     rows = [words for line in content[start:end].split(b"\n") if (words := line.split())]
     alike = len(rows) == element.rows and all(len(row) == len(rows[0]) for row in rows)
     return rows if rows and alike else None
 
 
-def _row(words: list[tuple[bytes, int, int]], element: Element) -> list[tuple[bytes, tuple[int, int]]]:
+def _row(words: list[tuple[bytes, int, int]], element: PlyElement) -> list[tuple[bytes, tuple[int, int]]]:
     cells, k = [], 0
     for _, length, _ in element.properties:
         count = 1
         if length is not None:
-            (count,) = whole_numbers([words[k][0]]) if k < len(words) else (0,)
+            (count,) = parse_integers([words[k][0]]) if k < len(words) else (0,)
             k += 1
         if count < 0 or k + count > len(words):
-            raise ValueError(ends_within(element))
+            raise ValueError(truncation_message(element))
         own = words[k : k + count]
         span = (own[0][1], own[-1][2]) if own else (0, 0)
         cells.append((b" ".join(word for word, _, _ in own), span))
@@ -161,7 +163,7 @@ def _row(words: list[tuple[bytes, int, int]], element: Element) -> list[tuple[by
     return cells
 
 
-def one_row_a_line(content: bytes, start: int, elements: Sequence[Element]) -> bytes | None:
+def one_row_a_line(content: bytes, start: int, elements: Sequence[PlyElement]) -> bytes | None:
     """Wrapped text of the same length with the words of each row on a line.
 
     None if there are more words or fewer than the elements have.
@@ -173,7 +175,7 @@ def one_row_a_line(content: bytes, start: int, elements: Sequence[Element]) -> b
             end = start
             for _, length, _ in element.properties:
                 word = next(words, None)
-                for _ in range(whole_numbers([word[0]])[0] if word and length else 0):
+                for _ in range(parse_integers([word[0]])[0] if word and length else 0):
                     word = next(words, None)
                     if word is None:
                         break
@@ -184,7 +186,7 @@ def one_row_a_line(content: bytes, start: int, elements: Sequence[Element]) -> b
     return bytes(body) if next(words, None) is None else None
 
 
-def after_text(content: bytes, start: int, element: Element) -> int:
+def text_end(content: bytes, start: int, element: PlyElement) -> int:
     """Offset of the line after the rows of an element."""
     if not element.rows:
         return start

@@ -23,7 +23,7 @@ class Polygons(NamedTuple):
     start: np.ndarray
 
     @classmethod
-    def of(cls, faces: Sequence[Sequence[int]]) -> Polygons:
+    def from_faces(cls, faces: Sequence[Sequence[int]]) -> Polygons:
         """Polygons of faces of any size; raises ValueError on impossible vertices."""
         sizes = np.fromiter((len(face) for face in faces), np.int64, len(faces))
         start = np.concatenate([[0], np.cumsum(sizes)])
@@ -34,7 +34,7 @@ class Polygons(NamedTuple):
         return cls(corner, start)
 
     @classmethod
-    def alike(cls, faces: np.ndarray) -> Polygons:
+    def from_array(cls, faces: np.ndarray) -> Polygons:
         """Faces (p, k) of the same length."""
         corner = np.ascontiguousarray(faces, dtype=np.int64).ravel()
         return cls(corner, np.arange(0, faces.size + 1, max(faces.shape[1], 1)))
@@ -44,9 +44,9 @@ class Polygons(NamedTuple):
         sizes = np.diff(self.start)
         if (sizes == 3).all():
             return self.corner.reshape(-1, 3)
-        return self.corner[self.split(V)]
+        return self.corner[self.triangle_corners(V)]
 
-    def split(self, V: np.ndarray) -> np.ndarray:
+    def triangle_corners(self, V: np.ndarray) -> np.ndarray:
         """The triangles (m, 3) of the faces, in their order, by places among ``corner``.
 
         A fan around the first corner, unless that folds over where the face is not convex.
@@ -68,10 +68,10 @@ class Polygons(NamedTuple):
         return T
 
 
-def joined(parts: Sequence[Polygons]) -> Polygons:
+def concatenated(polygons: Sequence[Polygons]) -> Polygons:
     """Polygons of all parts, one after another."""
-    corner = np.concatenate([np.empty(0, dtype=np.int64), *(part.corner for part in parts)])
-    sizes = np.concatenate([np.empty(0, dtype=np.int64), *(np.diff(part.start) for part in parts)])
+    corner = np.concatenate([np.empty(0, dtype=np.int64), *(part.corner for part in polygons)])
+    sizes = np.concatenate([np.empty(0, dtype=np.int64), *(np.diff(part.start) for part in polygons)])
     return Polygons(corner, np.concatenate([[0], np.cumsum(sizes)]))
 
 

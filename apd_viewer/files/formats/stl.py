@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed import Parsed, of_rest
-from apd_viewer.files.formats.text import Edits, numbers, plain
+from apd_viewer.files.formats.parsed_mesh import ParsedMesh, trailing_bytes_remark
+from apd_viewer.files.formats.text import TextEdits, parse_numbers, with_line_feeds
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
@@ -62,14 +62,14 @@ class StlFile:
             # From the corners as written.
             facets["normal"][had] = _normals(facets["corners"][had].astype(np.float64))
             return bytes(body)
-        text, edits = _nameless(self.content), Edits(self.content)
-        edits.numbers(_spans(_VERTEX, text), mesh.V.ravel(), U.ravel())
+        text, edits = _nameless(self.content), TextEdits(self.content)
+        edits.replace_numbers(_spans(_VERTEX, text), mesh.V.ravel(), U.ravel())
         old = _numbers(_NORMAL, text)
         if len(old) == len(moved):
             new, had = old.copy(), moved & old.any(axis=1)
             new[had] = _normals(U.reshape(-1, 3, 3)[had])
-            edits.numbers(_spans(_NORMAL, text), old.ravel(), new.ravel())
-        return edits.done()
+            edits.replace_numbers(_spans(_NORMAL, text), old.ravel(), new.ravel())
+        return edits.edited_content()
 
 
 def _normals(corners: np.ndarray) -> np.ndarray:
@@ -84,7 +84,7 @@ def _spans(pattern: re.Pattern[bytes], content: bytes) -> list[tuple[int, int]]:
 
 
 def _numbers(pattern: re.Pattern[bytes], content: bytes) -> np.ndarray:
-    return numbers([word for words in pattern.findall(content) for word in words]).reshape(-1, 3)
+    return parse_numbers([word for words in pattern.findall(content) for word in words]).reshape(-1, 3)
 
 
 def is_binary_stl(content: bytes) -> bool:
@@ -96,7 +96,7 @@ def _declared(content: bytes) -> int:
     return int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
 
 
-def read_stl(content: bytes) -> Parsed:
+def read_stl(content: bytes) -> ParsedMesh:
     """Positions (3 m, 3) and triangles (m, 3) of all solids in an STL file.
 
     Raises
@@ -110,9 +110,9 @@ def read_stl(content: bytes) -> Parsed:
         V = np.empty((3 * m, 3))
         with np.errstate(invalid="ignore"):  # NaN is refused later
             V.reshape(-1, 3, 3)[...] = np.frombuffer(content, _FACET, m, _HEAD)["corners"]
-        return Parsed(V, np.arange(3 * m).reshape(-1, 3), StlFile(content, m), remarks)
+        return ParsedMesh(V, np.arange(3 * m).reshape(-1, 3), StlFile(content, m), remarks)
     V, remarks = _text(_nameless(content))
-    return Parsed(V, np.arange(len(V)).reshape(-1, 3), StlFile(content, None), remarks)
+    return ParsedMesh(V, np.arange(len(V)).reshape(-1, 3), StlFile(content, None), remarks)
 
 
 def _binary(content: bytes) -> tuple[int, tuple[str, ...]]:
@@ -125,12 +125,12 @@ def _binary(content: bytes) -> tuple[int, tuple[str, ...]]:
         raise ValueError(
             tr("it declares {declared:,} facets and has {there:,}").format(declared=m, there=there)
         )
-    return m, of_rest(len(rest))
+    return m, trailing_bytes_remark(len(rest))
 
 
 def _nameless(content: bytes) -> bytes:
     """Text of the same length, in small letters, without the names of its solids."""
-    return _NAME.sub(lambda match: b"solid" + b" " * len(match[1]), plain(content).lower())
+    return _NAME.sub(lambda match: b"solid" + b" " * len(match[1]), with_line_feeds(content).lower())
 
 
 def _text(content: bytes) -> tuple[np.ndarray, tuple[str, ...]]:

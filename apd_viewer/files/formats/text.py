@@ -21,7 +21,7 @@ class Encoding(NamedTuple):
     mark: bytes
     codec: str
 
-    def of(self, text: bytes) -> bytes:
+    def encode(self, text: bytes) -> bytes:
         """Content of the file for a text in UTF-8."""
         return self.mark + (text if self.codec == "utf-8" else text.decode().encode(self.codec))
 
@@ -35,7 +35,7 @@ _MARKED = (
 )
 
 
-def decoded(content: bytes) -> tuple[bytes, Encoding | None]:
+def decoded_text(content: bytes) -> tuple[bytes, Encoding | None]:
     """Text of a file in UTF-8, and its encoding; None for other content."""
     encoding = next((each for each in _MARKED if content.startswith(each.mark)), None) or _unmarked(content)
     if encoding is None:
@@ -59,14 +59,14 @@ def _unmarked(content: bytes) -> Encoding | None:
     return Encoding(b"", "utf-16-le" if any(even) else "utf-16-be")
 
 
-def plain(content: bytes) -> bytes:
+def with_line_feeds(content: bytes) -> bytes:
     """Content of the same length with a line feed at the end of every line."""
     if b"\r" not in content or content.count(b"\r") == content.count(b"\r\n"):
         return content
     return re.sub(rb"\r(?!\n)", b"\n", content)
 
 
-def lines(content: bytes) -> Iterator[tuple[int, bytes]]:
+def content_lines(content: bytes) -> Iterator[tuple[int, bytes]]:
     """Spans and words of the non-empty lines, without comments."""
     start = 0
     for line in content.split(b"\n"):
@@ -76,27 +76,27 @@ def lines(content: bytes) -> Iterator[tuple[int, bytes]]:
         start += len(line) + 1
 
 
-def numbers(words: Sequence[bytes]) -> np.ndarray:
+def parse_numbers(words: Sequence[bytes]) -> np.ndarray:
     """Numbers (k,) of words; raises ValueError naming the first bad one."""
     try:
         return np.array([float(word) for word in words], dtype=np.float64)
     except ValueError:
         bad = next(word for word in words if not _names(float, word))
-        raise ValueError(tr("{text} is not a number").format(text=shown(bad))) from None
+        raise ValueError(tr("{text} is not a number").format(text=excerpt(bad))) from None
 
 
-def whole_numbers(words: Sequence[bytes]) -> list[int]:
+def parse_integers(words: Sequence[bytes]) -> list[int]:
     """Whole numbers of words; raises ValueError naming the first bad one."""
     try:
         return [int(word) for word in words]
     except ValueError:
         bad = next(word for word in words if not _names(int, word))
-        raise ValueError(tr("{text} is not a whole number").format(text=shown(bad))) from None
+        raise ValueError(tr("{text} is not a whole number").format(text=excerpt(bad))) from None
 
 
-def shown(said: bytes) -> str:
+def excerpt(content: bytes) -> str:
     """The beginning of a part of a file, within a sentence."""
-    return in_quotes(said.strip().decode(errors="replace")[:_LONGEST])
+    return in_quotes(content.strip().decode(errors="replace")[:_LONGEST])
 
 
 def _names(kind: Callable[[bytes], object], word: bytes) -> bool:
@@ -107,21 +107,21 @@ def _names(kind: Callable[[bytes], object], word: bytes) -> bool:
     return True
 
 
-class Edits:
+class TextEdits:
     """New words for some places of a file."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content
         self._new: list[tuple[int, int, float]] = []
 
-    def numbers(self, spans: Iterable[tuple[int, int]], old: np.ndarray, new: np.ndarray) -> None:
+    def replace_numbers(self, spans: Iterable[tuple[int, int]], old: np.ndarray, new: np.ndarray) -> None:
         """Write ``new`` over the numbers at ``spans``; unchanged ones stay as written."""
         changed = ~((new == old) | (np.isnan(new) & np.isnan(old)))
         for (start, end), number, differs in zip(spans, new.tolist(), changed.tolist(), strict=True):
             if differs:
                 self._new.append((start, end, number))
 
-    def done(self) -> bytes:
+    def edited_content(self) -> bytes:
         """The file with all of them."""
         pieces, last = [], 0
         for start, end, number in sorted(self._new):

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.neighbours import content_beside
-from apd_viewer.files.storage.reading import quietly
+from apd_viewer.files.storage.regular_files import without_library_warnings
+from apd_viewer.files.storage.sibling_files import sibling_content
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
@@ -20,7 +20,7 @@ _LARGEST = 8192
 _BARE = np.full((1, 1, 3), 255, dtype=np.uint8)
 
 
-def image_beside(named: str, mesh: Path | None) -> np.ndarray:
+def sibling_image(named: str, mesh: Path | None) -> np.ndarray:
     """Image (h, w, 3) uint8 of a file that a mesh names, scaled down if too large.
 
     Raises
@@ -29,7 +29,7 @@ def image_beside(named: str, mesh: Path | None) -> np.ndarray:
         If it is outside the folder of the mesh, or cannot be read.
     """
     try:
-        content = content_beside(named, mesh)
+        content = sibling_content(named, mesh)
     except OSError as error:
         raise _missing(named) from error
     if content is None:
@@ -48,7 +48,7 @@ def read_image(content: bytes, name: str) -> np.ndarray:
     from PIL import Image  # only where a file has textures: it takes a tenth of a second to load
 
     try:
-        with quietly(), Image.open(io.BytesIO(content)) as image:
+        with without_library_warnings(), Image.open(io.BytesIO(content)) as image:
             image.draft("RGB", (_LARGEST, _LARGEST))
             image.thumbnail((_LARGEST, _LARGEST))
             return np.array(image.convert("RGB"))
@@ -64,7 +64,7 @@ def _missing(name: str) -> InputError:
     )
 
 
-def textured(
+def joined_texture(
     uv: np.ndarray, uv_of: np.ndarray, image_of: np.ndarray, images: list[np.ndarray]
 ) -> Texture | None:
     """Texture of triangles with one image each; None if no triangle has one.

@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 def read_xml(
     content: bytes,
-    begin: Callable[[str, dict[str, str]], None],
-    declare: Callable[[str | None, str | None], None] | None = None,
+    on_element: Callable[[str, dict[str, str]], None],
+    on_namespace: Callable[[str | None, str | None], None] | None = None,
 ) -> None:
-    """Call ``begin(name, attributes)`` for each element; names are "namespace name".
+    """Call ``on_element(name, attributes)`` for each; names are "namespace name".
 
     Raises
     ------
@@ -24,8 +24,8 @@ def read_xml(
         If it is damaged, or declares entities.
     """
     parser = expat.ParserCreate(namespace_separator=" ")
-    parser.StartElementHandler = begin
-    parser.StartNamespaceDeclHandler = declare
+    parser.StartElementHandler = on_element
+    parser.StartNamespaceDeclHandler = on_namespace
     parser.StartDoctypeDeclHandler = _refuse_entities
     try:
         parser.Parse(content, True)

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.gltf.scene import one, whole
-from apd_viewer.files.storage.neighbours import LARGEST, too_large
+from apd_viewer.files.gltf.scene import document_entry, whole_number
+from apd_viewer.files.storage.sibling_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr
 
 TRIANGLES, STRIP, FAN = 4, 5, 6  # the modes of a primitive
@@ -17,32 +17,34 @@ _PARTS = "indices", "values"  # of a sparse accessor
 _NAMES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 
 
-def numbers_of(document: dict[str, Any], buffers: list[Any], accessor: object, width: int = 3) -> np.ndarray:
+def accessor_numbers(
+    document: dict[str, Any], buffers: list[Any], accessor: object, width: int = 3
+) -> np.ndarray:
     """The numbers (n, width) of an accessor as they are meant, as doubles."""
-    array = array_of(document, buffers, accessor, width)
-    if one(document, "accessors", accessor).get("normalized") and array.dtype.kind in "iu":
+    array = accessor_array(document, buffers, accessor, width)
+    if document_entry(document, "accessors", accessor).get("normalized") and array.dtype.kind in "iu":
         return np.maximum(array / np.iinfo(array.dtype).max, -1.0)
     with np.errstate(invalid="ignore"):  # NaN is refused later
         return array.astype(np.float64)
 
 
-def colors_of(document: dict[str, Any], buffers: list[Any], accessor: object) -> np.ndarray:
+def accessor_colors(document: dict[str, Any], buffers: list[Any], accessor: object) -> np.ndarray:
     """Linear colours (n, 3) of an accessor, from 0 to 1."""
-    width = 4 if one(document, "accessors", accessor).get("type") == "VEC4" else 3
-    array = array_of(document, buffers, accessor, width)[:, :3]
+    width = 4 if document_entry(document, "accessors", accessor).get("type") == "VEC4" else 3
+    array = accessor_array(document, buffers, accessor, width)[:, :3]
     return array / (np.iinfo(array.dtype).max if array.dtype.kind == "u" else 1.0)
 
 
-def array_of(document: dict[str, Any], buffers: list[Any], accessor: object, width: int) -> np.ndarray:
+def accessor_array(document: dict[str, Any], buffers: list[Any], accessor: object, width: int) -> np.ndarray:
     """Numbers (count, width) of an accessor: in the buffer, or a copy if sparse."""
-    told = one(document, "accessors", accessor)
-    kind, count = _kind(told), whole(told, "count")
+    told = document_entry(document, "accessors", accessor)
+    kind, count = _kind(told), whole_number(told, "count")
     if told.get("type") != _NAMES[width]:
         raise ValueError(tr("an accessor has the wrong type"))
     if "bufferView" in told:
         array = _stored(document, buffers, told, count, width)
-    elif count * width * kind.itemsize > LARGEST:
-        raise too_large(tr("its sparse accessors"))
+    elif count * width * kind.itemsize > LARGEST_FILE:
+        raise too_large_error(tr("its sparse accessors"))
     else:
         array = np.zeros((count, width), kind)
     if "sparse" in told:
@@ -62,7 +64,7 @@ def write_rows(
     InputError
         If one of them is not stored: zero by default.
     """
-    told, rows = one(document, "accessors", accessor), rows.copy()
+    told, rows = document_entry(document, "accessors", accessor), rows.copy()
     if "sparse" in told:
         those, values = _sparse(document, buffers, told, new.shape[1])
         values[rows[those]] = new[those][rows[those]]
@@ -74,56 +76,58 @@ def write_rows(
     _stored(document, buffers, told, len(new), new.shape[1])[rows] = new[rows]
 
 
-def _kind(told: dict[str, Any]) -> np.dtype[Any]:
-    code = whole(told, "componentType")
+def _kind(entry: dict[str, Any]) -> np.dtype[Any]:
+    code = whole_number(entry, "componentType")
     if code not in _TYPES:
         raise ValueError(tr("an accessor has the wrong type"))
     return np.dtype(_TYPES[code])
 
 
 def _sparse(
-    document: dict[str, Any], buffers: list[Any], told: dict[str, Any], width: int
+    document: dict[str, Any], buffers: list[Any], entry: dict[str, Any], width: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Sparse rows (k,) of an accessor, and their numbers (k, width) in the buffer."""
-    sparse = told["sparse"]
+    sparse = entry["sparse"]
     if not isinstance(sparse, dict) or not all(isinstance(sparse.get(part), dict) for part in _PARTS):
         raise ValueError(tr("a sparse accessor has no indices or no values"))
     indices, values = (sparse[part] for part in _PARTS)
-    count = whole(sparse, "count")
+    count = whole_number(sparse, "count")
     rows = _stored(document, buffers, indices, count, 1)[:, 0]
     if rows.dtype.kind != "u":
         raise ValueError(tr("an accessor has the wrong type"))
-    if count and rows.max() >= whole(told, "count"):
+    if count and rows.max() >= whole_number(entry, "count"):
         raise ValueError(
             tr("a sparse accessor refers to row {row:,} of {count:,}").format(
-                row=int(rows.max()), count=told["count"]
+                row=int(rows.max()), count=entry["count"]
             )
         )
-    values = {**values, "componentType": told["componentType"]}
+    values = {**values, "componentType": entry["componentType"]}
     return rows, _stored(document, buffers, values, count, width)
 
 
 def _stored(
-    document: dict[str, Any], buffers: list[Any], told: dict[str, Any], count: int, width: int
+    document: dict[str, Any], buffers: list[Any], entry: dict[str, Any], count: int, width: int
 ) -> np.ndarray:
-    """Numbers (count, width) in a buffer, of the kind and at the place in ``told``."""
-    kind, view = _kind(told), one(document, "bufferViews", told.get("bufferView"))
-    one(document, "buffers", view.get("buffer"))
+    """Numbers (count, width) in a buffer, of the kind and at the place in ``entry``."""
+    kind, view = _kind(entry), document_entry(document, "bufferViews", entry.get("bufferView"))
+    document_entry(document, "buffers", view.get("buffer"))
     buffer = buffers[view["buffer"]]
-    start = whole(view, "byteOffset", 0) + whole(told, "byteOffset", 0)
+    start = whole_number(view, "byteOffset", 0) + whole_number(entry, "byteOffset", 0)
     row = kind.itemsize * width
-    stride = whole(view, "byteStride", 0) or row
+    stride = whole_number(view, "byteStride", 0) or row
     if stride < row or start + stride * max(count - 1, 0) + row * min(count, 1) > len(buffer):
         raise ValueError(tr("it ends within an accessor"))
     return np.ndarray((count, width), kind, buffer, start, (stride, kind.itemsize))
 
 
-def triangles_of(document: dict[str, Any], buffers: list[Any], part: dict[str, Any], mode: int) -> np.ndarray:
+def primitive_triangles(
+    document: dict[str, Any], buffers: list[Any], primitive: dict[str, Any], mode: int
+) -> np.ndarray:
     """Triangles (t, 3) of a primitive: a list, a strip or a fan."""
-    count = whole(one(document, "accessors", part["attributes"]["POSITION"]), "count")
+    count = whole_number(document_entry(document, "accessors", primitive["attributes"]["POSITION"]), "count")
     corners = np.arange(count)
-    if "indices" in part:
-        indices = array_of(document, buffers, part["indices"], 1)
+    if "indices" in primitive:
+        indices = accessor_array(document, buffers, primitive["indices"], 1)
         if indices.dtype.kind != "u":
             raise ValueError(tr("its triangles have the wrong type"))
         corners = indices[:, 0].astype(np.int64)

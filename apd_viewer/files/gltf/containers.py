@@ -10,15 +10,15 @@ from typing import Any
 from urllib.parse import unquote
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.gltf.scene import a_list, one, whole
-from apd_viewer.files.storage.neighbours import LARGEST, content_beside, too_large
+from apd_viewer.files.gltf.scene import document_entry, list_field, whole_number
+from apd_viewer.files.storage.sibling_files import LARGEST_FILE, sibling_content, too_large_error
 from apd_viewer.language import tr
 
 
-def document_of(said: bytes) -> tuple[str, dict[str, Any]]:
+def parse_document(json_content: bytes) -> tuple[str, dict[str, Any]]:
     """JSON as text, and its content."""
     try:
-        text = said.decode("utf-8-sig")
+        text = json_content.decode("utf-8-sig")
         document = json.loads(text)
     except UnicodeDecodeError as error:
         raise ValueError(tr("its text is damaged at byte {at:,}").format(at=error.start)) from None
@@ -37,7 +37,7 @@ def document_of(said: bytes) -> tuple[str, dict[str, Any]]:
     return text, document
 
 
-def chunks_of(content: bytes) -> tuple[bytes, bytes | None]:
+def glb_chunks(content: bytes) -> tuple[bytes, bytes | None]:
     """JSON and binary chunk of a GLB file."""
     if len(content) < 20:
         raise ValueError(tr("it ends too early"))
@@ -55,15 +55,15 @@ def chunks_of(content: bytes) -> tuple[bytes, bytes | None]:
     return content[20:begin], content[begin + 8 : begin + 8 + size]
 
 
-def buffers_of(document: dict[str, Any], blob: bytes | None, path: Path) -> list[bytes]:
+def read_buffers(document: dict[str, Any], blob: bytes | None, path: Path) -> list[bytes]:
     """Bytes of all buffers; of those outside the file no more than it may hold."""
     found: list[bytes] = []
-    for k in range(len(a_list(document, "buffers"))):
-        told = one(document, "buffers", k)
+    for k in range(len(list_field(document, "buffers"))):
+        told = document_entry(document, "buffers", k)
         found.append(_buffer_of(told, None if k else blob, path))
-        if "uri" in told and sum(map(len, found)) > LARGEST:
-            raise too_large(tr("all its buffers"))
-        if len(found[-1]) < whole(told, "byteLength", 0):
+        if "uri" in told and sum(map(len, found)) > LARGEST_FILE:
+            raise too_large_error(tr("all its buffers"))
+        if len(found[-1]) < whole_number(told, "byteLength", 0):
             raise ValueError(
                 tr("a buffer declares {told:,} bytes, but there are {there:,}").format(
                     told=told["byteLength"], there=len(found[-1])
@@ -72,11 +72,11 @@ def buffers_of(document: dict[str, Any], blob: bytes | None, path: Path) -> list
     return found
 
 
-def embedded(uri: str) -> bytes:
+def data_uri_content(uri: str) -> bytes:
     """Content of a data URI; raises InputError if too large, ValueError if damaged."""
     data = uri.partition(",")[2]
-    if len(data) // 4 * 3 > LARGEST:
-        raise too_large(uri[:20])
+    if len(data) // 4 * 3 > LARGEST_FILE:
+        raise too_large_error(uri[:20])
     try:
         return base64.b64decode(data)
     except ValueError:
@@ -94,7 +94,7 @@ def data_uri(before: str, buffer: bytearray) -> str:
     return before.partition(",")[0] + "," + base64.b64encode(buffer).decode()
 
 
-def glb_with(content: bytes, text: str | None, buffer: bytearray | None) -> bytes:
+def rewritten_glb(content: bytes, text: str | None, buffer: bytearray | None) -> bytes:
     """GLB file with another JSON and another binary buffer; None keeps them."""
     head = struct.calcsize("<4sIII4s")
     (length,) = struct.unpack_from("<I", content, 12)
@@ -108,9 +108,9 @@ def glb_with(content: bytes, text: str | None, buffer: bytearray | None) -> byte
     return start + said + bytes(rest)
 
 
-def _buffer_of(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
+def _buffer_of(entry: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
     """Bytes of a buffer: the binary chunk, a data URI or a file beside."""
-    uri = told.get("uri")
+    uri = entry.get("uri")
     if uri is None:
         if blob is None:
             raise ValueError(tr("its binary chunk is missing"))
@@ -118,8 +118,10 @@ def _buffer_of(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
     if not isinstance(uri, str):
         raise ValueError(tr("the location of its coordinates is missing"))
     if uri.startswith("data:"):
-        return embedded(uri)
-    content = content_beside(unquote(uri), path, whole(told, "byteLength") if "byteLength" in told else None)
+        return data_uri_content(uri)
+    content = sibling_content(
+        unquote(uri), path, whole_number(entry, "byteLength") if "byteLength" in entry else None
+    )
     if content is None:
         raise ValueError(tr("the file {uri} is missing from its folder").format(uri=uri))
     return content

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from apd_viewer.files.gltf.scene import a_list
+from apd_viewer.files.gltf.scene import list_field
 from apd_viewer.language import tr
 
 COMPRESSED = (
@@ -51,22 +51,22 @@ def check_supported(document: dict[str, Any]) -> None:
     version = str(told.get("minVersion", told.get("version", "2.0")))
     if version.partition(".")[0] != "2" or ("minVersion" in told and version != "2.0"):
         raise ValueError(tr("it is version {version}; only version 2 is supported").format(version=version))
-    for name in map(str, a_list(document, "extensionsRequired")):
+    for name in map(str, list_field(document, "extensionsRequired")):
         if name in COMPRESSED:
-            raise compressed(name)
+            raise compressed_error(name)
         if name not in _READ | _HARMLESS and not name.startswith(_OF_MATERIALS):
             raise ValueError(tr("it requires {extension}, which is not supported").format(extension=name))
 
 
-def compressed(extension: str) -> ValueError:
+def compressed_error(extension: str) -> ValueError:
     """Error for geometry packed by an extension."""
     return ValueError(
         tr("it is compressed ({extension}), which is not supported").format(extension=extension)
     )
 
 
-def extension_of(told: dict[str, Any], name: str) -> dict[str, Any] | None:
+def extension_fields(entry: dict[str, Any], name: str) -> dict[str, Any] | None:
     """Fields of an entry in an extension; None without any."""
-    extensions = told.get("extensions")
+    extensions = entry.get("extensions")
     found = extensions.get(name) if isinstance(extensions, dict) else None
     return found if isinstance(found, dict) else None

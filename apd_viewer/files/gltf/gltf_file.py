@@ -9,44 +9,44 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.parsed import turned
-from apd_viewer.files.formats.vertex_colors import encoded
+from apd_viewer.files.formats.parsed_mesh import updated_normals
+from apd_viewer.files.formats.vertex_colors import linear_to_srgb
 from apd_viewer.files.gltf.accessors import (
-    array_of,
-    colors_of,
-    numbers_of,
+    accessor_array,
+    accessor_colors,
+    accessor_numbers,
     write_rows,
 )
-from apd_viewer.files.gltf.containers import data_uri, glb_with
-from apd_viewer.files.gltf.json_spans import replaced
+from apd_viewer.files.gltf.containers import data_uri, rewritten_glb
+from apd_viewer.files.gltf.json_spans import with_replaced_values
+from apd_viewer.files.gltf.primitive_textures import PrimitiveTriangles, primitive_texture
 from apd_viewer.files.gltf.scene import (
-    applied,
-    carried,
+    matrix_products,
+    transformed_positions,
 )
-from apd_viewer.files.gltf.textures import Piece, texture_of
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
 
 
-class Block(NamedTuple):
+class VertexBlock(NamedTuple):
     """Vertices of one accessor as shown at one place.
 
     Attributes
     ----------
     matrix : (4, 4) or (n, 4, 4) float array
         To the world; in a skin each vertex has its own.
-    shift, bend : (n, 3) float array or None
+    position_shift, normal_shift : (n, 3) float array or None
         What morph targets add to the positions, and to the normals.
     """
 
-    first: int
+    first_vertex: int
     position: int
     normal: int | None
     color: object
     matrix: np.ndarray
-    shift: np.ndarray | None
-    bend: np.ndarray | None
+    position_shift: np.ndarray | None
+    normal_shift: np.ndarray | None
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,8 @@ class GltfFile:
     text: str
     document: dict[str, Any]
     buffers: list[bytes]
-    blocks: list[Block]
-    pieces: list[Piece]
+    blocks: list[VertexBlock]
+    primitives: list[PrimitiveTriangles]
 
     @property
     def extras(self) -> tuple[str, ...]:
@@ -71,11 +71,11 @@ class GltfFile:
             "skins": tr("skins"),
         }
         has = [what for name, what in words.items() if self.document.get(name)]
-        if any("targets" in piece.part for piece in self.pieces):
+        if any("targets" in piece.primitive for piece in self.primitives):
             has.append(tr("morph targets"))
         if len({block.position for block in self.blocks}) < len(self.blocks):
             has.append(tr("instances"))
-        attributes = {name for piece in self.pieces for name in piece.part["attributes"]}
+        attributes = {name for piece in self.primitives for name in piece.primitive["attributes"]}
         kinds = {
             "NORMAL": tr("normals"),
             "TEXCOORD_0": tr("texture coordinates"),
@@ -88,22 +88,28 @@ class GltfFile:
         """Vertex colours, (n, 3) uint8, if every part has them."""
         if not self.blocks or any(block.color is None for block in self.blocks):
             return None
-        return encoded(np.vstack([colors_of(self.document, self.buffers, b.color) for b in self.blocks]))
+        return linear_to_srgb(
+            np.vstack([accessor_colors(self.document, self.buffers, b.color) for b in self.blocks])
+        )
 
     def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
         """Normals (n, 3), zero where missing, and the vertex of each corner, (m, 3)."""
         N, found = np.zeros(mesh.V.shape), False
         for block in self.blocks:
             if block.normal is not None:
-                own = plus(numbers_of(self.document, self.buffers, block.normal), block.bend)
+                own = with_offset(
+                    accessor_numbers(self.document, self.buffers, block.normal), block.normal_shift
+                )
                 inverse = np.linalg.pinv(block.matrix[..., :3, :3])
-                N[block.first : block.first + len(own)] = applied(inverse.swapaxes(-1, -2), own)
+                N[block.first_vertex : block.first_vertex + len(own)] = matrix_products(
+                    inverse.swapaxes(-1, -2), own
+                )
                 found = True
         return (N, mesh.F) if found else None
 
     def texture(self, mesh: Mesh) -> Texture | None:
         """Base-colour textures of the materials."""
-        return texture_of(self.document, self.buffers, self.pieces, mesh)
+        return primitive_texture(self.document, self.buffers, self.primitives, mesh)
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3), their bounds and turned normals."""
@@ -114,13 +120,13 @@ class GltfFile:
             old = self._array(self.buffers, block.position).astype(np.float64)
             if not len(old):
                 continue
-            mine = slice(block.first, block.first + len(old))
+            mine = slice(block.first_vertex, block.first_vertex + len(old))
             new, moved = old.copy(), (U[mine] != mesh.V[mine]).any(axis=1)
             if moved.any():
                 matrix = block.matrix if block.matrix.ndim == 2 else block.matrix[moved]
                 new[moved] = _local(matrix, U[mine][moved])
-                if block.shift is not None:
-                    new[moved] -= block.shift[moved]
+                if block.position_shift is not None:
+                    new[moved] -= block.position_shift[moved]
             if block.position in written:
                 if np.abs(written[block.position] - new).max() > 1e-6 * np.ptp(old, axis=0).max():
                     raise InputError(
@@ -141,12 +147,12 @@ class GltfFile:
                 raise ValueError(tr("their number differs from that of the positions"))
             if N.dtype == np.float32:
                 F = mesh.F[((mine.start <= mesh.F) & (mine.stop > mesh.F)).all(axis=1)] - mine.start
-                shapes = plus(old, block.shift), plus(new, block.shift)
-                bent = plus(N.astype(np.float64), block.bend)
-                after = turned(*shapes, F, bent, F)
+                shapes = with_offset(old, block.position_shift), with_offset(new, block.position_shift)
+                bent = with_offset(N.astype(np.float64), block.normal_shift)
+                after = updated_normals(*shapes, F, bent, F)
                 turn = (after != bent).any(axis=1)
-                if block.bend is not None:
-                    after = after - block.bend
+                if block.normal_shift is not None:
+                    after = after - block.normal_shift
                 write_rows(self.document, buffers, block.normal, turn, after)
                 written[block.normal] = self._array(buffers, block.normal)
         if any((self._array(buffers, k) != written[k].astype(np.float32)).any() for k in touched):
@@ -154,7 +160,7 @@ class GltfFile:
         return self._packed(buffers, touched)
 
     def _array(self, buffers: list[Any], accessor: int) -> np.ndarray:
-        return array_of(self.document, buffers, accessor, 3)
+        return accessor_array(self.document, buffers, accessor, 3)
 
     def _packed(self, buffers: list[bytearray], touched: list[int]) -> bytes:
         changes = []
@@ -170,23 +176,23 @@ class GltfFile:
                 changes.append(
                     (("buffers", k, "uri"), json.dumps(data_uri(self.document["buffers"][k]["uri"], buffer)))
                 )
-        said = replaced(self.text, changes)
+        said = with_replaced_values(self.text, changes)
         if self.suffix == ".gltf":
             return said.encode()
         own = buffers and "uri" not in self.document["buffers"][0]
-        return glb_with(self.content, None if said == self.text else said, buffers[0] if own else None)
+        return rewritten_glb(self.content, None if said == self.text else said, buffers[0] if own else None)
 
 
 def _local(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:
     """Local positions (n, 3) of ``U`` under the inverse of one matrix, or of one each."""
-    new = applied(np.linalg.pinv(matrix[..., :3, :3]), U - matrix[..., :3, 3])
+    new = matrix_products(np.linalg.pinv(matrix[..., :3, :3]), U - matrix[..., :3, 3])
     if np.abs(new).max() > np.finfo(np.float32).max:
         raise InputError(tr("A node of the file scales a mesh to zero; choose another format."))
-    if np.abs(carried(matrix, new) - U).max() > 1e-6 * np.abs(U).max():
+    if np.abs(transformed_positions(matrix, new) - U).max() > 1e-6 * np.abs(U).max():
         raise InputError(tr("A node of the file flattens a mesh; choose another format."))
     return new
 
 
-def plus(X: np.ndarray, more: np.ndarray | None) -> np.ndarray:
+def with_offset(X: np.ndarray, offset: np.ndarray | None) -> np.ndarray:
     """The sum of two arrays; without the other it is the first."""
-    return X if more is None else X + more
+    return X if offset is None else X + offset

@@ -9,24 +9,31 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed import Parsed
-from apd_viewer.files.gltf.accessors import FAN, STRIP, TRIANGLES, numbers_of, triangles_of
-from apd_viewer.files.gltf.containers import buffers_of, chunks_of, document_of
-from apd_viewer.files.gltf.extensions import COMPRESSED, check_supported, compressed, extension_of
-from apd_viewer.files.gltf.gltf_file import Block, GltfFile, plus
-from apd_viewer.files.gltf.mesh_places import MeshPlace, mesh_places
-from apd_viewer.files.gltf.scene import carried, has_other_scenes, one, parts, whole, world_of
-from apd_viewer.files.gltf.textures import Piece
-from apd_viewer.files.storage.neighbours import LARGEST, too_large
+from apd_viewer.files.formats.parsed_mesh import ParsedMesh
+from apd_viewer.files.gltf.accessors import FAN, STRIP, TRIANGLES, accessor_numbers, primitive_triangles
+from apd_viewer.files.gltf.containers import glb_chunks, parse_document, read_buffers
+from apd_viewer.files.gltf.extensions import COMPRESSED, check_supported, compressed_error, extension_fields
+from apd_viewer.files.gltf.gltf_file import GltfFile, VertexBlock, with_offset
+from apd_viewer.files.gltf.mesh_instances import MeshInstance, mesh_instances
+from apd_viewer.files.gltf.primitive_textures import PrimitiveTriangles
+from apd_viewer.files.gltf.scene import (
+    document_entry,
+    has_other_scenes,
+    mesh_primitives,
+    transformed_positions,
+    whole_number,
+    world_matrices,
+)
+from apd_viewer.files.storage.sibling_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-MOST = LARGEST // 24  # vertices: a position is three doubles
+MOST_VERTICES = LARGEST_FILE // 24  # vertices: a position is three doubles
 
 
-def read_gltf(content: bytes, path: Path) -> Parsed:
+def read_gltf(content: bytes, path: Path) -> ParsedMesh:
     """Positions (n, 3) and triangles (m, 3) of the scene in a GLB or glTF file.
 
     Raises
@@ -35,21 +42,21 @@ def read_gltf(content: bytes, path: Path) -> Parsed:
         If the file cannot be understood or ends too early.
     """
     is_binary = path.suffix.lower() == ".glb"
-    said, blob = chunks_of(content) if is_binary else (content, None)
-    text, document = document_of(said)
+    said, blob = glb_chunks(content) if is_binary else (content, None)
+    text, document = parse_document(said)
     check_supported(document)
-    buffers, world = buffers_of(document, blob, path), world_of(document)
+    buffers, world = read_buffers(document, blob, path), world_matrices(document)
     scene = _Scene(document, buffers)
-    for place in mesh_places(document, buffers, world):
+    for place in mesh_instances(document, buffers, world):
         scene.add(place)
     file = GltfFile(content, path.suffix.lower(), text, document, buffers, scene.blocks, scene.pieces)
     remarks = [*_of_places(scene.blocks)]
     if has_other_scenes(document, world):
         remarks.append(tr("The file has several scenes; only the one that it opens with is read."))
-    return Parsed(np.vstack(scene.V), np.vstack(scene.F), file, tuple(remarks), "m")
+    return ParsedMesh(np.vstack(scene.V), np.vstack(scene.F), file, tuple(remarks), "m")
 
 
-def _of_places(blocks: list[Block]) -> Iterator[str]:
+def _of_places(blocks: list[VertexBlock]) -> Iterator[str]:
     most = max(Counter(block.position for block in blocks).values(), default=0)
     if most > 1:
         yield tr(
@@ -64,51 +71,54 @@ class _Scene:
     def __init__(self, document: dict[str, Any], buffers: list[bytes]) -> None:
         self._document, self._buffers = document, buffers
         self.V, self.F = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)]
-        self.blocks: list[Block] = []
-        self.pieces: list[Piece] = []
+        self.blocks: list[VertexBlock] = []
+        self.pieces: list[PrimitiveTriangles] = []
         self._count = 0
 
-    def add(self, place: MeshPlace) -> None:
+    def add(self, place: MeshInstance) -> None:
         """Append the triangles of a mesh at its place."""
-        blocks: dict[object, Block] = {}
-        for part in parts(self._document, place.mesh):
+        blocks: dict[object, VertexBlock] = {}
+        for part in mesh_primitives(self._document, place.mesh):
             if (mode := part.get("mode", TRIANGLES)) not in (TRIANGLES, STRIP, FAN):
                 continue
             block = self._block(place, part)
-            shares = block.matrix is place.matrix and block.shift is None
+            shares = block.matrix is place.matrix and block.position_shift is None
             key = block.position if shares else json.dumps([part["attributes"], part.get("targets")])
             if key not in blocks:
                 blocks[key] = block
                 self._show(block)
             block = blocks[key]
-            F = _outwards(triangles_of(self._document, self._buffers, part, mode), block.matrix)
-            self.F.append(F + block.first)
-            self.pieces.append(Piece(block.first, len(F), part))
+            F = _outwards(primitive_triangles(self._document, self._buffers, part, mode), block.matrix)
+            self.F.append(F + block.first_vertex)
+            self.pieces.append(PrimitiveTriangles(block.first_vertex, len(F), part))
 
-    def _block(self, place: MeshPlace, part: dict[str, Any]) -> Block:
+    def _block(self, place: MeshInstance, primitive: dict[str, Any]) -> VertexBlock:
         """Vertices of a primitive, the next ones of the scene."""
-        given = self._document, self._buffers, part
-        position, normal = whole(part["attributes"], "POSITION"), part["attributes"].get("NORMAL")
-        told = one(self._document, "accessors", position)
-        packed = [name for name in COMPRESSED if extension_of(part, name) is not None]
+        given = self._document, self._buffers, primitive
+        position, normal = (
+            whole_number(primitive["attributes"], "POSITION"),
+            primitive["attributes"].get("NORMAL"),
+        )
+        told = document_entry(self._document, "accessors", position)
+        packed = [name for name in COMPRESSED if extension_fields(primitive, name) is not None]
         if packed and "bufferView" not in told:
-            raise compressed(packed[0])
-        if self._count + whole(told, "count") > MOST:
-            raise too_large(tr("all its instances"))
-        return Block(
+            raise compressed_error(packed[0])
+        if self._count + whole_number(told, "count") > MOST_VERTICES:
+            raise too_large_error(tr("all its instances"))
+        return VertexBlock(
             self._count,
             position,
-            None if normal is None else whole(part["attributes"], "NORMAL"),
-            part["attributes"].get("COLOR_0"),
-            place.posed(*given),
-            place.shift(*given, "POSITION"),
-            None if normal is None else place.shift(*given, "NORMAL"),
+            None if normal is None else whole_number(primitive["attributes"], "NORMAL"),
+            primitive["attributes"].get("COLOR_0"),
+            place.vertex_matrices(*given),
+            place.morph_displacement(*given, "POSITION"),
+            None if normal is None else place.morph_displacement(*given, "NORMAL"),
         )
 
-    def _show(self, block: Block) -> None:
-        local = numbers_of(self._document, self._buffers, block.position)
+    def _show(self, block: VertexBlock) -> None:
+        local = accessor_numbers(self._document, self._buffers, block.position)
         self.blocks.append(block)
-        self.V.append(carried(block.matrix, plus(local, block.shift)))
+        self.V.append(transformed_positions(block.matrix, with_offset(local, block.position_shift)))
         self._count += len(local)
 
 

@@ -7,29 +7,31 @@ import re
 from collections.abc import Sequence
 from typing import TypeAlias
 
-Path: TypeAlias = tuple[str | int, ...]
+JsonPath: TypeAlias = tuple[str | int, ...]
 
 _SPACE = re.compile(r"[ \t\r\n]*")
 _DECODER = json.JSONDecoder()
 
 
-def spans(text: str, paths: Sequence[Path]) -> dict[Path, tuple[int, int]]:
+def value_spans(text: str, paths: Sequence[JsonPath]) -> dict[JsonPath, tuple[int, int]]:
     """Begin and end of the values at ``paths``; missing ones are left out."""
-    found: dict[Path, tuple[int, int]] = {}
+    found: dict[JsonPath, tuple[int, int]] = {}
     _find(text, _skip(text, 0), set(paths), (), found)
     return found
 
 
-def replaced(text: str, changes: Sequence[tuple[Path, str]]) -> str:
+def with_replaced_values(text: str, changes: Sequence[tuple[JsonPath, str]]) -> str:
     """The text with other values at the paths of ``changes``."""
-    found = spans(text, [path for path, _ in changes])
+    found = value_spans(text, [path for path, _ in changes])
     for path, new in sorted(changes, key=lambda change: -found[change[0]][0]):
         begin, end = found[path]
         text = text[:begin] + new + text[end:]
     return text
 
 
-def _find(text: str, at: int, wanted: set[Path], here: Path, found: dict[Path, tuple[int, int]]) -> int:
+def _find(
+    text: str, at: int, wanted: set[JsonPath], here: JsonPath, found: dict[JsonPath, tuple[int, int]]
+) -> int:
     """Search the value at ``at``; return its end."""
     if not any(path[: len(here)] == here for path in wanted):
         return _DECODER.raw_decode(text, at)[1]

@@ -15,25 +15,25 @@ from apd_viewer.language import tr
 _MOST = 1 << 40  # bytes or numbers
 
 
-def one(document: dict[str, Any], what: str, k: object) -> dict[str, Any]:
+def document_entry(document: dict[str, Any], key: str, k: object) -> dict[str, Any]:
     """Element ``k`` of an array of the document; raises ValueError if missing."""
-    things = a_list(document, what)
+    things = list_field(document, key)
     if type(k) is not int or not 0 <= k < len(things) or not isinstance(things[k], dict):
-        raise ValueError(tr("it refers to an entry that is missing from its {what}").format(what=what))
+        raise ValueError(tr("it refers to an entry that is missing from its {what}").format(what=key))
     return things[k]
 
 
-def a_list(told: dict[str, Any], key: str) -> list[Any]:
+def list_field(entry: dict[str, Any], key: str) -> list[Any]:
     """List under a key; raises ValueError if it is none."""
-    found = told.get(key, [])
+    found = entry.get(key, [])
     if not isinstance(found, list):
         raise ValueError(tr("its {key} are not a list").format(key=key))
     return found
 
 
-def whole(told: dict[str, Any], key: str, default: int | None = None) -> int:
+def whole_number(entry: dict[str, Any], key: str, default: int | None = None) -> int:
     """A number of bytes or things; raises ValueError if it is missing or absurd."""
-    number = told.get(key, default)
+    number = entry.get(key, default)
     if isinstance(number, float) and number.is_integer():
         number = int(number)
     if type(number) is not int or not 0 <= number <= _MOST:
@@ -41,22 +41,22 @@ def whole(told: dict[str, Any], key: str, default: int | None = None) -> int:
     return number
 
 
-def parts(document: dict[str, Any], mesh: int) -> list[dict[str, Any]]:
+def mesh_primitives(document: dict[str, Any], mesh: int) -> list[dict[str, Any]]:
     """The primitives of a mesh; all have attributes."""
-    found = a_list(one(document, "meshes", mesh), "primitives")
+    found = list_field(document_entry(document, "meshes", mesh), "primitives")
     if not all(isinstance(part, dict) and isinstance(part.get("attributes"), dict) for part in found):
         raise ValueError(tr("a mesh primitive has no attributes"))
     return found
 
 
-def world_of(document: dict[str, Any]) -> dict[int, np.ndarray]:
+def world_matrices(document: dict[str, Any]) -> dict[int, np.ndarray]:
     """World matrices (4, 4) of all nodes of the scene."""
     return _below(document, _roots(document, document.get("scene", 0)))
 
 
 def has_other_scenes(document: dict[str, Any], world: dict[int, np.ndarray]) -> bool:
     """True if a scene shows a mesh by a node outside of ``world``."""
-    others = (_below(document, _roots(document, k)) for k in range(len(a_list(document, "scenes"))))
+    others = (_below(document, _roots(document, k)) for k in range(len(list_field(document, "scenes"))))
     return any("mesh" in document["nodes"][node] for other in others for node in other if node not in world)
 
 
@@ -66,20 +66,20 @@ def _below(document: dict[str, Any], roots: list[Any]) -> dict[int, np.ndarray]:
     todo = [(root, np.eye(4)) for root in reversed(roots)]
     while todo:
         k, above = todo.pop()
-        node = one(document, "nodes", k)
+        node = document_entry(document, "nodes", k)
         if k in found:
             raise ValueError(tr("its nodes do not form a tree"))
         with np.errstate(all="ignore"):  # absurd positions are refused later
             found[k] = above @ _matrix(node)
-        todo += [(child, found[k]) for child in reversed(a_list(node, "children"))]
+        todo += [(child, found[k]) for child in reversed(list_field(node, "children"))]
     return found
 
 
 def _roots(document: dict[str, Any], scene: object) -> list[Any]:
     if document.get("scenes"):
-        return a_list(one(document, "scenes", scene), "nodes")
-    count = len(a_list(document, "nodes"))
-    below = [a_list(one(document, "nodes", k), "children") for k in range(count)]
+        return list_field(document_entry(document, "scenes", scene), "nodes")
+    count = len(list_field(document, "nodes"))
+    below = [list_field(document_entry(document, "nodes", k), "children") for k in range(count)]
     children = {child for some in below for child in some if isinstance(child, int)}
     return [k for k in range(count) if k not in children]
 
@@ -88,14 +88,14 @@ def _matrix(node: dict[str, Any]) -> np.ndarray:
     """The matrix (4, 4) of a node to the one above."""
     if "matrix" in node:
         return _numbers(node, "matrix", np.eye(4).ravel()).reshape(4, 4).T
-    return matrix_of(
+    return trs_matrix(
         _numbers(node, "translation", [0, 0, 0]),
         _numbers(node, "rotation", [0, 0, 0, 1]),
         _numbers(node, "scale", [1, 1, 1]),
     )
 
 
-def matrix_of(translation: np.ndarray, rotation: np.ndarray, scale: np.ndarray) -> np.ndarray:
+def trs_matrix(translation: np.ndarray, rotation: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """Matrix (4, 4) of a translation (3,), a quaternion (x, y, z, w) and factors (3,)."""
     M = np.eye(4)
     x, y, z, w = rotation
@@ -127,12 +127,12 @@ def _is_sane(number: float) -> bool:
     return -1e100 < number < 1e100 and not math.isnan(number)
 
 
-def carried(matrix: np.ndarray, local: np.ndarray) -> np.ndarray:
+def transformed_positions(matrix: np.ndarray, local: np.ndarray) -> np.ndarray:
     """Positions (n, 3) transformed by one matrix (4, 4), or each by its own (n, 4, 4)."""
     with np.errstate(all="ignore"):  # absurd positions are refused later
-        return applied(matrix[..., :3, :3], local) + matrix[..., :3, 3]
+        return matrix_products(matrix[..., :3, :3], local) + matrix[..., :3, 3]
 
 
-def applied(A: np.ndarray, X: np.ndarray) -> np.ndarray:
+def matrix_products(A: np.ndarray, X: np.ndarray) -> np.ndarray:
     """Products (n, 3) of the rows of ``X`` with one matrix, or one each (n, 3, 3)."""
     return X @ A.T if A.ndim == 2 else np.einsum("nij,nj->ni", A, X)

@@ -44,7 +44,7 @@ _REGIONS = _Refusals(
 )
 
 
-def numbered(kind: str, number: int) -> str:
+def default_name(kind: str, number: int) -> str:
     """Default name of a part by its number."""
     return tr("{kind} {number}").format(kind=kind, number=number)
 
@@ -94,7 +94,7 @@ class Selection:
             object.__setattr__(self, name, frozen(array.copy()) if array.flags.writeable else array)
 
     @classmethod
-    def of(
+    def with_default_names(
         cls,
         labels: np.ndarray,
         member: np.ndarray | None = None,
@@ -107,26 +107,26 @@ class Selection:
         if member is None:
             member = np.zeros(len(labels), dtype=np.uint8)
         count = max(1, _last(labels) - HANDLE + 1)
-        handles = handles or [numbered(tr("Handle"), k + 1) for k in range(count)]
-        regions = regions or [numbered(tr("Region"), k + 1) for k in range(_last(member))]
+        handles = handles or [default_name(tr("Handle"), k + 1) for k in range(count)]
+        regions = regions or [default_name(tr("Region"), k + 1) for k in range(_last(member))]
         areas = areas or [None] * len(regions)
         return cls(labels, member, tuple(handles), tuple(regions), tuple(areas), same_mesh)
 
 
-def labels_of(numbers: np.ndarray, n: int) -> np.ndarray:
+def checked_labels(numbers: np.ndarray, n: int) -> np.ndarray:
     """Labels (n,) uint8 from a file's numbers; raises InputError on bad ones."""
     last = HANDLE + MOST_HANDLES - 1
     otherwise = tr("It has a label other than 0 (base), 1 (free) and 2 to {last} (handles); correct it.")
     return _codes(numbers, n, last, otherwise.format(last=last))
 
 
-def member_of(numbers: np.ndarray, n: int) -> np.ndarray:
+def checked_member(numbers: np.ndarray, n: int) -> np.ndarray:
     """Regions (n,) uint8 from a file's numbers; raises InputError on bad ones."""
     otherwise = tr("It has a region other than 0 (none) and 1 to {last}; correct it.")
     return _codes(numbers, n, MOST_REGIONS, otherwise.format(last=MOST_REGIONS))
 
 
-def check_count(found: int, n: int) -> None:
+def check_vertex_count(found: int, n: int) -> None:
     """Raise InputError unless a file for ``found`` vertices is one for ``n``."""
     if found != n:
         raise InputError(
@@ -140,7 +140,7 @@ def check_count(found: int, n: int) -> None:
 def _codes(numbers: np.ndarray, n: int, last: int, otherwise: str) -> np.ndarray:
     if numbers.ndim != 1 or numbers.dtype.kind not in "iuf":
         raise ValueError(tr("it does not have one number per vertex"))
-    check_count(len(numbers), n)
+    check_vertex_count(len(numbers), n)
     if not np.isin(numbers, np.arange(last + 1)).all():
         raise InputError(otherwise)
     return numbers.astype(np.uint8)

@@ -12,8 +12,8 @@ import re
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.text import numbers
-from apd_viewer.files.selections.selection import Selection, check_count
+from apd_viewer.files.formats.text import parse_numbers
+from apd_viewer.files.selections.selection import Selection, check_vertex_count
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
@@ -23,14 +23,14 @@ _FREE = -1
 _LARGEST = 2.0**31  # more groups than this are an error
 
 
-def dmat_of(labels: np.ndarray) -> bytes:
+def labels_to_dmat(labels: np.ndarray) -> bytes:
     """The file of the labels (n,), as text."""
     groups = np.arange(256) - 1
     groups[FREE], groups[BASE] = _FREE, 0
     return "\n".join([f"1 {len(labels)}", *map(str, groups[labels].tolist()), ""]).encode()
 
 
-def read_dmat(content: bytes, mesh: Mesh) -> Selection:
+def selection_from_dmat(content: bytes, mesh: Mesh) -> Selection:
     """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
     columns, rows, start = _head(content, 0)
     binary = columns == rows == 0 and len(content) > start
@@ -38,14 +38,14 @@ def read_dmat(content: bytes, mesh: Mesh) -> Selection:
         columns, rows, start = _head(content, start)
     if columns != 1:
         raise ValueError(tr("it has {columns:,} columns instead of one").format(columns=columns))
-    check_count(rows, len(mesh.V))
+    check_vertex_count(rows, len(mesh.V))
     if binary:
         groups = np.frombuffer(content[start:], "<f8", (len(content) - start) // 8)
     else:
-        groups = numbers(content[start:].split())
+        groups = parse_numbers(content[start:].split())
     if len(groups) != rows:
         raise ValueError(tr("it has {n:,} numbers, but declares {rows:,}").format(n=len(groups), rows=rows))
-    return Selection.of(_labels(groups))
+    return Selection.with_default_names(_labels(groups))
 
 
 def _head(content: bytes, start: int) -> tuple[int, int, int]:

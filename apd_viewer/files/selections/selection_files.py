@@ -20,28 +20,28 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import Selection
-from apd_viewer.files.selections.selection_dmat import dmat_of, read_dmat
-from apd_viewer.files.selections.selection_json import json_of, read_json
-from apd_viewer.files.selections.selection_npz import npz_of, read_npz
-from apd_viewer.files.selections.selection_ply import ply_of, read_selection_ply
-from apd_viewer.files.selections.survey_formats import read_selection, sel_of
-from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.files.storage.reading import content_of, in_one_line
+from apd_viewer.files.selections.selection_dmat import labels_to_dmat, selection_from_dmat
+from apd_viewer.files.selections.selection_json import selection_from_json, selection_to_json
+from apd_viewer.files.selections.selection_npz import selection_from_npz, selection_to_npz
+from apd_viewer.files.selections.selection_ply import selection_from_ply, selection_to_ply
+from apd_viewer.files.selections.survey_formats import labels_to_sel, read_selection
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.files.storage.regular_files import one_line_message, read_content
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 _READERS: dict[str, Callable[[bytes, Mesh], Selection]] = {
-    ".json": read_json,
-    ".npz": read_npz,
-    ".ply": read_selection_ply,
-    ".dmat": read_dmat,
+    ".json": selection_from_json,
+    ".npz": selection_from_npz,
+    ".ply": selection_from_ply,
+    ".dmat": selection_from_dmat,
 }
 _WRITERS: dict[str, Callable[[Mesh, Selection], bytes]] = {
-    ".json": json_of,
-    ".npz": npz_of,
-    ".ply": ply_of,
-    ".sel": lambda _, selection: sel_of(selection.labels),
-    ".dmat": lambda _, selection: dmat_of(selection.labels),
+    ".json": selection_to_json,
+    ".npz": selection_to_npz,
+    ".ply": selection_to_ply,
+    ".sel": lambda _, selection: labels_to_sel(selection.labels),
+    ".dmat": lambda _, selection: labels_to_dmat(selection.labels),
 }
 SELECTION_FORMATS = tuple(_WRITERS)
 
@@ -61,12 +61,12 @@ def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
     path = Path(path)
     read = _READERS.get(path.suffix.lower())
     if read is None:
-        return Selection.of(read_selection(path, len(mesh.V)))
-    content = content_of(path)
+        return Selection.with_default_names(read_selection(path, len(mesh.V)))
+    content = read_content(path)
     try:
         return read(content, mesh)
     except InputError as error:
-        raise InputError(f"{path.name}: {in_one_line(error)}") from error
+        raise InputError(f"{path.name}: {one_line_message(error)}") from error
     except MemoryError as error:
         raise InputError(
             tr("{name} does not fit into memory; choose another file.").format(name=path.name)
@@ -74,7 +74,7 @@ def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
     except ValueError as error:
         raise InputError(
             tr("{name} is not a valid selection ({reason}); choose another file.").format(
-                name=path.name, reason=in_one_line(error)
+                name=path.name, reason=one_line_message(error)
             )
         ) from error
 
@@ -116,7 +116,7 @@ def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple
             )
         )
     content = write(mesh, selection)
-    with replacing(path) as scratch:
+    with replacing_file(path) as scratch:
         scratch.write_bytes(content)
         there = read_selection_file(scratch, mesh)
         if not np.array_equal(there.labels, selection.labels):
@@ -135,19 +135,19 @@ def _is_file_of(mesh: Mesh, path: Path) -> bool:
         return False
 
 
-def _dropped(selection: Selection, there: Selection) -> tuple[str, ...]:
-    """Contents of the selection missing from ``there``."""
-    renamed, fewer = _lost(selection.handles, there.handles)
+def _dropped(selection: Selection, written: Selection) -> tuple[str, ...]:
+    """Contents of the selection missing from ``written``."""
+    renamed, fewer = _lost(selection.handles, written.handles)
     lost = (tr("handle names"),) * renamed + (tr("empty handles"),) * fewer
-    if not np.array_equal(selection.member, there.member):
+    if not np.array_equal(selection.member, written.member):
         return (*lost, tr("regions"))
-    renamed, fewer = _lost(selection.regions, there.regions)
+    renamed, fewer = _lost(selection.regions, written.regions)
     lost += (tr("region names"),) * renamed + (tr("empty regions"),) * fewer
-    if selection.areas[: len(there.areas)] != there.areas:
+    if selection.areas[: len(written.areas)] != written.areas:
         lost += (tr("region targets"),)
     return lost
 
 
-def _lost(names: tuple[str, ...], there: tuple[str, ...]) -> tuple[bool, bool]:
-    """True if ``there`` has fewer or other names."""
-    return names[: len(there)] != there, len(there) < len(names)
+def _lost(names: tuple[str, ...], written: tuple[str, ...]) -> tuple[bool, bool]:
+    """True if ``written`` has fewer or other names."""
+    return names[: len(written)] != written, len(written) < len(names)

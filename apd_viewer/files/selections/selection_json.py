@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.selections.selection import MOST_REGIONS, Selection, check_count
+from apd_viewer.files.selections.selection import MOST_REGIONS, Selection, check_vertex_count
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
@@ -29,7 +29,7 @@ from apd_viewer.language import tr
 _FORMAT, _VERSION = "apd-selection", 1
 
 
-def json_of(mesh: Mesh, selection: Selection) -> bytes:
+def selection_to_json(mesh: Mesh, selection: Selection) -> bytes:
     """The file of a selection, with a line for each part."""
     labels, member = selection.labels, selection.member
     about = {"vertices": len(mesh.V), "faces": len(mesh.F), "digest": mesh.digest}
@@ -65,7 +65,7 @@ def _runs(chosen: np.ndarray) -> list[int | list[int]]:
     return [a if a == b else [a, b] for a, b in zip(first, last, strict=True)]
 
 
-def read_json(content: bytes, mesh: Mesh) -> Selection:
+def selection_from_json(content: bytes, mesh: Mesh) -> Selection:
     """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
     said = _object(_loaded(content), tr("it"))
     if said.get("format") != _FORMAT:
@@ -78,7 +78,7 @@ def read_json(content: bytes, mesh: Mesh) -> Selection:
     regions = _parts(said, "regions", MOST_REGIONS)
     held = [said.get("base", []), *(part.get("vertices") for part in handles)]
     inside = [part.get("vertices") for part in regions]
-    return Selection.of(
+    return Selection.with_default_names(
         _codes(held, n, FREE, [BASE, *range(HANDLE, HANDLE + len(handles))]),
         _codes(inside, n, 0, list(range(1, 1 + len(regions)))),
         [part.get("name", "") for part in handles],
@@ -123,7 +123,7 @@ def _is_for(about: dict[str, Any], mesh: Mesh) -> bool:
     n, m, digest = about.get("vertices"), about.get("faces"), about.get("digest", mesh.digest)
     if type(n) is not int or type(m) is not int or not isinstance(digest, str):
         raise ValueError(tr("the numbers of vertices and faces of its mesh are missing"))
-    check_count(n, len(mesh.V))
+    check_vertex_count(n, len(mesh.V))
     if m != len(mesh.F):
         raise InputError(
             tr(

@@ -13,7 +13,7 @@ import zipfile
 
 import numpy as np
 
-from apd_viewer.files.selections.selection import Selection, labels_of, member_of
+from apd_viewer.files.selections.selection import Selection, checked_labels, checked_member
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
@@ -21,7 +21,7 @@ _KEYS = ("labels", "member", "handles", "regions", "areas", "digest")
 _MOST_NAMES = 100
 
 
-def npz_of(mesh: Mesh, selection: Selection) -> bytes:
+def selection_to_npz(mesh: Mesh, selection: Selection) -> bytes:
     """The file of a selection."""
     stream = io.BytesIO()
     np.savez_compressed(
@@ -36,17 +36,19 @@ def npz_of(mesh: Mesh, selection: Selection) -> bytes:
     return stream.getvalue()
 
 
-def read_npz(content: bytes, mesh: Mesh) -> Selection:
+def selection_from_npz(content: bytes, mesh: Mesh) -> Selection:
     """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
     n = len(mesh.V)
     arrays = _arrays(content, 32 * n + (1 << 23))
     if "labels" not in arrays:
         raise ValueError(tr("it has no array “labels”"))
-    labels = labels_of(arrays["labels"], n)
-    member = member_of(arrays["member"], n) if "member" in arrays else None
+    labels = checked_labels(arrays["labels"], n)
+    member = checked_member(arrays["member"], n) if "member" in arrays else None
     handles, regions = (_names(arrays, key) for key in ("handles", "regions"))
     digest = arrays.get("digest", np.array(mesh.digest))
-    return Selection.of(labels, member, handles, regions, _areas(arrays), _is(digest, mesh.digest))
+    return Selection.with_default_names(
+        labels, member, handles, regions, _areas(arrays), _is(digest, mesh.digest)
+    )
 
 
 def _arrays(content: bytes, most: int) -> dict[str, np.ndarray]:

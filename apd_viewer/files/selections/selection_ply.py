@@ -11,7 +11,12 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.formats.ply import PlyFile, read_ply
-from apd_viewer.files.selections.selection import Selection, check_count, labels_of, member_of
+from apd_viewer.files.selections.selection import (
+    Selection,
+    check_vertex_count,
+    checked_labels,
+    checked_member,
+)
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
@@ -31,7 +36,7 @@ end_header
 """
 
 
-def ply_of(mesh: Mesh, selection: Selection) -> bytes:
+def selection_to_ply(mesh: Mesh, selection: Selection) -> bytes:
     """The triangles of ``mesh``, with the labels and the regions at its vertices."""
     rows = np.empty(len(mesh.V), dtype=[("V", "<f8", (3,)), (_LABEL, "u1"), (_REGION, "u1")])
     rows["V"], rows[_LABEL], rows[_REGION] = mesh.V, selection.labels, selection.member
@@ -40,7 +45,7 @@ def ply_of(mesh: Mesh, selection: Selection) -> bytes:
     return _HEAD.format(len(rows), len(faces)).encode() + rows.tobytes() + faces.tobytes()
 
 
-def read_selection_ply(content: bytes, mesh: Mesh) -> Selection:
+def selection_from_ply(content: bytes, mesh: Mesh) -> Selection:
     """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
     file = read_ply(content).origin
     if not isinstance(file, PlyFile):
@@ -54,7 +59,7 @@ def read_selection_ply(content: bytes, mesh: Mesh) -> Selection:
             )
         )
     n = len(mesh.V)
-    check_count(file.elements[at].rows, n)
-    labels = labels_of(file.columns(at, (_LABEL,))[:, 0], n)
-    member = member_of(file.columns(at, (_REGION,))[:, 0], n) if _REGION in there else None
-    return Selection.of(labels, member)
+    check_vertex_count(file.elements[at].rows, n)
+    labels = checked_labels(file.columns(at, (_LABEL,))[:, 0], n)
+    member = checked_member(file.columns(at, (_REGION,))[:, 0], n) if _REGION in there else None
+    return Selection.with_default_names(labels, member)

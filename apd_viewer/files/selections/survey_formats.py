@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.reading import content_of
+from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
@@ -46,7 +46,7 @@ def read_selection(path: str | Path, n: int) -> np.ndarray:
     return frozen(labels.astype(np.uint8))
 
 
-def sel_of(labels: np.ndarray) -> bytes:
+def labels_to_sel(labels: np.ndarray) -> bytes:
     """The file of the labels (n,), as :func:`read_selection` reads it."""
     head = [f"# {len(labels)} vertices, one a line in the order of the mesh's file"]
     head += ["# 0 held (base), 1 free, 2 handle, 3 the next handle and so on"]
@@ -99,7 +99,7 @@ def _one_a_vertex(path: Path, n: int, otherwise: str) -> np.ndarray:
 
 
 def _numbers(path: Path, otherwise: str) -> np.ndarray:
-    content = content_of(path)
+    content = read_content(path)
     try:
         lines = content.decode().splitlines()
         words = [word for line in lines for word in line.partition("#")[0].split()]

@@ -13,13 +13,13 @@ from typing import BinaryIO
 
 import numpy as np
 
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr
 
 _KINDS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 # Errors raised by zipfile, depending on the damage.
-BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, OverflowError, OSError)
+ARCHIVE_ERRORS = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, OverflowError, OSError)
 # A member larger than this, and this many times larger than the whole archive, is malicious:
 # neither meshes nor shapes compress so well.
 _LARGE, _TIGHTEST = 1 << 26, 200  # bytes, times
@@ -29,7 +29,7 @@ _HEADER = re.compile(
 )
 
 
-def npy(array: np.ndarray) -> bytes:
+def npy_content(array: np.ndarray) -> bytes:
     """An array as the content of a .npy file, in the same byte order on every machine."""
     stream = io.BytesIO()
     little = array.astype(array.dtype.newbyteorder("<"), order="C", copy=False)
@@ -54,14 +54,14 @@ def write_archive(
         If the file cannot be written.
     """
     kind = zipfile.ZIP_STORED if at_once else zipfile.ZIP_DEFLATED
-    with replacing(path, at_once, finish) as scratch, zipfile.ZipFile(scratch, "w") as archive:
+    with replacing_file(path, at_once, finish) as scratch, zipfile.ZipFile(scratch, "w") as archive:
         for name, content in members.items():
             entry = zipfile.ZipInfo(name)
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, content, kind, compresslevel=1)
 
 
-def most_unpacked(packed: int) -> int:
+def largest_unpacked_size(packed: int) -> int:
     """Bytes that an archive of ``packed`` bytes may hold; more is malicious."""
     return max(_LARGE, _TIGHTEST * packed)
 
@@ -77,13 +77,13 @@ class Archive:
 
     def __init__(self, content: bytes | BinaryIO) -> None:
         stream = io.BytesIO(content) if isinstance(content, bytes) else content
-        self._most = most_unpacked(stream.seek(0, io.SEEK_END))
+        self._most = largest_unpacked_size(stream.seek(0, io.SEEK_END))
         try:
             self._zip = zipfile.ZipFile(stream)
-        except BROKEN:
+        except ARCHIVE_ERRORS:
             raise ValueError(tr("its archive is damaged")) from None
 
-    def has(self, name: str) -> bool:
+    def has_member(self, name: str) -> bool:
         """True if there is a member of this name."""
         return name in self._zip.NameToInfo
 
@@ -102,7 +102,7 @@ class Archive:
                 content = member.read(entry.file_size)
                 if len(content) != entry.file_size:
                     raise EOFError
-        except BROKEN:
+        except ARCHIVE_ERRORS:
             raise ValueError(tr("“{name}” in it is damaged").format(name=name)) from None
         return content
 

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.links import followed, refuse_circle
-from apd_viewer.geometry.signals.late_signals import LATE_SIGNALS
+from apd_viewer.files.storage.links import check_not_circular, resolved_path
+from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ _LONG_AGO = 3600.0  # s
 
 
 @contextmanager
-def replacing(
+def replacing_file(
     path: Path, at_once: bool = False, finish: Callable[[Path], object] = lambda _: None
 ) -> Iterator[Path]:
     """Scratch file, beside ``path`` and moved to it once it is whole.
@@ -46,14 +46,14 @@ def replacing(
     """
     scratch: Path | None = None
     try:
-        refuse_circle(path)
+        check_not_circular(path)
         streams = is_stream(path)
         if not streams:
-            path = followed(path)  # a link stays a link
+            path = resolved_path(path)  # a link stays a link
             _clear_away(path)
         # The suffix is kept: writers choose the format by it.
         suffix, folder = _PART + path.suffix, None if streams else path.parent
-        with LATE_SIGNALS:
+        with DEFERRED_SIGNALS:
             handle, made = tempfile.mkstemp(prefix=_prefix(path), suffix=suffix, dir=folder)
             scratch = Path(made)
         os.close(handle)
@@ -68,13 +68,13 @@ def replacing(
         finish(scratch)
         scratch.replace(path)
     except OSError as error:
-        raise not_written(path, error) from error
+        raise file_write_error(path, error) from error
     finally:
         if scratch is not None:
             scratch.unlink(missing_ok=True)
 
 
-def not_written(path: Path, error: OSError) -> InputError:
+def file_write_error(path: Path, error: OSError) -> InputError:
     """Sentence on a path and the error of writing there."""
     reason = error.strerror or str(error)
     return InputError(

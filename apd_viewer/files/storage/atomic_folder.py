@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.links import followed, refuse_circle
-from apd_viewer.files.storage.lock import Lock, take
-from apd_viewer.geometry.signals.late_signals import LATE_SIGNALS
+from apd_viewer.files.storage.links import check_not_circular, resolved_path
+from apd_viewer.files.storage.lock import FileLock, acquire_lock
+from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ _PREFIX, _PART, _LOCK = ".apd-viewer-", ".part", ".lock"
 
 
 @contextmanager
-def filling(folder: Path) -> Iterator[Path]:
+def filling_folder(folder: Path) -> Iterator[Path]:
     """Scratch folder; its files move to ``folder`` at the end.
 
     Until then ``folder`` stays as it is, or is not there. Files in it that are not written anew are kept.
@@ -37,30 +37,30 @@ def filling(folder: Path) -> Iterator[Path]:
     InputError
         If the operating system refuses; the message says what to do.
     """
-    folder = followed(folder)
+    folder = resolved_path(folder)
     scratch: Path | None = None
-    lock: Lock | None = None
+    lock: FileLock | None = None
     try:
         beside = _nearest(folder)
         _clear_away(beside)
-        with LATE_SIGNALS:
+        with DEFERRED_SIGNALS:
             scratch = beside / f"{_PREFIX}{os.getpid()}-{time.time_ns()}{_PART}"
             lock = _locked(scratch)
             scratch.mkdir(mode=0o700)
         yield scratch
-        with LATE_SIGNALS:
-            place(scratch, folder)
+        with DEFERRED_SIGNALS:
+            move_files(scratch, folder)
     except OSError as error:
-        raise not_written(folder, error) from error
+        raise folder_write_error(folder, error) from error
     finally:
         if scratch is not None:
-            with LATE_SIGNALS:
+            with DEFERRED_SIGNALS:
                 shutil.rmtree(scratch, ignore_errors=True)
                 if lock is not None:
                     lock.remove()
 
 
-def not_written(folder: Path, error: OSError) -> InputError:
+def folder_write_error(folder: Path, error: OSError) -> InputError:
     """Sentence on a folder and the error of writing it."""
     return InputError(
         tr("The folder {folder} cannot be written ({reason}); choose another location.").format(
@@ -74,10 +74,10 @@ def make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise not_written(folder, error) from error
+        raise folder_write_error(folder, error) from error
 
 
-def place(scratch: Path, folder: Path) -> None:
+def move_files(scratch: Path, folder: Path) -> None:
     """Move all files below ``scratch`` to ``folder``; raises OSError."""
     files = sorted(path for path in scratch.rglob("*") if path.is_file())
     for path in files:
@@ -91,17 +91,17 @@ def place(scratch: Path, folder: Path) -> None:
 def _nearest(folder: Path) -> Path:
     """Nearest existing folder at or above the given one."""
     while not folder.exists() and folder != folder.parent:
-        refuse_circle(folder)
+        check_not_circular(folder)
         folder = folder.parent
     if not folder.is_dir():
         raise NotADirectoryError(None, f"{folder.name} is not a folder")
     return folder
 
 
-def _locked(scratch: Path) -> Lock | None:
+def _locked(scratch: Path) -> FileLock | None:
     """The lock beside a scratch folder; None on a disk without locks."""
     with contextlib.suppress(OSError):
-        return take(scratch.with_suffix(_LOCK))
+        return acquire_lock(scratch.with_suffix(_LOCK))
     return None
 
 
@@ -113,7 +113,7 @@ def _clear_away(folder: Path, process: str = "*") -> None:
             lock.remove()
 
 
-def clear_after(process: int, folder: Path) -> None:
+def remove_scratch_of(process: int, folder: Path) -> None:
     """Remove what a process of this number, since killed, was filling in ``folder``."""
     _clear_away(folder, str(process))
 

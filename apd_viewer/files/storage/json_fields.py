@@ -16,26 +16,26 @@ _LARGEST = 1e60
 _LONGEST = 10_000  # characters
 
 
-class Fields:
+class JsonFields:
     """Fields of a JSON object; unknown ones are ignored for later versions.
 
     All methods raise ValueError, with a phrase, where a field is missing or is something else than it should.
 
     Parameters
     ----------
-    said : object
+    value : object
         What JSON made of it.
     name : str
         What to call it in an error.
     """
 
-    def __init__(self, said: object, name: str) -> None:
-        if not isinstance(said, dict):
+    def __init__(self, value: object, name: str) -> None:
+        if not isinstance(value, dict):
             raise _damaged(name)
-        self._said = said
+        self._said = value
 
     @classmethod
-    def of(cls, content: bytes, name: str) -> Fields:
+    def parse(cls, content: bytes, name: str) -> JsonFields:
         """Fields of the object in a text."""
         try:
             return cls(json.loads(content.decode(), parse_constant=_refused), name)
@@ -43,21 +43,21 @@ class Fields:
             raise _damaged(name) from None
 
     @property
-    def whole(self) -> dict[str, Any]:
+    def raw(self) -> dict[str, Any]:
         """The object as it was read, to be written again."""
         return self._said
 
-    def says(self, key: str) -> bool:
+    def has_value(self, key: str) -> bool:
         """True if the field ``key`` is present and not empty."""
         return self._said.get(key) is not None
 
-    def part(self, key: str) -> Fields:
+    def nested_fields(self, key: str) -> JsonFields:
         """The object in a field."""
-        return Fields(self._said.get(key), key)
+        return JsonFields(self._said.get(key), key)
 
-    def parts(self, key: str, most: int) -> list[Fields]:
+    def nested_list(self, key: str, most: int) -> list[JsonFields]:
         """The objects of a list of at most so many."""
-        return [Fields(each, key) for each in self._list(key, most)]
+        return [JsonFields(each, key) for each in self._list(key, most)]
 
     def texts(self, key: str, most: int) -> list[str]:
         """The texts of a list of at most so many."""
@@ -96,9 +96,9 @@ class Fields:
             raise _damaged(key)
         return np.array(said, dtype=np.float64)
 
-    def stack(self, key: str, most: int, *shape: int) -> list[np.ndarray]:
+    def grids(self, key: str, most: int, *shape: int) -> list[np.ndarray]:
         """Grids of numbers, at most so many; none where the field is missing."""
-        if not self.says(key):
+        if not self.has_value(key):
             return []
         grids = self._list(key, most)
         if not all(_is_grid(each, shape) for each in grids):
@@ -111,17 +111,17 @@ class Fields:
             raise _damaged(key)
         return said
 
-    def _counted(self, key: str, said: object) -> int:
-        number = self._checked(key, said, int)
+    def _counted(self, key: str, value: object) -> int:
+        number = self._checked(key, value, int)
         if isinstance(number, bool) or not 0 <= number < 2**53:
             raise _damaged(key)
         return number
 
     @staticmethod
-    def _checked(key: str, said: object, kind: type[T]) -> T:
-        if not isinstance(said, kind):
+    def _checked(key: str, value: object, kind: type[T]) -> T:
+        if not isinstance(value, kind):
             raise _damaged(key)
-        return said
+        return value
 
 
 def _damaged(name: str) -> ValueError:
@@ -133,8 +133,8 @@ def _refused(word: str) -> object:
     raise ValueError(tr("{word} is not a number").format(word=word))
 
 
-def _is_grid(said: object, shape: tuple[int, ...]) -> bool:
+def _is_grid(value: object, shape: tuple[int, ...]) -> bool:
     if shape:
-        fits = isinstance(said, list) and len(said) == shape[0]
-        return fits and all(_is_grid(each, shape[1:]) for each in said)  # type: ignore[attr-defined]
-    return isinstance(said, int | float) and not isinstance(said, bool) and -_LARGEST <= said <= _LARGEST
+        fits = isinstance(value, list) and len(value) == shape[0]
+        return fits and all(_is_grid(each, shape[1:]) for each in value)  # type: ignore[attr-defined]
+    return isinstance(value, int | float) and not isinstance(value, bool) and -_LARGEST <= value <= _LARGEST

@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 
-def followed(path: Path) -> Path:
+def resolved_path(path: Path) -> Path:
     """Absolute path behind all links; one in a circle stays as it is.
 
     ``Path.resolve`` raises RuntimeError there, before Python 3.13.
@@ -15,12 +15,12 @@ def followed(path: Path) -> Path:
     return Path(os.path.realpath(path))
 
 
-def leads_in_a_circle(path: Path) -> bool:
+def is_circular_link(path: Path) -> bool:
     """True for a link to itself, also by way of others."""
     return os.path.islink(os.path.realpath(path))  # noqa: PTH114, Path raises on names that are too long
 
 
-def refuse_circle(path: Path) -> None:
+def check_not_circular(path: Path) -> None:
     """Raise OSError for a link to itself: a file or folder would replace it."""
-    if leads_in_a_circle(path):
+    if is_circular_link(path):
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))

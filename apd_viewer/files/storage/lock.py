@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import IO
 
-from apd_viewer.files.storage.reading import check_regular
+from apd_viewer.files.storage.regular_files import check_regular
 
 if sys.platform == "win32":
     import msvcrt
@@ -19,8 +19,8 @@ else:
 _TAKEN = {errno.EACCES, errno.EAGAIN, errno.EDEADLK}
 
 
-class Lock:
-    """A lock held; see :func:`take`.
+class FileLock:
+    """A lock held; see :func:`acquire_lock`.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Lock:
         self._stream = stream
 
     @property
-    def stands(self) -> bool:
+    def is_in_place(self) -> bool:
         """True if its file is still in place."""
         with contextlib.suppress(FileNotFoundError):
             return os.path.samestat(os.fstat(self._stream.fileno()), self.path.stat())
@@ -51,7 +51,7 @@ class Lock:
         self._stream.close()
 
 
-def take(path: Path) -> Lock | None:
+def acquire_lock(path: Path) -> FileLock | None:
     """Lock the file at ``path``, created if missing; None if already locked.
 
     Raises
@@ -69,8 +69,8 @@ def take(path: Path) -> Lock | None:
         if error.errno not in _TAKEN:
             raise
         return None
-    lock = Lock(path, stream)
-    if lock.stands:
+    lock = FileLock(path, stream)
+    if lock.is_in_place:
         return lock
     lock.release()  # the previous holder has removed it
     return None

@@ -16,13 +16,13 @@ _SOLID = (10, 11, 12, 13, 14, 15, 16, 41, 42)
 _CORNERS = {TRIANGLE: 3, PIXEL: 4, QUAD: 4}
 
 
-def positions(values: np.ndarray) -> np.ndarray:
+def point_positions(values: np.ndarray) -> np.ndarray:
     """Positions (n, 3) of their coordinates (3 n,) in any type of a file."""
     with np.errstate(invalid="ignore"):  # signalling NaN; refused later
         return values.astype(np.float64).reshape(-1, 3)
 
 
-def cells_of(corner: np.ndarray, start: np.ndarray, points: int) -> Polygons:
+def cells_to_polygons(corner: np.ndarray, start: np.ndarray, points: int) -> Polygons:
     """Cells between the places ``start`` (p + 1,) of ``corner`` (c,), checked.
 
     Raises
@@ -40,7 +40,7 @@ def cells_of(corner: np.ndarray, start: np.ndarray, points: int) -> Polygons:
     return Polygons(corner, start)
 
 
-def check_types(types: np.ndarray) -> None:
+def check_cell_types(types: np.ndarray) -> None:
     """Raise InputError on cells other than flat faces."""
     if np.isin(types, _SOLID).any():
         raise InputError(
@@ -52,14 +52,14 @@ def check_types(types: np.ndarray) -> None:
         )
 
 
-def faces_of(cells: Polygons, types: np.ndarray) -> Polygons:
+def cell_faces(cells: Polygons, types: np.ndarray) -> Polygons:
     """Faces of cells of these types (p,), strips as triangles, in their order.
 
     Raises InputError on cells that are no flat faces, ValueError on impossible ones.
     """
     if len(types) != len(cells.start) - 1:
         raise ValueError(tr("the number of its cells differs from that of their types"))
-    check_types(types)
+    check_cell_types(types)
     sizes = np.diff(cells.start)
     for kind, corners in _CORNERS.items():
         if (sizes[types == kind] != corners).any():

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.files.formats.text import shown
+from apd_viewer.files.formats.text import excerpt
 from apd_viewer.files.vtk.text_values import text_values
 from apd_viewer.language import tr
 
@@ -24,7 +24,7 @@ _TYPES = {
 }  # fmt: skip
 
 
-class Numbers(NamedTuple):
+class LegacyArray(NamedTuple):
     """Values (k,) of an array, and its place in the file.
 
     Attributes
@@ -49,97 +49,97 @@ class LegacyReader:
     content : bytes
     start : int
         Where to begin.
-    binary : bool
+    is_binary : bool
     """
 
-    def __init__(self, content: bytes, start: int, binary: bool) -> None:
+    def __init__(self, content: bytes, start: int, is_binary: bool) -> None:
         self.content = content
-        self.place = start
-        self._binary = binary
+        self.position = start
+        self._binary = is_binary
 
-    def peek(self) -> str:
+    def peek_word(self) -> str:
         """The next word in capitals; empty at the end."""
-        found = _WORD.match(self.content, self.place)
+        found = _WORD.match(self.content, self.position)
         return "" if found is None else found[1][:40].decode("ascii", "replace").upper()
 
-    def word(self) -> bytes:
+    def read_word(self) -> bytes:
         """The next word."""
-        found = _WORD.match(self.content, self.place)
+        found = _WORD.match(self.content, self.position)
         if found is None:
             raise ValueError(tr("it ends early"))
-        self.place = found.end()
+        self.position = found.end()
         return found[1]
 
-    def count(self) -> int:
+    def read_count(self) -> int:
         """The next word, a whole number from 0."""
-        word = self.word()
+        word = self.read_word()
         if not re.fullmatch(rb"\d{1,18}", word):
-            raise ValueError(tr("{text} is not a whole number").format(text=shown(word)))
+            raise ValueError(tr("{text} is not a whole number").format(text=excerpt(word)))
         return int(word)
 
-    def array(self, count: int, kind: bytes) -> Numbers:
+    def read_array(self, count: int, kind: bytes) -> LegacyArray:
         """The next numbers of a type."""
         name = _TYPES.get(kind.decode("ascii", "replace").lower())
         if name is None:
-            raise ValueError(tr("{text} is not a type of numbers").format(text=shown(kind)))
+            raise ValueError(tr("{text} is not a type of numbers").format(text=excerpt(kind)))
         return self._bytes(count, np.dtype(">" + name)) if self._binary else self._text(count, name)
 
-    def skip(self, count: int, kind: bytes) -> None:
+    def skip_values(self, count: int, kind: bytes) -> None:
         """Pass over the next values of a type, which may be texts or bits."""
         name = kind.lower()
         if name == b"string":
-            self.place = self._behind_line()
+            self.position = self._behind_line()
             for _ in range(count):
                 self._skip_text()
         elif name == b"bit":
-            self.array(*((-(-count // 8), b"unsigned_char") if self._binary else (count, b"int")))
+            self.read_array(*((-(-count // 8), b"unsigned_char") if self._binary else (count, b"int")))
         else:
-            self.array(count, kind)
+            self.read_array(count, kind)
 
     def _skip_text(self) -> None:
         """Pass over a line, or over bytes behind their number."""
-        if self.place >= len(self.content):
+        if self.position >= len(self.content):
             raise ValueError(tr("it ends early"))
         if not self._binary:
-            self.place = self.content.find(b"\n", self.place) + 1 or len(self.content)
+            self.position = self.content.find(b"\n", self.position) + 1 or len(self.content)
             return
-        size = 8 >> (self.content[self.place] >> 6)  # of the number, by its first two bits
-        number = int.from_bytes(self.content[self.place : self.place + size], "big")
-        self.place += size + number % (1 << 8 * size - 2)
+        size = 8 >> (self.content[self.position] >> 6)  # of the number, by its first two bits
+        number = int.from_bytes(self.content[self.position : self.position + size], "big")
+        self.position += size + number % (1 << 8 * size - 2)
 
     def _behind_line(self) -> int:
         """Place behind the rest of a line without words."""
-        space = _SPACE.match(self.content, self.place)
+        space = _SPACE.match(self.content, self.position)
         assert space is not None  # it matches nothing, too
         return space.end()
 
-    def _bytes(self, count: int, dtype: np.dtype) -> Numbers:
+    def _bytes(self, count: int, dtype: np.dtype) -> LegacyArray:
         start = self._behind_line()
         end = start + count * dtype.itemsize
         if end > len(self.content):
             raise ValueError(tr("it ends early"))
-        self.place = end
-        return Numbers(np.frombuffer(self.content, dtype, count, start), start, end, False)
+        self.position = end
+        return LegacyArray(np.frombuffer(self.content, dtype, count, start), start, end, False)
 
-    def _text(self, count: int, name: str) -> Numbers:
-        if 2 * count > len(self.content) - self.place + 1:
+    def _text(self, count: int, name: str) -> LegacyArray:
+        if 2 * count > len(self.content) - self.position + 1:
             raise ValueError(tr("it ends early"))
-        start = self.place
+        start = self.position
         if count:
             last = next(islice(_WORDS.finditer(self.content, start), count - 1, None), None)
             if last is None:
                 raise ValueError(tr("it ends early"))
-            self.place = last.end()
-        values = text_values(self.content[start : self.place], name)
-        return Numbers(values, start, self.place, True)
+            self.position = last.end()
+        values = text_values(self.content[start : self.position], name)
+        return LegacyArray(values, start, self.position, True)
 
     def skip_metadata(self) -> tuple[int, int]:
         """Pass over what is said of an array; where that is."""
-        if self.peek() != "METADATA":
-            return self.place, self.place
-        start = self.place
-        self.word()
-        found = _METADATA_END.search(self.content, self.place)
+        if self.peek_word() != "METADATA":
+            return self.position, self.position
+        start = self.position
+        self.read_word()
+        found = _METADATA_END.search(self.content, self.position)
         assert found is not None  # the end of the file matches
-        self.place = found.end()
-        return start, self.place
+        self.position = found.end()
+        return start, self.position

@@ -8,7 +8,7 @@ _LEAST_MATCH = 4
 _LONG, _FULL = 15, 255  # of a length: more bytes follow
 
 
-def unpacked(data: bytes, most: int) -> bytes:
+def decompressed_block(data: bytes, most: int) -> bytes:
     """Content of a block, at most so many bytes; raises ValueError if damaged."""
     found, place = bytearray(), 0
     try:
@@ -27,7 +27,7 @@ def unpacked(data: bytes, most: int) -> bytes:
     return bytes(found[:most])
 
 
-def packed(data: bytes) -> bytes:
+def compressed_block(data: bytes) -> bytes:
     """A block with the content as it is: valid, and 0.4 % longer."""
     size = len(data)
     if size < _LONG:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from apd_viewer.files.formats.text import shown
+from apd_viewer.files.formats.text import excerpt
 from apd_viewer.language import tr
 
 
@@ -17,7 +17,7 @@ class Splice(NamedTuple):
     new: bytes | int
 
 
-def spliced(content: bytes, splices: Iterable[Splice]) -> bytes:
+def spliced_content(content: bytes, splices: Iterable[Splice]) -> bytes:
     """Content with all splices; raises ValueError where two overlap.
 
     What is added to one number is summed.
@@ -32,7 +32,7 @@ def spliced(content: bytes, splices: Iterable[Splice]) -> bytes:
     for span, by in sums.items():
         number = content[slice(*span)].strip()
         if not number.isdigit():
-            raise ValueError(tr("{text} is not a whole number").format(text=shown(number)))
+            raise ValueError(tr("{text} is not a whole number").format(text=excerpt(number)))
         news[span] = b"%d" % (int(number) + by)
     pieces, last = [], 0
     for (start, end), new in sorted(news.items()):

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from apd_viewer.files.formats.text import Edits, numbers
+from apd_viewer.files.formats.text import TextEdits, parse_numbers
 from apd_viewer.language import tr
 
 _WORD = re.compile(rb"\S+")
@@ -20,7 +20,7 @@ def text_values(text: bytes, kind: str) -> np.ndarray:
     ValueError
         If a word is no number, or none of its type.
     """
-    found = numbers(text.split())
+    found = parse_numbers(text.split())
     if kind[0] == "f":
         return found
     if not (np.abs(found) < 2.0**53).all() or (found != np.floor(found)).any():
@@ -28,8 +28,8 @@ def text_values(text: bytes, kind: str) -> np.ndarray:
     return found.astype(np.int64)
 
 
-def with_values(text: bytes, old: np.ndarray, new: np.ndarray) -> bytes:
+def with_replaced_values(text: bytes, old: np.ndarray, new: np.ndarray) -> bytes:
     """Text with the ``new`` values (k,) where they differ from its ``old`` ones."""
-    edits = Edits(text)
-    edits.numbers([word.span() for word in _WORD.finditer(text)], old, new)
-    return edits.done()
+    edits = TextEdits(text)
+    edits.replace_numbers([word.span() for word in _WORD.finditer(text)], old, new)
+    return edits.edited_content()

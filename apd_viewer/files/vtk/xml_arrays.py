@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.files.storage.archive import most_unpacked
+from apd_viewer.files.storage.archive import largest_unpacked_size
 from apd_viewer.files.vtk import lz4_block
-from apd_viewer.files.vtk.text_values import text_values, with_values
-from apd_viewer.files.vtk.xml_elements import XmlElement, elements_of
+from apd_viewer.files.vtk.text_values import text_values, with_replaced_values
+from apd_viewer.files.vtk.xml_elements import XmlElement, parse_elements
 from apd_viewer.language import tr
 
 _TYPES = {
@@ -35,7 +35,7 @@ class _Codec(NamedTuple):
 
 
 _CODECS = {
-    "vtkLZ4DataCompressor": _Codec(lz4_block.packed, lz4_block.unpacked),
+    "vtkLZ4DataCompressor": _Codec(lz4_block.compressed_block, lz4_block.decompressed_block),
     "vtkZLibDataCompressor": _Codec(
         zlib.compress, lambda data, most: zlib.decompressobj().decompress(data, most)
     ),
@@ -70,7 +70,7 @@ class _Coded:
         return base64.b64encode(data) if self.in_base64 else data
 
 
-class Stored(NamedTuple):
+class XmlArray(NamedTuple):
     """Values (k,) of an array, in the type of the file, and their place there.
 
     Attributes
@@ -81,7 +81,7 @@ class Stored(NamedTuple):
         Of all that is written anew if a value changes.
     header : dtype or None
         Of the sizes before the values; None for a text.
-    apart : bool
+    has_separate_header : bool
         Whether these are written in base64 of their own.
     block : int
         Bytes that are packed together; 0 if they are not.
@@ -91,7 +91,7 @@ class Stored(NamedTuple):
     start: int
     end: int
     header: np.dtype | None = None
-    apart: bool = False
+    has_separate_header: bool = False
     block: int = 0
 
 
@@ -110,20 +110,20 @@ class XmlArrays:
 
     def __init__(self, content: bytes) -> None:
         self.content = content
-        self.root, self.appended = elements_of(content)
+        self.root, self.appended = parse_elements(content)
         if self.root.name != "VTKFile":
             raise ValueError(tr("it is not a VTK file"))
         said = self.root.attributes
         self._order = ">" if said.get("byte_order") == "BigEndian" else "<"
         self._header = np.dtype(self._order + ("u8" if said.get("header_type") == "UInt64" else "u4"))
         self._compressor = said.get("compressor", "")
-        data = self.root.first("AppendedData")
+        data = self.root.first_child("AppendedData")
         self._is_raw = data is not None and data.attributes.get("encoding") == "raw"
         # A file may name one array a thousand times; what it makes is bounded all together.
-        self._most = most_unpacked(len(content))
+        self._most = largest_unpacked_size(len(content))
         self._left = 2 * len(content)
 
-    def read(self, element: XmlElement) -> Stored:
+    def read(self, element: XmlElement) -> XmlArray:
         """Values of a DataArray; raises ValueError if it is damaged."""
         stored = self._stored(element)
         self._left -= stored.end - stored.start
@@ -131,29 +131,29 @@ class XmlArrays:
             raise ValueError(tr("two of its arrays are at one place"))
         return stored
 
-    def _stored(self, element: XmlElement) -> Stored:
+    def _stored(self, element: XmlElement) -> XmlArray:
         kind = _TYPES.get(element.attributes.get("type", ""))
         if kind is None:
             raise ValueError(tr("one of its arrays is of an unknown type"))
         form = element.attributes.get("format", "ascii")
         start, end = element.text_span(self.content)
         if form == "ascii":
-            return Stored(text_values(self.content[start:end], kind), start, end)
+            return XmlArray(text_values(self.content[start:end], kind), start, end)
         if form == "appended":
             if self.appended is None:
                 raise ValueError(tr("its appended data is missing"))
-            return self._unpacked(self.appended + element.count("offset"), kind, not self._is_raw)
+            return self._unpacked(self.appended + element.int_attribute("offset"), kind, not self._is_raw)
         text = self.content[start:end]
         if not text.strip():
-            return Stored(np.empty(0, dtype=kind), start, start)
+            return XmlArray(np.empty(0, dtype=kind), start, start)
         return self._unpacked(start + len(text) - len(text.lstrip()), kind, True)
 
-    def _unpacked(self, start: int, kind: str, in_base64: bool) -> Stored:
+    def _unpacked(self, start: int, kind: str, in_base64: bool) -> XmlArray:
         coded = _Coded(self.content, in_base64)
         head, behind = coded.taken(start, self._header.itemsize)
         if self._compressor:
             data, end, block = self._blocks(coded, start, self._number(head))
-            return Stored(self._typed(data, kind), start, end, self._header, True, block)
+            return XmlArray(self._typed(data, kind), start, end, self._header, True, block)
         size = self._number(head)
         apart = in_base64 and self._header.itemsize % 3 != 0 and self.content[behind - 1 : behind] == b"="
         if apart:
@@ -161,7 +161,7 @@ class XmlArrays:
         else:
             data, end = coded.taken(start, len(head) + size)
             data = data[len(head) :]
-        return Stored(self._typed(data, kind), start, end, self._header, apart)
+        return XmlArray(self._typed(data, kind), start, end, self._header, apart)
 
     def _blocks(self, coded: _Coded, start: int, count: int) -> tuple[bytes, int, int]:
         """Unpacked bytes, the place behind them, and the bytes of a block."""
@@ -191,25 +191,27 @@ class XmlArrays:
             raise ValueError(_ENDS)
         return np.frombuffer(data, dtype)
 
-    def rewritten(self, element: XmlElement, stored: Stored, values: np.ndarray) -> bytes:
+    def rewritten(self, element: XmlElement, stored: XmlArray, values: np.ndarray) -> bytes:
         """Content between ``stored.start`` and ``stored.end`` with other values (k,)."""
         if stored.header is None:
-            return with_values(self.content[stored.start : stored.end], stored.values, values)
-        new = replaced(stored.values, values)
+            return with_replaced_values(self.content[stored.start : stored.end], stored.values, values)
+        new = retyped_array(stored.values, values)
         coded = _Coded(b"", element.attributes.get("format") != "appended" or not self._is_raw)
         return self._packed(coded, stored, new.tobytes())
 
-    def _packed(self, coded: _Coded, stored: Stored, data: bytes) -> bytes:
+    def _packed(self, coded: _Coded, stored: XmlArray, data: bytes) -> bytes:
         if not stored.block:
             head = np.array([len(data)], self._header).tobytes()
-            return coded.said(head) + coded.said(data) if stored.apart else coded.said(head + data)
+            return (
+                coded.said(head) + coded.said(data) if stored.has_separate_header else coded.said(head + data)
+            )
         codec, size = _CODECS[self._compressor], stored.block
         blocks = [codec.pack(data[k : k + size]) for k in range(0, len(data), size)]
         head = np.array([len(blocks), size, len(data) % size, *map(len, blocks)], self._header).tobytes()
         return coded.said(head) + coded.said(b"".join(blocks))
 
 
-def replaced(old: np.ndarray, values: np.ndarray) -> np.ndarray:
+def retyped_array(old: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Array in the type of ``old`` (k,) with other ``values`` where they differ."""
     changed, new = values != old, old.copy()
     with np.errstate(all="ignore"):  # what does not fit is noticed as the file is read again

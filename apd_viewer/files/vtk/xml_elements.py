@@ -42,11 +42,11 @@ class XmlElement:
     after: int = 0
     children: list[XmlElement] = field(default_factory=list)
 
-    def each(self, *names: str) -> list[XmlElement]:
+    def children_named(self, *names: str) -> list[XmlElement]:
         """Children with one of the names."""
         return [child for child in self.children if child.name in names]
 
-    def first(self, name: str) -> XmlElement | None:
+    def first_child(self, name: str) -> XmlElement | None:
         """First child of a name."""
         return next((child for child in self.children if child.name == name), None)
 
@@ -65,7 +65,7 @@ class XmlElement:
                 return start, end
         return self.inside, self.inside
 
-    def count(self, name: str) -> int:
+    def int_attribute(self, name: str) -> int:
         """Whole number of an attribute, 0 if there is none."""
         try:
             return max(0, int(self.attributes.get(name, "0")))
@@ -84,7 +84,7 @@ class XmlElement:
         return self.begin + start, self.begin + end
 
 
-def elements_of(content: bytes) -> tuple[XmlElement, int | None]:
+def parse_elements(content: bytes) -> tuple[XmlElement, int | None]:
     """Outermost element of an XML file, and the start of its appended data.
 
     Raises

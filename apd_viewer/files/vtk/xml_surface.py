@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.parsed import Parsed
-from apd_viewer.files.formats.polygons import Polygons, joined
-from apd_viewer.files.vtk.cells import POLYGON, STRIP, cells_of, faces_of, positions
-from apd_viewer.files.vtk.splices import Splice, spliced
-from apd_viewer.files.vtk.xml_arrays import Stored, XmlArrays
+from apd_viewer.files.formats.parsed_mesh import ParsedMesh
+from apd_viewer.files.formats.polygons import Polygons, concatenated
+from apd_viewer.files.vtk.cells import POLYGON, STRIP, cell_faces, cells_to_polygons, point_positions
+from apd_viewer.files.vtk.splices import Splice, spliced_content
+from apd_viewer.files.vtk.xml_arrays import XmlArray, XmlArrays
 from apd_viewer.files.vtk.xml_elements import XmlElement
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -29,7 +29,7 @@ class _Points(NamedTuple):
     """Points of a piece: their element and values, and the first of them in the mesh."""
 
     element: XmlElement
-    stored: Stored
+    stored: XmlArray
     first: int
 
 
@@ -46,7 +46,7 @@ class VtkXmlFile:
         """Contents besides positions and triangles, in words."""
         found: dict[str, list[str]] = {}
         for element in self.arrays.root.walk():
-            for array in element.each(*_ARRAYS) if element.name in _DATA else ():
+            for array in element.children_named(*_ARRAYS) if element.name in _DATA else ():
                 names = found.setdefault(element.name, [])
                 names += [name for name in [array.attributes.get("Name", "")] if name not in names]
         return tuple(f"{_DATA[kind]} ({', '.join(names)[:_LONGEST]})" for kind, names in found.items())
@@ -70,7 +70,7 @@ class VtkXmlFile:
             If the places of other arrays, which have to be moved, cannot be understood.
         """
         try:
-            return spliced(self.arrays.content, self._splices(mesh.V, U))
+            return spliced_content(self.arrays.content, self._splices(mesh.V, U))
         except ValueError as error:
             sentence = tr("The file that was opened is damaged ({reason}); choose another format.")
             raise InputError(sentence.format(reason=error)) from error
@@ -84,23 +84,25 @@ class VtkXmlFile:
             yield Splice(stored.start, stored.end, new)
             yield from _ranges(self.arrays.content, element, U[there])
             if element.attributes.get("format") == "appended":
-                yield from self._shifted(element.count("offset"), len(new) - (stored.end - stored.start))
+                yield from self._shifted(
+                    element.int_attribute("offset"), len(new) - (stored.end - stored.start)
+                )
 
     def _shifted(self, offset: int, by: int) -> Iterator[Splice]:
         """Offsets of the arrays behind a longer one."""
         for element in self.arrays.root.walk() if by else ():
-            if element.attributes.get("format") == "appended" and element.count("offset") > offset:
+            if element.attributes.get("format") == "appended" and element.int_attribute("offset") > offset:
                 span = element.attribute_span(self.arrays.content, "offset")
                 if span is not None:
                     yield Splice(*span, by)
 
 
-def read_vtp(content: bytes) -> Parsed:
+def read_vtp(content: bytes) -> ParsedMesh:
     """Positions (n, 3) and triangles (m, 3) of a PolyData file; raises ValueError."""
     return _read(content, ".vtp")
 
 
-def read_vtu(content: bytes) -> Parsed:
+def read_vtu(content: bytes) -> ParsedMesh:
     """Positions (n, 3) and triangles (m, 3) of a flat UnstructuredGrid file.
 
     Raises ValueError where it cannot be understood, InputError on volume cells.
@@ -108,13 +110,13 @@ def read_vtu(content: bytes) -> Parsed:
     return _read(content, ".vtu")
 
 
-def _read(content: bytes, suffix: str) -> Parsed:
+def _read(content: bytes, suffix: str) -> ParsedMesh:
     arrays = XmlArrays(content)
     kind = arrays.root.attributes.get("type", "")
     if kind != _KINDS[suffix]:
         raise InputError(_about_kind(kind))
-    grid = arrays.root.first(kind)
-    pieces = grid.each("Piece") if grid is not None else []
+    grid = arrays.root.first_child(kind)
+    pieces = grid.children_named("Piece") if grid is not None else []
     points, faces, count = [], [], 0
     for piece in pieces:
         element, stored = _points_of(arrays, piece)
@@ -125,9 +127,9 @@ def _read(content: bytes, suffix: str) -> Parsed:
         points.append(_Points(element, stored, count))
         faces.append(Polygons(polygons.corner + count, polygons.start))
         count += n
-    V = [positions(each.stored.values) for each in points]
+    V = [point_positions(each.stored.values) for each in points]
     X = np.vstack([np.empty((0, 3)), *V])
-    return Parsed(X, joined(faces).triangles(X), VtkXmlFile(arrays, tuple(points), suffix))
+    return ParsedMesh(X, concatenated(faces).triangles(X), VtkXmlFile(arrays, tuple(points), suffix))
 
 
 def _about_kind(kind: str) -> str:
@@ -140,12 +142,12 @@ def _about_kind(kind: str) -> str:
     return tr("The file holds no surface of its own; save the surface as one .vtp file.")
 
 
-def _points_of(arrays: XmlArrays, piece: XmlElement) -> tuple[XmlElement | None, Stored]:
+def _points_of(arrays: XmlArrays, piece: XmlElement) -> tuple[XmlElement | None, XmlArray]:
     """XmlElement and values of the points; None where a piece has none."""
-    n, points = piece.count("NumberOfPoints"), piece.first("Points")
-    found = points.each("DataArray") if points is not None else []
+    n, points = piece.int_attribute("NumberOfPoints"), piece.first_child("Points")
+    found = points.children_named("DataArray") if points is not None else []
     if not found or not n:
-        return None, Stored(np.empty(0), 0, 0)
+        return None, XmlArray(np.empty(0), 0, 0)
     if len(found) > 1:
         raise ValueError(tr("it holds several time steps; save one of them"))
     stored = arrays.read(found[0])
@@ -155,7 +157,7 @@ def _points_of(arrays: XmlArrays, piece: XmlElement) -> tuple[XmlElement | None,
 
 
 def _array(arrays: XmlArrays, group: XmlElement, name: str) -> np.ndarray:
-    for element in group.each("DataArray"):
+    for element in group.children_named("DataArray"):
         if element.attributes.get("Name") == name:
             return arrays.read(element).values
     raise ValueError(tr("its cells have no {name}").format(name=name))
@@ -164,26 +166,26 @@ def _array(arrays: XmlArrays, group: XmlElement, name: str) -> np.ndarray:
 def _group(arrays: XmlArrays, group: XmlElement, points: int) -> Polygons:
     offsets = _array(arrays, group, "offsets")
     start = np.concatenate([np.zeros(1, dtype=offsets.dtype), offsets])
-    return cells_of(_array(arrays, group, "connectivity"), start, points)
+    return cells_to_polygons(_array(arrays, group, "connectivity"), start, points)
 
 
 def _polys(arrays: XmlArrays, piece: XmlElement, points: int) -> Polygons:
     """Polygons, then the triangles of strips."""
     found = []
     for name, kind in (("Polys", POLYGON), ("Strips", STRIP)):
-        group = piece.first(name)
-        if group is not None and piece.count(f"NumberOf{name}"):
+        group = piece.first_child(name)
+        if group is not None and piece.int_attribute(f"NumberOf{name}"):
             cells = _group(arrays, group, points)
-            found.append(faces_of(cells, np.full(len(cells.start) - 1, kind)))
-    return joined(found)
+            found.append(cell_faces(cells, np.full(len(cells.start) - 1, kind)))
+    return concatenated(found)
 
 
 def _cells(arrays: XmlArrays, piece: XmlElement, points: int) -> Polygons:
-    group = piece.first("Cells")
-    if group is None or not piece.count("NumberOfCells"):
-        return joined([])
+    group = piece.first_child("Cells")
+    if group is None or not piece.int_attribute("NumberOfCells"):
+        return concatenated([])
     types = _array(arrays, group, "types")
-    return faces_of(_group(arrays, group, points), types)
+    return cell_faces(_group(arrays, group, points), types)
 
 
 def _ranges(content: bytes, element: XmlElement, U: np.ndarray) -> Iterator[Splice]:
@@ -194,10 +196,10 @@ def _ranges(content: bytes, element: XmlElement, U: np.ndarray) -> Iterator[Spli
         span = element.attribute_span(content, name)
         if span is not None and content[slice(*span)].strip():
             yield Splice(*span, said)
-    for key in element.each("InformationKey"):
+    for key in element.children_named("InformationKey"):
         if not key.attributes.get("name", "").startswith("L2_NORM_"):
             continue
-        for value in key.each("Value"):
+        for value in key.children_named("Value"):
             found = re.search(rb"\S+", content[value.inside : value.end])
             if found is not None and value.attributes.get("index") in ("0", "1"):
                 start, end = (value.inside + place for place in found.span())

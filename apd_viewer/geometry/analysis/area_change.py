@@ -16,7 +16,7 @@ from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
-from apd_viewer.geometry.mesh.measures import SLIVER
+from apd_viewer.geometry.mesh.weighted_areas import SLIVER
 
 # Bins per octave of c; the octaves reach from 2^_LOWEST, mere rounding, to 2^_HIGHEST.
 _STEPS = 64

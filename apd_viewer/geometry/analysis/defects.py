@@ -18,26 +18,26 @@ class Defects(NamedTuple):
 
     Attributes
     ----------
-    border : (b, 2) int array
+    boundary_edges : (b, 2) int array
         Ends of the edges of one triangle.
-    crowded : (c, 2) int array
+    non_manifold_edges : (c, 2) int array
         Ends of the edges of more than two.
-    bow_ties : (v,) int array
+    non_manifold_vertices : (v,) int array
         Vertices at which surfaces meet that have no edge there in common.
-    flipped : (f,) int array
+    flipped_faces : (f,) int array
         Triangles that look the other way than most of those they hang together with.
-    doubled : (d,) int array
+    duplicate_faces : (d,) int array
         Triangles with the same corners as another.
-    one_sided : bool
+    is_non_orientable : bool
         Whether no choice of sides would make all neighbours look the same way.
     """
 
-    border: np.ndarray
-    crowded: np.ndarray
-    bow_ties: np.ndarray
-    flipped: np.ndarray
-    doubled: np.ndarray
-    one_sided: bool
+    boundary_edges: np.ndarray
+    non_manifold_edges: np.ndarray
+    non_manifold_vertices: np.ndarray
+    flipped_faces: np.ndarray
+    duplicate_faces: np.ndarray
+    is_non_orientable: bool
 
 
 def defects(F: np.ndarray, n: int) -> Defects:
@@ -51,12 +51,12 @@ def defects(F: np.ndarray, n: int) -> Defects:
     fans = a[corner == np.arange(len(corner))]  # one corner of each
     many = np.flatnonzero(np.bincount(fans, minlength=n) > 1)
     return Defects(
-        border=edges[order[uses == 1]],
-        crowded=edges[order[uses > 2]],
-        bow_ties=many,
-        flipped=_fewer(face, side),
-        doubled=np.flatnonzero(doubled),
-        one_sided=bool(one_sided),
+        boundary_edges=edges[order[uses == 1]],
+        non_manifold_edges=edges[order[uses > 2]],
+        non_manifold_vertices=many,
+        flipped_faces=_fewer(face, side),
+        duplicate_faces=np.flatnonzero(doubled),
+        is_non_orientable=bool(one_sided),
     )
 
 

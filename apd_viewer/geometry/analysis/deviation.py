@@ -17,12 +17,12 @@ from apd_viewer.geometry.analysis.deviation_kernels import (
     edge_strain,
     mean_curvature,
 )
-from apd_viewer.geometry.analysis.surface_distance import distances_unless
+from apd_viewer.geometry.analysis.surface_distance import cancellable_distances
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.measures import SLIVER, Patch
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
+from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch
+from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy, bounding_hierarchy
 
 
 class Deviation:
@@ -43,19 +43,19 @@ class Deviation:
     ----------
     calmness : callable
         The calmness of each vertex by what is painted, (n,); see :mod:`calm_parts`.
-    pressure : callable
+    contact_pressure : callable
         The pressure of contact on each vertex of a shape (n, 3), (n,); see :mod:`contact_pressure`.
     """
 
     calmness: Callable[[], np.ndarray]
-    pressure: Callable[[np.ndarray], np.ndarray]
+    contact_pressure: Callable[[np.ndarray], np.ndarray]
 
     def __init__(
         self, V: np.ndarray, F: np.ndarray, source: np.ndarray, target: TargetShape | None = None
     ) -> None:
         self.target = target
         self.calmness = lambda: np.zeros(len(V))
-        self.pressure = lambda _: np.zeros(len(V))
+        self.contact_pressure = lambda _: np.zeros(len(V))
         self._V, self._F = np.ascontiguousarray(V, dtype=np.float64), F
         self._named = np.arange(len(V), dtype=np.int32) if not len(source) else source.astype(np.int32)
         self._patch = Patch(F, len(V))
@@ -63,7 +63,7 @@ class Deviation:
         self._rest_areas = face_areas(self._V, F)
         self._least = SLIVER * float(self._rest_areas.mean())
 
-    def area(self, U: np.ndarray) -> np.ndarray:
+    def area_change(self, U: np.ndarray) -> np.ndarray:
         """Logarithm of the area ratio of the most changed triangle at each vertex, (n,)."""
         patch = self._patch
         with cores_for(len(U)):
@@ -78,7 +78,7 @@ class Deviation:
                 self._ratios,
             )
 
-    def strain(self, U: np.ndarray) -> np.ndarray:
+    def edge_strain(self, U: np.ndarray) -> np.ndarray:
         """Largest logarithmic edge strain at each vertex, (n,)."""
         patch = self._patch
         with cores_for(len(U)):
@@ -96,23 +96,27 @@ class Deviation:
         with cores_for(len(U)):
             return self._curvature(U) - self._rest_curvature
 
-    def distance(self, U: np.ndarray, enough: Callable[[], bool] = lambda: False) -> np.ndarray | None:
+    def rest_distance(
+        self, U: np.ndarray, is_cancelled: Callable[[], bool] = lambda: False
+    ) -> np.ndarray | None:
         """Distance of each vertex from the rest surface, (n,), mesh units.
 
-        It takes some tenths of a second for 100,000 vertices; None if ``enough()`` has ended it.
+        It takes some tenths of a second for 100,000 vertices; None if ``is_cancelled()`` has ended it.
         """
-        found = distances_unless(enough, U, self._V, self._V, self._boxes)
+        found = cancellable_distances(is_cancelled, U, self._V, self._V, self._boxes)
         if found is not None:
             found[self._bare] = np.nan
         return found
 
-    def target_distance(self, U: np.ndarray, enough: Callable[[], bool] = lambda: False) -> np.ndarray | None:
+    def target_distance(
+        self, U: np.ndarray, is_cancelled: Callable[[], bool] = lambda: False
+    ) -> np.ndarray | None:
         """Distance of each vertex from the target surface, (n,), mesh units.
 
-        It takes as long as :meth:`distance`; None if ``enough()`` has ended it.
+        It takes as long as :meth:`rest_distance`; None if ``is_cancelled()`` has ended it.
         """
         assert self.target is not None
-        found = self.target.distances(U, enough)
+        found = self.target.distances(U, is_cancelled)
         if found is not None:
             found[self._bare] = np.nan
         return found
@@ -138,5 +142,5 @@ class Deviation:
         return self._curvature(self._V)
 
     @cached_property
-    def _boxes(self) -> Boxes:
+    def _boxes(self) -> BoundingHierarchy:
         return bounding_hierarchy(self._V, self._F)

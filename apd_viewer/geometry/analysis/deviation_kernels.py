@@ -16,7 +16,7 @@ def area_change(
     least: float,
     start: np.ndarray,
     corner: np.ndarray,
-    named: np.ndarray,
+    representative: np.ndarray,
     ratios: np.ndarray,
 ) -> np.ndarray:
     """Logarithm of the area ratio of the most changed triangle at each vertex, (n,).
@@ -30,9 +30,9 @@ def area_change(
         x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
         own = 0.5 * np.sqrt(x * x + y * y + z * z)
         ratios[t] = own / rest[t] if rest[t] > least else np.nan
-    out = np.empty(len(named))
-    for v in prange(len(named)):
-        w, found, largest = named[v], np.nan, -1.0
+    out = np.empty(len(representative))
+    for v in prange(len(representative)):
+        w, found, largest = representative[v], np.nan, -1.0
         for e in range(start[w], start[w + 1]):
             ratio = ratios[corner[e] // 3]
             if abs(ratio - 1.0) > largest:
@@ -48,12 +48,12 @@ def edge_strain(
     start: np.ndarray,
     second: np.ndarray,
     third: np.ndarray,
-    named: np.ndarray,
+    representative: np.ndarray,
 ) -> np.ndarray:
     """Largest logarithmic strain of the edges at each vertex, (n,)."""
-    out = np.empty(len(named))
-    for v in prange(len(named)):
-        w = named[v]
+    out = np.empty(len(representative))
+    for v in prange(len(representative)):
+        w = representative[v]
         # Squared largest and smallest ratio: one logarithm a vertex is enough.
         most, least = 0.0, np.inf
         for e in range(start[w], start[w + 1]):
@@ -85,16 +85,16 @@ def displacements(U: np.ndarray, V: np.ndarray) -> np.ndarray:
 
 @parallel()
 def mean_curvature(
-    U: np.ndarray, start: np.ndarray, second: np.ndarray, third: np.ndarray, named: np.ndarray
+    U: np.ndarray, start: np.ndarray, second: np.ndarray, third: np.ndarray, representative: np.ndarray
 ) -> np.ndarray:
     """Mean curvature at each vertex, (n,), positive if convex from outside.
 
     The cotangent Laplacian of the positions along the normal, over twice the area that is nearest to the
     vertex [Meyer et al. 2003]: exact where the vertices around it lie on a sphere with it.
     """
-    out = np.empty(len(named))
-    for v in prange(len(named)):
-        w = named[v]
+    out = np.empty(len(representative))
+    for v in prange(len(representative)):
+        w = representative[v]
         area = lx = ly = lz = nx = ny = nz = 0.0
         for e in range(start[w], start[w + 1]):
             j, k = second[e], third[e]

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.double_wall_kernels import grown, sides_of, through
-from apd_viewer.geometry.mesh.adjacency import opposite_corners
-from apd_viewer.geometry.mesh.arrays import diagonal, size_of
+from apd_viewer.geometry.analysis.double_wall_kernels import grown_sides, opposite_triangles, wall_sides
+from apd_viewer.geometry.mesh.adjacency import opposite_half_edges
+from apd_viewer.geometry.mesh.arrays import diagonal, mesh_size
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
-from apd_viewer.geometry.mesh.operators import volume, why_no_volume
-from apd_viewer.geometry.picking.picking import boxes
+from apd_viewer.geometry.mesh.operators import missing_volume_reason, volume
+from apd_viewer.geometry.picking.picking import block_boxes
 
 # Thickness of a wall, in diagonals: 0.009 for a cup of 1 mm, 0.04 for thick glass, 0.12 for a bottle's body.
 _THIN = 0.05
@@ -58,7 +58,7 @@ class DoubleWall(NamedTuple):
 
 
 def double_wall(
-    V: np.ndarray, F: np.ndarray, piece: np.ndarray, areas: np.ndarray, inside: float
+    V: np.ndarray, F: np.ndarray, component: np.ndarray, areas: np.ndarray, signed_volume: float
 ) -> DoubleWall | None:
     """Double wall of a closed surface; None without one.
 
@@ -67,19 +67,23 @@ def double_wall(
     V : (k, 3) float array
     F : (m, 3) int array
         Welded triangles.
-    piece : (m,) int array
+    component : (m,) int array
         Connected piece of each triangle.
     areas : (m,) float array
         Of the triangles.
-    inside : float
+    signed_volume : float
         Signed volume of all.
     """
-    area, is_one = float(areas.sum()), bool((piece == piece[0]).all())
-    if is_one and 2.0 * abs(inside) > _THIN * diagonal(V) * area:
+    area, is_one = float(areas.sum()), bool((component == component[0]).all())
+    if is_one and 2.0 * abs(signed_volume) > _THIN * diagonal(V) * area:
         return None  # so it is for most meshes
-    parts = [_Part(np.ones(len(F), dtype=bool), inside)] if is_one else _parts(V, F, piece)
+    parts = (
+        [_WallComponent(np.ones(len(F), dtype=bool), signed_volume)]
+        if is_one
+        else _nested_components(V, F, component)
+    )
     material = abs(parts[0].inside) - sum(abs(part.inside) for part in parts[1:]) if parts else 0.0
-    if len(F) > _MOST_TRIANGLES or not 0.0 < 2.0 * material <= _THIN * size_of(V, F) * area:
+    if len(F) > _MOST_TRIANGLES or not 0.0 < 2.0 * material <= _THIN * mesh_size(V, F) * area:
         return None
     thickness = 2.0 * material / area
     T = _facing_outward(F, parts)
@@ -96,26 +100,26 @@ def double_wall(
     return DoubleWall(thickness, material, capacity, openings)
 
 
-class _Part(NamedTuple):
+class _WallComponent(NamedTuple):
     """A connected part: its triangles as a mask, and its signed volume."""
 
     triangles: np.ndarray
     inside: float
 
 
-def _parts(V: np.ndarray, F: np.ndarray, piece: np.ndarray) -> list[_Part]:
+def _nested_components(V: np.ndarray, F: np.ndarray, component: np.ndarray) -> list[_WallComponent]:
     """Two parts with the second inside the first; none otherwise."""
-    names = np.unique(piece)
+    names = np.unique(component)
     if len(names) > 2:
         return []
-    parts = [_Part(piece == name, volume(V, F[piece == name])) for name in names]
+    parts = [_WallComponent(component == name, volume(V, F[component == name])) for name in names]
     parts.sort(key=lambda part: -abs(part.inside))
     around, within = (V[F[part.triangles].ravel()] for part in parts)
     nested = (around.min(axis=0) < within.min(axis=0)) & (within.max(axis=0) < around.max(axis=0))
     return parts if nested.all() else []
 
 
-def _facing_outward(F: np.ndarray, parts: list[_Part]) -> np.ndarray:
+def _facing_outward(F: np.ndarray, parts: list[_WallComponent]) -> np.ndarray:
     """Triangles ``F`` (m, 3) with the wall behind them: an inner part faces inwards."""
     T = F.copy()
     for k, (triangles, inside) in enumerate(parts):
@@ -129,7 +133,7 @@ def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: floa
     normals = np.cross(V[T[:, 1]] - V[T[:, 0]], V[T[:, 2]] - V[T[:, 0]])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
     middles = V[T].mean(axis=1)
-    away, partner = through(V, T, middles, normals, boxes(V, T), 1e-3 * thickness)
+    away, partner = opposite_triangles(V, T, middles, normals, block_boxes(V, T), 1e-3 * thickness)
     facing = (partner >= 0) & (np.einsum("ij,ij->i", normals, normals[partner]) < _PARALLEL)
     total, facing = float(areas.sum()), facing & (away < 3.0 * thickness)
     if areas[facing].sum() < _FACING * total:
@@ -139,21 +143,21 @@ def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: floa
     low, middle, high = away[facing][order][np.searchsorted(share, [0.1, 0.5, 0.9])]
     if low < _SPREAD[0] * middle or high > _SPREAD[1] * middle:
         return None
-    beside = opposite_corners(T.astype(np.int32), len(V)) // 3
-    side = sides_of(beside, middles, normals, partner, facing, _AROUND * middle)
+    beside = opposite_half_edges(T.astype(np.int32), len(V)) // 3
+    side = wall_sides(beside, middles, normals, partner, facing, _AROUND * middle)
     size = np.bincount(side, areas, minlength=len(T))
     first, second = np.argsort(-size)[:2]
     if size[first] + size[second] < 0.5 * total or size[second] <= 0.0:
         return None
     start = np.where(side == first, 1, np.where(side == second, 2, 0))
-    return grown(beside, start) == 1
+    return grown_sides(beside, start) == 1
 
 
 def _capped(V: np.ndarray, T: np.ndarray) -> tuple[float, int]:
     """Signed volume of a side up to its rims, and their number; NaN if uneven."""
-    if why_no_volume(T, len(V)) is None:
+    if missing_volume_reason(T, len(V)) is None:
         return volume(V, T), 0
-    caps = Caps.of(T, len(V))
+    caps = Caps.from_triangles(T, len(V))
     inside = capped_volume(caps, V, T)
     if caps is None or inside is None:
         return np.nan, 0

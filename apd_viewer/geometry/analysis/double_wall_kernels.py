@@ -13,21 +13,26 @@ _HOPS = 3
 
 
 @njit(cache=True, nogil=True)
-def through(
-    V: np.ndarray, T: np.ndarray, middles: np.ndarray, normals: np.ndarray, around: np.ndarray, off: float
+def opposite_triangles(
+    V: np.ndarray,
+    T: np.ndarray,
+    middles: np.ndarray,
+    normals: np.ndarray,
+    block_boxes: np.ndarray,
+    offset: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Distance behind the middle of each triangle to another, and its number or -1."""
     away, partner = np.full(len(T), np.inf), np.full(len(T), -1)
     for i in range(len(T)):
-        face, distance, _, _ = ray_hit(middles[i] - off * normals[i], -normals[i], V, T, around)
+        face, distance, _, _ = ray_hit(middles[i] - offset * normals[i], -normals[i], V, T, block_boxes)
         if face >= 0:
-            away[i], partner[i] = distance + off, face
+            away[i], partner[i] = distance + offset, face
     return away, partner
 
 
 @njit(cache=True, nogil=True)
-def sides_of(
-    beside: np.ndarray,
+def wall_sides(
+    neighbours: np.ndarray,
     middles: np.ndarray,
     normals: np.ndarray,
     partner: np.ndarray,
@@ -35,7 +40,7 @@ def sides_of(
     reach: float,
 ) -> np.ndarray:
     """Number of the side of each triangle; those of a rim are sides of their own."""
-    m = len(beside)
+    m = len(neighbours)
     side, wall = np.arange(m), np.zeros(m, dtype=np.bool_)
     queue, gone, hops, seen = np.zeros(m, np.int64), np.zeros(m), np.zeros(m, np.int64), np.full(m, -1)
     for i in range(m):
@@ -44,7 +49,7 @@ def sides_of(
             at = queue[begin]
             begin += 1
             for c in range(3):
-                other = beside[at, c]
+                other = neighbours[at, c]
                 if other < 0 or seen[other] == i:
                     continue
                 way = gone[at] + np.sqrt(((middles[other] - middles[at]) ** 2).sum())
@@ -54,7 +59,7 @@ def sides_of(
         wall[i] = facing[i] and seen[partner[i]] != i
     for i in range(m):
         for c in range(3):
-            other = beside[i, c]
+            other = neighbours[i, c]
             if other >= 0 and wall[i] and wall[other] and (normals[i] * normals[other]).sum() > -0.5:
                 join(side, i, other)
     for i in range(m):
@@ -63,7 +68,7 @@ def sides_of(
 
 
 @njit(cache=True, nogil=True)
-def grown(beside: np.ndarray, start: np.ndarray) -> np.ndarray:
+def grown_sides(neighbours: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Sides 1 and 2 grown over the triangles of neither, until they meet."""
     side, queue, end = start.copy(), np.zeros(len(start), np.int64), 0
     for i in range(len(start)):
@@ -73,7 +78,7 @@ def grown(beside: np.ndarray, start: np.ndarray) -> np.ndarray:
     for begin in range(len(start)):
         if begin == end:
             break
-        for other in beside[queue[begin]]:
+        for other in neighbours[queue[begin]]:
             if other >= 0 and not side[other]:
                 side[other] = side[queue[begin]]
                 queue[end] = other

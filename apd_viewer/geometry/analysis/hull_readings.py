@@ -9,8 +9,8 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.bounding_boxes import smallest_box
 from apd_viewer.geometry.analysis.convex_hull import convex_hull, minimum_width
-from apd_viewer.geometry.mesh.arrays import far_centre
-from apd_viewer.geometry.mesh.checked_arguments import checked, real
+from apd_viewer.geometry.mesh.arrays import local_origin
+from apd_viewer.geometry.mesh.checked_arguments import as_float, checked
 from apd_viewer.language import tr
 
 # Share of a container that convex bodies fill when they lie in it at random: equal spheres at their densest,
@@ -54,7 +54,7 @@ class HullReadings(NamedTuple):
 
         ``packing`` is the share of the container that they fill.
         """
-        if not 0.0 < real(packing) <= 1.0:
+        if not 0.0 < as_float(packing) <= 1.0:
             raise InputError(tr("The packing must be a share above 0 and at most 1, such as 0.64."))
         return self.volume / packing
 
@@ -66,7 +66,7 @@ class HullReadings(NamedTuple):
 
 def hull_readings(points: np.ndarray) -> HullReadings:
     """Readings of the convex hull of ``points`` (k, 3)."""
-    points = points - far_centre(points)
+    points = points - local_origin(points)
     hull = convex_hull(points)
     if hull is None:  # its box has no volume either, in whatever way it is turned in its plane
         centred = points - points.mean(axis=0)

@@ -7,21 +7,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.geometry.analysis.double_wall import DoubleWall, double_wall
-from apd_viewer.geometry.analysis.findings import (
+from apd_viewer.geometry.analysis.mesh_findings import (
     Finding,
-    of_faces,
-    of_file,
-    of_joints,
-    of_orientation,
-    of_pieces,
-    of_size,
-    of_vertices,
+    component_findings,
+    face_findings,
+    file_findings,
+    orientation_findings,
+    size_findings,
+    topology_findings,
+    vertex_findings,
 )
-from apd_viewer.geometry.analysis.shape_findings import of_double_wall, of_seams
-from apd_viewer.geometry.mesh.components import pieces
+from apd_viewer.geometry.analysis.shape_findings import double_wall_findings, seam_findings
+from apd_viewer.geometry.mesh.components import vertex_components
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.operators import face_areas, volume, why_no_volume
+from apd_viewer.geometry.mesh.operators import face_areas, missing_volume_reason, volume
 from apd_viewer.language import tr
 
 
@@ -33,10 +33,10 @@ class Inspection:
     ----------
     vertices, faces : int
         As the file has them.
-    pieces : int
+    components : int
         Connected pieces of the surface, after vertices at the same position are joined.
     area, volume : float
-        Square and cubic mesh units; volume is None where ``why_no_volume`` says why.
+        Square and cubic mesh units; volume is None where ``missing_volume_reason`` says why.
     volume_capped : float or None
         Of an open surface with flat caps over its ``openings``; None where that encloses nothing.
     openings : int
@@ -50,10 +50,10 @@ class Inspection:
 
     vertices: int
     faces: int
-    pieces: int
+    components: int
     area: float
     volume: float | None
-    why_no_volume: str | None
+    missing_volume_reason: str | None
     volume_capped: float | None
     openings: int
     size: tuple[float, float, float]
@@ -61,43 +61,43 @@ class Inspection:
     findings: tuple[Finding, ...]
 
     @property
-    def nothing_to_keep(self) -> str:
+    def missing_volume_phrase(self) -> str:
         """Reason for a missing volume, as a phrase; empty if there is a volume."""
-        return "" if self.volume else self.why_no_volume or tr("the surface encloses no volume")
+        return "" if self.volume else self.missing_volume_reason or tr("the surface encloses no volume")
 
 
 def inspect(mesh: Mesh) -> Inspection:
     """Inspect the mesh as it came from its file."""
     first, inverse = mesh.weld.first, mesh.weld.inverse
     F = inverse[mesh.F]
-    why = why_no_volume(F, len(first))
-    caps = Caps.of(F, len(first)) if why else None
+    why = missing_volume_reason(F, len(first))
+    caps = Caps.from_triangles(F, len(first)) if why else None
     capped = capped_volume(caps, mesh.V[first], F)
     inside = None if why else volume(mesh.V, mesh.F)
     areas = face_areas(mesh.V, mesh.F)
-    piece = pieces(F, len(first))
+    piece = vertex_components(F, len(first))
     wall = None if inside is None else double_wall(mesh.V[first], F, piece[F[:, 0]], areas, inside)
     dx, dy, dz = (float(extent) for extent in np.ptp(mesh.V, axis=0))
     return Inspection(
         vertices=len(mesh.V),
         faces=len(mesh.F),
-        pieces=len(np.unique(piece[F[:, 0]])),
+        components=len(np.unique(piece[F[:, 0]])),
         area=float(areas.sum()),
         volume=inside,
-        why_no_volume=why,
+        missing_volume_reason=why,
         volume_capped=capped,
         openings=0 if caps is None or capped is None else caps.count,
         size=(dx, dy, dz),
         double_wall=wall,
         findings=(
-            *of_file(mesh),
-            *of_vertices(mesh),
-            *of_faces(mesh, areas),
-            *of_joints(mesh, F),
-            *(of_seams(mesh) if why else ()),  # what encloses a volume has no boundary
-            *of_double_wall(wall),
-            *of_orientation(capped if why else inside, float(areas.sum())),
-            *of_pieces(mesh, F, piece),
-            *of_size(mesh),
+            *file_findings(mesh),
+            *vertex_findings(mesh),
+            *face_findings(mesh, areas),
+            *topology_findings(mesh, F),
+            *(seam_findings(mesh) if why else ()),  # what encloses a volume has no boundary
+            *double_wall_findings(wall),
+            *orientation_findings(capped if why else inside, float(areas.sum())),
+            *component_findings(mesh, F, piece),
+            *size_findings(mesh),
         ),
     )

@@ -36,7 +36,7 @@ class Scalars(NamedTuple):
     triangles: dict[str, np.ndarray]
 
 
-def scalars_of(
+def shape_scalars(
     mesh: Mesh, U: np.ndarray, labels: np.ndarray, member: np.ndarray, target: TargetShape | None = None
 ) -> Scalars:
     """Scalars of the shape ``U`` (n, 3).
@@ -55,15 +55,15 @@ def scalars_of(
     vertices = {
         LABEL: labels,
         REGION: member,
-        "area_change": np.expm1(deviation.area(U)),
-        "edge_strain": np.expm1(deviation.strain(U)),
+        "area_change": np.expm1(deviation.area_change(U)),
+        "edge_strain": np.expm1(deviation.edge_strain(U)),
         "bending": deviation.bending(U),
         "displacement": deviation.displacement(U),
-        "distance_to_rest": deviation.distance(U),
+        "distance_to_rest": deviation.rest_distance(U),
     }
     if target is not None:
         vertices["target_distance"] = deviation.target_distance(U)
-        if target.corresponds(mesh):
+        if target.has_same_triangles(mesh):
             vertices["target_displacement"] = deviation.target_displacement(U)
     rest, area = face_areas(mesh.V, mesh.F), face_areas(U, mesh.F)
     largest, smallest = _stretches(mesh.V[mesh.F], U[mesh.F])

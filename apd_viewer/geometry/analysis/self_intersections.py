@@ -149,7 +149,7 @@ def _overlapping(X: np.ndarray, S: np.ndarray, T: np.ndarray) -> np.ndarray:
     return over
 
 
-def search_by_one_core() -> None:
+def use_one_core_for_search() -> None:
     """Have the library that finds near edges use one core, where it is installed."""
     try:
         import ipctk  # Here: few runs of the program need it.

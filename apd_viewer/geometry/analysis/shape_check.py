@@ -8,7 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.turns.held_turn import HeldTurn, Turning
+from apd_viewer.geometry.turns.held_turn import HandleTurns, HeldTurn
 
 
 class ShapeCheck(NamedTuple):
@@ -42,13 +42,13 @@ class ShapeCheck(NamedTuple):
         return self.hull.box
 
 
-def check_shape(U: np.ndarray, F: np.ndarray, turning: Turning | None = None) -> ShapeCheck:
+def check_shape(U: np.ndarray, F: np.ndarray, handle_turns: HandleTurns | None = None) -> ShapeCheck:
     """Check the shape ``U`` (n, 3) of the triangles ``F`` (m, 3), with its turns."""
     points = U[np.unique(F)]
     dx, dy, dz = np.ptp(points, axis=0).tolist()
     turns: tuple[HeldTurn, ...] = ()
-    if turning is not None:
+    if handle_turns is not None:
         from apd_viewer.geometry.turns.held_turns import held_turns  # Here: SciPy comes with it.
 
-        turns = held_turns(turning.V, U, F, turning.labels, turning.ways)
+        turns = held_turns(handle_turns.V, U, F, handle_turns.labels, handle_turns.paths)
     return ShapeCheck(crossings(U, F), (dx, dy, dz), hull_readings(points), turns)

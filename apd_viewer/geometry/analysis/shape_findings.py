@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from apd_viewer.geometry.analysis.double_wall import DoubleWall
-from apd_viewer.geometry.analysis.findings import Finding
+from apd_viewer.geometry.analysis.mesh_findings import Finding
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.seams import Seams
 from apd_viewer.language import tr
@@ -14,16 +14,16 @@ from apd_viewer.language import tr
 SEAMS = "open seams"
 
 
-def of_seams(mesh: Mesh) -> Iterator[Finding]:
+def seam_findings(mesh: Mesh) -> Iterator[Finding]:
     """Findings about seams to be welded, and about T-joints."""
-    found = Seams.of(mesh.V, mesh.F, mesh.weld)
-    if found.weldable:
-        yield Finding.of(SEAMS, found.weldable, found.edges)
-    if found.unweldable:
-        yield Finding.of("T-joints", found.unweldable, found.joints)
+    found = Seams.from_mesh(mesh.V, mesh.F, mesh.weld)
+    if found.weldable_sentence:
+        yield Finding.at_vertices(SEAMS, found.weldable_sentence, found.edges)
+    if found.unweldable_sentence:
+        yield Finding.at_vertices("T-joints", found.unweldable_sentence, found.joints)
 
 
-def of_double_wall(wall: DoubleWall | None) -> Iterator[Finding]:
+def double_wall_findings(wall: DoubleWall | None) -> Iterator[Finding]:
     """Finding about a vessel with an outer and an inner surface."""
     if wall is None:
         return
@@ -31,4 +31,4 @@ def of_double_wall(wall: DoubleWall | None) -> Iterator[Finding]:
         "A vessel with two walls, {thickness:.3g} apart: its volume, {material:,.6g}, is that of its "
         "material, and it holds {capacity:,.6g}; to deform it as one wall, export one of its surfaces."
     )
-    yield Finding.of("double wall", said.format(**wall._asdict()))
+    yield Finding.at_vertices("double wall", said.format(**wall._asdict()))

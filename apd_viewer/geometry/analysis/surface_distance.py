@@ -11,7 +11,7 @@ from numba import prange
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.operators import vertex_areas
-from apd_viewer.geometry.picking.bounding_hierarchy import FAN, Boxes, bounding_hierarchy
+from apd_viewer.geometry.picking.bounding_hierarchy import BRANCHING, BoundingHierarchy, bounding_hierarchy
 
 _BITS = 3  # of FAN
 # Points per task of a core, and between two checks for cancellation.
@@ -40,82 +40,86 @@ def surface_distance(U: np.ndarray, F: np.ndarray, V: np.ndarray, G: np.ndarray)
     """
     on = np.unique(F)
     away = np.zeros(len(U))
-    away[on] = nearest(U[on], V, G)[0]
-    return summary(away, U, F)
+    away[on] = nearest_triangles(U[on], V, G)[0]
+    return distance_summary(away, U, F)
 
 
-def summary(away: np.ndarray, U: np.ndarray, F: np.ndarray) -> SurfaceDistance:
+def distance_summary(distances: np.ndarray, U: np.ndarray, F: np.ndarray) -> SurfaceDistance:
     """Summary of the distances (n,) of the vertices of a surface ``U``, ``F``.
 
     Vertices without a triangle do not count.
     """
     on = np.unique(F)
-    away, area = away[on], vertex_areas(U, F)[on]
-    mean, square = (float(np.average(x, weights=area)) for x in (away, away**2))
-    return SurfaceDistance(float(away.max()), square**0.5, mean)
+    distances, area = distances[on], vertex_areas(U, F)[on]
+    mean, square = (float(np.average(x, weights=area)) for x in (distances, distances**2))
+    return SurfaceDistance(float(distances.max()), square**0.5, mean)
 
 
-def nearest(points: np.ndarray, V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def nearest_triangles(points: np.ndarray, V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Distance (k,) of the nearest triangle from each point, and its corners (k, 3)."""
     boxes, away = bounding_hierarchy(V, F), np.empty(len(points))
     which = np.empty(len(points), dtype=np.int32)
     with cores_for(max(len(V), len(points))):
-        distances(points, np.full(points.shape, np.inf), V, *boxes, away, which)
+        write_distances(points, np.full(points.shape, np.inf), V, *boxes, away, which)
     return away, boxes.F[which].astype(np.int64)
 
 
-def distances_unless(
-    enough: Callable[[], bool], points: np.ndarray, on: np.ndarray, V: np.ndarray, boxes: Boxes
+def cancellable_distances(
+    is_cancelled: Callable[[], bool],
+    points: np.ndarray,
+    first_guesses: np.ndarray,
+    V: np.ndarray,
+    boxes: BoundingHierarchy,
 ) -> np.ndarray | None:
-    """Distances (k,) of points from a surface; None if ``enough()`` has ended it.
+    """Distances (k,) of points from a surface; None once ``is_cancelled()``.
 
     Parameters
     ----------
-    enough : callable
-    points, on, V, boxes
-        See :func:`distances`.
+    is_cancelled : callable
+    points, first_guesses, V, boxes
+        See :func:`write_distances`.
     """
     found, which = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
     for first in range(0, len(points), _CHECKED):
-        if enough():
+        if is_cancelled():
             return None
         part = slice(first, first + _CHECKED)
         with cores_for(len(points)):  # block by block: the window may need the cores in between
-            distances(points[part], on[part], V, *boxes, found[part], which[part])
+            write_distances(points[part], first_guesses[part], V, *boxes, found[part], which[part])
     return found
 
 
 @parallel()
-def distances(
+def write_distances(
     points: np.ndarray,
-    on: np.ndarray,
+    first_guesses: np.ndarray,
     V: np.ndarray,
     F: np.ndarray,
     corners: np.ndarray,
     level: np.ndarray,
     out: np.ndarray,
-    which: np.ndarray,
+    nearest_face: np.ndarray,
 ) -> None:
     """Write the distances of points from a surface.
 
     Parameters
     ----------
     points : (k, 3) float array
-    on : (k, 3) float array
+    first_guesses : (k, 3) float array
         A point of the surface for each of them: the nearer, the faster. Infinite where none is known.
     V : (n, 3) float array
     F, corners, level
         The surface: :func:`apd_viewer.geometry.picking.bounding_hierarchy.bounding_hierarchy` of ``V``.
     out : (k,) float array
-    which : (k,) int array
-        Overwritten with the nearest triangles, where ``on`` is farther than they are.
+    nearest_face : (k,) int array
+        Overwritten with the nearest triangles, where ``first_guesses`` is farther than they are.
     """
     count, top = level[1], len(level) - 2
     for portion in prange((len(points) + _PORTION - 1) // _PORTION):
         last = -1
         for i in range(portion * _PORTION, min(len(points), (portion + 1) * _PORTION)):
             px, py, pz = points[i, 0], points[i, 1], points[i, 2]
-            x, y, z = px - on[i, 0], py - on[i, 1], pz - on[i, 2]
+            x, y, z = px - first_guesses[i, 0], py - first_guesses[i, 1], pz - first_guesses[i, 2]
             best = x * x + y * y + z * z
             if last >= 0:  # neighbouring points share the nearest triangle
                 best = min(best, _squared(px, py, pz, V, F[last, 0], F[last, 1], F[last, 2]))
@@ -131,14 +135,14 @@ def distances(
                     size -= 1
                     continue
                 if near:
-                    for t in range(FAN * b, min(FAN * (b + 1), len(F))):
+                    for t in range(BRANCHING * b, min(BRANCHING * (b + 1), len(F))):
                         squared = _squared(px, py, pz, V, F[t, 0], F[t, 1], F[t, 2])
                         if squared < best:
                             best, last = squared, t
                 b = ((b >> (_BITS * size)) + 1) << (_BITS * size)
                 while size < top and b & ((1 << (_BITS * (size + 1))) - 1) == 0:
                     size += 1
-            out[i], which[i] = np.sqrt(best), last
+            out[i], nearest_face[i] = np.sqrt(best), last
 
 
 @njit(inline="always")

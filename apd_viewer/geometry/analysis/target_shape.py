@@ -12,13 +12,13 @@ import numpy as np
 from apd_viewer.geometry.analysis.deviation_kernels import displacements
 from apd_viewer.geometry.analysis.surface_distance import (
     SurfaceDistance,
-    distances_unless,
-    summary,
+    cancellable_distances,
+    distance_summary,
     surface_distance,
 )
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
-from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
+from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy, bounding_hierarchy
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -53,47 +53,49 @@ class TargetShape:
 
     mesh: Mesh
 
-    def corresponds(self, mesh: Mesh) -> bool:
+    def has_same_triangles(self, mesh: Mesh) -> bool:
         """True if both have the same triangles, so that vertices have the same IDs."""
         other = self.mesh
         return len(other.V) == len(mesh.V) and np.array_equal(other.F, mesh.F)
 
-    def distances(self, U: np.ndarray, enough: Callable[[], bool] = lambda: False) -> np.ndarray | None:
+    def distances(self, U: np.ndarray, is_cancelled: Callable[[], bool] = lambda: False) -> np.ndarray | None:
         """Distance (n,) of each point of ``U`` (n, 3) from the closest of the target.
 
-        None if ``enough()`` has ended it.
+        None if ``is_cancelled()`` has ended it.
         """
         near = frozen(np.full(U.shape, np.inf))
         if len(self.mesh.V) == len(U) and self._all_used:
             near = self.mesh.V
-        return distances_unless(enough, U, near, self.mesh.V, self._boxes)
+        return cancellable_distances(is_cancelled, U, near, self.mesh.V, self._boxes)
 
     def vertex_distances(self, U: np.ndarray) -> np.ndarray:
         """Distance (n,) of each point of ``U`` (n, 3) from the vertex with the same ID."""
         with cores_for(len(U)):
             return displacements(U, self.mesh.V)
 
-    def compared(
-        self, mesh: Mesh, U: np.ndarray, enough: Callable[[], bool] = lambda: False
+    def target_distance(
+        self, mesh: Mesh, U: np.ndarray, is_cancelled: Callable[[], bool] = lambda: False
     ) -> TargetDistance | None:
-        """Distance of the shape ``U`` (n, 3) of a mesh; None if ``enough()`` has ended it."""
-        closest = self.distances(U, enough)
+        """Distance of the shape ``U`` (n, 3) of a mesh; None once ``is_cancelled()``."""
+        closest = self.distances(U, is_cancelled)
         if closest is None:
             return None
-        vertex = summary(self.vertex_distances(U), U, mesh.F) if self.corresponds(mesh) else None
-        return TargetDistance(summary(closest, U, mesh.F), vertex)
+        vertex = (
+            distance_summary(self.vertex_distances(U), U, mesh.F) if self.has_same_triangles(mesh) else None
+        )
+        return TargetDistance(distance_summary(closest, U, mesh.F), vertex)
 
-    def back(self, mesh: Mesh, U: np.ndarray) -> SurfaceDistance:
+    def reverse_distance(self, mesh: Mesh, U: np.ndarray) -> SurfaceDistance:
         """Distance of the target from the shape ``U`` (n, 3) of a mesh."""
         return surface_distance(self.mesh.V, self.mesh.F, U, mesh.F)
 
-    def misfit(self, mesh: Mesh) -> float | None:
+    def size_ratio(self, mesh: Mesh) -> float | None:
         """Size of the target in sizes of a mesh if that suggests another unit, else None."""
         factor = _size(self.mesh) / _size(mesh)
         return None if 1.0 / _ALIKE < factor < _ALIKE else factor
 
     @cached_property
-    def _boxes(self) -> Boxes:
+    def _boxes(self) -> BoundingHierarchy:
         return bounding_hierarchy(self.mesh.V, self.mesh.F.astype(np.int32))
 
     @cached_property

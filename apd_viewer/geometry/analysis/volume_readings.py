@@ -11,7 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.double_wall import DoubleWall
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.inspection import inspect
-from apd_viewer.geometry.mesh.arrays import numbers, whole_numbers
+from apd_viewer.geometry.mesh.arrays import checked_floats, checked_integers
 from apd_viewer.geometry.mesh.checked_arguments import checked
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -90,11 +90,11 @@ def volume_readings(U: np.ndarray, F: np.ndarray, *, thickness: float | None = N
     >>> round(found.enclosed, 3), round(found.hull.volume, 3), round(found.hull.bulk(), 3)
     (1.333, 1.333, 2.083)
     """
-    mesh = Mesh(numbers(U, tr("Vertices")), whole_numbers(F, tr("Faces")))
-    return volumes_of(mesh, thickness)
+    mesh = Mesh(checked_floats(U, tr("Vertices")), checked_integers(F, tr("Faces")))
+    return mesh_volumes(mesh, thickness)
 
 
-def volumes_of(mesh: Mesh, thickness: float | None) -> VolumeReadings:
+def mesh_volumes(mesh: Mesh, thickness: float | None) -> VolumeReadings:
     """Volumes of a mesh at rest; raises InputError unless ``thickness`` is above 0."""
     if thickness is not None and not (isinstance(thickness, Real) and 0.0 < thickness < np.inf):
         raise InputError(tr("Enter a wall thickness greater than 0."))

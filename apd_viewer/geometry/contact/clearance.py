@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.contact.distances import gaps
-from apd_viewer.geometry.contact.obstacles import Obstacle
 
 _PLATE, _CAPSULE = 3, 2  # by the number of their points
 
@@ -29,7 +29,7 @@ def clearance(obstacle: Obstacle, shift: np.ndarray, U: np.ndarray, F: np.ndarra
     points = obstacle.points + shift
     corners = np.unique(F)
     away = np.full(len(U), np.inf)
-    away[corners] = obstacle.outwards(points, U[corners])[0]
+    away[corners] = obstacle.distances_and_directions(points, U[corners])[0]
     least = float(away[corners].min())
     if len(points) == _PLATE:
         return least

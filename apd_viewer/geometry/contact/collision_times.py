@@ -16,7 +16,7 @@ from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel, total
 
 # Part of a gap that is left at least.
-LEFT = 0.1
+LEAST_GAP_SHARE = 0.1
 # Of the way that is known to be free, a step takes so much; and a shorter one is none.
 _TAKEN = 0.9
 _SHORTEST = 1e-9
@@ -115,14 +115,14 @@ def _free_share(
     U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool, d: float, floor: float, motion: float
 ) -> float:
     """Share of the way that leaves a part of the distance ``d`` above ``floor``."""
-    wanted = LEFT * (d - floor)
+    wanted = LEAST_GAP_SHARE * (d - floor)
     X, D, own = np.empty((4, 3)), np.empty((4, 3)), np.arange(4)
     for k in range(4):
         for c in range(3):
             X[k, c] = U[pair[k], c]
             D[k, c] = W[pair[k], c] - X[k, c]
     # The first step leaves as much as is wanted, but for rounding.
-    share, left, part = 0.0, d - floor, 1.0 - LEFT
+    share, left, part = 0.0, d - floor, 1.0 - LEAST_GAP_SHARE
     for _ in range(_MOST_STEPS):
         rate = motion
         if motion > _MANY * left:
@@ -147,12 +147,12 @@ def _free_share(
 
 
 @parallel()
-def examine(
+def detect_collisions(
     U: np.ndarray,
     W: np.ndarray,
     margin: float,
     pairs: np.ndarray,
-    edges: np.ndarray,
+    is_edge_pair: np.ndarray,
     low: np.ndarray,
     reach: np.ndarray,
     floor: np.ndarray,
@@ -170,7 +170,7 @@ def examine(
     margin : float
         Lower bounds that are not so much above the range are replaced by the gaps.
     pairs : (p, 4) int array
-    edges : (p,) bool array
+    is_edge_pair : (p,) bool array
     low : (p,) float array
         Lower bounds of the gaps at ``U``; improved where they are needed.
     reach, floor : (p,) float arrays
@@ -191,17 +191,17 @@ def examine(
             share[p], low_after[p] = 1.0, low[p] - motion
             if low_after[p] >= reach[p] + margin:
                 continue
-            motion = min(motion, _relative_motion(U, W, pairs[p], edges[p]))
+            motion = min(motion, _relative_motion(U, W, pairs[p], is_edge_pair[p]))
             low_after[p] = low[p] - motion
             if low_after[p] >= reach[p] + margin:
                 continue
-            if motion > (1.0 - LEFT) * (low[p] - floor[p]):
-                low[p] = gap(U, pairs[p], edges[p])[0] - radius
-                if motion > (1.0 - LEFT) * (low[p] - floor[p]):
+            if motion > (1.0 - LEAST_GAP_SHARE) * (low[p] - floor[p]):
+                low[p] = gap(U, pairs[p], is_edge_pair[p])[0] - radius
+                if motion > (1.0 - LEAST_GAP_SHARE) * (low[p] - floor[p]):
                     d, least = low[p] + radius, floor[p] + radius
-                    share[p] = _free_share(U, W, pairs[p], edges[p], d, least, motion)
+                    share[p] = _free_share(U, W, pairs[p], is_edge_pair[p], d, least, motion)
                     blocked[portion] += share[p] < 1.0
-            low_after[p] = gap(W, pairs[p], edges[p])[0] - radius
+            low_after[p] = gap(W, pairs[p], is_edge_pair[p])[0] - radius
             if low_after[p] < reach[p]:
                 energies[portion] += gap_energy(low_after[p], reach[p])
     return total(energies), total(blocked)

@@ -9,14 +9,14 @@ import numpy as np
 import scipy.sparse as sp
 
 from apd_viewer.geometry.analysis.self_intersections import crossing_pairs
-from apd_viewer.geometry.contact.exempt_zones import exempt_zones, within_zones
-from apd_viewer.geometry.contact.followers import Followers, Nobody
+from apd_viewer.geometry.contact.exempt_zones import exempt_zones, is_within_zone
+from apd_viewer.geometry.contact.followers import Followers, NoFollowers
 from apd_viewer.geometry.contact.near_pairs import NearPairs
 from apd_viewer.geometry.contact.obstacle_pairs import ObstaclePairs
 from apd_viewer.geometry.linalg.kernels import njit
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.contact.obstacles import Obstacle
+    from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 
 # Against the mean of the Laplacian's diagonal: settled gaps are 0.75 to 0.8 of the range.
 _STIFFNESS = 1.0
@@ -54,19 +54,19 @@ class Contact:
 
     Attributes
     ----------
-    exempt : (k,) int array
+    exempt_vertices : (k,) int array
         Vertices near triangles that cross at rest, and of what touches there: nothing keeps those of one
         place apart.
     followers : Followers
     obstacles : list of ObstaclePairs
     start : (n, 3) float array
         Where ways begin.
-    touching : int
+    touching_pairs : int
         Pairs in touch at the last :meth:`gradient`.
-    least : float
+    least_gap : float
         Their least gap; infinite without any.
-    examined : int
-        Parts of the last way of :meth:`leads_to`, and of the way back, that were looked at.
+    examined_parts : int
+        Parts of the last way of :meth:`move_to`, and of the way back, that were looked at.
     """
 
     def __init__(
@@ -80,25 +80,25 @@ class Contact:
         obstacles: Sequence[Obstacle] = (),
     ) -> None:
         self._F, self._zone = F, exempt_zones(F, crossing_pairs(V, F), len(V))
-        self.followers = followers or Nobody(len(V))
+        self.followers = followers or NoFollowers(len(V))
         self._stiffness = _STIFFNESS * stiffness
         self._most = _FIRMEST / _STIFFNESS
-        together = np.vstack([held, self._zone, self.followers.together])
+        together = np.vstack([held, self._zone, self.followers.exempt_groups])
         self._pairs = NearPairs(V, F, together, thickness)
         self._V, self._thickness = V, thickness
-        self.surround(obstacles)
-        self.exempt = np.union1d(np.flatnonzero(self._zone), self._pairs.joined)
-        self.touching, self.least, self.examined = 0, np.inf, 0
+        self.replace_obstacles(obstacles)
+        self.exempt_vertices = np.union1d(np.flatnonzero(self._zone), self._pairs.touching_at_rest)
+        self.touching_pairs, self.least_gap, self.examined_parts = 0, np.inf, 0
         for pairs in self.obstacles:
-            pairs.enter(V)
+            pairs.rebuild_at(V)
         self._set_out(V)
 
-    def surround(self, obstacles: Sequence[Obstacle]) -> None:
-        """Put other obstacles around the surface, which has to :meth:`enter` anew."""
+    def replace_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
+        """Put other obstacles around the surface, which has to :meth:`start_at` anew."""
         V, E = self._V, self._pairs.edges
         self.obstacles = [ObstaclePairs(V, self._F, E, obstacle, self._thickness) for obstacle in obstacles]
 
-    def may_enter(self, U: np.ndarray, shifts: np.ndarray | None = None) -> bool:
+    def can_start_at(self, U: np.ndarray, shifts: np.ndarray | None = None) -> bool:
         """True if ``U`` (n, 3) intersects no obstacle, and itself no more than at rest.
 
         Parameters
@@ -111,28 +111,28 @@ class Contact:
 
     def is_clear(self, U: np.ndarray, shifts: np.ndarray) -> bool:
         """True if ``U`` (n, 3) intersects no obstacle at shifts (o, 3)."""
-        placed = self.followers.carried(U)
+        placed = self.followers.with_followers(U)
         at_each = zip(self.obstacles, shifts, strict=True)
         return all(pairs.clearance(placed, shift) > 0.0 for pairs, shift in at_each)
 
     def _may_cross_so(self, U: np.ndarray) -> bool:
         """True if ``U`` (n, 3) crosses itself no more than at rest."""
-        pairs = crossing_pairs(self.followers.carried(U), self._F)
+        pairs = crossing_pairs(self.followers.with_followers(U), self._F)
         if pairs is None:
             return True
         corners = self._F[pairs]
-        may_cross = within_zones(self._zone[corners])
-        for group in self.followers.together:
-            may_cross |= within_zones(np.abs(group)[corners]) & (group[corners] > 0).any(axis=(1, 2))
-        may_cross |= np.all(np.isin(corners, self._pairs.joined).any(axis=2), axis=1)
+        may_cross = is_within_zone(self._zone[corners])
+        for group in self.followers.exempt_groups:
+            may_cross |= is_within_zone(np.abs(group)[corners]) & (group[corners] > 0).any(axis=(1, 2))
+        may_cross |= np.all(np.isin(corners, self._pairs.touching_at_rest).any(axis=2), axis=1)
         return bool(may_cross.all())
 
-    def enter(self, U: np.ndarray, shifts: np.ndarray | None = None) -> None:
-        """Begin at ``U`` (n, 3) and shifts that :meth:`may_enter`."""
-        placed = self.followers.carried(U)
-        self._pairs.enter(placed)
+    def start_at(self, U: np.ndarray, shifts: np.ndarray | None = None) -> None:
+        """Begin at ``U`` (n, 3) and shifts that :meth:`can_start_at`."""
+        placed = self.followers.with_followers(U)
+        self._pairs.rebuild_at(placed)
         for pairs, shift in zip(self.obstacles, self.shifts if shifts is None else shifts, strict=True):
-            pairs.enter(placed, shift)
+            pairs.rebuild_at(placed, shift)
         self._set_out(U)
 
     @property
@@ -150,24 +150,24 @@ class Contact:
 
     def _set_out(self, U: np.ndarray) -> None:
         self.start, self._ahead, self._is_ahead = U, U, False
-        self._placed = self._placed_ahead = self.followers.carried(U)
+        self._placed = self._placed_ahead = self.followers.with_followers(U)
         self._energy = self._energy_ahead = self._energy_found
 
-    def go(self, U: np.ndarray) -> None:
+    def accept_shape(self, U: np.ndarray) -> None:
         """Stand at ``U``: where the last free way ended or began."""
         if self._is_ahead and U is self._ahead:
             for pairs in self._all:
-                pairs.accept()
+                pairs.accept_step()
             self.start, self._placed, self._energy = U, self._placed_ahead, self._energy_ahead
             self._is_ahead = False
 
-    def shares(self, W: np.ndarray) -> np.ndarray | None:
+    def trial_shares(self, W: np.ndarray) -> np.ndarray | None:
         """Shares (n,) of the way to ``W`` (n, 3) to try next; None if it is free."""
         shares = self._look_ahead(W)
         if shares is None:
             return None
         shares = np.where(shares < 1.0, _TAKEN * shares, 1.0)
-        self.followers.limit(shares)
+        self.followers.limit_shares(shares)
         _smooth(self._pairs.edges, shares, _RISE, _SWEEPS)
         return shares
 
@@ -175,8 +175,8 @@ class Contact:
         """Free shares (n,) of the way to ``W`` (n, 3); None if all is free."""
         self._ahead, self._placed_ahead, self._energy_ahead = self.start, self._placed, self._energy
         self._is_ahead = False
-        placed = self.followers.carried(W)
-        found = [pairs.examine(self._placed, placed) for pairs in self._all]
+        placed = self.followers.with_followers(W)
+        found = [pairs.find_free_shares(self._placed, placed) for pairs in self._all]
         blocked = [shares for shares in found if shares is not None]
         if blocked:
             return np.min(blocked, axis=0)
@@ -184,7 +184,7 @@ class Contact:
         self._is_ahead = True  # a new place of obstacles even where W is the start
         return None
 
-    def leads_to(self, W: np.ndarray, shifts: np.ndarray | None = None) -> bool:
+    def move_to(self, W: np.ndarray, shifts: np.ndarray | None = None) -> bool:
         """Go straight to ``W`` (n, 3); False, and stay, if something is in the way.
 
         Parameters
@@ -193,24 +193,24 @@ class Contact:
         shifts : (o, 3) float array, optional
             Where the obstacles go; without, they stay.
         """
-        start, before, self.examined = self.start, self.shifts, 0
+        start, before, self.examined_parts = self.start, self.shifts, 0
         if self._goes(W, before if shifts is None else shifts):
             return True
         if not self._goes(start, before):
-            self.enter(start, before)
+            self.start_at(start, before)
         return False
 
     def _goes(self, W: np.ndarray, shifts: np.ndarray) -> bool:
         """Go straight to ``W`` in parts, as far as the way is free."""
         start, before, done, part = self.start, self.shifts, 0.0, 1.0
         while done < 1.0:
-            self.examined += 1
+            self.examined_parts += 1
             share = min(1.0, done + part)
             end = W if share == 1.0 else start + share * (W - start)
-            self.send_obstacles(shifts if share == 1.0 else before + share * (shifts - before))
+            self.aim_obstacles(shifts if share == 1.0 else before + share * (shifts - before))
             shares = self._look_ahead(end)
             if shares is None:
-                self.go(end)
+                self.accept_shape(end)
                 done, part = done + part, 2.0 * part
             elif shares.min() == shares.max() and part > _SHORTEST:
                 part *= float(shares[0])
@@ -225,17 +225,17 @@ class Contact:
     def gradient(self, U: np.ndarray) -> np.ndarray:
         """A quarter of the gradient (n, 3) of the energy."""
         placed = self._placed_at(U)
-        g, self.touching, self.least = self._pairs.gradient(placed)
+        g, self.touching_pairs, self.least_gap = self._pairs.gradient(placed)
         for pairs in self.obstacles:
             more, touching, least = pairs.gradient(placed)
             g += more
-            self.touching, self.least = self.touching + touching, min(self.least, least)
+            self.touching_pairs, self.least_gap = self.touching_pairs + touching, min(self.least_gap, least)
         g *= self._stiffness
-        self.followers.pass_on(g)
+        self.followers.transfer_gradient(g)
         return g
 
     def _placed_at(self, U: np.ndarray) -> np.ndarray:
-        return self._placed_ahead if U is self._ahead else self.followers.carried(U)
+        return self._placed_ahead if U is self._ahead else self.followers.with_followers(U)
 
     @property
     def loads(self) -> np.ndarray:
@@ -261,15 +261,15 @@ class Contact:
         size = n + len(self.obstacles)
         return sp.coo_array((entries, (rows, columns)), shape=(size, size)).tocsr()[:n]
 
-    def send_obstacles(self, shifts: np.ndarray) -> None:
+    def aim_obstacles(self, shifts: np.ndarray) -> None:
         """Let obstacles go to ``shifts`` (o, 3) from their first places on the next way."""
         for pairs, shift in zip(self.obstacles, shifts, strict=True):
-            pairs.send(shift)
+            pairs.aim_at(shift)
 
-    def carried_along(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
+    def pushed_by_obstacles(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
         """``W`` (n, 3), with what is near obstacles at ``U`` pushed along with them."""
         for pairs in self.obstacles:
-            W = pairs.carried_along(U, W)
+            W = pairs.pushed_by_obstacle(U, W)
         return W
 
 

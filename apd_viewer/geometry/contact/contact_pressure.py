@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from apd_viewer.geometry.contact.contact import Contact
-from apd_viewer.geometry.contact.mesh_contact import contact_of
+from apd_viewer.geometry.contact.mesh_contact import mesh_contact
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import diagonal
@@ -37,17 +37,17 @@ class ContactPressure:
         shape, fixed = self._shape, np.flatnonzero(self._labels != FREE)
         held, first = np.unique(self._weld.inverse[fixed], return_index=True)
         handle_of = np.maximum(self._labels[fixed[first]].astype(np.int64) - HANDLE + 1, 0)
-        return contact_of(shape, held, handle_of, diagonal(shape.V[shape.F.ravel()]), self._thickness)
+        return mesh_contact(shape, held, handle_of, diagonal(shape.V[shape.F.ravel()]), self._thickness)
 
     @cached_property
     def _is_regarded(self) -> np.ndarray:
         """Mask of the vertices that are kept apart."""
         held = np.unique(self._weld.inverse[np.flatnonzero(self._labels != FREE)])
-        regarded = self._shape.moved_with(held)
-        regarded[self._contact.exempt] = False
+        regarded = self._shape.is_connected_to(held)
+        regarded[self._contact.exempt_vertices] = False
         return regarded
 
-    def at(self, U: np.ndarray) -> np.ndarray:
+    def relative_pressure(self, U: np.ndarray) -> np.ndarray:
         """Share (n,) of the largest pressure at ``U`` (n, 3).
 
         The pressure is the force of the gaps on a vertex over a third of the area around it. It is NaN where
@@ -55,7 +55,7 @@ class ContactPressure:
         """
         U, F = np.ascontiguousarray(U[self._weld.first]), self._shape.F
         with cores_for(len(U)):
-            self._contact.enter(U)
+            self._contact.start_at(U)
             force = np.linalg.norm(self._contact.gradient(U), axis=1)
             area = vertex_areas(U, F)
         pressure = np.divide(force, area, out=np.zeros(len(U)), where=area > 0.0)

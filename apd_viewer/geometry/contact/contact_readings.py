@@ -8,7 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.pose.frame import Touch
+from apd_viewer.geometry.pose.frame import FrameContact
 
 
 def contact_readings(contact: Contact, U: np.ndarray, shifts: np.ndarray) -> dict[str, Any]:
@@ -22,9 +22,11 @@ def contact_readings(contact: Contact, U: np.ndarray, shifts: np.ndarray) -> dic
     shifts : (o, 3) float array
         How far the obstacles have come.
     """
-    contact.go(U)
+    contact.accept_shape(U)
     contact.gradient(U)
-    least = float(contact.least) if contact.touching else None
-    carried = np.flatnonzero((contact.followers.together > 0).any(axis=0))
-    touch = Touch(int(contact.touching), least, len(np.union1d(contact.exempt, carried)))
+    least = float(contact.least_gap) if contact.touching_pairs else None
+    carried = np.flatnonzero((contact.followers.exempt_groups > 0).any(axis=0))
+    touch = FrameContact(
+        int(contact.touching_pairs), least, len(np.union1d(contact.exempt_vertices, carried))
+    )
     return {"contact": touch, "loads": frozen(contact.loads), "shifts": frozen(shifts.copy())}

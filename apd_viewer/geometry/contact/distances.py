@@ -108,10 +108,10 @@ def edge_edge(X: np.ndarray, a: int, b: int, c: int, d: int) -> tuple[float, flo
 
 
 @njit(cache=True, nogil=True)
-def gap(X: np.ndarray, pair: np.ndarray, edges: bool) -> tuple[float, float, float, float, float]:
+def gap(X: np.ndarray, pair: np.ndarray, is_edge_pair: bool) -> tuple[float, float, float, float, float]:
     """Distance of a pair (4,), and its four weights."""
     a, b, c, d = pair[0], pair[1], pair[2], pair[3]
-    if edges:
+    if is_edge_pair:
         q, s, t = edge_edge(X, a, b, c, d)
         return np.sqrt(q), 1.0 - s, s, t - 1.0, -t
     q, u, v, w = vertex_triangle(X, a, b, c, d)
@@ -119,9 +119,9 @@ def gap(X: np.ndarray, pair: np.ndarray, edges: bool) -> tuple[float, float, flo
 
 
 @parallel()
-def gaps(X: np.ndarray, pairs: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Distances (p,) of pairs (p, 4); ``edges`` (p,) tells the kind of each."""
+def gaps(X: np.ndarray, pairs: np.ndarray, is_edge_pair: np.ndarray) -> np.ndarray:
+    """Distances (p,) of pairs (p, 4); ``is_edge_pair`` (p,) tells the kind of each."""
     found = np.empty(len(pairs))
     for p in prange(len(pairs)):
-        found[p] = gap(X, pairs[p], edges[p])[0]
+        found[p] = gap(X, pairs[p], is_edge_pair[p])[0]
     return found

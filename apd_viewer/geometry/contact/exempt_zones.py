@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 _RINGS = 3
 
 
-def near_crossing(F: np.ndarray, crossing: np.ndarray, n: int) -> np.ndarray:
+def is_near_crossing(F: np.ndarray, crossing: np.ndarray, n: int) -> np.ndarray:
     """Mask (n,) of the vertices within a few rings of the ``crossing`` triangles (k,)."""
     near = np.zeros(n, bool)
     near[F[crossing]] = True
@@ -39,7 +39,7 @@ def exempt_zones(F: np.ndarray, pairs: np.ndarray | None, n: int) -> np.ndarray:
     """
     if pairs is None or not len(pairs):
         return np.zeros(n, np.int64)
-    near = near_crossing(F, pairs.ravel(), n)
+    near = is_near_crossing(F, pairs.ravel(), n)
     whole = F[near[F].all(axis=1)]
     a = np.concatenate([whole[:, 0], whole[:, 1], F[pairs[:, 0], 0]])
     b = np.concatenate([whole[:, 1], whole[:, 2], F[pairs[:, 1], 0]])
@@ -49,7 +49,7 @@ def exempt_zones(F: np.ndarray, pairs: np.ndarray | None, n: int) -> np.ndarray:
     return zone
 
 
-def within_zones(zone: np.ndarray) -> np.ndarray:
+def is_within_zone(zone: np.ndarray) -> np.ndarray:
     """Mask (p,) of pairs of triangles that share a zone, by their corners (p, 2, 3).
 
     At the rim a triangle of a zone is crossed by those with one corner in it.

@@ -41,7 +41,12 @@ def gap_curvature(d: float, h: float) -> float:
 
 @njit(cache=True, nogil=True)
 def gap_gradient(
-    U: np.ndarray, pairs: np.ndarray, edges: np.ndarray, low: np.ndarray, reach: np.ndarray, radius: float
+    U: np.ndarray,
+    pairs: np.ndarray,
+    is_edge_pair: np.ndarray,
+    low: np.ndarray,
+    reach: np.ndarray,
+    radius: float,
 ) -> tuple[np.ndarray, int, float]:
     """Gradient (n, 3) of the energy, number of pairs in touch, and least gap.
 
@@ -49,7 +54,7 @@ def gap_gradient(
     ----------
     U : (n, 3) float array
     pairs : (p, 4) int array
-    edges : (p,) bool array
+    is_edge_pair : (p,) bool array
     low, reach : (p,) float arrays
         Lower bound of each gap, and the range of its energy.
     radius : float
@@ -60,7 +65,7 @@ def gap_gradient(
     for p in range(len(pairs)):
         if low[p] >= reach[p]:
             continue
-        apart, wa, wb, wc, wd = gap(U, pairs[p], edges[p])
+        apart, wa, wb, wc, wd = gap(U, pairs[p], is_edge_pair[p])
         d = apart - radius
         if d >= reach[p]:
             continue
@@ -79,13 +84,13 @@ def gap_gradient(
 
 @njit(cache=True, nogil=True)
 def gap_springs(
-    U: np.ndarray, pairs: np.ndarray, edges: np.ndarray, reach: np.ndarray, most: float, radius: float
+    U: np.ndarray, pairs: np.ndarray, is_edge_pair: np.ndarray, reach: np.ndarray, most: float, radius: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Springs ``k w w^T`` that have the curvature of the energy in all directions.
 
     Parameters
     ----------
-    U, pairs, edges, reach, radius
+    U, pairs, is_edge_pair, reach, radius
         See :func:`gap_gradient`; of pairs that are in touch.
     most : float
         The largest k.
@@ -97,7 +102,7 @@ def gap_springs(
     """
     k, w = np.zeros(len(pairs)), np.zeros((len(pairs), 4))
     for p in range(len(pairs)):
-        apart, w[p, 0], w[p, 1], w[p, 2], w[p, 3] = gap(U, pairs[p], edges[p])
+        apart, w[p, 0], w[p, 1], w[p, 2], w[p, 3] = gap(U, pairs[p], is_edge_pair[p])
         d = apart - radius
         if d < reach[p]:
             k[p] = min(gap_curvature(d, reach[p]), most)

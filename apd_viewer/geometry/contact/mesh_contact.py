@@ -11,11 +11,11 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.followers import Followers
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.mesh.checked_arguments import check
+from apd_viewer.geometry.mesh.checked_arguments import check_argument
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.contact.obstacles import Obstacle
+    from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 
 # Walls keep this part of the diagonal of the bounding box apart, unless their thickness is known.
 _THICKNESS = 1e-3
@@ -23,8 +23,8 @@ _THICKNESS = 1e-3
 _THICKEST = 0.05
 
 
-def contact_of(
-    shape: SolveMesh,
+def mesh_contact(
+    solve_mesh: SolveMesh,
     fixed: np.ndarray,
     handle_of: np.ndarray,
     diagonal: float,
@@ -36,7 +36,7 @@ def contact_of(
 
     Parameters
     ----------
-    shape : SolveMesh
+    solve_mesh : SolveMesh
     fixed : (k,) int array
         Held vertices.
     handle_of : (k,) int array
@@ -54,18 +54,20 @@ def contact_of(
     InputError
         If walls are too thick.
     """
-    apart = thickness_of(diagonal, thickness)
-    together = np.zeros(len(shape.V), np.int64)
+    apart = contact_thickness(diagonal, thickness)
+    together = np.zeros(len(solve_mesh.V), np.int64)
     together[fixed] = handle_of + 1
-    held, F = shape.moved_with(fixed), shape.F
+    held, F = solve_mesh.is_connected_to(fixed), solve_mesh.F
     if followers is None:
         F = np.ascontiguousarray(F[held[F[:, 0]]])
     else:
-        together[~held] = handle_of.max(initial=0) + 2 + shape.piece[~held]
-    return Contact(shape.V, F, together, float(shape.L.diagonal().mean()), apart, followers, obstacles)
+        together[~held] = handle_of.max(initial=0) + 2 + solve_mesh.component[~held]
+    return Contact(
+        solve_mesh.V, F, together, float(solve_mesh.L.diagonal().mean()), apart, followers, obstacles
+    )
 
 
-def thickness_of(diagonal: float, thickness: float | None) -> float:
+def contact_thickness(diagonal: float, thickness: float | None) -> float:
     """Distance that walls keep, as asked for or by the diagonal, mesh units.
 
     Raises
@@ -75,7 +77,7 @@ def thickness_of(diagonal: float, thickness: float | None) -> float:
     """
     if thickness is None:
         return _THICKNESS * diagonal
-    check("thickness", thickness)
+    check_argument("thickness", thickness)
     if thickness > _THICKEST * diagonal:
         raise InputError(
             tr("The wall thickness must be at most {most:.3g} here; check the unit.").format(

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.contact.collision_times import examine
+from apd_viewer.geometry.contact.collision_times import detect_collisions
 from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
 from apd_viewer.geometry.contact.pair_search import PairSearch
 from apd_viewer.geometry.contact.patches import Patches
@@ -33,7 +33,7 @@ _FLOOR, _FLOOR_OF_RANGE, _FLOOR_OF_GAP = 5e-3, 0.1, 0.5
 
 
 class _Listed(NamedTuple):
-    """Listed pairs, by rows: see :class:`Found`.
+    """Listed pairs, by rows: see :class:`FoundPairs`.
 
     ``low`` bounds the gaps from below; ``reach`` is the range of their energy, ``floor`` the least gap.
     """
@@ -68,18 +68,18 @@ class NearPairs:
     V : (n, 3) float array
         Rest positions.
     F : (m, 3) int array
-    together : (z, n) int array
+    exempt_groups : (z, n) int array
         See :class:`PairSearch`.
     reach : float
         Range of the gap energy, mesh units.
 
     Attributes
     ----------
-    joined : int array
+    touching_at_rest : int array
         Vertices of the pairs found that touch at rest, as where a vertex hangs on an edge.
     """
 
-    def __init__(self, V: np.ndarray, F: np.ndarray, together: np.ndarray, reach: float) -> None:
+    def __init__(self, V: np.ndarray, F: np.ndarray, exempt_groups: np.ndarray, reach: float) -> None:
         self._reach = reach
         E = _edges(F, len(V))
         self.edges = E
@@ -90,23 +90,23 @@ class NearPairs:
         start, edges = self._patches.edges
         self._edges_of = np.add.reduceat(np.append(lengths[edges], 0.0), start[:-1])
         self._edges_of /= np.maximum(np.diff(start), 1)
-        self._search = PairSearch(V, F, E, self._patches, together, reach)
-        self.joined = np.zeros(0, np.int32)
-        self.enter(V)
+        self._search = PairSearch(V, F, E, self._patches, exempt_groups, reach)
+        self.touching_at_rest = np.zeros(0, np.int32)
+        self.rebuild_at(V)
 
-    def enter(self, U: np.ndarray) -> None:
+    def rebuild_at(self, U: np.ndarray) -> None:
         """List the pairs anew at ``U`` (n, 3)."""
         self._between, self._bound = np.zeros((0, 2), np.int64), np.zeros(0)
         self._listed = _Listed.none()
         self._paid_at, self._clearance = U, 0.0
         self._relist(U, self._usual)
-        self.examine(U, U)
-        self.accept()
+        self.find_free_shares(U, U)
+        self.accept_step()
 
-    def examine(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
+    def find_free_shares(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
         """Free shares (n,) of the way from ``U`` to ``W``; None if all is free.
 
-        ``U`` is the shape of the last :meth:`enter` or :meth:`accept`.
+        ``U`` is the shape of the last :meth:`rebuild_at` or :meth:`accept_step`.
         """
         self._within = 2.0 * _CORNER * largest_difference(W, self._paid_at) < self._clearance
         if self._within:
@@ -120,7 +120,7 @@ class NearPairs:
         pairs, bounds = (listed.pairs, listed.edges), (listed.low, listed.reach, listed.floor)
         motions, after = (self._approach, listed.owner), (self._low_after, share)
         margin = _MARGIN * self._edge
-        self._energy_after, blocked = examine(U, W, margin, *pairs, *bounds, *motions, *after, 0.0)
+        self._energy_after, blocked = detect_collisions(U, W, margin, *pairs, *bounds, *motions, *after, 0.0)
         if not blocked:
             return None
         shares, short = np.ones(len(U)), share < 1.0
@@ -132,7 +132,7 @@ class NearPairs:
         """Energy per stiffness at the end of the free way found last."""
         return self._energy_after
 
-    def accept(self) -> None:
+    def accept_step(self) -> None:
         """Go the free way found last."""
         if self._within:
             return
@@ -161,7 +161,7 @@ class NearPairs:
     def _pay(self, U: np.ndarray) -> None:
         """Take what the steps within the clearance have brought nearer from all bounds."""
         if U is not self._paid_at:
-            approach = self._patches.approaches(self._paid_at, U, self._between)
+            approach = self._patches.approach_bounds(self._paid_at, U, self._between)
             self._listed = self._listed._replace(low=self._listed.low - approach[self._listed.owner])
             self._bound = self._bound - approach
             self._paid_at, self._clearance = U, 0.0
@@ -176,7 +176,7 @@ class NearPairs:
             self._relist(U, needed)
             moved = 0.0
         self._moved_after = 2.0 * (moved + step)
-        self._approach = approach = self._patches.approaches(U, W, self._between)
+        self._approach = approach = self._patches.approach_bounds(U, W, self._between)
         left = self._bound - approach
         most = float(approach[left < 0.0].max(initial=0.0))
         if most > _FARTHEST * self._edge:
@@ -190,21 +190,21 @@ class NearPairs:
         rows = np.flatnonzero(short)
         approach, ahead = self._approach[rows], self._look_ahead[rows]
         beyond = approach + np.maximum(ahead, np.minimum(approach, 1.2 * ahead))
-        found, self._bound[rows] = self._search.near(U, self._between[rows], beyond)
+        found, self._bound[rows] = self._search.near_pairs(U, self._between[rows], beyond)
         apart = found.reach > 0.0
         if not apart.all():
-            self.joined = np.union1d(self.joined, found.pairs[~apart])
-            found = found.among(apart)
+            self.touching_at_rest = np.union1d(self.touching_at_rest, found.pairs[~apart])
+            found = found.subset(apart)
         floor = np.minimum(_FLOOR * self._reach, _FLOOR_OF_RANGE * found.reach)
         floor = np.minimum(floor, _FLOOR_OF_GAP * found.gap)
         owner = rows[found.owner].astype(np.int32)
-        new = _Listed(found.pairs, found.edges, owner, found.gap, found.reach, floor)
+        new = _Listed(found.pairs, found.is_edge_pair, owner, found.gap, found.reach, floor)
         self._listed = self._listed.among(~short[self._listed.owner]).and_also(new)
 
     def _relist(self, U: np.ndarray, beyond: float) -> None:
         """Find the pairs of near patches; their bounds and listed pairs stay known."""
         self._unseen = beyond
-        between, bound = self._patches.near(self._patches.boxes(U), self._reach + beyond)
+        between, bound = self._patches.near_pairs(self._patches.boxes(U), self._reach + beyond)
         bound -= self._reach
         old, new = self._key(self._between), self._key(between)
         if len(old):

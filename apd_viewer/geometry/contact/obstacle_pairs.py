@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.contact.clearance import clearance
-from apd_viewer.geometry.contact.collision_times import examine
+from apd_viewer.geometry.contact.collision_times import detect_collisions
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.contact.distances import gaps
 from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
-from apd_viewer.geometry.contact.obstacles import Obstacle
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 
 # In mean edges: pairs are listed that are so much beyond the range apart.
@@ -43,7 +43,7 @@ class ObstaclePairs:
     obstacle : Obstacle
     shift, shift_ahead : (3,) float arrays
         How far the obstacle is from its place, and where it goes on the next way.
-    points, ahead : (p, 3) float arrays
+    points, points_ahead : (p, 3) float arrays
         Its points there.
     energy_ahead : float
         Energy per stiffness at the end of the free way found last.
@@ -69,13 +69,13 @@ class ObstaclePairs:
 
     def _stand(self, shift: np.ndarray) -> None:
         self.shift = self.shift_ahead = shift
-        self.points = self.ahead = self.obstacle.points + shift
+        self.points = self.points_ahead = self.obstacle.points + shift
 
-    def send(self, shift: np.ndarray) -> None:
+    def aim_at(self, shift: np.ndarray) -> None:
         """Go to ``shift`` (3,) from its place on the next way."""
-        self.shift_ahead, self.ahead = shift, self.obstacle.points + shift
+        self.shift_ahead, self.points_ahead = shift, self.obstacle.points + shift
 
-    def enter(self, U: np.ndarray, shift: np.ndarray | None = None) -> None:
+    def rebuild_at(self, U: np.ndarray, shift: np.ndarray | None = None) -> None:
         """List the pairs anew at ``U`` (n, 3), and at ``shift`` (3,) if given.
 
         It must be clear of ``U``. What is nearer than steps go may stay as near.
@@ -85,12 +85,12 @@ class ObstaclePairs:
         self._bound = np.full(len(self._all), -np.inf)
         self._list(self._listed_at)
         self._floor = min(_FLOOR * self._reach, _LEFT * float(self._low.min(initial=np.inf)))
-        self.examine(U, U)
-        self.accept()
+        self.find_free_shares(U, U)
+        self.accept_step()
 
-    def examine(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
+    def find_free_shares(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
         """Free shares (n,) of the way from ``U`` to ``W``; None if all is free."""
-        X, Y = self._with(U, self.points), self._with(W, self.ahead)
+        X, Y = self._with(U, self.points), self._with(W, self.points_ahead)
         step = 2.0 * _CORNER * largest_difference(Y, X)
         if step > self._beyond:
             return np.full(len(U), 0.9 * self._beyond / step)
@@ -103,7 +103,7 @@ class ObstaclePairs:
             np.full(len(self._low), self._floor),
         )
         owner = np.zeros(len(self._low), np.int32)
-        self.energy_ahead, blocked = examine(
+        self.energy_ahead, blocked = detect_collisions(
             X, Y, _MARGIN * self._reach, self._pairs, self._edges, *bounds, np.array([step]), owner,
             self._low_after, share, self.obstacle.radius,
         )  # fmt: skip
@@ -113,9 +113,9 @@ class ObstaclePairs:
         np.minimum.at(shares, self._pairs[short].ravel(), np.repeat(share[short], 4))
         return shares[: len(U)]
 
-    def accept(self) -> None:
+    def accept_step(self) -> None:
         """Go the free way found last."""
-        self._low, self.points, self.shift = self._low_after, self.ahead, self.shift_ahead
+        self._low, self.points, self.shift = self._low_after, self.points_ahead, self.shift_ahead
 
     @property
     def may_touch(self) -> bool:
@@ -125,7 +125,7 @@ class ObstaclePairs:
     def gradient(self, U: np.ndarray) -> tuple[np.ndarray, int, float]:
         """Gradient (n, 3) of the energy per stiffness, pairs in touch, and least gap."""
         listed = self._pairs, self._edges, self._low, np.full(len(self._low), self._reach)
-        g, touching, least = gap_gradient(self._with(U, self.ahead), *listed, self.obstacle.radius)
+        g, touching, least = gap_gradient(self._with(U, self.points_ahead), *listed, self.obstacle.radius)
         self.force = g[len(U) :].sum(axis=0)
         return g[: len(U)], touching, least
 
@@ -136,15 +136,15 @@ class ObstaclePairs:
         k, w = gap_springs(self._with(U, self.points), *listed, most, self.obstacle.radius)
         return listed[0], k, w
 
-    def carried_along(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
+    def pushed_by_obstacle(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
         """``W`` (n, 3), pushed away by the obstacle as it goes ahead.
 
         What is next to the obstacle at ``U`` goes along with it, and farther vertices less and less.
         """
-        move = self.ahead[0] - self.points[0]
+        move = self.points_ahead[0] - self.points[0]
         if not move.any():
             return W
-        apart, outwards = self.obstacle.outwards(self.points, U)
+        apart, outwards = self.obstacle.distances_and_directions(self.points, U)
         share = np.clip(1.0 - (apart - self._reach) / (_CARRIED * float(np.linalg.norm(move))), 0.0, 1.0)
         wanted = share * np.maximum(outwards @ move, 0.0)
         # No more than that: what another obstacle pushes this way is not pushed back.

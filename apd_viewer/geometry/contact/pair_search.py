@@ -21,13 +21,13 @@ _OF_REST = 0.25
 _TOUCHES = 1e-9
 
 
-class Found(NamedTuple):
+class FoundPairs(NamedTuple):
     """Near pairs.
 
     Attributes
     ----------
     pairs : (p, 4) int array
-    edges : (p,) bool array
+    is_edge_pair : (p,) bool array
         True of two edges.
     owner : (p,) int array
         Row among the pairs of patches that were searched.
@@ -37,14 +37,14 @@ class Found(NamedTuple):
     """
 
     pairs: np.ndarray
-    edges: np.ndarray
+    is_edge_pair: np.ndarray
     owner: np.ndarray
     gap: np.ndarray
     reach: np.ndarray
 
-    def among(self, kept: np.ndarray) -> Found:
+    def subset(self, mask: np.ndarray) -> FoundPairs:
         """Rows of a mask."""
-        return Found(*(column[kept] for column in self))
+        return FoundPairs(*(column[mask] for column in self))
 
 
 class PairSearch:
@@ -57,7 +57,7 @@ class PairSearch:
     F : (m, 3) int array
     E : (e, 2) int array
     patches : Patches
-    together : (z, n) int array
+    exempt_groups : (z, n) int array
         Groups that vertices belong to, 0 for none, in each row: a pair all of whose vertices are in one
         group is left out. Numbers below 0 are of what a group leaves out besides, but not by itself.
     reach : float
@@ -70,18 +70,20 @@ class PairSearch:
         F: np.ndarray,
         E: np.ndarray,
         patches: Patches,
-        together: np.ndarray,
+        exempt_groups: np.ndarray,
         reach: float,
     ) -> None:
         self._V, self._F, self._E, self._patches = V, F, E, patches
-        self._together, self._reach = together, reach
+        self._together, self._reach = exempt_groups, reach
         self._touches = _TOUCHES * float(np.ptp(V, axis=0).max())
         self._capacity = _FIRST_CAPACITY
 
-    def near(self, U: np.ndarray, between: np.ndarray, beyond: np.ndarray) -> tuple[Found, np.ndarray]:
+    def near_pairs(
+        self, U: np.ndarray, patch_pairs: np.ndarray, margins: np.ndarray
+    ) -> tuple[FoundPairs, np.ndarray]:
         """Near pairs between pairs (k, 2) of patches, and bounds (k,) of all others.
 
-        Near are those whose gaps exceed their range by less than ``beyond`` (k,); the bounds are lower ones
+        Near are those whose gaps exceed their range by less than ``margins`` (k,); the bounds are lower ones
         of what the gaps of all others exceed theirs by.
         """
         patches, vertices = self._patches, np.arange(len(U))[:, None]
@@ -90,7 +92,7 @@ class PairSearch:
         )
         while True:
             *found, bound, count = _near(
-                self._V, U, between, self._reach, self._touches, beyond, *patches.reached,
+                self._V, U, patch_pairs, self._reach, self._touches, margins, *patches.covered_vertices,
                 *patches.vertices, vertices, *patches.edges, self._E, *patches.faces, self._F,
                 self._together, most, self._capacity, _TASKS,
             )  # fmt: skip
@@ -98,7 +100,7 @@ class PairSearch:
                 break
             self._capacity = int(1.5 * count.max())
         columns = (np.concatenate([part[k, : count[k]] for k in range(_TASKS)]) for part in found)
-        return Found(*columns), bound
+        return FoundPairs(*columns), bound
 
 
 @njit(cache=True, nogil=True)
@@ -134,9 +136,9 @@ def _gathered(
 
 
 @njit(cache=True, nogil=True)
-def _goes_together(together: np.ndarray, a: int, b: int, c: int, d: int) -> bool:
-    for z in range(len(together)):
-        p, q, r, s = together[z, a], together[z, b], together[z, c], together[z, d]
+def _goes_together(exempt_groups: np.ndarray, a: int, b: int, c: int, d: int) -> bool:
+    for z in range(len(exempt_groups)):
+        p, q, r, s = exempt_groups[z, a], exempt_groups[z, b], exempt_groups[z, c], exempt_groups[z, d]
         if p != 0 and abs(p) == abs(q) == abs(r) == abs(s) and max(p, q, r, s) > 0:
             return True
     return False
@@ -153,7 +155,7 @@ def _near(
     V: np.ndarray, U: np.ndarray, between: np.ndarray, reach: float, touches: float, beyond: np.ndarray,
     rstart: np.ndarray, ritem: np.ndarray, vstart: np.ndarray, vitem: np.ndarray, S: np.ndarray,
     estart: np.ndarray, eitem: np.ndarray, E: np.ndarray, fstart: np.ndarray, fitem: np.ndarray,
-    F: np.ndarray, together: np.ndarray, most: int, capacity: int, tasks: int,
+    F: np.ndarray, exempt_groups: np.ndarray, most: int, capacity: int, tasks: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
     """Pairs of every task, as many as there is room for, bounds, and their count."""
     pairs = np.empty((tasks, capacity, 4), np.int32)
@@ -186,7 +188,7 @@ def _near(
                     if (i == j and g <= f) or not boxes_within(A, x, B, y, r):
                         continue
                     c, d = E[g, 0], E[g, 1]
-                    if a in (c, d) or b in (c, d) or _goes_together(together, a, b, c, d):
+                    if a in (c, d) or b in (c, d) or _goes_together(exempt_groups, a, b, c, d):
                         continue
                     q = edge_edge(U, a, b, c, d)[0]
                     if q >= r * r:
@@ -211,7 +213,7 @@ def _near(
                         if (
                             not boxes_within(A, x, B, y, r)
                             or v in (a, b, c)
-                            or _goes_together(together, v, a, b, c)
+                            or _goes_together(exempt_groups, v, a, b, c)
                         ):
                             continue
                         q = vertex_triangle(U, v, a, b, c)[0]

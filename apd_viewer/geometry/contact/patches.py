@@ -23,14 +23,14 @@ _WORTH_THREADS = 2000
 _PORTION = 512
 
 
-class Grouped(NamedTuple):
+class PatchItems(NamedTuple):
     """Items of every patch: ``item[start[p] : start[p + 1]]``."""
 
     start: np.ndarray
     item: np.ndarray
 
     @classmethod
-    def of(cls, patch: np.ndarray, item: np.ndarray, count: int) -> Grouped:
+    def group(cls, patch: np.ndarray, item: np.ndarray, count: int) -> PatchItems:
         """Group items (k,) by their patch (k,)."""
         start = np.concatenate([[0], np.cumsum(np.bincount(patch, minlength=count))])
         return cls(start, item[np.argsort(patch, kind="stable")])
@@ -49,32 +49,32 @@ class Patches:
 
     Attributes
     ----------
-    used : int array
+    used_vertices : int array
         Vertices with triangles.
-    vertices, edges, faces : Grouped
+    vertices, edges, faces : PatchItems
         Those of every patch; an edge and a triangle belong to the patch of their first vertex.
-    reached : Grouped
+    covered_vertices : PatchItems
         Vertices of every patch and of its edges and triangles.
     """
 
     def __init__(self, V: np.ndarray, F: np.ndarray, E: np.ndarray) -> None:
-        self.used = np.unique(F)
-        own = _clustered(V[self.used])
+        self.used_vertices = np.unique(F)
+        own = _clustered(V[self.used_vertices])
         self._count = count = int(own.max()) + 1
         patch = np.zeros(len(V), np.int64)
-        patch[self.used] = own
-        self.vertices = Grouped.of(own, self.used, count)
-        self.edges = Grouped.of(patch[E[:, 0]], np.arange(len(E)), count)
-        self.faces = Grouped.of(patch[F[:, 0]], np.arange(len(F)), count)
+        patch[self.used_vertices] = own
+        self.vertices = PatchItems.group(own, self.used_vertices, count)
+        self.edges = PatchItems.group(patch[E[:, 0]], np.arange(len(E)), count)
+        self.faces = PatchItems.group(patch[F[:, 0]], np.arange(len(F)), count)
         who = np.concatenate([own, np.repeat(patch[E[:, 0]], 2), np.repeat(patch[F[:, 0]], 3)])
-        both = np.unique(who * len(V) + np.concatenate([self.used, E.ravel(), F.ravel()]))
-        self.reached = Grouped.of(both // len(V), both % len(V), count)
+        both = np.unique(who * len(V) + np.concatenate([self.used_vertices, E.ravel(), F.ravel()]))
+        self.covered_vertices = PatchItems.group(both // len(V), both % len(V), count)
 
     def boxes(self, U: np.ndarray) -> np.ndarray:
         """Bounding boxes (p, 6) at ``U`` (n, 3): lower corners, then upper ones."""
-        return _boxes(U, *self.reached)
+        return _boxes(U, *self.covered_vertices)
 
-    def near(self, boxes: np.ndarray, gap: float) -> tuple[np.ndarray, np.ndarray]:
+    def near_pairs(self, boxes: np.ndarray, gap: float) -> tuple[np.ndarray, np.ndarray]:
         """Pairs (k, 2) of patches with boxes within ``gap``, and their distances (k,).
 
         In ascending order; each patch makes a pair with itself.
@@ -87,9 +87,9 @@ class Patches:
         key = key[ascending]
         return np.column_stack([key >> 32, key & 0xFFFFFFFF]), apart[ascending]
 
-    def approaches(self, U: np.ndarray, W: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    def approach_bounds(self, U: np.ndarray, W: np.ndarray, pairs: np.ndarray) -> np.ndarray:
         """Upper bounds (k,) of the approach of pairs (k, 2) from ``U`` to ``W``."""
-        return _approaches(_motions(U, W, *self.reached), pairs)
+        return _approaches(_motions(U, W, *self.covered_vertices), pairs)
 
 
 def _clustered(X: np.ndarray) -> np.ndarray:

@@ -13,11 +13,16 @@ import numpy as np
 from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.linalg.quaternions import load_rotation, quaternion_to_matrix, store_rotation, turned
+from apd_viewer.geometry.linalg.quaternions import (
+    load_rotation,
+    quaternion_to_matrix,
+    rotated_vector,
+    store_rotation,
+)
 from apd_viewer.geometry.linalg.rotations import LANES, ROWS, fit_lanes
 from apd_viewer.geometry.linalg.threads import parallel, total
 
-FLAT = np.empty((0, 3, 3))
+NO_MOMENTS = np.empty((0, 3, 3))
 # Vertices per task of a core.
 _PORTION = 32 * LANES
 
@@ -99,7 +104,7 @@ def local_step(
                     energies[portion] += _cell_energy(i, start, neighbour, w, V, U, q)
 
 
-def portions(n: int) -> int:
+def portion_count(n: int) -> int:
     """Number of parts that ``n`` cells are divided into."""
     return (n + _PORTION - 1) // _PORTION
 
@@ -118,14 +123,14 @@ def _cell_energy(
     cell = 0.0
     for e in range(start[i], start[i + 1]):
         j = neighbour[e]
-        x, y, z = turned(q, i, V[i, 0] - V[j, 0], V[i, 1] - V[j, 1], V[i, 2] - V[j, 2])
+        x, y, z = rotated_vector(q, i, V[i, 0] - V[j, 0], V[i, 1] - V[j, 1], V[i, 2] - V[j, 2])
         a, b, c = U[i, 0] - U[j, 0] - x, U[i, 1] - U[j, 1] - y, U[i, 2] - U[j, 2] - z
         cell += w[e] * (a * a + b * b + c * c)
     return cell
 
 
 @njit(cache=True, nogil=True)
-def local_step_in_turn(
+def gauss_seidel_local_step(
     start: np.ndarray,
     neighbour: np.ndarray,
     w: np.ndarray,
@@ -155,7 +160,7 @@ def local_step_in_turn(
 
 
 @parallel(fastmath={"contract"})
-def pull(
+def right_hand_side(
     start: np.ndarray,
     neighbour: np.ndarray,
     w: np.ndarray,
@@ -163,33 +168,35 @@ def pull(
     LV: np.ndarray,
     q: np.ndarray,
     weight: float,
-    more: np.ndarray,
+    added: np.ndarray,
     mult: np.ndarray,
     forces: np.ndarray,
     rows: np.ndarray,
-    less: np.ndarray,
+    subtracted: np.ndarray,
 ) -> np.ndarray:
-    """Rows of ``b + more + sum_k mult_k forces_k - less``; grad E = 4 (L U - b).
+    """Rows of ``b + added + sum_k mult_k forces_k - subtracted``.
 
     ``b_i = weight * sum_j w_ij / 2 (R_i + R_j)(v_i - v_j)``; ``LV`` (n, 3) is the Laplacian of ``V``, what
-    R_i is applied to. ``more`` is (n, 3), or (0, 3) if it is nothing; ``forces`` (k, n, 3); ``rows`` (f,);
-    ``less`` and what is returned (f, 3).
+    R_i is applied to. ``added`` is (n, 3), or (0, 3) if it is nothing; ``forces`` (k, n, 3); ``rows`` (f,);
+    ``subtracted`` and what is returned (f, 3). The gradient of the energy is ``4 (L U - b)``.
     """
     half = 0.5 * weight
     out = np.empty((len(rows), 3))
     for r in prange(len(rows)):
         i = rows[r]
-        bx, by, bz = turned(q, i, LV[i, 0], LV[i, 1], LV[i, 2])
+        bx, by, bz = rotated_vector(q, i, LV[i, 0], LV[i, 1], LV[i, 2])
         vx, vy, vz = V[i, 0], V[i, 1], V[i, 2]
         for e in range(start[i], start[i + 1]):
             j = neighbour[e]
-            x, y, z = turned(q, j, w[e] * (vx - V[j, 0]), w[e] * (vy - V[j, 1]), w[e] * (vz - V[j, 2]))
+            x, y, z = rotated_vector(
+                q, j, w[e] * (vx - V[j, 0]), w[e] * (vy - V[j, 1]), w[e] * (vz - V[j, 2])
+            )
             bx += x
             by += y
             bz += z
-        bx, by, bz = half * bx - less[r, 0], half * by - less[r, 1], half * bz - less[r, 2]
-        if len(more):
-            bx, by, bz = bx + more[i, 0], by + more[i, 1], bz + more[i, 2]
+        bx, by, bz = half * bx - subtracted[r, 0], half * by - subtracted[r, 1], half * bz - subtracted[r, 2]
+        if len(added):
+            bx, by, bz = bx + added[i, 0], by + added[i, 1], bz + added[i, 2]
         for k in range(len(mult)):
             bx += mult[k] * forces[k, i, 0]
             by += mult[k] * forces[k, i, 1]
@@ -215,7 +222,7 @@ def energy(
 
 
 @parallel(fastmath={"contract"})
-def slope(
+def quarter_gradient(
     start: np.ndarray,
     neighbour: np.ndarray,
     w: np.ndarray,
@@ -227,16 +234,16 @@ def slope(
 ) -> np.ndarray:
     """A quarter of the gradient of Eq. 1 at ``rows``, (len(rows), 3).
 
-    ``sum_j w_ij ((u_i - u_j) - 1/2 (R_i + R_j)(v_i - v_j))``; ``LV`` is as in :func:`pull`.
+    ``sum_j w_ij ((u_i - u_j) - 1/2 (R_i + R_j)(v_i - v_j))``; ``LV`` is as in :func:`right_hand_side`.
     """
     out = np.empty((len(rows), 3))
     for r in prange(len(rows)):
         i = rows[r]
-        bx, by, bz = turned(q, i, LV[i, 0], LV[i, 1], LV[i, 2])
+        bx, by, bz = rotated_vector(q, i, LV[i, 0], LV[i, 1], LV[i, 2])
         a = b = c = 0.0
         for e in range(start[i], start[i + 1]):
             j = neighbour[e]
-            x, y, z = turned(
+            x, y, z = rotated_vector(
                 q, j, w[e] * (V[i, 0] - V[j, 0]), w[e] * (V[i, 1] - V[j, 1]), w[e] * (V[i, 2] - V[j, 2])
             )
             bx, by, bz = bx + x, by + y, bz + z

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from apd_viewer.geometry.linalg.parallel_ops import inner
-from apd_viewer.geometry.mesh.measures import SLIVER
+from apd_viewer.geometry.linalg.parallel_ops import inner_product
 from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.mesh.weighted_areas import SLIVER
 
 # Half of the weight left single triangles below a fifth of their area. A wall on its way to a smooth shape
 # passes shapes that are squeezed: acting from half of the area on, the penalty led it into dearer folds.
@@ -42,7 +42,7 @@ class AreaBarrier:
     def energy(self, U: np.ndarray) -> float:
         """The penalty at ``U`` (n, 3), square mesh units."""
         missing = self._collapsing(U)[1]
-        return float(self._weight * inner(missing, missing))
+        return float(self._weight * inner_product(missing, missing))
 
     def gradient(self, U: np.ndarray) -> np.ndarray:
         """Gradient at ``U`` (n, 3), (n, 3)."""

@@ -19,11 +19,11 @@ import scipy.sparse as sp
 from numba import prange
 
 from apd_viewer.geometry.energy.ring_weights import ring_weights
-from apd_viewer.geometry.linalg.quaternions import turned
+from apd_viewer.geometry.linalg.quaternions import rotated_vector
 from apd_viewer.geometry.linalg.threads import parallel, total
 from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian, well_shaped
-from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.mesh.weighted_areas import Patch
 
 # The larger a cotangent of a triangle, the more a displacement changes its gradient; with less weight it is
 # no stiffer than others.
@@ -50,7 +50,7 @@ class Bending:
         ``w_it`` of the corners.
     inverse : (n,) float array
         One over their sum around each vertex.
-    hats : (m, 3, 3) float array
+    hat_gradients : (m, 3, 3) float array
         Gradients of the hat functions of each triangle's corners.
     normals : (m, 3) float array
     mean : (n, 3, 3) float array
@@ -66,8 +66,8 @@ class Bending:
         cot, areas = cotangents(V, F), face_areas(V, F)
         sound = well_shaped(cot)
         part = np.where(sound, _SLENDER / np.maximum(np.abs(cot).max(axis=1), _SLENDER), 0.0)
-        self.hats, self.normals = _hats_and_normals(V, F, np.where(sound, areas, 0.0))
-        self.weight = ring_weights(V, patch, areas, part, self.normals, self.hats)
+        self.hat_gradients, self.normals = _hats_and_normals(V, F, np.where(sound, areas, 0.0))
+        self.weight = ring_weights(V, patch, areas, part, self.normals, self.hat_gradients)
         total = np.bincount(F.ravel(), self.weight.ravel(), minlength=n)
         self.inverse = np.divide(1.0, total, out=np.zeros(n), where=total > 0.0)
         self.per_curvature = np.sqrt(areas.sum() * np.bincount(F.ravel(), np.repeat(areas / 3.0, 3), n))
@@ -84,27 +84,27 @@ class Bending:
         rows, columns = (x.ravel().astype(np.int32) for x in (np.repeat(F, 3, axis=1), np.tile(F, 3)))
         D = sp.diags_array(self.inverse)
         for axis in range(3):
-            entries = (self.weight[:, :, None] * self.hats[:, None, :, axis]).ravel()
+            entries = (self.weight[:, :, None] * self.hat_gradients[:, None, :, axis]).ravel()
             M = sp.coo_array((entries, (rows, columns)), shape=(n, n)).tocsr()
             K = K - M.T @ D @ M
         return (0.5 * K).tocsr()
 
     def energy(self, U: np.ndarray, q: np.ndarray) -> float:
         """The energy at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
-        patch, D = self.patch, gradients(U, self.patch.F, self.hats)
+        patch, D = self.patch, gradients(U, self.patch.F, self.hat_gradients)
         rest = self.weight, self.inverse, self.mean, self.normals
         return float(_energy(patch.start, patch.corner, *rest, D, q))
 
     def moments(self, U: np.ndarray, scale: float) -> np.ndarray:
         """Bending part of ``S_i`` in the local step at ``U`` (n, 3), (n, 3, 3)."""
-        patch, D = self.patch, gradients(U, self.patch.F, self.hats)
+        patch, D = self.patch, gradients(U, self.patch.F, self.hat_gradients)
         return _moments(patch.start, patch.corner, self.weight, self.mean, D, scale)
 
-    def pull(self, q: np.ndarray, scale: float) -> np.ndarray:
+    def right_hand_side(self, q: np.ndarray, scale: float) -> np.ndarray:
         """Right-hand side for the rotations ``q`` (n, 4), times ``scale``, (n, 3)."""
         patch = self.patch
         tensions = _tensions(patch.F, self.weight, self.mean, 0.5 * scale, q)
-        return gathered(patch.start, patch.corner, self.hats, tensions)
+        return corner_sums(patch.start, patch.corner, self.hat_gradients, tensions)
 
 
 def _hats_and_normals(V: np.ndarray, F: np.ndarray, areas: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -121,7 +121,7 @@ def _hats_and_normals(V: np.ndarray, F: np.ndarray, areas: np.ndarray) -> tuple[
 
 
 @parallel(fastmath={"contract"})
-def gradients(U: np.ndarray, F: np.ndarray, hats: np.ndarray) -> np.ndarray:
+def gradients(U: np.ndarray, F: np.ndarray, hat_gradients: np.ndarray) -> np.ndarray:
     """``D_t = sum_c u_c g_c^T``, (m, 3, 3), g the gradients of the hat functions."""
     out = np.empty((len(F), 3, 3))
     for t in prange(len(F)):
@@ -129,7 +129,7 @@ def gradients(U: np.ndarray, F: np.ndarray, hats: np.ndarray) -> np.ndarray:
         for a in range(3):
             x, y = U[j, a] - U[i, a], U[k, a] - U[i, a]
             for b in range(3):
-                out[t, a, b] = x * hats[t, 1, b] + y * hats[t, 2, b]
+                out[t, a, b] = x * hat_gradients[t, 1, b] + y * hat_gradients[t, 2, b]
     return out
 
 
@@ -177,14 +177,14 @@ def _energy(
                     for b in range(3):
                         d[a, b] += share * D[t, a, b]
             for b in range(3):
-                x, y, z = turned(q, i, mean[i, 0, b], mean[i, 1, b], mean[i, 2, b])
+                x, y, z = rotated_vector(q, i, mean[i, 0, b], mean[i, 1, b], mean[i, 2, b])
                 d[0, b] += x
                 d[1, b] += y
                 d[2, b] += z
             own = 0.0
             for e in range(start[i], start[i + 1]):
                 t, c = corner[e] // 3, corner[e] % 3
-                x, y, z = turned(q, i, normals[t, 0], normals[t, 1], normals[t, 2])
+                x, y, z = rotated_vector(q, i, normals[t, 0], normals[t, 1], normals[t, 2])
                 change = 0.0
                 for b in range(3):
                     n = normals[t, b]
@@ -204,7 +204,7 @@ def _tensions(F: np.ndarray, weight: np.ndarray, mean: np.ndarray, scale: float,
         for c in range(3):
             i, w = F[t, c], scale * weight[t, c]
             for b in range(3):
-                x, y, z = turned(q, i, mean[i, 0, b], mean[i, 1, b], mean[i, 2, b])
+                x, y, z = rotated_vector(q, i, mean[i, 0, b], mean[i, 1, b], mean[i, 2, b])
                 out[t, 0, b] += w * x
                 out[t, 1, b] += w * y
                 out[t, 2, b] += w * z
@@ -212,14 +212,16 @@ def _tensions(F: np.ndarray, weight: np.ndarray, mean: np.ndarray, scale: float,
 
 
 @parallel(fastmath={"contract"})
-def gathered(start: np.ndarray, corner: np.ndarray, hats: np.ndarray, T: np.ndarray) -> np.ndarray:
+def corner_sums(
+    start: np.ndarray, corner: np.ndarray, hat_gradients: np.ndarray, T: np.ndarray
+) -> np.ndarray:
     """``sum_t T_t g_t`` at every vertex, (n, 3), g the gradient of its hat function."""
     out = np.empty((len(start) - 1, 3))
     for i in prange(len(out)):
         x = y = z = 0.0
         for e in range(start[i], start[i + 1]):
             t, c = corner[e] // 3, corner[e] % 3
-            gx, gy, gz = hats[t, c, 0], hats[t, c, 1], hats[t, c, 2]
+            gx, gy, gz = hat_gradients[t, c, 0], hat_gradients[t, c, 1], hat_gradients[t, c, 2]
             x += T[t, 0, 0] * gx + T[t, 0, 1] * gy + T[t, 0, 2] * gz
             y += T[t, 1, 0] * gx + T[t, 1, 1] * gy + T[t, 1, 2] * gz
             z += T[t, 2, 0] * gx + T[t, 2, 1] * gy + T[t, 2, 2] * gz

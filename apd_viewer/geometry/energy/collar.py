@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import KDTree
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 
 # Rings of triangles around the free vertices: bending reaches so far.
@@ -24,13 +24,13 @@ class Collar:
 
     Parameters
     ----------
-    elastic : Elastic
+    elastic : ElasticSurface
         The whole surface; it is not touched.
     width : float
         The distance, mesh units.
     """
 
-    def __init__(self, elastic: Elastic, width: float) -> None:
+    def __init__(self, elastic: ElasticSurface, width: float) -> None:
         V, F = elastic.rest.V, elastic.rest.F
         held = np.zeros(len(V), dtype=bool)
         held[elastic.fixed] = True
@@ -39,7 +39,7 @@ class Collar:
         solved = np.isfinite(away) & ~held
         self._part = self._vertices = None
         if 0 < solved.sum() <= _MOST:
-            self._part, self._vertices = _part(elastic, solved)
+            self._part, self._vertices = _subsurface(elastic, solved)
 
     def smoothed(self, U: np.ndarray) -> np.ndarray:
         """The positions ``U`` (n, 3) after an iteration of the collar."""
@@ -53,7 +53,7 @@ class Collar:
         return smoothed
 
 
-def _part(elastic: Elastic, solved: np.ndarray) -> tuple[Elastic, np.ndarray]:
+def _subsurface(elastic: ElasticSurface, solved: np.ndarray) -> tuple[ElasticSurface, np.ndarray]:
     """Surface around the vertices ``solved`` (n,) bool, and its vertices in the whole."""
     rest, near = elastic.rest, solved.copy()
     F = rest.F
@@ -65,4 +65,4 @@ def _part(elastic: Elastic, solved: np.ndarray) -> tuple[Elastic, np.ndarray]:
     # Both are in proportion to the area of the mesh.
     growth, material = rest.vertex_areas.sum() / shape.vertex_areas.sum(), elastic.material
     material = replace(material, bending=growth * material.bending, coupling=growth * material.coupling)
-    return Elastic(shape, np.flatnonzero(~solved[vertices]), material), vertices
+    return ElasticSurface(shape, np.flatnonzero(~solved[vertices]), material), vertices

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import prange
 
-from apd_viewer.geometry.linalg.quaternions import turned
+from apd_viewer.geometry.linalg.quaternions import rotated_vector
 from apd_viewer.geometry.linalg.threads import parallel, total
 
 if TYPE_CHECKING:
@@ -33,12 +33,12 @@ class CreasedCells:
     rest : SolveMesh
     creased : (n,) bool array
         Vertices around which there are creases.
-    kept : (m, 3, 3, 3) float array
+    committed_flow : (m, 3, 3, 3) float array
         For every corner of a triangle, what a crease adds to the gradient of its positions, seen from that
         vertex.
     """
 
-    def __init__(self, rest: SolveMesh, creased: np.ndarray, kept: np.ndarray) -> None:
+    def __init__(self, rest: SolveMesh, creased: np.ndarray, committed_flow: np.ndarray) -> None:
         self._creased = creased.copy()
         self._start, self._neighbour, self._w = rest.graph
         n, F = len(rest.V), rest.F
@@ -54,7 +54,7 @@ class CreasedCells:
             for other in (F[:, (c + 1) % 3], F[:, (c + 2) % 3]):
                 at = order[np.searchsorted(keys, F[:, c].astype(np.int64) * n + other)]
                 along = rest.V[other] - rest.V[F[:, c]]
-                np.add.at(bent, at, np.einsum("tab,tb->ta", kept[:, c], along))
+                np.add.at(bent, at, np.einsum("tab,tb->ta", committed_flow[:, c], along))
                 np.add.at(count, at, 1.0)
         new = edges + bent / np.maximum(count, 1.0)[:, None]
         longer = np.linalg.norm(new, axis=1) / np.maximum(np.linalg.norm(edges, axis=1), _TINY)
@@ -69,7 +69,7 @@ class CreasedCells:
         """Add ``scale sum_j w_ij (u_i - u_j) d_ij^T`` to ``S`` (n, 3, 3)."""
         _add_moments(self._start, self._neighbour, self._w, self._d, self._creased, U, scale, S)
 
-    def add_pull(self, b: np.ndarray, q: np.ndarray, scale: float) -> None:
+    def add_right_hand_side(self, b: np.ndarray, q: np.ndarray, scale: float) -> None:
         """Add ``scale / 2 sum_j w_ij (R_i d_ij - R_j d_ji)`` to ``b`` (n, 3)."""
         _add_pull(
             self._start, self._neighbour, self._back, self._w, self._d, self._creased, 0.5 * scale, q, b
@@ -96,7 +96,7 @@ def _energy(
             own = 0.0
             for e in range(start[i], start[i + 1]):
                 j = neighbour[e]
-                x, y, z = turned(q, i, d[e, 0], d[e, 1], d[e, 2])
+                x, y, z = rotated_vector(q, i, d[e, 0], d[e, 1], d[e, 2])
                 a, b, c = U[i, 0] - U[j, 0], U[i, 1] - U[j, 1], U[i, 2] - U[j, 2]
                 rest = d[e, 0] * (d[e, 0] + 2.0 * v[e, 0])
                 rest += d[e, 1] * (d[e, 1] + 2.0 * v[e, 1]) + d[e, 2] * (d[e, 2] + 2.0 * v[e, 2])
@@ -143,12 +143,12 @@ def _add_pull(
         for e in range(start[i], start[i + 1]):
             j, f, weight = neighbour[e], back[e], half * w[e]
             if creased[i]:
-                x, y, z = turned(q, i, d[e, 0], d[e, 1], d[e, 2])
+                x, y, z = rotated_vector(q, i, d[e, 0], d[e, 1], d[e, 2])
                 out[i, 0] += weight * x
                 out[i, 1] += weight * y
                 out[i, 2] += weight * z
             if creased[j]:
-                x, y, z = turned(q, j, d[f, 0], d[f, 1], d[f, 2])
+                x, y, z = rotated_vector(q, j, d[f, 0], d[f, 1], d[f, 2])
                 out[i, 0] -= weight * x
                 out[i, 1] -= weight * y
                 out[i, 2] -= weight * z

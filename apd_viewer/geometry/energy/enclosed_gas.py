@@ -13,7 +13,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.checked_arguments import check
+from apd_viewer.geometry.mesh.checked_arguments import check_argument
 from apd_viewer.language import tr
 
 
@@ -33,20 +33,20 @@ class EnclosedGas:
     """
 
     def __init__(self, rest: RestMesh, amount: float) -> None:
-        check("gas", amount)
+        check_argument("gas", amount)
         volume = rest.volume if rest.caps is None else rest.volume_capped
         if not volume:
             raise InputError(tr("The mesh encloses no gas: cap it, or press it without."))
-        self._patch, self._caps, self._first = rest.shape.whole, rest.caps, volume
+        self._patch, self._caps, self._first = rest.solve_mesh.all_triangles, rest.caps, volume
         self._amount = amount * rest.area
 
-    def ratio(self, U: np.ndarray) -> float:
+    def volume_ratio(self, U: np.ndarray) -> float:
         """Volume at ``U`` (n, 3) over that at rest."""
         return self._volume_and_gradient(U)[0] / self._first
 
     def energy(self, U: np.ndarray) -> float:
         """The energy at ``U`` (n, 3), square mesh units; infinite without a volume."""
-        ratio = self.ratio(U)
+        ratio = self.volume_ratio(U)
         return self._amount * (ratio - 1.0 - float(np.log(ratio))) if ratio > 0.0 else np.inf
 
     def gradient(self, U: np.ndarray) -> np.ndarray:

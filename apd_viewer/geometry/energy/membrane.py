@@ -20,7 +20,7 @@ from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.quaternions import quaternion_to_matrix
 from apd_viewer.geometry.linalg.threads import parallel, total
 from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian, well_shaped
-from apd_viewer.geometry.mesh.measures import Patch
+from apd_viewer.geometry.mesh.weighted_areas import Patch
 
 _NEWTON_STEPS = 20
 # Triangles per task of a core.
@@ -169,10 +169,10 @@ class Membrane:
         weights = self.shear, self.area
         self.energy = float(_forces(self.patch.F, self.rest, self._cot, U, *weights, self._forces))
 
-    def turn(self, turns: np.ndarray) -> None:
-        """Turn the projections by ``turns`` (n, 4), unit quaternions at the vertices."""
-        _turn(self.patch.F, turns, self._forces)
+    def rotate_projections(self, rotations: np.ndarray) -> None:
+        """Turn the projections by ``rotations`` (n, 4), unit quaternions at the vertices."""
+        _turn(self.patch.F, rotations, self._forces)
 
-    def pull(self) -> np.ndarray:
+    def right_hand_side(self) -> np.ndarray:
         """Right-hand side of the projections, (n, 3): ``grad E = 4 (K U - pull)``."""
         return _gathered(self.patch.start, self.patch.corner, self._forces)

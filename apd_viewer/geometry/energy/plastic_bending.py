@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.energy import plastic_kernels as kernels
-from apd_viewer.geometry.energy.bending import gathered, gradients
+from apd_viewer.geometry.energy.bending import corner_sums, gradients
 from apd_viewer.geometry.energy.creased_cells import CreasedCells
-from apd_viewer.geometry.linalg.parallel_ops import inner
+from apd_viewer.geometry.linalg.parallel_ops import inner_product
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.solve_mesh import SolveMesh
@@ -43,9 +43,10 @@ class PlasticBending:
 
     Attributes
     ----------
-    kept : (m, 3, 3, 3) or (0, 3, 3, 3) float array
-        For every corner, what flow has added to ``P_t - mean_i P``; empty before the first :meth:`keep`.
-    dissipated : float
+    committed_flow : (m, 3, 3, 3) or (0, 3, 3, 3) float array
+        For every corner, what flow has added to ``P_t - mean_i P``; empty before
+        the first :meth:`commit_flow`.
+    dissipated_energy : float
         Energy that flow has taken.
     """
 
@@ -53,11 +54,11 @@ class PlasticBending:
         self._rest, self._rigidity = rest, rigidity
         self.bending, self.K = rest.bending, rest.bending.K
         self._bound = yield_curvature * self.bending.per_curvature
-        self.kept, self.dissipated = _NONE, 0.0
+        self.committed_flow, self.dissipated_energy = _NONE, 0.0
         self._cells: CreasedCells | None = None
         self._creased = np.zeros(len(self._bound), bool)
         self._elastic = np.ones(len(self._bound))
-        self._U, self._D = rest.V, gradients(rest.V, self.bending.patch.F, self.bending.hats)
+        self._U, self._D = rest.V, gradients(rest.V, self.bending.patch.F, self.bending.hat_gradients)
         self._forget()
 
     def _forget(self) -> None:
@@ -67,54 +68,56 @@ class PlasticBending:
         """Energy at ``U`` (n, 3), rotations ``q`` (n, 4), and all that flow has taken."""
         sizes = self._changes(U, q)
         stored = np.minimum(sizes, self._bound)
-        E = inner(stored, 2.0 * sizes - stored) + self.dissipated
+        E = inner_product(stored, 2.0 * sizes - stored) + self.dissipated_energy
         return E + self._rigidity * self._cells.energy(U, q) if self._cells else E
 
     def moments(self, U: np.ndarray, scale: float) -> np.ndarray:
         """Bending part of ``S_i`` in the local step at ``U`` (n, 3), (n, 3, 3)."""
         b = self.bending
         ring = b.patch.start, b.patch.corner, b.weight, b.mean
-        S = kernels.moments(*ring, self._creased, self.kept, self._gradients(U), scale * self._elastic)
+        S = kernels.moments(
+            *ring, self._creased, self.committed_flow, self._gradients(U), scale * self._elastic
+        )
         if self._cells:
             self._cells.add_moments(S, U, scale * self._rigidity)
         return S
 
-    def follow(self, U: np.ndarray, q: np.ndarray) -> None:
+    def update_flow(self, U: np.ndarray, q: np.ndarray) -> None:
         """Let the rings flow as they would at ``U`` (n, 3), rotations ``q`` (n, 4)."""
         sizes = self._changes(U, q)
         self._elastic = np.divide(self._bound, sizes, out=np.ones(len(sizes)), where=sizes > self._bound)
 
-    def pull(self, q: np.ndarray, scale: float) -> np.ndarray:
+    def right_hand_side(self, q: np.ndarray, scale: float) -> np.ndarray:
         """Right-hand side for rotations ``q`` (n, 4) and the last flow, (n, 3)."""
         b = self.bending
-        rest = b.patch.F, b.weight, b.mean, self._creased, self.kept
+        rest = b.patch.F, b.weight, b.mean, self._creased, self.committed_flow
         tensions = kernels.tensions(*rest, self._elastic, self._D, self._means, 0.5 * scale, q)
-        pull = gathered(b.patch.start, b.patch.corner, b.hats, tensions)
+        pull = corner_sums(b.patch.start, b.patch.corner, b.hat_gradients, tensions)
         if self._cells:
-            self._cells.add_pull(pull, q, scale * self._rigidity)
+            self._cells.add_right_hand_side(pull, q, scale * self._rigidity)
         return pull
 
-    def keep(self, U: np.ndarray, q: np.ndarray) -> None:
+    def commit_flow(self, U: np.ndarray, q: np.ndarray) -> None:
         """Make the flow at ``U`` (n, 3) with the rotations ``q`` (n, 4) last."""
         b, E = self.bending, self.energy(U, q)
-        self.follow(U, q)
+        self.update_flow(U, q)
         flowing = 1.0 - self._elastic
         if not flowing.any():
             return
-        if not len(self.kept):
-            self.kept = np.zeros((len(b.patch.F), 3, 3, 3), np.float32)
+        if not len(self.committed_flow):
+            self.committed_flow = np.zeros((len(b.patch.F), 3, 3, 3), np.float32)
         ring = b.patch.start, b.patch.corner, b.mean, b.normals
         self._creased |= flowing > 0.0
-        kernels.add_flow(*ring, self._D, self._means, q, flowing, self._creased, self.kept)
-        self._cells = CreasedCells(self._rest, self._creased, self.kept)
+        kernels.add_flow(*ring, self._D, self._means, q, flowing, self._creased, self.committed_flow)
+        self._cells = CreasedCells(self._rest, self._creased, self.committed_flow)
         self._forget()
-        self.follow(U, q)
-        self.dissipated += E - self.energy(U, q)
+        self.update_flow(U, q)
+        self.dissipated_energy += E - self.energy(U, q)
 
     def _gradients(self, U: np.ndarray) -> np.ndarray:
         """``D_t`` at ``U`` (n, 3), (m, 3, 3)."""
         if U is not self._U:
-            self._U, self._D = U, gradients(U, self.bending.patch.F, self.bending.hats)
+            self._U, self._D = U, gradients(U, self.bending.patch.F, self.bending.hat_gradients)
             self._forget()
         return self._D
 
@@ -124,5 +127,5 @@ class PlasticBending:
         if not np.array_equal(q, self._q):
             self._q, self._means, self._sizes = q.copy(), np.empty((len(q), 3, 3)), np.empty(len(q))
             ring = b.patch.start, b.patch.corner, b.weight, b.inverse, b.mean, b.normals
-            kernels.change_sizes(*ring, self._creased, self.kept, D, q, self._means, self._sizes)
+            kernels.change_sizes(*ring, self._creased, self.committed_flow, D, q, self._means, self._sizes)
         return self._sizes

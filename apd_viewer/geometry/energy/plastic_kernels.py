@@ -6,7 +6,7 @@ import numpy as np
 from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.linalg.quaternions import turned
+from apd_viewer.geometry.linalg.quaternions import rotated_vector
 from apd_viewer.geometry.linalg.threads import parallel
 
 
@@ -40,7 +40,7 @@ def change_sizes(
             t, c = corner[e] // 3, corner[e] % 3
             for b in range(3):
                 x, y, z = _target(mean, normals, creased, kept, i, t, c, b)
-                x, y, z = turned(q, i, x, y, z)
+                x, y, z = rotated_vector(q, i, x, y, z)
                 own += weight[t, c] * (
                     (D[t, 0, b] - d[0, b] - x) ** 2
                     + (D[t, 1, b] - d[1, b] - y) ** 2
@@ -126,7 +126,7 @@ def tensions(
                 x, y, z = mean[i, 0, b], mean[i, 1, b], mean[i, 2, b]
                 if creased[i]:
                     x, y, z = x + kept[t, c, 0, b], y + kept[t, c, 1, b], z + kept[t, c, 2, b]
-                x, y, z = turned(q, i, x, y, z)
+                x, y, z = rotated_vector(q, i, x, y, z)
                 out[t, 0, b] += drawn * x
                 out[t, 1, b] += drawn * y
                 out[t, 2, b] += drawn * z
@@ -158,7 +158,9 @@ def add_flow(
                 for b in range(3):
                     x, y, z = _target(mean, normals, creased, kept, i, t, c, b)
                     d, m = D[t], means[i]
-                    dx, dy, dz = turned(back, i, d[0, b] - m[0, b], d[1, b] - m[1, b], d[2, b] - m[2, b])
+                    dx, dy, dz = rotated_vector(
+                        back, i, d[0, b] - m[0, b], d[1, b] - m[1, b], d[2, b] - m[2, b]
+                    )
                     kept[t, c, 0, b] += flowing[i] * (dx - x)
                     kept[t, c, 1, b] += flowing[i] * (dy - y)
                     kept[t, c, 2, b] += flowing[i] * (dz - z)

@@ -59,7 +59,7 @@ class ProjectedHessian:
         self._constant[np.searchsorted(keys, entries.row * np.int64(f) + entries.col)] = entries.data
         self._elimination = BlockPattern(V[free], self.start, self.column)
 
-    def at(self, U: np.ndarray, least: float = 0.0) -> np.ndarray:
+    def blocks_at(self, U: np.ndarray, least: float = 0.0) -> np.ndarray:
         """Blocks of the matrix at ``U`` (n, 3), (e, 3, 3) float array.
 
         Parameters
@@ -75,6 +75,6 @@ class ProjectedHessian:
         membrane_hessian.add_blocks(self._free, *corners, self._slot, rest, modes, blocks)
         return blocks
 
-    def factored_at(self, U: np.ndarray) -> BlockFactor:
+    def factor_at(self, U: np.ndarray) -> BlockFactor:
         """Factor of the positive definite matrix at ``U`` (n, 3)."""
-        return self._elimination.factor(self.at(U))
+        return self._elimination.factor(self.blocks_at(U))

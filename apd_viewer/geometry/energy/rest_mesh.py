@@ -11,13 +11,13 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.arrays import diagonal, far_centre, mesh_arrays
-from apd_viewer.geometry.mesh.decimation import Thinning
+from apd_viewer.geometry.mesh.arrays import diagonal, local_origin, mesh_arrays
+from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
-from apd_viewer.geometry.mesh.measures import SLIVER, area_volume_change
-from apd_viewer.geometry.mesh.operators import face_areas, why_no_volume
+from apd_viewer.geometry.mesh.operators import face_areas, missing_volume_reason
 from apd_viewer.geometry.mesh.seams import Seams
-from apd_viewer.geometry.mesh.weld import SEAM, Weld
+from apd_viewer.geometry.mesh.weighted_areas import SLIVER, area_volume_change
+from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, Weld
 from apd_viewer.language import tr
 
 
@@ -53,8 +53,8 @@ class RestMesh:
     F : (m, 3) int array, triangles
     weld : Weld, optional
         The maps to the vertices of the solve, where they are known already.
-    thinnings : sequence of Thinning
-        Of :attr:`shape` and of those thinner, as far as they are known already.
+    decimations : sequence of Decimation
+        Of :attr:`solve_mesh` and of those thinner, as far as they are known already.
 
     Attributes
     ----------
@@ -65,15 +65,15 @@ class RestMesh:
     """
 
     def __init__(
-        self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None, thinnings: Sequence[Thinning] = ()
+        self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None, decimations: Sequence[Decimation] = ()
     ) -> None:
         used = np.zeros(len(V), dtype=bool)
         used[F.ravel()] = True
-        self.centre = far_centre(V[used])
+        self.centre = local_origin(V[used])
         self.F, self._is_far = F, bool(self.centre.any())
-        weld = weld or Weld.of(V, F)
-        self.V = V = self.local(V)
-        self.weld = Weld.between(V, weld.first, weld.inverse) if self._is_far else weld
+        weld = weld or Weld.from_positions(V, F)
+        self.V = V = self.to_local(V)
+        self.weld = Weld.from_maps(V, weld.first, weld.inverse) if self._is_far else weld
         self.face_areas = face_areas(V, F)
         self.area = float(self.face_areas.sum())
         if self.area <= 0.0:
@@ -82,49 +82,49 @@ class RestMesh:
             raise InputError(
                 tr("The coordinates are too large to compute with; choose a larger unit of length.")
             )
-        self.shape = SolveMesh(V[self.weld.first], self.weld.inverse[F], thinnings)
+        self.solve_mesh = SolveMesh(V[self.weld.first], self.weld.inverse[F], decimations)
         self.diagonal = diagonal(V[used])
 
-    def local(self, X: np.ndarray) -> np.ndarray:
+    def to_local(self, X: np.ndarray) -> np.ndarray:
         """Positions ``X`` (k, 3) of the mesh's own coordinates, relative to the centre."""
         return X - self.centre if self._is_far else X
 
-    def placed(self, X: np.ndarray) -> np.ndarray:
+    def from_local(self, X: np.ndarray) -> np.ndarray:
         """Local positions ``X`` (k, 3) in the mesh's own coordinates."""
         return X + self.centre if self._is_far else X
 
     @classmethod
-    def of(cls, V: object, F: object, weld: bool = False) -> RestMesh:
+    def from_arrays(cls, V: object, F: object, weld: bool = False) -> RestMesh:
         """Rest mesh of a caller's arrays, checked; with ``weld`` its seams are welded."""
         V, F = mesh_arrays(V, F)
-        return cls(V, F, Weld.of(V, F, SEAM) if weld else None)
+        return cls(V, F, Weld.from_positions(V, F, SEAM_TOLERANCE) if weld else None)
 
     @property
-    def in_place(self) -> float:
+    def in_place_tolerance(self) -> float:
         """Tolerance of held vertices in place, mesh units."""
-        return self.weld.in_place(self.diagonal)
+        return self.weld.in_place_tolerance(self.diagonal)
 
     @cached_property
     def seams(self) -> Seams:
         """Boundary edges on others without being joined."""
-        return Seams.of(self.V, self.F, self.weld)
+        return Seams.from_mesh(self.V, self.F, self.weld)
 
     @cached_property
-    def why_no_volume(self) -> str | None:
+    def missing_volume_reason(self) -> str | None:
         """Reason for a missing volume, as a phrase; None if there is one."""
-        return why_no_volume(self.shape.F, len(self.shape.V))
+        return missing_volume_reason(self.solve_mesh.F, len(self.solve_mesh.V))
 
     @cached_property
     def volume(self) -> float | None:
         """Enclosed volume at rest; None if the mesh is not closed."""
-        with cores_for(len(self.shape.V)):
-            return self.measure(self.shape.V).volume
+        with cores_for(len(self.solve_mesh.V)):
+            return self.measure(self.solve_mesh.V).volume
 
     @cached_property
     def caps(self) -> Caps | None:
         """Caps of its openings; None if there are none, or they would not close the mesh."""
-        caps = Caps.of(self.shape.F, len(self.shape.V))
-        return caps if capped_volume(caps, self.shape.V, self.shape.F) is not None else None
+        caps = Caps.from_triangles(self.solve_mesh.F, len(self.solve_mesh.V))
+        return caps if capped_volume(caps, self.solve_mesh.V, self.solve_mesh.F) is not None else None
 
     @property
     def openings(self) -> int:
@@ -134,20 +134,20 @@ class RestMesh:
     @cached_property
     def volume_capped(self) -> float | None:
         """Rest volume with flat caps over the openings; None if not enclosed."""
-        with cores_for(len(self.shape.V)):
-            return self.measure(self.shape.V).volume_capped
+        with cores_for(len(self.solve_mesh.V)):
+            return self.measure(self.solve_mesh.V).volume_capped
 
     def measure(self, U: np.ndarray) -> ShapeMeasures:
         """Readings of the positions ``U`` (k, 3) of the vertices of the solve."""
         least = SLIVER * self.area / len(self.F)
-        F, caps = self.shape.whole.F, self.caps
+        F, caps = self.solve_mesh.all_triangles.F, self.caps
         area, volume, change = area_volume_change(U, F, self.face_areas, least)
         capped = None if caps is None else float(volume) + caps.volume(U, U[F[0, 0]])
         return ShapeMeasures(
-            float(area), None if self.why_no_volume else float(volume), float(change), capped
+            float(area), None if self.missing_volume_reason else float(volume), float(change), capped
         )
 
     def energy(self, U: np.ndarray) -> float:
         """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""
-        with cores_for(len(self.shape.V)):
-            return self.shape.energy(self.local(U[self.weld.first]))
+        with cores_for(len(self.solve_mesh.V)):
+            return self.solve_mesh.energy(self.to_local(U[self.weld.first]))

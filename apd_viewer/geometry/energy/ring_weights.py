@@ -7,14 +7,19 @@ from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
-from apd_viewer.geometry.mesh.measures import Patch
+from apd_viewer.geometry.mesh.weighted_areas import Patch
 
 # Below this part of the squared gradients their variance is rounding: all triangles there are alike.
 _ALIKE = 1e-9
 
 
 def ring_weights(
-    V: np.ndarray, patch: Patch, areas: np.ndarray, part: np.ndarray, normals: np.ndarray, hats: np.ndarray
+    V: np.ndarray,
+    patch: Patch,
+    areas: np.ndarray,
+    area_share: np.ndarray,
+    normals: np.ndarray,
+    hat_gradients: np.ndarray,
 ) -> np.ndarray:
     """Weights ``w_it`` of the corners of all triangles, (m, 3).
 
@@ -28,14 +33,14 @@ def ring_weights(
     ----------
     V : (n, 3) float array
     patch : Patch
-    areas, part : (m,) float arrays
+    areas, area_share : (m,) float arrays
         Areas of the triangles, and the part of them that counts.
     normals : (m, 3) float array
-    hats : (m, 3, 3) float array
+    hat_gradients : (m, 3, 3) float array
         Gradients of the hat functions of each triangle's corners.
     """
     total = float(areas.sum())
-    return _weights(V, patch.F, patch.start, patch.corner, areas, part, normals, hats, total)
+    return _weights(V, patch.F, patch.start, patch.corner, areas, area_share, normals, hat_gradients, total)
 
 
 @njit(cache=True, nogil=True)
@@ -67,7 +72,7 @@ def _weights(
     start: np.ndarray,
     corner: np.ndarray,
     areas: np.ndarray,
-    part: np.ndarray,
+    area_share: np.ndarray,
     normals: np.ndarray,
     hats: np.ndarray,
     area: float,
@@ -80,17 +85,17 @@ def _weights(
             for a in range(3):
                 normal[a] += areas[t] * normals[t, a]
             m += areas[t] / 3.0
-            counts += part[t] * areas[t]
+            counts += area_share[t] * areas[t]
         if counts == 0.0:
             continue
         variance, square = _variance(
-            V, F, i, corner[start[i] : start[i + 1]], areas, part, counts, _tangents(normal), hats
+            V, F, i, corner[start[i] : start[i + 1]], areas, area_share, counts, _tangents(normal), hats
         )
         if variance > _ALIKE * square:
             scale = 3.0 * area * m / (variance * counts)
             for e in range(start[i], start[i + 1]):
                 t = corner[e] // 3
-                out[t, corner[e] % 3] = scale * part[t] * areas[t]
+                out[t, corner[e] % 3] = scale * area_share[t] * areas[t]
     return out
 
 
@@ -101,7 +106,7 @@ def _variance(
     i: int,
     corner: np.ndarray,
     areas: np.ndarray,
-    part: np.ndarray,
+    area_share: np.ndarray,
     counts: float,
     tangents: np.ndarray,
     hats: np.ndarray,
@@ -113,7 +118,7 @@ def _variance(
     mean, square = np.zeros((3, 3)), 0.0
     for e in range(len(corner)):
         t = corner[e] // 3
-        share = part[t] * areas[t] / counts
+        share = area_share[t] * areas[t] / counts
         slopes = np.zeros((3, 3))
         for c in range(3):
             u = v = 0.0

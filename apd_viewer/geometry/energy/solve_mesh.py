@@ -11,18 +11,18 @@ import scipy.sparse as sp
 from apd_viewer.geometry.energy import arap_cells
 from apd_viewer.geometry.energy.area_barrier import AreaBarrier
 from apd_viewer.geometry.energy.bending import Bending
-from apd_viewer.geometry.mesh.components import pieces
-from apd_viewer.geometry.mesh.decimation import Thinning, edge_length, neighbourhoods, thinned
+from apd_viewer.geometry.mesh.components import vertex_components
+from apd_viewer.geometry.mesh.decimation import Decimation, coarse_neighbours, decimated, mean_edge_length
 from apd_viewer.geometry.mesh.laplacian import edge_weights, laplacian
-from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.operators import vertex_areas
+from apd_viewer.geometry.mesh.weighted_areas import Patch
 
 # A thinner mesh has so many times fewer vertices, no more than can be solved with in a blink, and no fewer
 # than it takes to tell where the full one goes.
 _RATIO = 2.5
-MOST = 40_000
-FEWEST = 500
+MOST_COARSE_VERTICES = 40_000
+FEWEST_COARSE_VERTICES = 500
 
 
 class SolveMesh:
@@ -32,20 +32,20 @@ class SolveMesh:
     ----------
     V : (n, 3) float array, rest positions
     F : (m, 3) int array, triangles
-    thinnings : sequence of Thinning
+    decimations : sequence of Decimation
         Its own, and those of the thinner meshes, as far as they are known already.
 
     Attributes
     ----------
-    piece : (n,) int array
+    component : (n,) int array
         The connected piece of every vertex.
     """
 
-    def __init__(self, V: np.ndarray, F: np.ndarray, thinnings: Sequence[Thinning] = ()) -> None:
+    def __init__(self, V: np.ndarray, F: np.ndarray, decimations: Sequence[Decimation] = ()) -> None:
         self.V = np.ascontiguousarray(V)
         self.F = F
-        self._thinnings = thinnings
-        self.piece = pieces(F, len(V))
+        self._thinnings = decimations
+        self.component = vertex_components(F, len(V))
 
     @cached_property
     def W(self) -> sp.csr_array:
@@ -62,9 +62,9 @@ class SolveMesh:
         """One third of the area of the triangles around every vertex, (n,) float array."""
         return vertex_areas(self.V, self.F)
 
-    def moved_with(self, fixed: np.ndarray) -> np.ndarray:
+    def is_connected_to(self, fixed: np.ndarray) -> np.ndarray:
         """Mask (n,) of the surfaces with ``fixed`` vertices (k,); of all without any."""
-        return np.isin(self.piece, self.piece[fixed]) if len(fixed) else self.vertex_areas > 0.0
+        return np.isin(self.component, self.component[fixed]) if len(fixed) else self.vertex_areas > 0.0
 
     @cached_property
     def masses(self) -> np.ndarray:
@@ -75,10 +75,10 @@ class SolveMesh:
     @cached_property
     def bending(self) -> Bending:
         """Bending energy of the rest shape."""
-        return Bending(self.V, self.whole)
+        return Bending(self.V, self.all_triangles)
 
     @cached_property
-    def whole(self) -> Patch:
+    def all_triangles(self) -> Patch:
         """All triangles."""
         return Patch(self.F, len(self.V))
 
@@ -88,25 +88,27 @@ class SolveMesh:
         return self.L @ self.V
 
     @cached_property
-    def thinning(self) -> Thinning:
+    def decimation(self) -> Decimation:
         """Decimated mesh, with the map from each vertex to it."""
         if self._thinnings:
             return self._thinnings[0]
-        count = int(np.clip(len(self.V) / _RATIO, FEWEST, MOST))
-        vertices, F = thinned(self.V, self.F, count)
-        edge = edge_length(self.V[vertices], F)
+        count = int(np.clip(len(self.V) / _RATIO, FEWEST_COARSE_VERTICES, MOST_COARSE_VERTICES))
+        vertices, F = decimated(self.V, self.F, count)
+        edge = mean_edge_length(self.V[vertices], F)
         normals = vertex_normals(self.V, self.F)
-        return Thinning(vertices, F, *neighbourhoods(self.V, normals, self.piece, vertices, edge), edge)
+        return Decimation(
+            vertices, F, *coarse_neighbours(self.V, normals, self.component, vertices, edge), edge
+        )
 
     @cached_property
     def area_barrier(self) -> AreaBarrier:
         """Penalty on triangles of a stiff wall that collapse."""
-        return AreaBarrier(self.V, self.whole.F)
+        return AreaBarrier(self.V, self.all_triangles.F)
 
     @cached_property
-    def thinner(self) -> SolveMesh:
-        """The mesh of :attr:`thinning`."""
-        return SolveMesh(self.V[self.thinning.vertices], self.thinning.F, self._thinnings[1:])
+    def coarse_mesh(self) -> SolveMesh:
+        """The mesh of :attr:`decimation`."""
+        return SolveMesh(self.V[self.decimation.vertices], self.decimation.F, self._thinnings[1:])
 
     @cached_property
     def graph(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -116,10 +118,10 @@ class SolveMesh:
 
     def energy(self, U: np.ndarray) -> float:
         """ARAP energy (Eq. 1) at ``U`` (n, 3) with the optimal rotations."""
-        q = self.identity()
-        arap_cells.local_step(*self.graph, self.V, U, arap_cells.FLAT, q, np.empty(0))
+        q = self.identity_rotations()
+        arap_cells.local_step(*self.graph, self.V, U, arap_cells.NO_MOMENTS, q, np.empty(0))
         return float(arap_cells.energy(*self.graph, self.V, U, q))
 
-    def identity(self) -> np.ndarray:
+    def identity_rotations(self) -> np.ndarray:
         """Rotations of the rest shape, (n, 4) unit quaternions."""
         return np.tile([1.0, 0.0, 0.0, 0.0], (len(self.V), 1))

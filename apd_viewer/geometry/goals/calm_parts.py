@@ -17,15 +17,15 @@ from scipy.sparse import csr_array, diags_array
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import two_grid
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-from apd_viewer.geometry.linalg.parallel_ops import inner
-from apd_viewer.geometry.mesh.components import pieces
+from apd_viewer.geometry.linalg.parallel_ops import inner_product
+from apd_viewer.geometry.mesh.components import vertex_components
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.pose.constraints import FREE, HANDLE, Soft, what_is_missing
+from apd_viewer.geometry.pose.constraints import FREE, HANDLE, SoftConstraints, next_paint_sentence
 
 # Nothing is calm above the first of these powers of ten of the flux of the gesture itself; a bottle that is
 # twisted as a whole stays at half of it. The others are the middles of the levels, the last without an end.
-LEVELS = (-0.5, -1.0, -2.0, -3.0, -4.0)
+CALM_LEVELS = (-0.5, -1.0, -2.0, -3.0, -4.0)
 _LEAST_FLUX = 1e-12
 # The integral of |grad h|^2 of a gesture is a number near one, in any unit.
 _ROUNDING = 1e-12
@@ -38,17 +38,19 @@ LARGE = 200_000
 _STEPS = 10
 
 
-def calm_levels(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: Soft) -> np.ndarray:
+def calm_levels(
+    solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
+) -> np.ndarray:
     """Weights of the vertices in each level of calmness with an area to keep.
 
     Parameters
     ----------
-    shape : SolveMesh
+    solve_mesh : SolveMesh
     held : (k,) int array
         Ascending.
     handle_of : (k,) int array
         For each the number of its handle, from 1; 0 is base.
-    soft : Soft
+    soft : SoftConstraints
         What handles draw along.
 
     Returns
@@ -56,27 +58,27 @@ def calm_levels(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft:
     (g, n) float array
         From 0 to 1; 0 in loose parts, which keep their area by themselves, and where all around is held.
     """
-    levels = _hats(flux(shape, held, handle_of, soft)) * _is_reached(shape, held)
+    levels = _hats(gesture_flux(solve_mesh, held, handle_of, soft)) * _is_reached(solve_mesh, held)
     # The level next to the gesture stays whole: two goals there contradict each other in a strong pull.
-    found = [*levels[:1], *(part for level in levels[1:] for part in _parts(shape, level))]
-    return np.array([level for level in found if _counts(shape, level)]).reshape(-1, len(shape.V))
+    found = [*levels[:1], *(part for level in levels[1:] for part in _parts(solve_mesh, level))]
+    return np.array([level for level in found if _counts(solve_mesh, level)]).reshape(-1, len(solve_mesh.V))
 
 
-def _parts(shape: SolveMesh, level: np.ndarray) -> list[np.ndarray]:
+def _parts(solve_mesh: SolveMesh, level: np.ndarray) -> list[np.ndarray]:
     """Weights of the largest connected part of a ``level`` (n,), and of all others."""
-    within = (level > 0.0)[shape.F].all(axis=1)
-    number = pieces(shape.F[within], len(level))
-    largest = number == np.argmax(np.bincount(number, level * shape.vertex_areas))
+    within = (level > 0.0)[solve_mesh.F].all(axis=1)
+    number = vertex_components(solve_mesh.F[within], len(level))
+    largest = number == np.argmax(np.bincount(number, level * solve_mesh.vertex_areas))
     others = level * ~largest
-    return [level * largest, others] if _counts(shape, others) else [level]
+    return [level * largest, others] if _counts(solve_mesh, others) else [level]
 
 
-def _counts(shape: SolveMesh, level: np.ndarray) -> bool:
+def _counts(solve_mesh: SolveMesh, level: np.ndarray) -> bool:
     """True if the area of a ``level`` (n,) is worth a goal."""
-    return bool(inner(level, shape.vertex_areas) >= _LEAST_SHARE * shape.vertex_areas.sum())
+    return bool(inner_product(level, solve_mesh.vertex_areas) >= _LEAST_SHARE * solve_mesh.vertex_areas.sum())
 
 
-def calmness(mesh: Mesh, labels: np.ndarray, soft: Soft) -> np.ndarray:
+def calmness(mesh: Mesh, labels: np.ndarray, soft: SoftConstraints) -> np.ndarray:
     """Calmness (n,) of the vertices of a painted mesh, to be shown.
 
     It is 0 in the gesture and 1 beyond the last level; held vertices and loose parts have none, NaN.
@@ -86,9 +88,9 @@ def calmness(mesh: Mesh, labels: np.ndarray, soft: Soft) -> np.ndarray:
     mesh : Mesh
     labels : (n,) int array
         See :func:`apd_viewer.geometry.pose.constraints.constraints`.
-    soft : Soft
+    soft : SoftConstraints
     """
-    if what_is_missing(labels) is not None:
+    if next_paint_sentence(labels) is not None:
         return np.zeros(len(labels))
     weld = mesh.weld
     shape = SolveMesh(mesh.V[weld.first], weld.inverse[mesh.F])
@@ -96,81 +98,86 @@ def calmness(mesh: Mesh, labels: np.ndarray, soft: Soft) -> np.ndarray:
     held, first = np.unique(weld.inverse[fixed], return_index=True)
     handle_of = np.maximum(labels[fixed[first]].astype(np.int64) - HANDLE + 1, 0)
     drawn, which = np.unique(weld.inverse[soft.ids], return_index=True)
-    x = flux(shape, held, handle_of, soft.among(which)._replace(ids=drawn))
-    return np.where(_is_free(shape, held), share_calm(x), np.nan)[weld.inverse]
+    x = gesture_flux(shape, held, handle_of, soft.subset(which)._replace(ids=drawn))
+    return np.where(_is_free(shape, held), calm_share(x), np.nan)[weld.inverse]
 
 
-def share_calm(x: np.ndarray) -> np.ndarray:
-    """From 0 in the gesture to 1 beyond the last level, by the :func:`flux` ``x``."""
-    return np.clip((LEVELS[0] - x) / (LEVELS[0] - LEVELS[-1]), 0.0, 1.0)
+def calm_share(x: np.ndarray) -> np.ndarray:
+    """Calmness by :func:`gesture_flux`: 0 in the gesture, 1 beyond the last level."""
+    return np.clip((CALM_LEVELS[0] - x) / (CALM_LEVELS[0] - CALM_LEVELS[-1]), 0.0, 1.0)
 
 
 def _hats(x: np.ndarray) -> np.ndarray:
     """Piecewise linear weights (g, n) of the levels by the flux ``x`` (n,)."""
-    middles = np.array(LEVELS)[::-1]
+    middles = np.array(CALM_LEVELS)[::-1]
     return np.array([np.interp(x, middles, row) for row in np.eye(len(middles))])[-2::-1]
 
 
-def flux(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: Soft) -> np.ndarray:
+def gesture_flux(
+    solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
+) -> np.ndarray:
     """Logarithm (n,), base 10, of the gesture's flux against its own mean.
 
     Parameters
     ----------
-    shape, held, handle_of, soft
+    solve_mesh, held, handle_of, soft
         See :func:`calm_levels`.
     """
-    V, F = shape.V, shape.F
+    V, F = solve_mesh.V, solve_mesh.F
     size = face_areas(V, F)
     size = np.where(size > _SLIVER * size.mean(), size, 0.0)
-    squared = _squared_slopes(V, F, _potentials(shape, held, handle_of, soft))
+    squared = _squared_slopes(V, F, _potentials(solve_mesh, held, handle_of, soft))
     squared[size == 0.0] = 0.0
-    whole = inner(size, squared)
+    whole = inner_product(size, squared)
     if whole <= _ROUNDING:
         return np.zeros(len(V))  # nothing is between a handle and what else is held
-    mean = inner(size, squared**2) / whole
-    size = size * _is_free(shape, held)[F].any(axis=1)  # next to what is held, the slope of what is not
+    mean = inner_product(size, squared**2) / whole
+    size = size * _is_free(solve_mesh, held)[F].any(axis=1)  # next to what is held, the slope of what is not
     around = np.maximum(np.bincount(F.ravel(), np.repeat(size, 3), len(V)), 1e-300)
     share = np.bincount(F.ravel(), np.repeat(size * squared, 3), len(V)) / around / mean
     return np.log10(np.maximum(share, _LEAST_FLUX))
 
 
-def _potentials(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: Soft) -> np.ndarray:
+def _potentials(
+    solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
+) -> np.ndarray:
     """Harmonic functions (n, h): 1 on a handle, 0 on whatever else is held."""
-    n, handles = len(shape.V), np.arange(1, int(handle_of.max(initial=0)) + 1)
+    n, handles = len(solve_mesh.V), np.arange(1, int(handle_of.max(initial=0)) + 1)
     h = np.zeros((n, len(handles)))
     h[held] = handle_of[:, None] == handles
-    free = np.flatnonzero(_is_free(shape, held))
+    free = np.flatnonzero(_is_free(solve_mesh, held))
     if not len(free) or not len(handles):
         return h
     springs, drawn = np.zeros(n), np.zeros_like(h)
-    springs[soft.ids] = soft.density * shape.vertex_areas[soft.ids]
+    springs[soft.ids] = soft.density * solve_mesh.vertex_areas[soft.ids]
     drawn[soft.ids, soft.handle] = springs[soft.ids]
-    rows = shape.L.tocsr()[free]
+    rows = solve_mesh.L.tocsr()[free]
     matrix = (rows[:, free] + diags_array(springs[free])).tocsr()
     b = drawn[free] - rows[:, held] @ h[held]
-    if n <= LARGE or len(shape.thinning.vertices) > n / 2:
-        h[free] = LinearSolver(matrix, shape.V[free]).refined(b)
+    if n <= LARGE or len(solve_mesh.decimation.vertices) > n / 2:
+        h[free] = LinearSolver(matrix, solve_mesh.V[free]).refined(b)
     else:
-        thinning = shape.thinning
-        ends = np.arange(0, thinning.near.size + 1, thinning.near.shape[1])
+        thinning = solve_mesh.decimation
+        ends = np.arange(0, thinning.coarse_neighbours.size + 1, thinning.coarse_neighbours.shape[1])
         interpolation = csr_array(
-            (thinning.weight.ravel(), thinning.near.ravel(), ends), shape=(n, len(thinning.vertices))
+            (thinning.weight.ravel(), thinning.coarse_neighbours.ravel(), ends),
+            shape=(n, len(thinning.vertices)),
         )
         h[free] = two_grid.solve(matrix, b, interpolation[free], _STEPS)
     return h
 
 
-def _is_free(shape: SolveMesh, held: np.ndarray) -> np.ndarray:
+def _is_free(solve_mesh: SolveMesh, held: np.ndarray) -> np.ndarray:
     """Mask (n,) of the vertices that are solved for."""
-    moves = np.isin(shape.piece, shape.piece[held])
+    moves = np.isin(solve_mesh.component, solve_mesh.component[held])
     moves[held] = False
     return moves
 
 
-def _is_reached(shape: SolveMesh, held: np.ndarray) -> np.ndarray:
+def _is_reached(solve_mesh: SolveMesh, held: np.ndarray) -> np.ndarray:
     """Mask (n,) of the corners of the triangles that can deform."""
-    reached = np.zeros(len(shape.V), dtype=bool)
-    reached[shape.F[_is_free(shape, held)[shape.F].any(axis=1)]] = True
+    reached = np.zeros(len(solve_mesh.V), dtype=bool)
+    reached[solve_mesh.F[_is_free(solve_mesh, held)[solve_mesh.F].any(axis=1)]] = True
     return reached
 
 

@@ -13,10 +13,10 @@ import numpy as np
 from apd_viewer.geometry.goals.goals import Goal, GoalMeasures
 from apd_viewer.geometry.linalg import parallel_ops, row_ops
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.measures import nonzero_of_rows
+from apd_viewer.geometry.mesh.weighted_areas import row_nonzeros
 
 # Relative to the value at rest; ten times better than promised.
-MET = 1e-10
+GOAL_TOLERANCE = 1e-10
 _NEWTON_STEPS = 8
 # Relative change of the slopes by a relative miss: about 1, measured.
 _CURVED = 4.0
@@ -26,7 +26,7 @@ _PLAUSIBLE = 0.1
 _FADED = 2.0
 
 
-class Yielding(Protocol):
+class ElasticResponse(Protocol):
     """Surface deformed by forces, as seen by a projection."""
 
     @property
@@ -41,12 +41,12 @@ class Yielding(Protocol):
         """Response of the free vertices to the forces ``b_f``, both (f, 3)."""
 
 
-class Projection:
+class GoalProjection:
     """The goals of an elastic surface, and the way to meet them.
 
     Parameters
     ----------
-    elastic : Yielding
+    elastic : ElasticResponse
     goals : tuple of Goal
 
     Attributes
@@ -57,11 +57,11 @@ class Projection:
         Their gradients at the positions looked at last.
     """
 
-    def __init__(self, elastic: Yielding, goals: tuple[Goal, ...]) -> None:
+    def __init__(self, elastic: ElasticResponse, goals: tuple[Goal, ...]) -> None:
         self._elastic = elastic
         self.goals = goals
         self._measures = GoalMeasures(goals)
-        self._support = nonzero_of_rows(self._measures.support.reshape(len(elastic.U), len(goals)))
+        self._support = row_nonzeros(self._measures.support.reshape(len(elastic.U), len(goals)))
         self._target = np.array([goal.target for goal in goals])
         self._unit = np.array([abs(goal.rest) for goal in goals])
         self.g = np.zeros((len(goals), *elastic.U.shape))
@@ -72,21 +72,21 @@ class Projection:
         self.evaluate(elastic.U)
 
     @property
-    def met(self) -> bool:
+    def has_met_goals(self) -> bool:
         """True if all goals are met at the last positions."""
-        return self.worst <= MET
+        return self.largest_miss <= GOAL_TOLERANCE
 
     @property
-    def worst(self) -> float:
+    def largest_miss(self) -> float:
         """The largest miss there, relative to the value at rest."""
         return _worst(self.values, self._target, self._unit)
 
     @property
-    def worn(self) -> bool:
+    def has_outdated_directions(self) -> bool:
         """True if the directions are outdated."""
         return _worn(self._inverse, self._inverse_at_first)
 
-    def pressure(self, multipliers: np.ndarray, edge: float) -> float:
+    def force_stiffness(self, multipliers: np.ndarray, edge: float) -> float:
         """Rate of change of the multipliers' forces with the shape, against K.
 
         Parameters
@@ -95,13 +95,13 @@ class Projection:
         edge : float
             Length of an edge.
         """
-        return self._measures.pressure(multipliers, edge)
+        return self._measures.force_stiffness(multipliers, edge)
 
     def evaluate(self, U: np.ndarray) -> None:
         """Find values and gradients at ``U`` (n, 3)."""
         self.values = self._measures.values_and_gradients(U, self.g)
 
-    def refresh(self, U: np.ndarray) -> None:
+    def refresh_directions(self, U: np.ndarray) -> None:
         """The same with directions computed there."""
         self.evaluate(U)
         free = self._elastic.free
@@ -123,21 +123,21 @@ class Projection:
 
     def _slopes(self) -> np.ndarray:
         """Slope of each goal (rows) along each direction (columns)."""
-        return parallel_ops.products(self.g, *self._support, self._y).reshape(len(self.g), len(self._y))
+        return parallel_ops.inner_products(self.g, *self._support, self._y).reshape(len(self.g), len(self._y))
 
-    def lagrangian(self, G: np.ndarray, multipliers: np.ndarray, g: np.ndarray) -> np.ndarray:
+    def lagrangian_gradient(self, G: np.ndarray, multipliers: np.ndarray, g: np.ndarray) -> np.ndarray:
         """Slope ``G - sum_k mult_k g_k`` (f, 3), by ``G`` (f, 3) and ``g`` (g, n, 3)."""
-        return row_ops.less_rows(G, multipliers, g, *self._support, self._elastic.free)
+        return row_ops.subtracted_rows(G, multipliers, g, *self._support, self._elastic.free)
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:
         """Lagrange multipliers (g,) cancelling ``G`` (f, 3) along the directions."""
-        along = parallel_ops.dots_at(self._y, self._elastic.free, G)
+        along = parallel_ops.inner_products_at(self._y, self._elastic.free, G)
         slopes = self._slopes()
         if len(self.goals) > 1:  # steps have told the slope along one line only
             self._inverse = self._inverse_of(slopes)
         return np.linalg.lstsq(slopes.T, along, rcond=1e-10)[0]
 
-    def onto(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def project(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions near ``U`` (n, 3) meeting the goals, and the steps along each.
 
         Leaves the values of the positions that it returns. On the way the slopes are corrected by what each
@@ -152,12 +152,12 @@ class Projection:
         share = 1.0
         fresh = False  # whether gradients and directions are those of U
         for _ in range(_NEWTON_STEPS):
-            if worst <= MET:
+            if worst <= GOAL_TOLERANCE:
                 break
             missing = self._target - self.values
             step = share * (self._inverse @ missing)
-            there = parallel_ops.moved(U, step, self._y)
-            if foreseen <= MET:
+            there = parallel_ops.plus_combination(U, step, self._y)
+            if foreseen <= GOAL_TOLERANCE:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step
             tried = self._measures.values(there)
@@ -169,7 +169,7 @@ class Projection:
             elif fresh:
                 share *= 0.5
             else:
-                self.refresh(U)
+                self.refresh_directions(U)
                 fresh, foreseen = True, worst
         return U, mu
 

@@ -12,9 +12,9 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.percentage import GOAL_WORDS, percentage
-from apd_viewer.geometry.mesh.arrays import whole_numbers
-from apd_viewer.geometry.mesh.measures import Patch, WeightedAreas, triangle_weights
+from apd_viewer.geometry.mesh.arrays import checked_integers
 from apd_viewer.geometry.mesh.operators import volume
+from apd_viewer.geometry.mesh.weighted_areas import Patch, WeightedAreas, triangle_weights
 from apd_viewer.language import in_quotes, tr
 
 
@@ -47,7 +47,7 @@ class Region:
 
 
 @dataclass(frozen=True)
-class Reading:
+class RegionReading:
     """Area of a region at rest, now, and its target, if any."""
 
     name: str
@@ -88,15 +88,15 @@ class Goal:
     tolerance: float = 0.0
 
     @property
-    def share(self) -> np.ndarray:
+    def triangle_shares(self) -> np.ndarray:
         """Part of every triangle that counts, (m,) float32 array."""
         return triangle_weights(self.patch.F, self.weight, self.is_smooth)
 
-    def miss(self, value: float) -> float:
+    def relative_miss(self, value: float) -> float:
         """Signed distance of a value from the target, relative to the value at rest."""
         return (value - self.target) / abs(self.rest)
 
-    def shortfall(self, value: float) -> str:
+    def shortfall_sentence(self, value: float) -> str:
         """Sentence about a value short of the target."""
         reached, wanted = 100.0 * value / self.rest, 100.0 * self.target / self.rest
         # With enough digits to show the difference.
@@ -127,7 +127,9 @@ class GoalMeasures:
         n = len(goals[0].patch.start) - 1 if goals else 0
         self.support = np.ones((n, len(goals)), dtype=bool)
         if areas:
-            self._areas = WeightedAreas(areas[0].patch, np.column_stack([goal.share for goal in areas]))
+            self._areas = WeightedAreas(
+                areas[0].patch, np.column_stack([goal.triangle_shares for goal in areas])
+            )
             self.support[:, : len(areas)] = self._areas.support
         if len(areas) < len(goals):
             self._volume = goals[-1].patch
@@ -141,7 +143,7 @@ class GoalMeasures:
             values[-1] = volume(U, self._volume.F)
         return values
 
-    def pressure(self, c: np.ndarray, edge: float) -> float:
+    def force_stiffness(self, c: np.ndarray, edge: float) -> float:
         """Stiffness of the forces ``sum_k c_k g_k`` against the Laplacian.
 
         Goals of areas pull at the same triangles, and may cancel there. The volume counts for its multiplier
@@ -164,11 +166,11 @@ class GoalMeasures:
         return values
 
 
-def patch_of(rest: RestMesh, region: Region) -> Patch:
+def region_patch(rest: RestMesh, region: Region) -> Patch:
     """Triangles of a region, in vertices of the solve."""
     if not isinstance(region, Region) or not isinstance(region.name, str) or not region.name:
         raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
-    vertices = whole_numbers(
+    vertices = checked_integers(
         region.vertices, tr("The vertices of the region “{name}”").format(name=region.name)
     ).ravel()
     if len(vertices) and not 0 <= vertices.min() <= vertices.max() < len(rest.V):
@@ -179,13 +181,13 @@ def patch_of(rest: RestMesh, region: Region) -> Patch:
         )
     inside = np.zeros(len(rest.weld.first), dtype=bool)
     inside[rest.weld.inverse[vertices]] = True
-    return Patch(rest.shape.F[inside[rest.shape.F].all(axis=1)], len(inside))
+    return Patch(rest.solve_mesh.F[inside[rest.solve_mesh.F].all(axis=1)], len(inside))
 
 
 def make_goals(
     rest: RestMesh,
     area: float | str | None,
-    inside: float | str | None,
+    volume: float | str | None,
     regions: Sequence[Region],
     calm: np.ndarray | None = None,
 ) -> tuple[Goal, ...]:
@@ -194,7 +196,7 @@ def make_goals(
     Parameters
     ----------
     rest : RestMesh
-    area, inside : float, str or None
+    area, volume : float, str or None
         Of the total area and the volume.
     regions : sequence of Region
     calm : (k, n) float array, optional
@@ -205,30 +207,30 @@ def make_goals(
     InputError
         If a percentage is not a positive number, or there is nothing to measure.
     """
-    goals, shape = [], rest.shape
+    goals, shape = [], rest.solve_mesh
     outside = np.ones(len(shape.V))  # what is asked of a region need not agree with its calmness
     if area is not None:
         goals.append(_goal("the area", shape, area, rest.area))
     for region in regions:
         if region.area is not None:
-            corners = np.unique(patch_of(rest, region).F)
+            corners = np.unique(region_patch(rest, region).F)
             outside[corners] = 0.0
             goals.append(_region_goal(shape, region, corners))
     if area is not None and calm is not None:
         goals += _calm_goals(shape, area, calm * outside)
-    if inside is not None:
-        if rest.why_no_volume or not rest.volume:
-            why = rest.why_no_volume or tr("the surface encloses no volume")
+    if volume is not None:
+        if rest.missing_volume_reason or not rest.volume:
+            why = rest.missing_volume_reason or tr("the surface encloses no volume")
             raise InputError(tr("There is no volume to keep: {why}; leave the volume free.").format(why=why))
-        goals.append(_goal("the volume", shape, inside, rest.volume, is_volume=True))
+        goals.append(_goal("the volume", shape, volume, rest.volume, is_volume=True))
     return tuple(goals)
 
 
-def _region_goal(shape: SolveMesh, region: Region, corners: np.ndarray) -> Goal:
-    inside = np.zeros(len(shape.V))
+def _region_goal(solve_mesh: SolveMesh, region: Region, corners: np.ndarray) -> Goal:
+    inside = np.zeros(len(solve_mesh.V))
     inside[corners] = 1.0
     assert region.area is not None
-    goal = _goal(in_quotes(region.name), shape, region.area, weight=inside)
+    goal = _goal(in_quotes(region.name), solve_mesh, region.area, weight=inside)
     if goal.rest <= 0.0:
         raise InputError(
             tr("The region “{name}” contains no complete triangle; make it larger.").format(name=region.name)
@@ -236,20 +238,23 @@ def _region_goal(shape: SolveMesh, region: Region, corners: np.ndarray) -> Goal:
     return goal
 
 
-def _calm_goals(shape: SolveMesh, area: float | str, levels: np.ndarray) -> list[Goal]:
+def _calm_goals(solve_mesh: SolveMesh, area: float | str, levels: np.ndarray) -> list[Goal]:
     goals = [
-        _goal(f"calm parts {k}", shape, area, weight=levels[k], is_smooth=True) for k in range(len(levels))
+        _goal(f"calm parts {k}", solve_mesh, area, weight=levels[k], is_smooth=True)
+        for k in range(len(levels))
     ]
     return [goal for goal in goals if goal.rest > 0.0]
 
 
-def _goal(name: str, shape: SolveMesh, percent: float | str, value: float | None = None, **kind: Any) -> Goal:
+def _goal(
+    name: str, solve_mesh: SolveMesh, percent: float | str, value: float | None = None, **kind: Any
+) -> Goal:
     """The goal of a percentage of its value at rest, measured if it is not known."""
-    goal = Goal(name, shape.whole, 1.0, percentage(percent, name) / 100.0, **kind)
-    return at_rest(goal, shape.V) if value is None else _scaled(goal, value)
+    goal = Goal(name, solve_mesh.all_triangles, 1.0, percentage(percent, name) / 100.0, **kind)
+    return goal_at_rest(goal, solve_mesh.V) if value is None else _scaled(goal, value)
 
 
-def at_rest(goal: Goal, V: np.ndarray) -> Goal:
+def goal_at_rest(goal: Goal, V: np.ndarray) -> Goal:
     """The goal at the same percentage of its value at rest, ``V`` (n, 3)."""
     return _scaled(goal, float(GoalMeasures((goal,)).values(V)[0]))
 

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.checked_arguments import real
+from apd_viewer.geometry.mesh.checked_arguments import as_float
 from apd_viewer.language import tr
 
 # Targets beyond these are typing errors.
-LEAST, MOST = 1.0, 1000.0
-SIGN = "%"
+LEAST_PERCENTAGE, MOST_PERCENTAGE = 1.0, 1000.0
+PERCENT_SIGN = "%"
 # A number below can be meant as a factor: so many times the value at rest is a target too.
-_FACTORS = MOST / 100.0
+_FACTORS = MOST_PERCENTAGE / 100.0
 # Names of the goals; those of regions are the user's.
 GOAL_WORDS = {"the area": tr("the area"), "the volume": tr("the volume")}
 
 
-def percentage(said: float | str, name: str) -> float:
+def percentage(target: float | str, name: str) -> float:
     """Percentage from a number such as 110, or from a text such as ``"1.1%"``.
 
     Raises
@@ -23,14 +23,17 @@ def percentage(said: float | str, name: str) -> float:
     InputError
         If it is none, or a number that could be meant as a factor.
     """
-    value: object = said
+    value: object = target
     is_signed = False
-    if isinstance(said, str):
-        value, is_signed = _number(said.strip().removesuffix(SIGN)), said.strip().endswith(SIGN)
-    if not LEAST <= (percent := real(value)) <= MOST:
+    if isinstance(target, str):
+        value, is_signed = (
+            _number(target.strip().removesuffix(PERCENT_SIGN)),
+            target.strip().endswith(PERCENT_SIGN),
+        )
+    if not LEAST_PERCENTAGE <= (percent := as_float(value)) <= MOST_PERCENTAGE:
         raise InputError(
             tr("The target of {name} must be a percentage from {least:g} to {most:g}, such as 100.").format(
-                name=GOAL_WORDS.get(name, name), least=LEAST, most=MOST
+                name=GOAL_WORDS.get(name, name), least=LEAST_PERCENTAGE, most=MOST_PERCENTAGE
             )
         )
     if not is_signed:
@@ -56,9 +59,9 @@ def check_no_factor(value: float, factors: float = _FACTORS) -> None:
         )
 
 
-def said_with_sign(percent: float | None) -> float | str | None:
+def percentage_text(percent: float | None) -> float | str | None:
     """The percentage for :func:`percentage`, as text in the range of factors."""
-    return percent if percent is None or percent >= _FACTORS else f"{percent!r}{SIGN}"
+    return percent if percent is None or percent >= _FACTORS else f"{percent!r}{PERCENT_SIGN}"
 
 
 def _number(text: str) -> float | None:

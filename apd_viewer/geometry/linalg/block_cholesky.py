@@ -84,7 +84,7 @@ class BlockFactor:
     def solve(self, B: np.ndarray) -> np.ndarray:
         """``A^-1 B`` to six digits or so, for ``B`` (n, 3)."""
         p = self._pattern
-        x = row_ops.taken(B, p.order).astype(self._panels.dtype).ravel()
+        x = row_ops.gathered_rows(B, p.order).astype(self._panels.dtype).ravel()
         multifrontal.solve(p.first, p.begin, p.later, p.panel, p.widest, self._panels, x)
         X = np.empty_like(B)
         X[p.order] = x.reshape(-1, 3)

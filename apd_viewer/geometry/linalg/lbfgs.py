@@ -12,7 +12,7 @@ from apd_viewer.geometry.linalg import lbfgs_kernels
 _BENDS = 1e-10
 
 
-class QuasiNewtonMemory:
+class LbfgsMemory:
     """Limited-memory quasi-Newton directions [Nocedal 1980], preconditioned.
 
     With the factor of the global step as preconditioner a first step is the plain one, and the following
@@ -40,17 +40,17 @@ class QuasiNewtonMemory:
     def __len__(self) -> int:
         return len(self._order)
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Start again."""
         self._order.clear()
 
-    def move(self, before: np.ndarray, after: np.ndarray, rows: np.ndarray) -> None:
+    def note_step(self, before: np.ndarray, after: np.ndarray, rows: np.ndarray) -> None:
         """Note the step between ``rows`` (count,) of two shapes, both (n, 3)."""
         used = set(self._order)
         self._next = next(slot for slot in range(self._length + 1) if slot not in used)
         lbfgs_kernels.subtract_rows(after, before, rows, self._steps[self._next])
 
-    def learn(self, slope: np.ndarray, before: np.ndarray) -> None:
+    def store_gradients(self, slope: np.ndarray, before: np.ndarray) -> None:
         """Remember the last step with the slopes (count, 3) after and before it.
 
         A step over which the slope fell is left out.
@@ -67,7 +67,7 @@ class QuasiNewtonMemory:
         with_change, with_step = np.split(lbfgs_kernels.products(self._steps, self._changes, order, slot), 2)
         self._products[order, slot], self._products[slot, order] = with_change, with_step
 
-    def direction(
+    def descent_direction(
         self, slope: np.ndarray, solve: Callable[[np.ndarray], np.ndarray]
     ) -> tuple[np.ndarray, float]:
         """Descent direction (count, 3), of length about 1, and the slope along it.
@@ -85,10 +85,10 @@ class QuasiNewtonMemory:
         for k in range(len(order) - 1, -1, -1):
             i, newer = order[k], order[k + 1 :]
             first[k] = (along[k] - first[k + 1 :] @ P[i, newer]) / P[i, i]
-        force = lbfgs_kernels.opposed(flat, first, self._changes, order)
+        force = lbfgs_kernels.negative_combination(flat, first, self._changes, order)
         way = solve(force.reshape(slope.shape))
         across = lbfgs_kernels.dots(self._changes, order, way.ravel())
         for k in range(len(order)):
             i, older = order[k], order[:k]
             second[k] = first[k] - (across[k] + second[:k] @ P[older, i]) / P[i, i]
-        return way, lbfgs_kernels.add(way.ravel(), second, self._steps, order, flat)
+        return way, lbfgs_kernels.add_combination(way.ravel(), second, self._steps, order, flat)

@@ -82,7 +82,7 @@ def dots(A: np.ndarray, order: np.ndarray, X: np.ndarray) -> np.ndarray:
 
 
 @parallel(fastmath={"contract"})
-def opposed(X: np.ndarray, c: np.ndarray, A: np.ndarray, order: np.ndarray) -> np.ndarray:
+def negative_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray, order: np.ndarray) -> np.ndarray:
     """``-X - sum_k c_k A_k`` for ``X`` (m,)."""
     out = np.empty_like(X)
     for portion in prange((len(X) + _PORTION - 1) // _PORTION):
@@ -98,7 +98,9 @@ def opposed(X: np.ndarray, c: np.ndarray, A: np.ndarray, order: np.ndarray) -> n
 
 
 @parallel(fastmath=_SUMS)
-def add(X: np.ndarray, c: np.ndarray, A: np.ndarray, order: np.ndarray, slope: np.ndarray) -> float:
+def add_combination(
+    X: np.ndarray, c: np.ndarray, A: np.ndarray, order: np.ndarray, slope: np.ndarray
+) -> float:
     """Add ``sum_k c_k A_k`` to ``X`` (m,) in place, and return ``slope . X``."""
     count = (len(X) + _PORTION - 1) // _PORTION
     sums = np.zeros(count)

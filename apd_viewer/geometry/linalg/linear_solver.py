@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 # With fewer unknowns a supernodal factor saves nothing.
-LARGE = 3000
+FEWEST_SUPERNODAL_UNKNOWNS = 3000
 # More numbers in the factor for each of the matrix mean that the positions of the unknowns tell nothing.
 _MOST_FILL = 60
 # Of a known solution: so inaccurate steps would lead nowhere.
-MOST_LOST = 1e-2
+LARGEST_RELATIVE_ERROR = 1e-2
 # Of the self-check: single precision leaves about 1e-6.
 _WRONG = 1e-4
 
@@ -52,7 +52,7 @@ class Factor(Metric, Protocol):
         """True if :meth:`solve` would not wait for the factorization."""
 
     @property
-    def elsewhere(self) -> bool:
+    def is_in_other_process(self) -> bool:
         """True if factored in another process, and dispensable meanwhile."""
 
     @property
@@ -63,7 +63,7 @@ class Factor(Metric, Protocol):
 if TYPE_CHECKING:
     Matrix: TypeAlias = csr_array
     # Given what makes the matrix, and the positions (n, 3) of its unknowns.
-    Factored: TypeAlias = Callable[[Callable[[], Matrix], np.ndarray], Factor]
+    Factorizer: TypeAlias = Callable[[Callable[[], Matrix], np.ndarray], Factor]
 
 
 class LinearSolver:
@@ -89,16 +89,16 @@ class LinearSolver:
         If ``A`` is not positive definite.
     """
 
-    ready, elsewhere = True, False
+    ready, is_in_other_process = True, False
 
     def __init__(self, A: Matrix, V: np.ndarray | None = None) -> None:
-        self._factorize(*rows_of(A), V)
+        self._factorize(*csr_rows(A), V)
 
     @classmethod
     def from_rows(
         cls, start: np.ndarray, column: np.ndarray, entry: np.ndarray, V: np.ndarray | None = None
     ) -> LinearSolver:
-        """The same, of the matrix with these :func:`rows_of`."""
+        """The same, of the matrix with these :func:`csr_rows`."""
         solver = cls.__new__(cls)
         solver._factorize(start, column, entry, V)
         return solver
@@ -108,7 +108,7 @@ class LinearSolver:
     ) -> None:
         begun = time.monotonic()
         self.factor: _Simplicial | SupernodalFactor | None = None
-        if V is not None and len(V) >= LARGE and supernodal_works():
+        if V is not None and len(V) >= FEWEST_SUPERNODAL_UNKNOWNS and supernodal_works():
             self.factor = _supernodal(start, column, entry, V)
         if self.factor is None:
             self.factor = _Simplicial(start, column, entry)
@@ -150,7 +150,7 @@ def _supernodal(
     A = csr_array((entry, column, start), shape=(len(V), len(V)))
     factor = SupernodalFactor(A, nodes)
     away = np.abs(factor.solve(A @ V) - V).max()
-    return factor if away <= MOST_LOST * np.abs(V).max() else None
+    return factor if away <= LARGEST_RELATIVE_ERROR * np.abs(V).max() else None
 
 
 @cache
@@ -163,7 +163,7 @@ def supernodal_works() -> bool:
     V = np.stack(np.divmod(np.arange(size * size), size) + (np.zeros(size * size),), axis=1).astype(float)
     expected = V + np.sin(V[:, [1, 2, 0]])
     try:
-        factor = _supernodal(*rows_of(A), V)
+        factor = _supernodal(*csr_rows(A), V)
         found = np.zeros_like(V) if factor is None else factor.solve(A @ expected)
     except Exception:
         _log.exception("The supernodal factor failed its self-check")
@@ -174,7 +174,7 @@ def supernodal_works() -> bool:
     return works
 
 
-def rows_of(A: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def csr_rows(A: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """CSR rows of ``A`` (n, n): starts (n + 1,), columns and entries, ascending."""
     A.sort_indices()
     entry = np.ascontiguousarray(A.data, dtype=np.float64)

@@ -86,23 +86,23 @@ def _dissected(
 
 @njit(cache=True, nogil=True)
 def _take_sides(
-    V: np.ndarray, part: np.ndarray, axis: int, heights: np.ndarray, side: np.ndarray, label: int
+    V: np.ndarray, vertices: np.ndarray, axis: int, heights: np.ndarray, side: np.ndarray, label: int
 ) -> int:
-    """Label the lower and the upper half of ``part``; the number of the upper ones."""
-    n = len(part)
+    """Label the halves of ``vertices``; return the size of the upper one."""
+    n = len(vertices)
     for k in range(n):
-        heights[k] = V[part[k], axis]
+        heights[k] = V[vertices[k], axis]
     middle = _smallest(heights[:n], n // 2)
     above = at = 0
     for k in range(n):
-        height = V[part[k], axis]
+        height = V[vertices[k], axis]
         above += height > middle
         at += height == middle
     # All at the height of the cut go to one side: a plane cuts grids along their lines.
     includes = abs(2 * (above + at) - n) <= abs(2 * above - n)
     for k in range(n):
-        height = V[part[k], axis]
-        side[part[k]] = label + int(height > middle or (includes and height == middle))
+        height = V[vertices[k], axis]
+        side[vertices[k]] = label + int(height > middle or (includes and height == middle))
     return above + at if includes else above
 
 
@@ -141,11 +141,11 @@ def _has_neighbour(graph: tuple[np.ndarray, np.ndarray], v: int, side: np.ndarra
 
 @njit(cache=True, nogil=True)
 def _count_borders(
-    graph: tuple[np.ndarray, np.ndarray], part: np.ndarray, side: np.ndarray, label: int
+    graph: tuple[np.ndarray, np.ndarray], vertices: np.ndarray, side: np.ndarray, label: int
 ) -> tuple[int, int]:
     """Number of the lower and of the upper half with neighbours in the other one."""
     lower = upper = 0
-    for v in part:
+    for v in vertices:
         if _has_neighbour(graph, v, side, 2 * label + 1 - side[v]):
             upper += side[v] - label
             lower += label + 1 - side[v]
@@ -155,7 +155,7 @@ def _count_borders(
 @njit(cache=True, nogil=True)
 def _arrange(
     graph: tuple[np.ndarray, np.ndarray],
-    part: np.ndarray,
+    vertices: np.ndarray,
     side: np.ndarray,
     label: int,
     cut: int,
@@ -164,7 +164,7 @@ def _arrange(
 ) -> None:
     """Write both halves, then the separator: the border of the half ``cut``, 0 or 1."""
     i, j, k = 0, halves[0], halves[0] + halves[1]
-    for v in part:
+    for v in vertices:
         if side[v] == label + cut and _has_neighbour(graph, v, side, label + 1 - cut):
             out[k] = v
             k += 1

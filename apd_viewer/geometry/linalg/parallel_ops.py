@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 _PORTION = 2048
 
 
-def inner(a: np.ndarray, b: np.ndarray) -> float:
+def inner_product(a: np.ndarray, b: np.ndarray) -> float:
     """Inner product of long vectors (n,); that of BLAS is split by its threads."""
     return float(np.einsum("i,i->", a, b))
 
 
-def product(A: csr_array, X: np.ndarray) -> np.ndarray:
+def matrix_product(A: csr_array, X: np.ndarray) -> np.ndarray:
     """``A X`` for ``A`` (m, n) and ``X`` (n, 3), (m, 3) float array."""
     return _product(A.indptr, A.indices, A.data, X)
 
@@ -65,7 +65,7 @@ def _residual(
 
 
 @parallel()
-def dots_at(A: np.ndarray, rows: np.ndarray, X: np.ndarray) -> np.ndarray:
+def inner_products_at(A: np.ndarray, rows: np.ndarray, X: np.ndarray) -> np.ndarray:
     """Inner products (k,) of rows of each of ``A`` (k, n, 3) with ``X`` (f, 3)."""
     count = (len(X) + _PORTION - 1) // _PORTION
     sums = np.zeros((count, len(A)))
@@ -80,7 +80,7 @@ def dots_at(A: np.ndarray, rows: np.ndarray, X: np.ndarray) -> np.ndarray:
 
 
 @parallel()
-def products(A: np.ndarray, start: np.ndarray, which: np.ndarray, B: np.ndarray) -> np.ndarray:
+def inner_products(A: np.ndarray, start: np.ndarray, which: np.ndarray, B: np.ndarray) -> np.ndarray:
     """Inner products (k l,), row by row, of ``A`` (k, n, 3) with ``B`` (l, n, 3).
 
     Row i of ``A`` is zero but for those of its arrays numbered ``which[start[i]:start[i + 1]]``.
@@ -98,7 +98,7 @@ def products(A: np.ndarray, start: np.ndarray, which: np.ndarray, B: np.ndarray)
 
 
 @parallel()
-def add(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
+def add_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
     """Add ``sum_k c_k A_k`` of ``A`` (k, n, 3) to ``X`` (n, 3), in place."""
     for portion in prange((len(X) + _PORTION - 1) // _PORTION):
         end = min(len(X), (portion + 1) * _PORTION)
@@ -110,7 +110,7 @@ def add(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
 
 
 @parallel()
-def moved(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
+def plus_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
     """``X + sum_k c_k A_k`` of ``A`` (k, n, 3) and ``X`` (n, 3)."""
     out = np.empty_like(X)
     for i in prange(len(X)):

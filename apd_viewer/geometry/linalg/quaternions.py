@@ -40,7 +40,7 @@ def store_rotation(X: np.ndarray, i: int, q: np.ndarray) -> None:
 
 
 @njit(inline="always")
-def turned(q: np.ndarray, i: int, x: float, y: float, z: float) -> tuple[float, float, float]:
+def rotated_vector(q: np.ndarray, i: int, x: float, y: float, z: float) -> tuple[float, float, float]:
     """The vector (x, y, z) turned by the unit quaternion ``q[i]``."""
     w, a, b, c = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
     tx, ty, tz = 2 * (b * z - c * y), 2 * (c * x - a * z), 2 * (a * y - b * x)
@@ -48,10 +48,10 @@ def turned(q: np.ndarray, i: int, x: float, y: float, z: float) -> tuple[float, 
 
 
 @parallel()
-def turn_rotations(turns: np.ndarray, q: np.ndarray) -> None:
-    """Compose every rotation of ``q`` (n, 4) with ``turns`` (n, 4), in place."""
+def compose_rotations(rotations: np.ndarray, q: np.ndarray) -> None:
+    """Compose every rotation of ``q`` (n, 4) with ``rotations`` (n, 4), in place."""
     for i in prange(len(q)):
-        w, x, y, z = turns[i, 0], turns[i, 1], turns[i, 2], turns[i, 3]
+        w, x, y, z = rotations[i, 0], rotations[i, 1], rotations[i, 2], rotations[i, 3]
         a, b, c, d = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
         q[i, 0] = w * a - x * b - y * c - z * d
         q[i, 1] = w * b + x * a + y * d - z * c
@@ -59,7 +59,7 @@ def turn_rotations(turns: np.ndarray, q: np.ndarray) -> None:
         q[i, 3] = w * d + x * c - y * b + z * a
 
 
-def difference(q: np.ndarray, reference: np.ndarray) -> np.ndarray:
+def relative_rotations(q: np.ndarray, reference: np.ndarray) -> np.ndarray:
     """``q`` times the inverse of ``reference``, both (c, 4) unit quaternions."""
     w, x, y, z = q.T
     a, b, c, d = reference[:, 0], -reference[:, 1], -reference[:, 2], -reference[:, 3]
@@ -74,7 +74,7 @@ def difference(q: np.ndarray, reference: np.ndarray) -> np.ndarray:
 
 
 @parallel()
-def blended(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
+def blended_rotations(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """Weighted mean quaternions (n, 4) of ``q`` (c, 4) by ``near`` and ``weight``."""
     out = np.empty((len(near), 4))
     for i in prange(len(near)):

@@ -9,7 +9,7 @@ from apd_viewer.geometry.linalg.threads import parallel
 
 
 @parallel()
-def taken(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def gathered_rows(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Rows of ``X`` (n, 3), (len(rows), 3) float array."""
     out = np.empty((len(rows), 3))
     for k in prange(len(rows)):
@@ -19,7 +19,7 @@ def taken(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 @parallel()
-def placed(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np.ndarray:
+def scattered_rows(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np.ndarray:
     """``U`` (n, 3) with rows of ``A`` at ``place`` 0, 1, ..., of ``B`` at -1, ...
 
     Where ``place`` is beyond the rows of ``A``, the row of ``U`` stays.
@@ -37,8 +37,10 @@ def placed(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np
 
 
 @parallel()
-def placed_ahead(U: np.ndarray, place: np.ndarray, share: float, A: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """``U`` (n, 3) plus a share of ``A``, or at ``B``, by row as in :func:`placed`."""
+def scattered_rows_along(
+    U: np.ndarray, place: np.ndarray, share: float, A: np.ndarray, B: np.ndarray
+) -> np.ndarray:
+    """``U`` (n, 3) plus a share of ``A``, or ``B``; rows as in :func:`scattered_rows`."""
     out = np.empty_like(U)
     for i in prange(len(U)):
         k = place[i]
@@ -54,7 +56,7 @@ def placed_ahead(U: np.ndarray, place: np.ndarray, share: float, A: np.ndarray, 
 
 
 @parallel()
-def less_rows(
+def subtracted_rows(
     X: np.ndarray, c: np.ndarray, A: np.ndarray, start: np.ndarray, which: np.ndarray, rows: np.ndarray
 ) -> np.ndarray:
     """``X`` (f, 3) less ``rows`` of ``sum_k c_k A_k``.

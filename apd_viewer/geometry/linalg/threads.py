@@ -30,7 +30,7 @@ import scipy.linalg.cython_blas  # noqa: F401  # what numba calls: it must be th
 from threadpoolctl import ThreadpoolController
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.signals.late_signals import LATE_SIGNALS
+from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 
 if TYPE_CHECKING:
     from typing import ParamSpec, TypeVar
@@ -89,7 +89,7 @@ def totals(parts: np.ndarray) -> np.ndarray:
 @contextmanager
 def cores_for(n: int) -> Iterator[None]:
     """Limit parallel kernels within to the cores for ``n`` vertices; signals wait."""
-    with LATE_SIGNALS, _ONE_AT_A_TIME:
+    with DEFERRED_SIGNALS, _ONE_AT_A_TIME:
         before = numba.get_num_threads()
         numba.set_num_threads(before if n >= _WORTH_WAKING else 1)
         try:
@@ -101,7 +101,7 @@ def cores_for(n: int) -> Iterator[None]:
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
     """Limit BLAS to one thread within; signals wait."""
-    with LATE_SIGNALS, _ONE_AT_A_TIME, _libraries().limit(limits=1, user_api="blas"):
+    with DEFERRED_SIGNALS, _ONE_AT_A_TIME, _libraries().limit(limits=1, user_api="blas"):
         yield
 
 

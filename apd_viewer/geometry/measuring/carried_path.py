@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.surface_distance import nearest
+from apd_viewer.geometry.analysis.surface_distance import nearest_triangles
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +25,9 @@ class CarriedPath:
     weights: np.ndarray
 
     @classmethod
-    def of(cls, path: np.ndarray, V: np.ndarray, F: np.ndarray) -> CarriedPath:
+    def from_polyline(cls, path: np.ndarray, V: np.ndarray, F: np.ndarray) -> CarriedPath:
         """A polyline (k, 3) on the surface ``V``, ``F``."""
-        corners = nearest(path, V, F)[1]
+        corners = nearest_triangles(path, V, F)[1]
         A, B, C = V[corners].transpose(1, 0, 2)
         normal = np.cross(B - A, C - A)
         double = np.maximum(np.einsum("ij,ij->i", normal, normal), np.finfo(float).tiny)
@@ -38,10 +38,10 @@ class CarriedPath:
         return cls(corners, np.column_stack([1.0 - b - c, b, c]))
 
     @classmethod
-    def none(cls) -> CarriedPath:
+    def empty(cls) -> CarriedPath:
         """A path without points."""
         return cls(np.empty((0, 3), dtype=np.int64), np.empty((0, 3)))
 
-    def at(self, U: np.ndarray) -> np.ndarray:
+    def points_at(self, U: np.ndarray) -> np.ndarray:
         """Points (k, 3) where the surface is at ``U`` (n, 3)."""
         return np.einsum("kc,kci->ki", self.weights, U[self.corners])

@@ -16,9 +16,9 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.measuring.manifold_pieces import manifold_pieces, oriented
-from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
-from apd_viewer.geometry.mesh.adjacency import opposite_corners
+from apd_viewer.geometry.measuring.manifold_pieces import manifold_pieces, oriented_triangles
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
+from apd_viewer.geometry.mesh.adjacency import opposite_half_edges
 from apd_viewer.geometry.mesh.arrays import mesh_arrays
 from apd_viewer.language import tr
 
@@ -67,7 +67,7 @@ def geodesic_path(
     places = [p if isinstance(p, SurfacePoint) else SurfacePoint.at_vertex(F, p) for p in (start, end)]
     for point in places:
         point.check(F)
-    ends = positions(places, V, F)
+    ends = point_positions(places, V, F)
     faces = [place.face for place in places]
     if faces[0] == faces[1] or np.array_equal(*ends):
         return ends
@@ -111,7 +111,7 @@ def _with_points(
 def _first_path(V: np.ndarray, F: np.ndarray, start: int, end: int) -> np.ndarray:
     """Vertices of the shortest path along edges and across them."""
     i, j = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    opposite = opposite_corners(F, len(V)).ravel()
+    opposite = opposite_half_edges(F, len(V)).ravel()
     pairs = np.flatnonzero(opposite > np.arange(len(opposite)))
     p, q = (np.roll(F, -2, axis=1).ravel()[h] for h in (pairs, opposite[pairs]))
     across = _across(V[i[pairs]], V[j[pairs]], V[p], V[q])
@@ -169,7 +169,7 @@ def _straightened(
     at = {int(v): k for k, v in enumerate(old)}
     through = [ids[0], *(at[int(v)] for v in inner), ids[1]]
     try:
-        solver = potpourri3d.EdgeFlipGeodesicSolver(V, oriented(F, len(V)))
+        solver = potpourri3d.EdgeFlipGeodesicSolver(V, oriented_triangles(F, len(V)))
         path: np.ndarray = solver.find_geodesic_path_poly(through)
     except RuntimeError:
         raise InputError(tr("No path over the surface joins the points; pick others.")) from None

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.measuring.carried_path import CarriedPath
-from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.sections import section
-from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
 
 _ARC = 0.4  # radius of an angle's arc, of its shorter side
 _ARC_STEPS = 24
@@ -38,7 +38,7 @@ class Measurement:
     Attributes
     ----------
     name : str
-    kind : Kind
+    kind : MeasurementKind
     points : tuple of SurfacePoint
         They move with the surface. An angle is measured at the second one.
     plane : Plane or None
@@ -46,33 +46,34 @@ class Measurement:
     """
 
     name: str
-    kind: Kind
+    kind: MeasurementKind
     points: tuple[SurfacePoint, ...] = ()
     plane: Plane | None = None
 
 
-class Measured(NamedTuple):
+class MeasurementResult(NamedTuple):
     """A measurement made.
 
     Attributes
     ----------
     values : tuple of float or None
-        One for each of :attr:`Kind.powers`; NaN where there is none, None where it is not known yet.
+        One for each of :attr:`MeasurementKind.powers`; NaN where there is none, None where it is not
+        known yet.
     segments : (s, 2, 3) float array
         Lines to draw.
     normals : (s, 3) float array or None
         Of the surface along them; None for lines through space.
-    at : (3,) float array or None
+    label_position : (3,) float array or None
         Place of a label.
-    within : (3,) float array or None
+    label_away_from : (3,) float array or None
         Point of the drawing from which the label stands away; None where it stands beside a line.
     """
 
     values: tuple[float | None, ...]
     segments: np.ndarray
     normals: np.ndarray | None = None
-    at: np.ndarray | None = None
-    within: np.ndarray | None = None
+    label_position: np.ndarray | None = None
+    label_away_from: np.ndarray | None = None
 
 
 def measure(
@@ -81,7 +82,7 @@ def measure(
     F: np.ndarray,
     path: CarriedPath | None = None,
     is_current: bool = True,
-) -> Measured:
+) -> MeasurementResult:
     """Measure the shape ``U`` (n, 3) of the triangles ``F`` (m, 3).
 
     Parameters
@@ -91,60 +92,64 @@ def measure(
     is_current : bool
         Whether it is of this shape. Another one is carried along, and its length is not known.
     """
-    if measurement.kind is Kind.SECTION and measurement.plane is not None:
+    if measurement.kind is MeasurementKind.SECTION and measurement.plane is not None:
         return _section(measurement.plane, U, F)
-    points = positions(measurement.points, U, F)
-    if measurement.kind is Kind.ANGLE:
+    points = point_positions(measurement.points, U, F)
+    if measurement.kind is MeasurementKind.ANGLE:
         return _angle(points)
-    if measurement.kind is Kind.GEODESIC:
+    if measurement.kind is MeasurementKind.GEODESIC:
         return _geodesic(U, path, is_current)
     line = points[None]
-    return Measured((_length(line),), line, at=points.mean(axis=0))
+    return MeasurementResult((_length(line),), line, label_position=points.mean(axis=0))
 
 
 def _length(segments: np.ndarray) -> float:
     return float(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum())
 
 
-def _angle(points: np.ndarray) -> Measured:
+def _angle(points: np.ndarray) -> MeasurementResult:
     """The angle at the second of three points (3, 3), with its sides and arc."""
     sides = points[[0, 2]] - points[1]
     lengths = np.linalg.norm(sides, axis=1)
     legs = points[[[0, 1], [1, 2]]]
     if not lengths.all():
-        return Measured((float("nan"),), legs, at=points[1])
+        return MeasurementResult((float("nan"),), legs, label_position=points[1])
     a, b = sides / lengths[:, None]
     aside = b - (a @ b) * a
     angle = float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
     if not (away := float(np.linalg.norm(aside))):
-        return Measured((angle,), legs, at=points[1])
+        return MeasurementResult((angle,), legs, label_position=points[1])
     turns = np.linspace(0.0, angle, _ARC_STEPS + 1)[:, None]
     arc = points[1] + _ARC * lengths.min() * (np.cos(turns) * a + np.sin(turns) * aside / away)
     segments = np.vstack([legs, _joined(arc)])
-    return Measured((angle,), segments, at=points[1], within=arc[_ARC_STEPS // 2])
+    return MeasurementResult(
+        (angle,), segments, label_position=points[1], label_away_from=arc[_ARC_STEPS // 2]
+    )
 
 
-def _geodesic(U: np.ndarray, path: CarriedPath | None, is_current: bool) -> Measured:
+def _geodesic(U: np.ndarray, path: CarriedPath | None, is_current: bool) -> MeasurementResult:
     if path is None or not len(path.corners):
-        return Measured((None if path is None or not is_current else float("nan"),), np.empty((0, 2, 3)))
-    points = path.at(U)
+        return MeasurementResult(
+            (None if path is None or not is_current else float("nan"),), np.empty((0, 2, 3))
+        )
+    points = path.points_at(U)
     segments = _joined(points)
     A, B, C = U[path.corners[1:]].transpose(1, 0, 2)
     value = _length(segments) if is_current else None
-    return Measured((value,), segments, np.cross(B - A, C - A), points[len(points) // 2])
+    return MeasurementResult((value,), segments, np.cross(B - A, C - A), points[len(points) // 2])
 
 
-def _section(plane: Plane, U: np.ndarray, F: np.ndarray) -> Measured:
+def _section(plane: Plane, U: np.ndarray, F: np.ndarray) -> MeasurementResult:
     normal = np.array(plane.normal)
     cut = section(U, F, plane.offset * normal, normal)
     if not len(cut.segments):
-        return Measured((float("nan"), float("nan")), cut.segments)
+        return MeasurementResult((float("nan"), float("nan")), cut.segments)
     A, B, C = U[F[cut.faces]].transpose(1, 0, 2)
     # Far along the axes of the plane: beside the shape, not in its way.
     aside = 1.0 - normal.sum() * normal
     at = cut.segments[int(np.argmax(cut.segments[:, 0] @ aside))][0]
     within = cut.segments.mean(axis=(0, 1))
-    return Measured((cut.length, cut.area), cut.segments, np.cross(B - A, C - A), at, within)
+    return MeasurementResult((cut.length, cut.area), cut.segments, np.cross(B - A, C - A), at, within)
 
 
 def _joined(points: np.ndarray) -> np.ndarray:

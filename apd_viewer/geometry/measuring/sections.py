@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.arrays import direction, mesh_arrays, place
-from apd_viewer.geometry.mesh.components import pieces
+from apd_viewer.geometry.mesh.arrays import checked_direction, checked_point, mesh_arrays
+from apd_viewer.geometry.mesh.components import vertex_components
 
 
 class PlaneSection(NamedTuple):
@@ -69,7 +69,7 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
     >>> cut.contours, f"{cut.length:.2f}", f"{cut.area:.2f}"
     (1, '19.61', '30.59')
     """
-    return section(*mesh_arrays(V, F), place(point), direction(normal))
+    return section(*mesh_arrays(V, F), checked_point(point), checked_direction(normal))
 
 
 def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray) -> PlaneSection:
@@ -85,7 +85,7 @@ def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray)
     points = V[crossed[:, 0]] + share[:, None] * (V[crossed[:, 1]] - V[crossed[:, 0]])
     ends = ends.reshape(2, -1).T
     faces, ends = faces[ends[:, 0] != ends[:, 1]], ends[ends[:, 0] != ends[:, 1]]
-    segments, number = points[ends], pieces(ends[:, [0, 1, 1]], len(points))
+    segments, number = points[ends], vertex_components(ends[:, [0, 1, 1]], len(points))
     length = float(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum())
     return PlaneSection(segments, faces, int(number.max()) + 1, length, _enclosed(segments, ends, normal))
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import numbers, whole_numbers
-from apd_viewer.geometry.mesh.checked_arguments import whole
+from apd_viewer.geometry.mesh.arrays import checked_floats, checked_integers
+from apd_viewer.geometry.mesh.checked_arguments import is_whole_number
 from apd_viewer.language import tr
 
 _ROUNDING = 1e-6  # of weights that are typed or computed
@@ -39,9 +39,9 @@ class SurfacePoint(NamedTuple):
     @classmethod
     def at_vertex(cls, F: np.ndarray, vertex: int) -> SurfacePoint:
         """A vertex of the triangles ``F`` (m, 3); raises InputError if none has it."""
-        F = whole_numbers(F, tr("Faces"))
+        F = checked_integers(F, tr("Faces"))
         is_mesh = F.ndim == 2 and F.shape[1] == 3
-        there = np.argwhere(vertex == F) if is_mesh and whole(vertex) else np.empty((0, 2))
+        there = np.argwhere(vertex == F) if is_mesh and is_whole_number(vertex) else np.empty((0, 2))
         if not len(there):
             raise InputError(tr("No triangle has the vertex {id}; choose another.").format(id=vertex))
         face, corner = there[0].tolist()
@@ -51,15 +51,15 @@ class SurfacePoint(NamedTuple):
 
     def check(self, F: np.ndarray) -> None:
         """Raise InputError unless it is a point of the triangles ``F`` (m, 3)."""
-        if not whole(self.face) or not 0 <= self.face < len(F):
+        if not is_whole_number(self.face) or not 0 <= self.face < len(F):
             raise InputError(tr("There is no triangle {id}; choose another.").format(id=self.face))
-        weights = numbers(self.weights, tr("The weights of a point"))
+        weights = checked_floats(self.weights, tr("The weights of a point"))
         fits = weights.shape == (3,) and weights.min() >= -_ROUNDING
         if not fits or not abs(weights.sum() - 1.0) <= _ROUNDING:
             raise InputError(tr("The weights of a point of the surface must be at least 0, with sum 1."))
 
 
-def positions(points: Sequence[SurfacePoint], U: np.ndarray, F: np.ndarray) -> np.ndarray:
+def point_positions(points: Sequence[SurfacePoint], U: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Positions (k, 3) of points of the surface ``F`` (m, 3) at ``U`` (n, 3)."""
     if not points:
         return np.empty((0, 3))

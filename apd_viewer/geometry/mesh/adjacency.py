@@ -6,14 +6,14 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
 
-ALONE = -1  # an edge of one triangle
-CROWDED = -2  # an edge of more than two, or of a triangle that has a corner twice
+BOUNDARY = -1  # an edge of one triangle
+NON_MANIFOLD = -2  # an edge of more than two, or of a triangle that has a corner twice
 # Doubled area of a degenerate triangle, relative to its squared edges.
 _NO_AREA = 1e-9
 
 
 @njit(cache=True, nogil=True)
-def opposite_corners(F: np.ndarray, n: int) -> np.ndarray:
+def opposite_half_edges(F: np.ndarray, n: int) -> np.ndarray:
     """Opposite half-edge of each half-edge of the triangles.
 
     Parameters
@@ -26,11 +26,11 @@ def opposite_corners(F: np.ndarray, n: int) -> np.ndarray:
     -------
     (m, 3) int32 array
         ``3 * s + d`` for the edge from ``F[t, c]`` to ``F[t, (c + 1) % 3]`` if it is that of triangle ``s``
-        between its corners ``d`` and ``(d + 1) % 3``, in either direction; ``ALONE`` or ``CROWDED`` if there
-        is no triangle or more than one. A triangle that has a corner twice counts for nothing.
+        between its corners ``d`` and ``(d + 1) % 3``, in either direction; ``BOUNDARY`` or ``NON_MANIFOLD``
+        if there is no triangle or more than one. A triangle that has a corner twice counts for nothing.
     """
     start, edges = _edges_by_lower_end(F, n)
-    opposite = np.full(F.size, CROWDED, dtype=np.int32)
+    opposite = np.full(F.size, NON_MANIFOLD, dtype=np.int32)
     seen_from, first = np.full(n, -1, dtype=np.int32), np.empty(n, dtype=np.int32)
     for v in range(n):
         for i in range(start[v], start[v + 1]):
@@ -39,11 +39,11 @@ def opposite_corners(F: np.ndarray, n: int) -> np.ndarray:
             w = max(F[t, c], F[t, (c + 1) % 3])
             if seen_from[w] != v:
                 seen_from[w], first[w] = v, h
-                opposite[h] = ALONE
-            elif opposite[first[w]] == ALONE:
+                opposite[h] = BOUNDARY
+            elif opposite[first[w]] == BOUNDARY:
                 opposite[h], opposite[first[w]] = first[w], h
             elif opposite[first[w]] >= 0:
-                opposite[opposite[first[w]]] = opposite[first[w]] = CROWDED
+                opposite[opposite[first[w]]] = opposite[first[w]] = NON_MANIFOLD
     return opposite.reshape(F.shape)
 
 
@@ -70,7 +70,7 @@ def _edges_by_lower_end(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @njit(cache=True, nogil=True)
-def filled(F: np.ndarray, opposite: np.ndarray, U: np.ndarray, face: int, crease: float) -> np.ndarray:
+def flood_fill(F: np.ndarray, opposite: np.ndarray, U: np.ndarray, face: int, crease: float) -> np.ndarray:
     """Vertices reached by flood fill from a face without crossing a crease.
 
     Triangles without area (less than 1e-9 of the squares of their edges) are always entered, and left as if
@@ -80,7 +80,7 @@ def filled(F: np.ndarray, opposite: np.ndarray, U: np.ndarray, face: int, crease
     ----------
     F : (m, 3) int array
     opposite : (m, 3) int array
-        Its :func:`opposite_corners`; edges of one triangle or of more than two are not crossed.
+        Its :func:`opposite_half_edges`; edges of one triangle or of more than two are not crossed.
     U : (n, 3) float array
     face : int
         Where to begin.

@@ -19,14 +19,14 @@ def diagonal(points: np.ndarray) -> float:
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
-def size_of(V: np.ndarray, F: np.ndarray) -> float:
+def mesh_size(V: np.ndarray, F: np.ndarray) -> float:
     """Diagonal of the bounding box of the triangles ``F`` (m, 3)."""
     used = np.zeros(len(V), dtype=bool)
     used[F.ravel()] = True
     return diagonal(V[used])
 
 
-def far_centre(points: np.ndarray) -> np.ndarray:
+def local_origin(points: np.ndarray) -> np.ndarray:
     """Place (3,) from which points (k, 3) have small coordinates; the origin if near.
 
     A multiple of a power of two, at least four times the diagonal: subtracting and adding it rounds nothing
@@ -40,7 +40,7 @@ def far_centre(points: np.ndarray) -> np.ndarray:
     return np.round((low + high) / grid) * grid + 0.0
 
 
-def digits_at(x: float, size: float, digits: int) -> int:
+def significant_digits(x: float, size: float, digits: int) -> int:
     """Significant digits of a coordinate: ``digits`` near the origin, at most 15.
 
     They leave as many to a mesh of this ``size`` as it has at the origin.
@@ -48,67 +48,67 @@ def digits_at(x: float, size: float, digits: int) -> int:
     return min(15, digits + max(0, int(np.log10(max(abs(x) / size, 1.0))))) if size > 0.0 else digits
 
 
-def numbers(given: object, what: str) -> np.ndarray:
+def checked_floats(value: object, name: str) -> np.ndarray:
     """Float64 copy of a caller's array, or InputError."""
     try:
-        array = np.asarray(given)
+        array = np.asarray(value)
     except ValueError:  # rows of different lengths
         array = np.array(None)
     if array.dtype.kind not in "iuf":
         raise InputError(
-            tr("{what} must be an array of real numbers with rows of equal length.").format(what=what)
+            tr("{what} must be an array of real numbers with rows of equal length.").format(what=name)
         )
     return array.astype(np.float64)
 
 
-def vectors(given: object, count: int, what: str) -> np.ndarray:
-    """``given`` (count, 3) as floats; raises InputError unless they are finite."""
-    array = numbers(given, what)
+def checked_vectors(value: object, count: int, name: str) -> np.ndarray:
+    """``value`` (count, 3) as floats; raises InputError unless they are finite."""
+    array = checked_floats(value, name)
     if array.shape != (count, 3) or not np.isfinite(array).all():
-        raise InputError(tr("{what} must be {n:,} finite vectors.").format(what=what, n=count))
+        raise InputError(tr("{what} must be {n:,} finite vectors.").format(what=name, n=count))
     return array
 
 
-def place(given: object) -> np.ndarray:
-    """``given`` (3,) as floats; raises InputError unless it is a point."""
-    x = _three(given)
+def checked_point(value: object) -> np.ndarray:
+    """``value`` (3,) as floats; raises InputError unless it is a point."""
+    x = _three(value)
     if x is None:
         raise InputError(tr("A place must be three finite numbers."))
     return x
 
 
-def direction(given: object) -> np.ndarray:
-    """``given`` (3,) with a length of 1; raises InputError unless it has a direction."""
-    x = _three(given)
+def checked_direction(value: object) -> np.ndarray:
+    """``value`` (3,) with a length of 1; raises InputError unless it has a direction."""
+    x = _three(value)
     length = 0.0 if x is None else float(np.linalg.norm(x))
     if x is None or not 0.0 < length < np.inf:
         raise InputError(tr("A direction must be three numbers, not all of them 0."))
     return x / length
 
 
-def _three(given: object) -> np.ndarray | None:
+def _three(value: object) -> np.ndarray | None:
     try:
-        x = np.asarray(given)
+        x = np.asarray(value)
     except ValueError:  # rows of different lengths
         return None
     x = x.astype(float) if x.dtype.kind in "iuf" else np.empty(0)
     return x if x.shape == (3,) and np.isfinite(x).all() else None
 
 
-def whole_numbers(given: object, what: str) -> np.ndarray:
+def checked_integers(value: object, name: str) -> np.ndarray:
     """Int64 copy of a caller's array; InputError if rounding would be needed."""
-    if isinstance(given, np.ndarray) and given.dtype.kind == "b":
+    if isinstance(value, np.ndarray) and value.dtype.kind == "b":
         said = tr("{what} must be vertex IDs, not a mask; give numpy.flatnonzero(mask).")
-        raise InputError(said.format(what=what))
-    array = numbers(given, what)
+        raise InputError(said.format(what=name))
+    array = checked_floats(value, name)
     if not (np.abs(array) < 2.0**53).all() or (array != np.rint(array)).any():
-        raise InputError(tr("{what} must be whole numbers: vertex IDs, counted from 0.").format(what=what))
+        raise InputError(tr("{what} must be whole numbers: vertex IDs, counted from 0.").format(what=name))
     return array.astype(np.int64)
 
 
 def mesh_arrays(V: object, F: object) -> tuple[np.ndarray, np.ndarray]:
     """Copies of a caller's arrays (n, 3) and (m, 3); InputError if no mesh."""
-    arrays = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
+    arrays = checked_floats(V, tr("Vertices")), checked_integers(F, tr("Faces"))
     check_mesh(*arrays)
     return arrays
 

@@ -37,34 +37,34 @@ class _Kind(NamedTuple):
     sentence: str
 
 
-def real(given: object) -> float:
+def as_float(value: object) -> float:
     """Float of a number; NaN for anything else, such as a truth value or a text."""
-    if not isinstance(given, Real) or isinstance(given, bool):
+    if not isinstance(value, Real) or isinstance(value, bool):
         return math.nan
     try:
-        return float(given)
+        return float(value)
     except OverflowError:
         return math.inf
 
 
-def whole(given: object) -> bool:
+def is_whole_number(value: object) -> bool:
     """True for a whole number, but not for a truth value."""
-    return isinstance(given, Integral) and not isinstance(given, bool)
+    return isinstance(value, Integral) and not isinstance(value, bool)
 
 
 def _between(least: float, most: float) -> _Kind:
     words = tr("{name} must be a number from {least} to {most}.")
     sentence = words.format(name="{name}", least=f"{least:g}", most=f"{most:g}")
-    return _Kind(lambda given: least <= real(given) <= most, sentence)
+    return _Kind(lambda given: least <= as_float(given) <= most, sentence)
 
 
 _FLAG = _Kind(lambda given: isinstance(given, bool | np.bool_), tr("{name} must be True or False."))
 _LENGTH = _Kind(
-    lambda given: 1.0 / _LARGEST <= real(given) <= _LARGEST,
+    lambda given: 1.0 / _LARGEST <= as_float(given) <= _LARGEST,
     tr("{name} must be a length in mesh units: a number greater than 0 and at most 1e38."),
 )
 _COUNT = _Kind(
-    lambda given: whole(given) and 1 <= given <= _MOST_ITERATIONS,  # type: ignore[operator]
+    lambda given: is_whole_number(given) and 1 <= given <= _MOST_ITERATIONS,  # type: ignore[operator]
     tr("{name} must be a whole number of at least 1."),
 )
 _LIST = _Kind(
@@ -91,7 +91,7 @@ _KINDS = {
     "regions": _LIST,
     "tolerance": _between(1e-12, 1e9),
     "gas": _Kind(
-        lambda given: 0.0 < real(given) <= _LARGEST,
+        lambda given: 0.0 < as_float(given) <= _LARGEST,
         tr("{name} must be a number greater than 0 and at most 1e38."),
     ),
     "container": _between(0.0, _LARGEST),
@@ -109,19 +109,19 @@ _KINDS = {
 }
 
 
-def check(name: str, given: object, kind: _Kind | None = None) -> None:
+def check_argument(name: str, value: object, kind: _Kind | None = None) -> None:
     """Raise InputError on an argument of another kind than its name says.
 
     Arrays, and what depends on the mesh, are checked where they are used.
     """
     kind = kind or _KINDS.get(name)
-    if kind is not None and not kind.holds(given):
+    if kind is not None and not kind.holds(value):
         raise InputError(kind.sentence.format(name=name))
 
 
-def check_type(name: str, given: object, kind: type) -> None:
+def check_type(name: str, value: object, kind: type) -> None:
     """Raise InputError unless an argument is of a type."""
-    if not isinstance(given, kind):
+    if not isinstance(value, kind):
         raise InputError(tr("{name} must be of the type {kind}.").format(name=name, kind=kind.__name__))
 
 
@@ -135,13 +135,13 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     def checking(*args: P.args, **named: P.kwargs) -> R:
         for name, given in signature.bind(*args, **named).arguments.items():
             if given is not default[name]:
-                check(name, given, own[name])
+                check_argument(name, given, own[name])
         return function(*args, **named)
 
     return checking
 
 
-class Uncopied:
+class Uncopyable:
     """Object with a factor, refusing to be copied or pickled."""
 
     def __reduce_ex__(self, _: object) -> NoReturn:

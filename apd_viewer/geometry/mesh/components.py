@@ -11,7 +11,7 @@ from apd_viewer.geometry.mesh.union_find import join
 
 
 @njit(cache=True, nogil=True)
-def pieces(F: np.ndarray, n: int) -> np.ndarray:
+def vertex_components(F: np.ndarray, n: int) -> np.ndarray:
     """Number of the connected piece of every vertex, from 0.
 
     Parameters
@@ -40,7 +40,7 @@ def pieces(F: np.ndarray, n: int) -> np.ndarray:
     return number
 
 
-class LoosePart(NamedTuple):
+class LooseComponent(NamedTuple):
     """A connected part with triangles of which no vertex is held.
 
     Attributes
@@ -55,26 +55,26 @@ class LoosePart(NamedTuple):
     triangles: int
 
 
-def part_of_triangles(F: np.ndarray) -> np.ndarray:
+def face_components(F: np.ndarray) -> np.ndarray:
     """Lowest vertex of the connected part of every triangle of ``F`` (m, 3), (m,)."""
-    number = pieces(F, int(F.max()) + 1)
+    number = vertex_components(F, int(F.max()) + 1)
     lowest = np.empty(number.max() + 1, dtype=np.int64)
     lowest[number[::-1]] = np.arange(len(number))[::-1]  # of several the last counts
     return lowest[number[F[:, 0]]]
 
 
-def loose_parts(part: np.ndarray, F: np.ndarray, is_held: np.ndarray) -> tuple[LoosePart, ...]:
+def loose_components(component: np.ndarray, F: np.ndarray, is_held: np.ndarray) -> tuple[LooseComponent, ...]:
     """Parts without held vertices, the largest first.
 
     Parameters
     ----------
-    part : (m,) int array
-        See :func:`part_of_triangles`.
+    component : (m,) int array
+        See :func:`face_components`.
     F : (m, 3) int array
     is_held : (n,) bool array
     """
-    sizes = np.bincount(part)
-    sizes[part[is_held[F].any(axis=1)]] = 0
+    sizes = np.bincount(component)
+    sizes[component[is_held[F].any(axis=1)]] = 0
     loose = np.flatnonzero(sizes)
     loose = loose[np.argsort(-sizes[loose], kind="stable")]
-    return tuple(LoosePart(int(first), int(sizes[first])) for first in loose)
+    return tuple(LooseComponent(int(first), int(sizes[first])) for first in loose)

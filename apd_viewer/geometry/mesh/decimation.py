@@ -16,7 +16,7 @@ _ACROSS = 2.0
 _UNHEARD = 1.5
 
 
-class Thinning(NamedTuple):
+class Decimation(NamedTuple):
     """Decimated mesh, and the coarse vertex of each fine one.
 
     Attributes
@@ -25,22 +25,22 @@ class Thinning(NamedTuple):
         Ids, ascending.
     F : (k, 3) int array
         Triangles, by the places of their corners among ``vertices``.
-    near : (n, 4) int32 array
+    coarse_neighbours : (n, 4) int32 array
         By their places among ``vertices``.
     weight : (n, 4) float array
         Rows sum to one, or to zero where the thinned mesh has nothing of the piece.
-    edge : float
+    edge_length : float
         Mean length of the edges.
     """
 
     vertices: np.ndarray
     F: np.ndarray
-    near: np.ndarray
+    coarse_neighbours: np.ndarray
     weight: np.ndarray
-    edge: float
+    edge_length: float
 
 
-def thinned(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+def decimated(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """About ``count`` of the vertices (n, 3), and triangles between them.
 
     Returns
@@ -68,24 +68,24 @@ def thinned(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.nd
     return vertices[kept], T.reshape(-1, 3)
 
 
-def edge_length(V: np.ndarray, F: np.ndarray) -> float:
+def mean_edge_length(V: np.ndarray, F: np.ndarray) -> float:
     """Mean length of the edges of the triangles ``F`` (m, 3)."""
     return float(np.linalg.norm(V[F] - V[np.roll(F, -1, axis=1)], axis=2).mean())
 
 
-def neighbourhoods(
-    V: np.ndarray, normals: np.ndarray, piece: np.ndarray, vertices: np.ndarray, edge: float
+def coarse_neighbours(
+    V: np.ndarray, normals: np.ndarray, component: np.ndarray, vertices: np.ndarray, edge_length: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Coarse neighbours of every vertex, on its own side of a wall.
 
     Parameters
     ----------
     V, normals : (n, 3) float arrays
-    piece : (n,) int array
+    component : (n,) int array
         The connected piece of every vertex; there is no going with another one.
     vertices : (c,) int array
         Those of the thinned mesh.
-    edge : float
+    edge_length : float
         Mean length of its edges.
 
     Returns
@@ -95,15 +95,17 @@ def neighbourhoods(
     weight : (n, 4) float array
         Rows sum to one, or to zero where the thinned mesh has nothing of the piece.
     """
-    place = np.hstack([V, _ACROSS * edge * normals])
+    place = np.hstack([V, _ACROSS * edge_length * normals])
     distance, near = KDTree(place[vertices]).query(place, k=_NEAREST, workers=-1)
-    weight = 1.0 / np.maximum(distance, 1e-3 * edge)
-    weight[piece[vertices[near]] != piece[:, None]] = 0.0
+    weight = 1.0 / np.maximum(distance, 1e-3 * edge_length)
+    weight[component[vertices[near]] != component[:, None]] = 0.0
     weight /= np.maximum(weight.sum(axis=1, keepdims=True), 1e-300)
     return near.astype(np.int32), weight
 
 
-def with_held(V: np.ndarray, piece: np.ndarray, thinning: Thinning, fixed: np.ndarray) -> np.ndarray:
+def with_held_vertices(
+    V: np.ndarray, component: np.ndarray, decimation: Decimation, fixed: np.ndarray
+) -> np.ndarray:
     """Vertices of a decimated mesh, some replaced by held ones.
 
     So every held part has a vertex in the decimated mesh.
@@ -111,20 +113,20 @@ def with_held(V: np.ndarray, piece: np.ndarray, thinning: Thinning, fixed: np.nd
     Parameters
     ----------
     V : (n, 3) float array
-    piece : (n,) int array
+    component : (n,) int array
         The connected piece of every vertex.
-    thinning : Thinning
+    decimation : Decimation
     fixed : (k,) int array
         The held vertices.
     """
-    vertices = thinning.vertices.copy()
+    vertices = decimation.vertices.copy()
     while True:
         heard = vertices[np.isin(vertices, fixed)]
         away = KDTree(V[heard]).query(V[fixed], workers=-1)[0] if len(heard) else np.full(len(fixed), np.inf)
-        same = np.isin(piece[fixed], piece[vertices[~np.isin(vertices, fixed)]])
+        same = np.isin(component[fixed], component[vertices[~np.isin(vertices, fixed)]])
         farthest = int(np.argmax(np.where(same, away, 0.0)))
-        if not same.any() or away[farthest] <= _UNHEARD * thinning.edge:
+        if not same.any() or away[farthest] <= _UNHEARD * decimation.edge_length:
             return vertices
         lonely = fixed[farthest]
-        others = np.flatnonzero(~np.isin(vertices, fixed) & (piece[vertices] == piece[lonely]))
+        others = np.flatnonzero(~np.isin(vertices, fixed) & (component[vertices] == component[lonely]))
         vertices[others[np.argmin(np.linalg.norm(V[vertices[others]] - V[lonely], axis=1))]] = lonely

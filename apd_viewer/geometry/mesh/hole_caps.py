@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
-from apd_viewer.geometry.mesh.components import pieces
-from apd_viewer.geometry.mesh.operators import odd_edges, volume
+from apd_viewer.geometry.mesh.components import vertex_components
+from apd_viewer.geometry.mesh.operators import edge_defect_counts, volume
 
 # Part of the diagonal's cube: a smaller volume is the rounding of a flat sheet.
 _FLAT = 1e-9
@@ -33,9 +33,9 @@ class Caps:
     start: np.ndarray
 
     @classmethod
-    def of(cls, F: np.ndarray, n: int) -> Caps | None:
+    def from_triangles(cls, F: np.ndarray, n: int) -> Caps | None:
         """Caps of the triangles ``F`` (m, 3) of ``n`` vertices; None if impossible."""
-        border, crowded, one_way = odd_edges(F, n)
+        border, crowded, one_way = edge_defect_counts(F, n)
         if not border or crowded or one_way:
             return None
         proper = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
@@ -47,7 +47,7 @@ class Caps:
         ends = np.column_stack([b[alone], a[alone]])
         names, corner = np.unique(ends, return_inverse=True)
         corner = corner.reshape(-1, 2)
-        opening = pieces(corner[:, [0, 1, 1]], len(names))[corner[:, 0]]
+        opening = vertex_components(corner[:, [0, 1, 1]], len(names))[corner[:, 0]]
         order = np.argsort(opening, kind="stable")
         start = np.flatnonzero(np.diff(opening[order], prepend=-1))
         return cls(frozen(ends[order]), frozen(start))

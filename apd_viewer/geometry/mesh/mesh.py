@@ -12,11 +12,11 @@ from typing import Protocol
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, size_of, whole_numbers
-from apd_viewer.geometry.mesh.checked_arguments import check
+from apd_viewer.geometry.mesh.arrays import check_mesh, checked_floats, checked_integers, frozen, mesh_size
+from apd_viewer.geometry.mesh.checked_arguments import check_argument
 from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.texture import Texture
-from apd_viewer.geometry.mesh.weld import TOLERANCE, Weld
+from apd_viewer.geometry.mesh.weld import WELD_TOLERANCE, Weld
 from apd_viewer.language import tr
 
 
@@ -89,11 +89,11 @@ class Mesh:
         V, F = self.V, self.F
         for name, without in (("path", None), ("origin", None), ("remarks", ()), ("unit", "")):
             if (given := getattr(self, name)) is not without:
-                check(name, given)
+                check_argument(name, given)
         if self.path is not None:
             object.__setattr__(self, "path", Path(self.path))
         if self.origin is None:  # arrays read from a file are valid and unshared
-            V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
+            V, F = checked_floats(V, tr("Vertices")), checked_integers(F, tr("Faces"))
         check_mesh(V, F)
         object.__setattr__(self, "V", frozen(V))
         object.__setattr__(self, "F", frozen(F))
@@ -105,7 +105,7 @@ class Mesh:
         frozen(self.F)
 
     @classmethod
-    def trusted(
+    def from_checked(
         cls,
         V: np.ndarray,
         F: np.ndarray,
@@ -119,7 +119,7 @@ class Mesh:
         mesh = cls.__new__(cls)
         mesh.__dict__.update(V=V, F=F, path=path, origin=origin, remarks=remarks, unit=unit)
         if weld is not None:
-            mesh.__dict__["weld"] = Weld.between(V, *weld)
+            mesh.__dict__["weld"] = Weld.from_maps(V, *weld)
         return mesh
 
     def baked(self, U: np.ndarray) -> Mesh:
@@ -127,9 +127,9 @@ class Mesh:
 
         It came from the same file, and is written into it as a deformed shape would be.
         """
-        read = self.origin.mesh if isinstance(self.origin, Baked) else self
-        origin = Baked(read.origin, read) if read.origin is not None else None
-        return Mesh.trusted(U, self.F, self.path, origin, self._welded, self.remarks, self.unit)
+        read = self.origin.mesh if isinstance(self.origin, BakedOrigin) else self
+        origin = BakedOrigin(read.origin, read) if read.origin is not None else None
+        return Mesh.from_checked(U, self.F, self.path, origin, self._welded, self.remarks, self.unit)
 
     def welded(self) -> Mesh:
         """The mesh with nearly meeting seams welded; vertices and file are the same.
@@ -145,25 +145,25 @@ class Mesh:
         >>> mesh.joined_F.tolist(), mesh.welded().joined_F.tolist()
         ([[0, 1, 2], [3, 5, 4]], [[0, 1, 2], [1, 5, 2]])
         """
-        return self.joined(self.weld.wider(self.V, self.F).representative)
+        return self.welded_to(self.weld.with_seams(self.V, self.F).representative)
 
-    def joined(self, representative: np.ndarray) -> Mesh:
+    def welded_to(self, representative: np.ndarray) -> Mesh:
         """The mesh with each vertex welded to the one in ``representative`` (n,)."""
-        weld = Weld.to(self.V, representative)
+        weld = Weld.from_representatives(self.V, representative)
         joined = weld.first, weld.inverse
-        return Mesh.trusted(self.V, self.F, self.path, self.origin, joined, self.remarks, self.unit)
+        return Mesh.from_checked(self.V, self.F, self.path, self.origin, joined, self.remarks, self.unit)
 
     @property
     def has_welded_seams(self) -> bool:
         """True if more than coincident vertices and cracks of rounding is welded."""
-        return self.weld.slack > 4.0 * TOLERANCE * size_of(self.V, self.F)
+        return self.weld.target_tolerance > 4.0 * WELD_TOLERANCE * mesh_size(self.V, self.F)
 
-    def homeless(self) -> Mesh:
+    def without_path(self) -> Mesh:
         """The mesh without its path."""
         origin = self.origin
-        if isinstance(origin, Baked):
-            origin = Baked(origin.origin, origin.mesh.homeless())
-        return Mesh.trusted(self.V, self.F, None, origin, self._welded, self.remarks, self.unit)
+        if isinstance(origin, BakedOrigin):
+            origin = BakedOrigin(origin.origin, origin.mesh.without_path())
+        return Mesh.from_checked(self.V, self.F, None, origin, self._welded, self.remarks, self.unit)
 
     @property
     def _welded(self) -> tuple[np.ndarray, np.ndarray]:
@@ -172,7 +172,7 @@ class Mesh:
     @cached_property
     def weld(self) -> Weld:
         """The maps between the file's vertices and the vertices of the solve."""
-        return Weld.of(self.V, self.F)
+        return Weld.from_positions(self.V, self.F)
 
     @cached_property
     def colors(self) -> np.ndarray | None:
@@ -186,17 +186,17 @@ class Mesh:
     @cached_property
     def corner_normals(self) -> CornerNormals | None:
         """Normals of the file; None without usable ones."""
-        if isinstance(self.origin, Baked):
+        if isinstance(self.origin, BakedOrigin):
             return self.origin.mesh.corner_normals
         with contextlib.suppress(ValueError):  # the mesh is usable without them
             if self.origin is not None and (found := self.origin.normals(self)) is not None:
-                return CornerNormals.read(*found, self.V, self.F)
+                return CornerNormals.from_normals(*found, self.V, self.F)
         return None
 
     @cached_property
     def texture(self) -> tuple[Texture | None, str | None]:
         """Texture of the file, if any, and a sentence if it cannot be shown."""
-        if isinstance(self.origin, Baked):
+        if isinstance(self.origin, BakedOrigin):
             return self.origin.mesh.texture
         try:
             return (None if self.origin is None else self.origin.texture(self)), None
@@ -267,7 +267,7 @@ class DerivedOrigin:
 
 
 @dataclass(frozen=True, eq=False)
-class Baked(DerivedOrigin):
+class BakedOrigin(DerivedOrigin):
     """Origin of a mesh with baked rest positions.
 
     Attributes

@@ -28,7 +28,9 @@ class CornerNormals(NamedTuple):
     local: np.ndarray
 
     @classmethod
-    def read(cls, N: np.ndarray, normal_of: np.ndarray, V: np.ndarray, F: np.ndarray) -> CornerNormals | None:
+    def from_normals(
+        cls, N: np.ndarray, normal_of: np.ndarray, V: np.ndarray, F: np.ndarray
+    ) -> CornerNormals | None:
         """Normals ``N`` (k, 3) at corners ``normal_of`` (m, 3) of the triangles F of V.
 
         Without one, or with one that has no direction, a corner has the normal of its triangle. None if no
@@ -71,7 +73,7 @@ def vertex_normals(U: np.ndarray, F: np.ndarray) -> np.ndarray:
     return normals
 
 
-def turned_normals(
+def rotated_normals(
     V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray
 ) -> np.ndarray:
     """Normals turned by the rotation of their triangles; creases are kept.

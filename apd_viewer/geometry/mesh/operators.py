@@ -78,18 +78,18 @@ def _signed_volumes(U: np.ndarray, F: np.ndarray, origin: np.ndarray) -> np.ndar
 def volume(U: np.ndarray, F: np.ndarray) -> float:
     """Signed volume, cubic mesh units, positive for outward faces.
 
-    Without meaning for a surface that is not closed: see :func:`why_no_volume`.
+    Without meaning for a surface that is not closed: see :func:`missing_volume_reason`.
     """
     # Measured from a vertex of the surface: far from the origin the sum would cancel away its digits.
     return float(_signed_volumes(U, F, U[F[0, 0]]).sum())
 
 
-def why_no_volume(F: np.ndarray, n: int) -> str | None:
+def missing_volume_reason(F: np.ndarray, n: int) -> str | None:
     """Reason for a missing volume, as a phrase; None if the surface is closed.
 
     A surface is closed when every edge is used once in each direction.
     """
-    border, crowded, one_way = odd_edges(F, n)
+    border, crowded, one_way = edge_defect_counts(F, n)
     # Openings last: they can be capped, what comes before them cannot be mended.
     if crowded:
         return trn(
@@ -107,7 +107,7 @@ def why_no_volume(F: np.ndarray, n: int) -> str | None:
 
 
 @njit(cache=True, nogil=True)
-def odd_edges(F: np.ndarray, n: int) -> tuple[int, int, int]:
+def edge_defect_counts(F: np.ndarray, n: int) -> tuple[int, int, int]:
     """Counts of border, non-manifold and inconsistently oriented edges.
 
     Triangles with a corner twice do not count.
@@ -142,7 +142,7 @@ def odd_edges(F: np.ndarray, n: int) -> tuple[int, int, int]:
     return border, crowded, one_way
 
 
-def border_vertices(F: np.ndarray, n: int) -> np.ndarray:
+def boundary_vertices(F: np.ndarray, n: int) -> np.ndarray:
     """Vertices of border edges, ascending."""
     a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
     edge = a != b

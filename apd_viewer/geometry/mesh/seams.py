@@ -6,8 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import size_of
-from apd_viewer.geometry.mesh.weld import SEAM, SHARE, Weld, border_edges, shortest_edges
+from apd_viewer.geometry.mesh.arrays import mesh_size
+from apd_viewer.geometry.mesh.weld import (
+    MOST_EDGE_SHARE,
+    SEAM_TOLERANCE,
+    Weld,
+    boundary_edges,
+    shortest_edges,
+)
 from apd_viewer.language import trn
 
 
@@ -29,25 +35,25 @@ class Seams(NamedTuple):
     joints: np.ndarray
 
     @classmethod
-    def of(cls, V: np.ndarray, F: np.ndarray, weld: Weld) -> Seams:
+    def from_mesh(cls, V: np.ndarray, F: np.ndarray, weld: Weld) -> Seams:
         """Seams of positions ``V`` (n, 3) and triangles ``F`` (m, 3) with their ``weld``."""
         corners, n = weld.representative[F], len(V)
-        edges = border_edges(corners, n)
+        edges = boundary_edges(corners, n)
         if not len(edges):
             return cls(edges, 0.0, edges[:, 0])
-        wider = weld.wider(V, F)
+        wider = weld.with_seams(V, F)
         if len(wider.first) == len(weld.first):
             return cls(edges[:0], 0.0, _joints(V, edges, corners))
         onto = wider.representative
         ends, corners = np.sort(onto[edges], axis=1), onto[corners]
-        left = border_edges(corners, n)
+        left = boundary_edges(corners, n)
         meets = ~np.isin(ends[:, 0] * n + ends[:, 1], left[:, 0] * n + left[:, 1])
         moved = edges[meets].ravel()
         gap = float(np.linalg.norm(V[moved] - V[onto[moved]], axis=1).max(initial=0.0))
         return cls(edges[meets], gap, _joints(V, left, corners))
 
     @property
-    def weldable(self) -> str | None:
+    def weldable_sentence(self) -> str | None:
         """Sentence about the edges, if there are any."""
         if not len(self.edges):
             return None
@@ -61,7 +67,7 @@ class Seams(NamedTuple):
         return said.format(n=len(self.edges), gap=self.gap)
 
     @property
-    def unweldable(self) -> str | None:
+    def unweldable_sentence(self) -> str | None:
         """Sentence about the T-joints, if there are any."""
         if not len(self.joints):
             return None
@@ -77,15 +83,15 @@ class Seams(NamedTuple):
     @property
     def sentences(self) -> tuple[str, ...]:
         """Sentences about both, as far as there are any."""
-        return tuple(filter(None, (self.weldable, self.unweldable)))
+        return tuple(filter(None, (self.weldable_sentence, self.unweldable_sentence)))
 
 
 def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Vertices inside ``edges`` (b, 2), the boundary of the triangles ``corners``."""
     edges = edges[np.linalg.norm(V[edges[:, 1]] - V[edges[:, 0]], axis=1) > 0.0]  # squares may underflow
     border = np.unique(edges)
-    near = SEAM * size_of(V, corners)
-    room = np.minimum(near, SHARE * shortest_edges(V, edges)[border])
+    near = SEAM_TOLERANCE * mesh_size(V, corners)
+    room = np.minimum(near, MOST_EDGE_SHARE * shortest_edges(V, edges)[border])
     point, edge = _close(V, border, edges, near)
     a, along = V[edges[edge, 0]], V[edges[edge, 1]] - V[edges[edge, 0]]
     length = np.linalg.norm(along, axis=1)

@@ -7,19 +7,19 @@ from functools import cached_property
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import frozen, size_of
+from apd_viewer.geometry.mesh.arrays import frozen, mesh_size
 
 # Boundary vertices closer than this, in bounding-box diagonals, are welded.
-TOLERANCE = 1e-7
+WELD_TOLERANCE = 1e-7
 
 # So are those closer than this on request: exporters round to four or five digits.
-SEAM = 1e-4
+SEAM_TOLERANCE = 1e-4
 
 # Rounding of held vertices, in bounding-box diagonals.
 _IN_PLACE = 1e-9
 
 # Of the shorter boundary edge at two vertices, how far apart they may be: nearer than to their neighbours.
-SHARE = 0.5
+MOST_EDGE_SHARE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,9 @@ class Weld:
     V: np.ndarray | None = None
 
     @classmethod
-    def of(cls, V: np.ndarray, F: np.ndarray | None = None, tolerance: float = TOLERANCE) -> Weld:
+    def from_positions(
+        cls, V: np.ndarray, F: np.ndarray | None = None, tolerance: float = WELD_TOLERANCE
+    ) -> Weld:
         """Weld positions ``V`` (n, 3) in file order; ``F`` (m, 3) gives borders.
 
         The ``tolerance`` is that of borders, in bounding-box diagonals.
@@ -59,20 +61,20 @@ class Weld:
         representative[order] = leader
         if F is not None:
             representative = _cracks_closed(V, F, representative, tolerance)
-        return cls.to(V, representative)
+        return cls.from_representatives(V, representative)
 
     @classmethod
-    def to(cls, V: np.ndarray, representative: np.ndarray) -> Weld:
+    def from_representatives(cls, V: np.ndarray, representative: np.ndarray) -> Weld:
         """Weld each of the positions ``V`` (n, 3) to that of its representative."""
         first, inverse = np.unique(representative, return_inverse=True)
-        return cls.between(V, first, inverse)
+        return cls.from_maps(V, first, inverse)
 
-    def wider(self, V: np.ndarray, F: np.ndarray) -> Weld:
+    def with_seams(self, V: np.ndarray, F: np.ndarray) -> Weld:
         """The weld with borders joined within :data:`SEAM` too."""
-        return Weld.to(V, _cracks_closed(V, F, self.representative, SEAM))
+        return Weld.from_representatives(V, _cracks_closed(V, F, self.representative, SEAM_TOLERANCE))
 
     @classmethod
-    def between(cls, V: np.ndarray, first: np.ndarray, inverse: np.ndarray) -> Weld:
+    def from_maps(cls, V: np.ndarray, first: np.ndarray, inverse: np.ndarray) -> Weld:
         """The weld with these maps of the positions ``V`` (n, 3)."""
         first, inverse = frozen(first), frozen(inverse)
         if len(first) == len(inverse):
@@ -90,19 +92,19 @@ class Weld:
         return None if self.V is None else frozen(self.V - self.V[self.representative])
 
     @cached_property
-    def slack(self) -> float:
+    def target_tolerance(self) -> float:
         """Tolerance between targets of welded vertices, mesh units."""
         return 0.0 if self.offset is None else 4.0 * float(np.linalg.norm(self.offset, axis=1).max())
 
-    def in_place(self, diagonal: float) -> float:
+    def in_place_tolerance(self, diagonal: float) -> float:
         """Tolerance of held vertices in place, mesh units."""
-        return _IN_PLACE * diagonal + self.slack
+        return _IN_PLACE * diagonal + self.target_tolerance
 
     def offset_of(self, ids: np.ndarray) -> np.ndarray | float:
         """Offset of the file vertices ``ids`` from their welded positions."""
         return 0.0 if self.offset is None else self.offset[ids]
 
-    def everywhere(self, ids: np.ndarray) -> np.ndarray:
+    def with_coincident(self, ids: np.ndarray) -> np.ndarray:
         """File vertices ``ids`` with all others at their positions, ascending."""
         if len(self.first) == len(self.inverse):
             return ids
@@ -110,7 +112,7 @@ class Weld:
         covered[self.inverse[ids]] = True
         return np.flatnonzero(covered[self.inverse])
 
-    def spread(self, U: np.ndarray) -> np.ndarray:
+    def to_file(self, U: np.ndarray) -> np.ndarray:
         """Positions ``U`` (k, 3) of solve vertices spread to the file's, (n, 3)."""
         if len(U) == len(self.inverse):
             return U.copy()
@@ -122,7 +124,7 @@ class Weld:
         return spread
 
 
-def border_edges(corners: np.ndarray, n: int) -> np.ndarray:
+def boundary_edges(corners: np.ndarray, n: int) -> np.ndarray:
     """Edges (b, 2) of one triangle among ``corners`` (m, 3) below ``n``, each once."""
     key = _edge_keys(corners, n)
     key.sort()
@@ -142,15 +144,15 @@ def _edge_keys(corners: np.ndarray, n: int) -> np.ndarray:
 def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tolerance: float) -> np.ndarray:
     """Representatives joining border vertices across cracks; neighbours stay apart."""
     corners, n = representative[F], len(V)
-    edges = border_edges(corners, n)
+    edges = boundary_edges(corners, n)
     if not len(edges):
         return representative
     from scipy.spatial import KDTree  # most meshes have no cracks, and the window opens before it is loaded
 
     border = np.unique(edges)
-    pairs = border[KDTree(V[border]).query_pairs(tolerance * size_of(V, F), output_type="ndarray")]
+    pairs = border[KDTree(V[border]).query_pairs(tolerance * mesh_size(V, F), output_type="ndarray")]
     gap = np.linalg.norm(V[pairs[:, 0]] - V[pairs[:, 1]], axis=1)
-    room = SHARE * shortest_edges(V, edges)[pairs].min(axis=1)
+    room = MOST_EDGE_SHARE * shortest_edges(V, edges)[pairs].min(axis=1)
     pairs, gap = pairs[gap <= room], gap[gap <= room]
     at_border = np.zeros(n, dtype=bool)
     at_border[border] = True

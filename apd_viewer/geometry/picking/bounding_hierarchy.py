@@ -10,8 +10,8 @@ from numba import prange
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 
-FAN = 8  # triangles per box, boxes per larger box
-FAN_BITS = 3  # log2 of FAN
+BRANCHING = 8  # triangles per box, boxes per larger box
+BRANCHING_BITS = 3  # log2 of FAN
 _SLACK = 1e-8  # around a box, relative: rounding must not let a ray miss the triangles in it
 
 # log2 of the sorting cells along the longest side of the mesh.
@@ -21,7 +21,7 @@ _CELL_BITS = 10
 _HALF_KEY = 3 * _CELL_BITS // 2
 
 
-class Boxes(NamedTuple):
+class BoundingHierarchy(NamedTuple):
     """Boxes in boxes around the triangles of one shape.
 
     Attributes
@@ -29,8 +29,8 @@ class Boxes(NamedTuple):
     F : (m, 3) int array
         The triangles, neighbours in space next to each other.
     corners : (b, 2, 3) float array
-        Low and high corner of the boxes around every ``FAN`` triangles, then around every ``FAN`` of these,
-        and so on up to one around all.
+        Low and high corner of the boxes around every ``BRANCHING`` triangles, then around every ``BRANCHING``
+        of these, and so on up to one around all.
     level : (l + 1,) int array
         Where the boxes of each size begin.
     """
@@ -40,11 +40,11 @@ class Boxes(NamedTuple):
     level: np.ndarray
 
 
-def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> Boxes:
+def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> BoundingHierarchy:
     """Bounding volume hierarchy of ``F`` (m, 3) at ``U`` (n, 3)."""
-    sizes = [(len(F) + FAN - 1) // FAN]
+    sizes = [(len(F) + BRANCHING - 1) // BRANCHING]
     while sizes[-1] > 1:
-        sizes.append((sizes[-1] + FAN - 1) // FAN)
+        sizes.append((sizes[-1] + BRANCHING - 1) // BRANCHING)
     level = np.cumsum([0, *sizes])
     with cores_for(len(U)):
         T = _in_order(F, _cells(U, F))
@@ -52,7 +52,7 @@ def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> Boxes:
         _around_triangles(U, T, _SLACK * np.abs(U).max(initial=0.0), corners[: level[1]])
     for i in range(1, len(sizes)):
         _around_boxes(corners[level[i - 1] : level[i]], corners[level[i] : level[i + 1]])
-    return Boxes(T, corners, level)
+    return BoundingHierarchy(T, corners, level)
 
 
 @parallel()
@@ -103,11 +103,11 @@ def _in_order(F: np.ndarray, key: np.ndarray) -> np.ndarray:
 
 @parallel()
 def _around_triangles(U: np.ndarray, F: np.ndarray, slack: float, corners: np.ndarray) -> None:
-    """Boxes (b, 2, 3) of every ``FAN`` triangles, grown by ``slack``."""
+    """Boxes (b, 2, 3) of every ``BRANCHING`` triangles, grown by ``slack``."""
     for b in prange(len(corners)):
         for c in range(3):
             low, high = np.inf, -np.inf
-            for t in range(FAN * b, min(FAN * (b + 1), len(F))):
+            for t in range(BRANCHING * b, min(BRANCHING * (b + 1), len(F))):
                 for d in range(3):
                     low, high = min(low, U[F[t, d], c]), max(high, U[F[t, d], c])
             corners[b, 0, c], corners[b, 1, c] = low - slack, high + slack
@@ -115,10 +115,10 @@ def _around_triangles(U: np.ndarray, F: np.ndarray, slack: float, corners: np.nd
 
 @njit(cache=True, nogil=True)
 def _around_boxes(inner: np.ndarray, outer: np.ndarray) -> None:
-    """Write the ``outer`` (b, 2, 3) boxes around every ``FAN`` of the ``inner`` ones."""
+    """Write the ``outer`` (b, 2, 3) boxes around each group of ``inner`` ones."""
     for b in range(len(outer)):
         for c in range(3):
             low, high = np.inf, -np.inf
-            for k in range(FAN * b, min(FAN * (b + 1), len(inner))):
+            for k in range(BRANCHING * b, min(BRANCHING * (b + 1), len(inner))):
                 low, high = min(low, inner[k, 0, c]), max(high, inner[k, 1, c])
             outer[b, 0, c], outer[b, 1, c] = low, high

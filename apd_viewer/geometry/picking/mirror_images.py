@@ -8,8 +8,8 @@ from scipy.spatial import KDTree
 from apd_viewer.geometry.pose.mirror import MirrorPlane
 
 
-def nearest_to_images(
-    V: np.ndarray, ids: np.ndarray, among: np.ndarray, plane: MirrorPlane, reach: np.ndarray
+def nearest_mirror_vertices(
+    V: np.ndarray, ids: np.ndarray, candidates: np.ndarray, plane: MirrorPlane, reach: np.ndarray
 ) -> np.ndarray:
     """Vertex nearest to the mirror image of each of some vertices.
 
@@ -17,7 +17,7 @@ def nearest_to_images(
     ----------
     V : (n, 3) float array
     ids : (k,) int array
-    among : (n,) bool array
+    candidates : (n,) bool array
         Vertices that count.
     plane : MirrorPlane
     reach : (k,) float array
@@ -33,7 +33,7 @@ def nearest_to_images(
         return found
     images = plane.image(V[ids])
     low, high = images.min(axis=0) - reach.max(), images.max(axis=0) + reach.max()
-    others = np.flatnonzero(among & ((low <= V) & (high >= V)).all(axis=1))
+    others = np.flatnonzero(candidates & ((low <= V) & (high >= V)).all(axis=1))
     if len(others):
         # Neither balanced nor compact: not worth it for a single query.
         tree = KDTree(V[others], balanced_tree=False, compact_nodes=False)

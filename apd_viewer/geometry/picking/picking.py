@@ -16,7 +16,7 @@ _RIM = 1e-9  # the same of a triangle's weights: nor slip through a vertex or be
 
 
 @njit(cache=True, nogil=True)
-def boxes(U: np.ndarray, F: np.ndarray) -> np.ndarray:
+def block_boxes(U: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Bounding boxes of every ``BLOCK`` consecutive triangles.
 
     Parameters
@@ -48,7 +48,7 @@ def boxes(U: np.ndarray, F: np.ndarray) -> np.ndarray:
 
 @njit(cache=True, nogil=True)
 def ray_hit(
-    origin: np.ndarray, direction: np.ndarray, U: np.ndarray, F: np.ndarray, around: np.ndarray
+    origin: np.ndarray, direction: np.ndarray, U: np.ndarray, F: np.ndarray, block_boxes: np.ndarray
 ) -> tuple[int, float, float, float]:
     """Nearest triangle hit by a ray, from either side.
 
@@ -57,8 +57,8 @@ def ray_hit(
     origin, direction : (3,) float array
     U : (n, 3) float array
     F : (m, 3) int array
-    around : (b, 2, 3) float array
-        The :func:`boxes` of the same ``U`` and ``F``.
+    block_boxes : (b, 2, 3) float array
+        The :func:`block_boxes` of the same ``U`` and ``F``.
 
     Returns
     -------
@@ -72,8 +72,8 @@ def ray_hit(
     ox, oy, oz = origin[0], origin[1], origin[2]
     dx, dy, dz = direction[0], direction[1], direction[2]
     face, distance, b1, b2 = -1, np.inf, 0.0, 0.0
-    for b in range(around.shape[0]):
-        if not _enters(origin, direction, around[b], distance):
+    for b in range(block_boxes.shape[0]):
+        if not _enters(origin, direction, block_boxes[b], distance):
             continue
         for t in range(b * BLOCK, min((b + 1) * BLOCK, F.shape[0])):
             i, j, k = F[t, 0], F[t, 1], F[t, 2]
@@ -126,7 +126,7 @@ def _squared_distance(x: np.ndarray, a: np.ndarray, b: np.ndarray) -> float:
 
 
 @njit(cache=True, nogil=True)
-def brush(
+def vertices_under_brush(
     start: np.ndarray,
     neighbour: np.ndarray,
     U: np.ndarray,

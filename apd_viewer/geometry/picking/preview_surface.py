@@ -10,8 +10,8 @@ from apd_viewer.geometry.mesh.normals import vertex_normals
 
 
 @dataclass(frozen=True, eq=False)
-class Sketch:
-    """Stands in for a :class:`Skin` until there is one: to be seen, not touched.
+class PreviewSurface:
+    """Surface to be seen, not touched, until there is a :class:`SurfaceIndex`.
 
     Attributes
     ----------
@@ -19,9 +19,9 @@ class Sketch:
     """
 
     F: np.ndarray
-    copied = np.empty(0, dtype=np.int32)
+    repeated_vertices = np.empty(0, dtype=np.int32)
 
-    def rendered(self, sharp: bool, filed: bool = False) -> Sketch:  # noqa: ARG002
+    def render_mesh(self, sharp: bool, with_file_normals: bool = False) -> PreviewSurface:  # noqa: ARG002
         """The sketch itself, always smooth."""
         return self
 

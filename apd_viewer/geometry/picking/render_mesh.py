@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.adjacency import ALONE, _normal
+from apd_viewer.geometry.mesh.adjacency import BOUNDARY, _normal
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.union_find import join, root
@@ -24,7 +24,7 @@ class RenderMesh:
     ----------
     F : (m, 3) int32 array
         Render vertices of the triangles: the first n are the vertices of the mesh.
-    copied : (k,) int32 array
+    repeated_vertices : (k,) int32 array
         For each render vertex from n on the vertex that it repeats.
     joined : (m, 3) int32 array
         The triangles of the mesh, with the vertices at a seam named by one of them.
@@ -39,7 +39,7 @@ class RenderMesh:
     """
 
     F: np.ndarray
-    copied: np.ndarray
+    repeated_vertices: np.ndarray
     joined: np.ndarray
     leading: np.ndarray
     source: np.ndarray
@@ -78,13 +78,13 @@ class RenderMesh:
 
         Normals stay continuous there.
         """
-        n, before = len(self.used), len(self.used) + len(self.copied)
+        n, before = len(self.used), len(self.used) + len(self.repeated_vertices)
         F, copied, _ = _split(self.F, group.ravel(), before)
         source = self.source if len(self.source) else np.arange(before, dtype=np.int32)
-        vertex = np.append(np.arange(n), self.copied)
-        arrays = F, np.append(self.copied, vertex[copied]), np.append(source, source[copied])
+        vertex = np.append(np.arange(n), self.repeated_vertices)
+        arrays = F, np.append(self.repeated_vertices, vertex[copied]), np.append(source, source[copied])
         F, copied, source = (frozen(array.astype(np.int32)) for array in arrays)
-        return replace(self, F=F, copied=copied, source=source)
+        return replace(self, F=F, repeated_vertices=copied, source=source)
 
     def drape(
         self, U: np.ndarray, origin: np.ndarray, points: np.ndarray, normals: np.ndarray
@@ -105,7 +105,7 @@ class RenderMesh:
             The box around the triangles, seen from ``origin``.
         """
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
-        kept = self.joined, self.leading, self.copied, self.source, self.used
+        kept = self.joined, self.leading, self.repeated_vertices, self.source, self.used
         drape(U, *kept, origin, points, normals, low, high)
         if len(self.local):
             _turn(points, self.leading, self.source, self.local, normals)
@@ -132,7 +132,7 @@ def _smoothing_groups(V: np.ndarray, F: np.ndarray, opposite: np.ndarray, least:
                 cosine = N[t, 0] * N[s, 0] + N[t, 1] * N[s, 1] + N[t, 2] * N[s, 2]
                 flat = not N[t].any() or not N[s].any()
                 smooth[t, c] = flat or side * cosine >= least
-            sharp |= h != ALONE and not smooth[t, c]
+            sharp |= h != BOUNDARY and not smooth[t, c]
     if not sharp:
         return np.empty(0, dtype=np.int32)
     group = np.arange(F.size).astype(np.int32)
@@ -176,7 +176,7 @@ def drape(
     U: np.ndarray,
     joined: np.ndarray,
     leading: np.ndarray,
-    copied: np.ndarray,
+    repeated_vertices: np.ndarray,
     source: np.ndarray,
     used: np.ndarray,
     origin: np.ndarray,
@@ -198,10 +198,10 @@ def drape(
             hx, hy, hz = max(hx, x), max(hy, y), max(hz, z)
     low[0], low[1], low[2] = lx, ly, lz
     high[0], high[1], high[2] = hx, hy, hz
-    for i in range(copied.shape[0]):
+    for i in range(repeated_vertices.shape[0]):
         v = U.shape[0] + i
         for c in range(3):
-            points[v, c] = points[copied[i], c]
+            points[v, c] = points[repeated_vertices[i], c]
             normals[v, c] = 0.0
     for t in range(joined.shape[0]):
         i, j, k = joined[t, 0], joined[t, 1], joined[t, 2]
@@ -218,7 +218,7 @@ def drape(
             normals[v, 0] += nx
             normals[v, 1] += ny
             normals[v, 2] += nz
-    for v in range(U.shape[0] + copied.shape[0]):
+    for v in range(U.shape[0] + repeated_vertices.shape[0]):
         nx, ny, nz = normals[v, 0], normals[v, 1], normals[v, 2]
         length = np.sqrt(nx * nx + ny * ny + nz * nz)
         if length > 0.0:

@@ -7,19 +7,19 @@ from functools import cached_property
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.adjacency import filled, opposite_corners
+from apd_viewer.geometry.mesh.adjacency import flood_fill, opposite_half_edges
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
-from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
-from apd_viewer.geometry.picking.picking import boxes, brush, ray_hit
+from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy, bounding_hierarchy
+from apd_viewer.geometry.picking.picking import block_boxes, ray_hit, vertices_under_brush
 from apd_viewer.geometry.picking.render_mesh import RenderMesh
-from apd_viewer.geometry.picking.vertex_paths import border_loop, inside, piece_of
-from apd_viewer.geometry.picking.visibility import TOUCHING, visible
+from apd_viewer.geometry.picking.vertex_paths import border_loop, component_of, is_inside_polygon
+from apd_viewer.geometry.picking.visibility import TOUCHING_DISTANCE, is_visible
 
 
 @dataclass(frozen=True, eq=False)
-class Skin:
+class SurfaceIndex:
     """Invariants of a mesh while it deforms, read-only.
 
     Attributes
@@ -36,7 +36,7 @@ class Skin:
         The one-rings across seams: see :func:`apd_viewer.geometry.mesh.operators.vertex_neighbours`.
     smooth, sharp : RenderMesh
         What is drawn, without and with the sharp edges of the rest shape.
-    filed : RenderMesh or None
+    file_shaded : RenderMesh or None
         What is drawn with the normals of the file, where it has some.
     """
 
@@ -48,17 +48,17 @@ class Skin:
     neighbour: np.ndarray
     smooth: RenderMesh
     sharp: RenderMesh
-    filed: RenderMesh | None = None
+    file_shaded: RenderMesh | None = None
 
     @classmethod
-    def of(
+    def from_triangles(
         cls,
         F: np.ndarray,
         n: int,
         joined_F: np.ndarray | None = None,
         V: np.ndarray | None = None,
         normals: CornerNormals | None = None,
-    ) -> Skin:
+    ) -> SurfaceIndex:
         """The skin of the triangles ``F`` (m, 3) of ``n`` vertices.
 
         Parameters
@@ -82,53 +82,64 @@ class Skin:
         used[own] = True
         own, joined, source, used = map(frozen, (own, joined, source, used))
         smooth = RenderMesh(own, frozen(np.empty(0, dtype=np.int32)), joined, joined, source, used)
-        sharp = smooth if V is None else smooth.sharpened(V, opposite_corners(joined, n))
+        sharp = smooth if V is None else smooth.sharpened(V, opposite_half_edges(joined, n))
         start, neighbour = map(frozen, vertex_neighbours(joined, n))
         filed = None if normals is None else smooth.with_normals(normals)
         return cls(own, joined, source, used, start, neighbour, smooth, sharp, filed)
 
     @cached_property
-    def named(self) -> np.ndarray:
+    def representative_vertices(self) -> np.ndarray:
         """Vertices of triangles, one a seam position, ascending, (k,) int array."""
         named = np.zeros(len(self.used), dtype=bool)
         named[self.joined] = True
         return np.flatnonzero(named)
 
-    def rendered(self, sharp: bool, filed: bool = False) -> RenderMesh:
+    def render_mesh(self, sharp: bool, with_file_normals: bool = False) -> RenderMesh:
         """Mesh for the renderer: normals of the file, or sharp or smooth edges."""
-        return self.filed if filed and self.filed is not None else self.sharp if sharp else self.smooth
+        return (
+            self.file_shaded
+            if with_file_normals and self.file_shaded is not None
+            else self.sharp
+            if sharp
+            else self.smooth
+        )
 
-    def boxes(self, U: np.ndarray) -> np.ndarray:
-        """Bounding boxes for :meth:`hit`, once a shape ``U``."""
-        return boxes(U, self.F)
+    def block_boxes(self, U: np.ndarray) -> np.ndarray:
+        """Bounding boxes for :meth:`ray_hit`, once a shape ``U``."""
+        return block_boxes(U, self.F)
 
-    def hit(
-        self, origin: np.ndarray, direction: np.ndarray, U: np.ndarray, around: np.ndarray
+    def ray_hit(
+        self, origin: np.ndarray, direction: np.ndarray, U: np.ndarray, block_boxes: np.ndarray
     ) -> tuple[int, float, float, float]:
-        """Ray hit on the shape ``U`` with boxes ``around``: :func:`picking.ray_hit`."""
-        return ray_hit(origin, direction, U, self.F, around)
+        """Ray hit on the shape ``U`` with boxes ``block_boxes``: :func:`picking.ray_hit`."""
+        return ray_hit(origin, direction, U, self.F, block_boxes)
 
-    def inside(self, points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
+    def is_inside_polygon(self, points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
         """Mask (k,) of ``points`` (k, 2) inside a ``polygon`` (p, 2)."""
-        return inside(points, polygon)
+        return is_inside_polygon(points, polygon)
 
-    def sights(self, U: np.ndarray) -> Boxes:
+    def visibility_tree(self, U: np.ndarray) -> BoundingHierarchy:
         """Search tree for :meth:`visible`, once a shape ``U``."""
         return bounding_hierarchy(U, self.joined)
 
     def visible(
-        self, eye: np.ndarray, U: np.ndarray, ids: np.ndarray, sights: Boxes, touching: float = TOUCHING
+        self,
+        eye: np.ndarray,
+        U: np.ndarray,
+        ids: np.ndarray,
+        visibility_tree: BoundingHierarchy,
+        touching: float = TOUCHING_DISTANCE,
     ) -> np.ndarray:
         """Mask (k,) of the vertices ``ids`` of ``U`` visible from ``eye`` (3,)."""
-        return visible(eye, U, sights, ids, touching)
+        return is_visible(eye, U, visibility_tree, ids, touching)
 
-    def up_to_creases(self, U: np.ndarray, face: int, crease: float) -> np.ndarray:
+    def vertices_up_to_creases(self, U: np.ndarray, face: int, crease: float) -> np.ndarray:
         """Vertices around a face up to creases sharper than so many radians."""
-        return np.flatnonzero(filled(self.joined, self._opposite, U, face, crease))
+        return np.flatnonzero(flood_fill(self.joined, self._opposite, U, face, crease))
 
-    def piece(self, face: int) -> np.ndarray:
+    def component(self, face: int) -> np.ndarray:
         """Vertices of a face's connected component."""
-        return np.flatnonzero(piece_of(self.start, self.neighbour, self.joined[face, 0]))
+        return np.flatnonzero(component_of(self.start, self.neighbour, self.joined[face, 0]))
 
     def border_loop(self, face: int) -> np.ndarray:
         """Vertices of the border loop nearest to a face; none if closed."""
@@ -137,7 +148,7 @@ class Skin:
 
     @cached_property
     def _opposite(self) -> np.ndarray:
-        return opposite_corners(self.joined, len(self.used))
+        return opposite_half_edges(self.joined, len(self.used))
 
     def under_brush(
         self, U: np.ndarray, faces: tuple[int, int], a: np.ndarray, b: np.ndarray, radius: float
@@ -146,4 +157,6 @@ class Skin:
 
         It crosses seams; of the vertices there only one of each place is named.
         """
-        return brush(self.start, self.neighbour, U, self.joined[list(faces)].ravel(), a, b, radius)
+        return vertices_under_brush(
+            self.start, self.neighbour, U, self.joined[list(faces)].ravel(), a, b, radius
+        )

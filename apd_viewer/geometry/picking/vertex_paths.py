@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.adjacency import ALONE
-from apd_viewer.geometry.mesh.components import pieces
+from apd_viewer.geometry.mesh.adjacency import BOUNDARY
+from apd_viewer.geometry.mesh.components import vertex_components
 
 
 @njit(cache=True, nogil=True)
@@ -31,7 +31,7 @@ def _walk(start: np.ndarray, neighbour: np.ndarray, seeds: np.ndarray, rings: in
     return found[:count].copy()
 
 
-def piece_of(start: np.ndarray, neighbour: np.ndarray, seed: int) -> np.ndarray:
+def component_of(start: np.ndarray, neighbour: np.ndarray, seed: int) -> np.ndarray:
     """Connected component of the vertex ``seed``, (n,) bool array."""
     member = np.zeros(len(start) - 1, dtype=bool)
     member[_walk(start, neighbour, np.array([seed]), len(member))] = True
@@ -57,7 +57,7 @@ def border_loop(
     (n,) bool array
         Its vertices; loops that touch in a vertex are one. None if no seed is connected with a border.
     """
-    t, c = np.nonzero(opposite == ALONE)
+    t, c = np.nonzero(opposite == BOUNDARY)
     a, b = F[t, c], F[t, (c + 1) % 3]
     border = np.zeros(len(start) - 1, dtype=bool)
     border[a] = border[b] = True
@@ -65,12 +65,12 @@ def border_loop(
     nearest = reached[border[reached]][:1]
     if not len(nearest):
         return np.zeros_like(border)
-    loop = pieces(np.column_stack([a, b, b]), len(border))
+    loop = vertex_components(np.column_stack([a, b, b]), len(border))
     return border & (loop == loop[nearest])
 
 
 @njit(cache=True, nogil=True)
-def inside(points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
+def is_inside_polygon(points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
     """Mask of points inside a closed polygon, by the even-odd rule.
 
     Parameters

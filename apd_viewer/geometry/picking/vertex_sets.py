@@ -1,7 +1,7 @@
 """Sets of vertices, found by how a mesh hangs together and by its shape.
 
 A set is an (n,) bool array. At a seam one vertex of each place is named, as in the triangles and one-rings
-of :class:`Skin`. What a set says of the other vertices means nothing.
+of :class:`SurfaceIndex`. What a set says of the other vertices means nothing.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.picking.mirror_images import nearest_to_images
+from apd_viewer.geometry.picking.mirror_images import nearest_mirror_vertices
 from apd_viewer.geometry.picking.vertex_paths import _walk
 from apd_viewer.geometry.pose.mirror import MirrorPlane
 
@@ -19,7 +19,7 @@ _ROUNDING = 1e-9
 
 
 @njit(cache=True, nogil=True)
-def grown(start: np.ndarray, neighbour: np.ndarray, member: np.ndarray) -> np.ndarray:
+def grown_set(start: np.ndarray, neighbour: np.ndarray, member: np.ndarray) -> np.ndarray:
     """A set with all its neighbours.
 
     Parameters
@@ -41,12 +41,12 @@ def grown(start: np.ndarray, neighbour: np.ndarray, member: np.ndarray) -> np.nd
     return out
 
 
-def shrunk(start: np.ndarray, neighbour: np.ndarray, member: np.ndarray) -> np.ndarray:
-    """Erosion of a set by one ring; the counterpart of :func:`grown`."""
-    return ~grown(start, neighbour, ~member)
+def shrunk_set(start: np.ndarray, neighbour: np.ndarray, member: np.ndarray) -> np.ndarray:
+    """Erosion of a set by one ring; the counterpart of :func:`grown_set`."""
+    return ~grown_set(start, neighbour, ~member)
 
 
-def smoothed(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray) -> np.ndarray:
+def smoothed_set(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray) -> np.ndarray:
     """Set with a smoother border.
 
     Membership spreads over the edges, the more the shorter they are, for as many steps as ``RINGS``; a vertex
@@ -55,7 +55,7 @@ def smoothed(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np
     Parameters
     ----------
     start, neighbour : int arrays
-        As for :func:`grown`.
+        As for :func:`grown_set`.
     U : (n, 3) float array
     member : (n,) bool array
 
@@ -63,7 +63,7 @@ def smoothed(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np
     -------
     (n,) bool array
     """
-    border = grown(start, neighbour, member) & ~shrunk(start, neighbour, member)
+    border = grown_set(start, neighbour, member) & ~shrunk_set(start, neighbour, member)
     near = _walk(start, neighbour, np.flatnonzero(border), RINGS - 1)
     return _settled(start, neighbour, U, member, near)
 
@@ -109,7 +109,7 @@ def _mean_around(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, share:
     return total / weights
 
 
-def mirrored(
+def mirrored_set(
     start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray, plane: MirrorPlane
 ) -> np.ndarray:
     """Vertices nearest to the mirror images of a set.
@@ -119,7 +119,7 @@ def mirrored(
     Parameters
     ----------
     start, neighbour : int arrays
-        As for :func:`grown`.
+        As for :func:`grown_set`.
     U : (n, 3) float array
     member : (n,) bool array
     plane : MirrorPlane
@@ -131,7 +131,7 @@ def mirrored(
     named, out = np.diff(start) > 0, np.zeros(len(U), dtype=bool)
     mine = np.flatnonzero(member & named)
     reach = 0.5 * _mean_edge(start, neighbour, U, mine)
-    found = nearest_to_images(U, mine, named, plane, reach)
+    found = nearest_mirror_vertices(U, mine, named, plane, reach)
     out[found[found >= 0]] = True
     return out
 

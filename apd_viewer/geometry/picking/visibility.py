@@ -11,17 +11,21 @@ from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
-from apd_viewer.geometry.picking.bounding_hierarchy import FAN, FAN_BITS, Boxes
+from apd_viewer.geometry.picking.bounding_hierarchy import BRANCHING, BRANCHING_BITS, BoundingHierarchy
 
 _EDGE = 1e-9  # beyond an edge: rounding must not let a ray pass between two neighbours
 # Triangles this close to a vertex, relative to its distance from the eye, do not hide it.
-TOUCHING = 1e-6
+TOUCHING_DISTANCE = 1e-6
 # A triangle covering less of the view than this is edge-on and hides nothing.
 _EDGE_ON = 1e-12
 
 
-def visible(
-    eye: np.ndarray, U: np.ndarray, boxes: Boxes, ids: np.ndarray, touching: float = TOUCHING
+def is_visible(
+    eye: np.ndarray,
+    U: np.ndarray,
+    boxes: BoundingHierarchy,
+    ids: np.ndarray,
+    touching: float = TOUCHING_DISTANCE,
 ) -> np.ndarray:
     """Mask of the vertices visible from a point.
 
@@ -33,7 +37,7 @@ def visible(
     ----------
     eye : (3,) float array
     U : (n, 3) float array
-    boxes : Boxes
+    boxes : BoundingHierarchy
         The :func:`bounding_hierarchy` of the same ``U``.
     ids : (k,) int array
         The vertices, by the names that the triangles have for them.
@@ -72,7 +76,7 @@ def _see(
         # Stackless traversal: after a box comes the largest one starting behind it.
         b, size, hidden = 0, top, False
         while b < count and not hidden:
-            k = level[size] + (b >> (FAN_BITS * size))
+            k = level[size] + (b >> (BRANCHING_BITS * size))
             ax, bx = (corners[k, 0, 0] - ox) * ix, (corners[k, 1, 0] - ox) * ix
             ay, by = (corners[k, 0, 1] - oy) * iy, (corners[k, 1, 1] - oy) * iy
             az, bz = (corners[k, 0, 2] - oz) * iz, (corners[k, 1, 2] - oz) * iz
@@ -82,11 +86,11 @@ def _see(
                 size -= 1
                 continue
             if near <= far:
-                for t in range(FAN * b, min(FAN * (b + 1), len(F))):
+                for t in range(BRANCHING * b, min(BRANCHING * (b + 1), len(F))):
                     if F[t, 0] != v and F[t, 1] != v and F[t, 2] != v:
                         hidden |= _hides(ox, oy, oz, dx, dy, dz, U, F[t, 0], F[t, 1], F[t, 2], end)
-            b = ((b >> (FAN_BITS * size)) + 1) << (FAN_BITS * size)
-            while size < top and b & ((1 << (FAN_BITS * (size + 1))) - 1) == 0:
+            b = ((b >> (BRANCHING_BITS * size)) + 1) << (BRANCHING_BITS * size)
+            while size < top and b & ((1 << (BRANCHING_BITS * (size + 1))) - 1) == 0:
                 size += 1
         seen[i] = not hidden
 

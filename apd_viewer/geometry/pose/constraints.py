@@ -15,7 +15,7 @@ BASE, FREE, HANDLE = 0, 1, 2
 MOST_HANDLES = 8
 
 
-class Soft(NamedTuple):
+class SoftConstraints(NamedTuple):
     """Vertices drawn softly towards their handle's motion; see :mod:`falloff`.
 
     Attributes
@@ -35,12 +35,14 @@ class Soft(NamedTuple):
     density: np.ndarray
     handle: np.ndarray
 
-    def among(self, keeps: np.ndarray) -> Soft:
-        """Subset for the mask ``keeps`` (s,)."""
-        return Soft(*(each[keeps] for each in self))
+    def subset(self, mask: np.ndarray) -> SoftConstraints:
+        """Subset for the mask ``mask`` (s,)."""
+        return SoftConstraints(*(each[mask] for each in self))
 
 
-NO_SOFT = Soft(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0), np.empty(0, dtype=np.int64))
+NO_SOFT_CONSTRAINTS = SoftConstraints(
+    np.empty(0, dtype=np.int64), np.empty(0), np.empty(0), np.empty(0, dtype=np.int64)
+)
 
 
 class Constraints(NamedTuple):
@@ -54,7 +56,7 @@ class Constraints(NamedTuple):
         Those of ``fixed`` that belong to each handle; a handle without a vertex is left out.
     targets : (k, 3) float array
         Where each of ``fixed`` is held.
-    soft : Soft
+    soft : SoftConstraints
         What handles draw along without holding it.
     soft_targets : (s, 3) float array
         Where each of those is drawn to.
@@ -63,7 +65,7 @@ class Constraints(NamedTuple):
     fixed: np.ndarray
     handles: tuple[np.ndarray, ...]
     targets: np.ndarray
-    soft: Soft = NO_SOFT
+    soft: SoftConstraints = NO_SOFT_CONSTRAINTS
     soft_targets: np.ndarray = np.empty((0, 3))
 
 
@@ -76,7 +78,7 @@ def constraints(
     labels: np.ndarray,
     grip: np.ndarray,
     poses: Sequence[np.ndarray],
-    soft: Soft = NO_SOFT,
+    soft: SoftConstraints = NO_SOFT_CONSTRAINTS,
     obstacles: bool = False,
 ) -> Constraints:
     """Hold the base at ``grip`` and each handle at its pose applied to ``grip``.
@@ -89,7 +91,7 @@ def constraints(
         vertex that is painted after a drag stays where it is.
     poses : sequence of (4, 4) float arrays
         Motion of each handle since then.
-    soft : Soft
+    soft : SoftConstraints
         What the handles draw along.
     obstacles : bool
         Whether there are any to push: then base and handles may be missing.
@@ -99,7 +101,7 @@ def constraints(
     InputError
         If there is no base, no handle, nothing free, or a handle without a pose.
     """
-    problem = what_is_missing(labels, obstacles)
+    problem = next_paint_sentence(labels, obstacles)
     if problem:
         raise InputError(problem)
     count = int(labels.max()) - HANDLE + 1
@@ -126,7 +128,7 @@ def constraints(
     return Constraints(fixed, tuple(handles), targets, soft, drawn)
 
 
-def what_is_missing(labels: np.ndarray, obstacles: bool = False) -> str | None:
+def next_paint_sentence(labels: np.ndarray, obstacles: bool = False) -> str | None:
     """Next thing to paint, as a sentence; None if handles, or obstacles, can move."""
     if not obstacles and not (labels == BASE).any():
         return tr("There is no base: paint the part that stays in place as base.")

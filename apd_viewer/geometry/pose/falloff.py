@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from apd_viewer.geometry.pose.constraints import Soft
+from apd_viewer.geometry.pose.constraints import SoftConstraints
 
 Graph: TypeAlias = csr_array
 
@@ -43,13 +43,13 @@ def distances(graph: Graph, start: np.ndarray, limit: float) -> np.ndarray:
     return found
 
 
-def strengths(away: np.ndarray, falloff: float) -> np.ndarray:
-    """Strength ``(1 - (d / r)^2)^2`` at distances ``away``; 0 from ``falloff`` on."""
-    share = np.clip(1.0 - (away / falloff) ** 2, 0.0, 1.0)
+def strengths(distance: np.ndarray, falloff: float) -> np.ndarray:
+    """Strength ``(1 - (d / r)^2)^2`` at distances ``distance``; 0 from ``falloff`` on."""
+    share = np.clip(1.0 - (distance / falloff) ** 2, 0.0, 1.0)
     return share * share
 
 
-def softened(free: np.ndarray, strength: np.ndarray, falloffs: np.ndarray) -> Soft:
+def soft_constraints(free: np.ndarray, strength: np.ndarray, falloffs: np.ndarray) -> SoftConstraints:
     """Soft vertices among ``free`` (n,) bool, each with its strongest handle.
 
     Parameters
@@ -62,4 +62,4 @@ def softened(free: np.ndarray, strength: np.ndarray, falloffs: np.ndarray) -> So
     strongest = np.take_along_axis(strength, handle[None], axis=0)[0]
     ids = np.flatnonzero(free & (strongest > 0.0))
     strength, handle = strongest[ids], handle[ids]
-    return Soft(ids, strength, _FIRMNESS * strength / falloffs[handle] ** 2, handle)
+    return SoftConstraints(ids, strength, _FIRMNESS * strength / falloffs[handle] ** 2, handle)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from apd_viewer.geometry.pose.transforms import linear_about, shifted
+from apd_viewer.geometry.pose.transforms import linear_map_about, translation
 
 # Width over length of points that tell no rotation about the line through them.
 _LINE = 1e-6
@@ -23,7 +23,7 @@ def fitted_motion(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
     spread = float((x * x).sum())
     scale = float(sizes @ signs) / spread if spread > 0.0 else 1.0
     linear = (left * signs) @ right
-    fitted: np.ndarray = shifted(target - centre) @ linear_about(centre, (scale or 1.0) * linear)
+    fitted: np.ndarray = translation(target - centre) @ linear_map_about(centre, (scale or 1.0) * linear)
     return fitted
 
 

@@ -11,12 +11,12 @@ from apd_viewer.geometry.mesh.arrays import frozen
 
 # Relative accuracy of area and volume targets; the paper's method has a
 # tolerance of its own.
-MET = 1e-9
+TARGET_ACCURACY = 1e-9
 # Of no obstacles.
 NO_SHIFTS = frozen(np.zeros((0, 3)))
 
 
-class Touch(NamedTuple):
+class FrameContact(NamedTuple):
     """Contact of a shape with itself and with obstacles.
 
     Attributes
@@ -76,7 +76,7 @@ class Frame:
         Expected seconds to convergence, where a coarse surface led while the matrix was factored.
     share_reached : float
         Share of the way from rest to the targets that contact has let the held vertices go.
-    contact : Touch or None
+    contact : FrameContact or None
         None without contact.
     loads : (o, 3) float array
         Forces on the obstacles, energy per length: those of a material of stiffness 1. Of a settled shape
@@ -113,6 +113,6 @@ class Frame:
     gap: float | None = None
     seconds_left: float | None = None
     share_reached: float = 1.0
-    contact: Touch | None = None
+    contact: FrameContact | None = None
     loads: np.ndarray = field(default_factory=lambda: NO_SHIFTS)
     shifts: np.ndarray = field(default_factory=lambda: NO_SHIFTS)

@@ -9,7 +9,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.fitted_motion import fitted_motion
-from apd_viewer.geometry.pose.screw_motion import path_of
+from apd_viewer.geometry.pose.screw_motion import screw_path
 
 # Parts whose motion is rigid up to this part of their displacement go along its screw.
 _RIGID = 1e-6
@@ -51,12 +51,12 @@ class HeldPath:
         self.moves_obstacles = bool((shifts[0] != shifts[1]).any())
         self.length = max([*lengths, *np.linalg.norm(shifts[1] - shifts[0], axis=1)], default=0.0)
 
-    def shift(self, share: float) -> np.ndarray:
+    def shifts_at(self, share: float) -> np.ndarray:
         """Shifts (o, 3) of the obstacles at a share of the path, 0 to 1."""
         start, end = self._shifts
         return end if share >= 1.0 else start + share * (end - start)
 
-    def at(self, share: float) -> np.ndarray:
+    def positions_at(self, share: float) -> np.ndarray:
         """Positions (k, 3) at a share of the path, 0 to 1."""
         if share >= 1.0:
             return self._Y
@@ -78,8 +78,10 @@ def _part(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, C
         pose = fitted_motion(x, y)
         if np.abs(transform(pose, x) - y).max() > _RIGID * straight:
             return rows, along_line, straight
-        path = path_of(pose, x.mean(axis=0), either_way=True)
+        path = screw_path(pose, x.mean(axis=0), allows_half_turn=True)
     except InputError:
         return rows, along_line, straight
-    ways = np.linalg.norm(np.diff([transform(path.at(s), x) for s in np.linspace(0, 1, 9)], axis=0), axis=2)
-    return rows, lambda share: transform(path.at(share), x), float(ways.sum(axis=0).max())
+    ways = np.linalg.norm(
+        np.diff([transform(path.pose_at(s), x) for s in np.linspace(0, 1, 9)], axis=0), axis=2
+    )
+    return rows, lambda share: transform(path.pose_at(share), x), float(ways.sum(axis=0).max())

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.transforms import decomposed, linear_about, shifted, turned_about
+from apd_viewer.geometry.pose.transforms import linear_map_about, rigid_transform, rotation_about, translation
 
 
 class MirrorPlane(NamedTuple):
@@ -17,25 +17,25 @@ class MirrorPlane(NamedTuple):
     ----------
     axis : int
         0, 1 or 2.
-    place : float
+    coordinate : float
         Coordinate along the axis at which it stands, mesh units.
     """
 
     axis: int
-    place: float
+    coordinate: float
 
     @property
     def reflection(self) -> np.ndarray:
         """The reflection (4, 4)."""
         reflection = np.eye(4)
         reflection[self.axis, self.axis] = -1.0
-        reflection[self.axis, 3] = 2.0 * self.place
+        reflection[self.axis, 3] = 2.0 * self.coordinate
         return reflection
 
     def image(self, X: np.ndarray) -> np.ndarray:
         """Mirror images of the points ``X`` (n, 3)."""
         images = X.copy()
-        images[:, self.axis] = 2.0 * self.place - images[:, self.axis]
+        images[:, self.axis] = 2.0 * self.coordinate - images[:, self.axis]
         return images
 
     def mirrored(self, pose: np.ndarray) -> np.ndarray:
@@ -44,7 +44,7 @@ class MirrorPlane(NamedTuple):
         mirrored: np.ndarray = S @ pose @ S
         return mirrored
 
-    def within(self, pose: np.ndarray, pivot: np.ndarray) -> np.ndarray:
+    def symmetric_motion(self, pose: np.ndarray, pivot: np.ndarray) -> np.ndarray:
         """The motion (4, 4) nearest to ``pose`` that is its own mirror image.
 
         Of the way of the pivot (3,) it is the part in the plane; of the rotation the twist about the
@@ -54,13 +54,13 @@ class MirrorPlane(NamedTuple):
         left, _, right = np.linalg.svd(pose[:3, :3])
         rigid = np.eye(4)
         rigid[:3, :3] = left @ right
-        turn = decomposed(rigid, np.zeros(3))
+        turn = rigid_transform(rigid, np.zeros(3))
         half = turn.angle / 2.0
         angle = 2.0 * float(np.arctan2(np.sin(half) * turn.axis[self.axis], np.cos(half)))
         scale = float(np.cbrt(np.linalg.det(pose[:3, :3])))
         way = transform(pose, pivot[None])[0] - pivot
         way[self.axis] = 0.0
-        linear = scale * turned_about(np.zeros(3), normal, angle)[:3, :3]
-        foot = np.where(normal > 0.0, self.place, pivot)  # scaled about, the plane stays where it is
-        moved: np.ndarray = shifted(way) @ linear_about(foot, linear)
+        linear = scale * rotation_about(np.zeros(3), normal, angle)[:3, :3]
+        foot = np.where(normal > 0.0, self.coordinate, pivot)  # scaled about, the plane stays where it is
+        moved: np.ndarray = translation(way) @ linear_map_about(foot, linear)
         return moved

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.transforms import decomposed, linear_about, shifted, turned_about
+from apd_viewer.geometry.pose.transforms import linear_map_about, rigid_transform, rotation_about, translation
 from apd_viewer.language import tr
 
 # Radians. Closer to half a turn than this, rounding decides the sense of rotation.
@@ -50,29 +50,29 @@ class ScrewPath(NamedTuple):
     stretches: np.ndarray
     directions: np.ndarray
 
-    def at(self, part: float) -> np.ndarray:
-        """Pose (4, 4) at ``part`` of the path: 0 is rest, 1 the end."""
-        stretch = linear_about(self.pivot, (self.directions * self.stretches**part) @ self.directions.T)
+    def pose_at(self, share: float) -> np.ndarray:
+        """Pose (4, 4) at ``share`` of the path: 0 is rest, 1 the end."""
+        stretch = linear_map_about(self.pivot, (self.directions * self.stretches**share) @ self.directions.T)
         # The arc of the pivot; without rotation it is straight, its centre at infinity.
         half = self.angle / 2
-        share = np.sin(part * half) / np.sin(half) if half > _STRAIGHT else part
-        arc = share * turned_about(np.zeros(3), self.axis, (part - 1.0) * half)[:3, :3] @ self.across
-        way = shifted(part * self.along + arc)
-        moved: np.ndarray = way @ turned_about(self.pivot, self.axis, part * self.angle) @ stretch
+        chord = np.sin(share * half) / np.sin(half) if half > _STRAIGHT else share
+        arc = chord * rotation_about(np.zeros(3), self.axis, (share - 1.0) * half)[:3, :3] @ self.across
+        way = translation(share * self.along + arc)
+        moved: np.ndarray = way @ rotation_about(self.pivot, self.axis, share * self.angle) @ stretch
         return moved
 
     @property
-    def moves(self) -> bool:
+    def has_motion(self) -> bool:
         """True if the path leads away from its start."""
-        return self.angle != 0.0 or self.stretched or bool(self.along.any() or self.across.any())
+        return self.angle != 0.0 or self.has_stretch or bool(self.along.any() or self.across.any())
 
     @property
-    def stretched(self) -> bool:
+    def has_stretch(self) -> bool:
         """True if there is more than a rotation and a translation."""
         return bool(np.abs(np.log(self.stretches)).max() > _FLAT)
 
 
-class Turn(NamedTuple):
+class RotationPath(NamedTuple):
     """The way of a turn about a line, by any angle: once around and more, too.
 
     Attributes
@@ -89,29 +89,29 @@ class Turn(NamedTuple):
     axis: np.ndarray
     angle: float
 
-    def at(self, part: float) -> np.ndarray:
-        """The motion (4, 4) of a ``part`` of the turn."""
-        return turned_about(self.point, self.axis, part * self.angle)
+    def pose_at(self, share: float) -> np.ndarray:
+        """The motion (4, 4) of a ``share`` of the turn."""
+        return rotation_about(self.point, self.axis, share * self.angle)
 
     @property
-    def moves(self) -> bool:
+    def has_motion(self) -> bool:
         """True if there is an angle to turn by."""
         return self.angle != 0.0
 
     @property
-    def stretched(self) -> bool:
+    def has_stretch(self) -> bool:
         """Nothing is stretched."""
         return False
 
 
-def path_of(pose: np.ndarray, pivot: npt.ArrayLike, either_way: bool = False) -> ScrewPath:
+def screw_path(pose: np.ndarray, pivot: npt.ArrayLike, allows_half_turn: bool = False) -> ScrewPath:
     """Path to ``pose`` (4, 4) about ``pivot`` (3,), by less than half a turn.
 
     Parameters
     ----------
     pose : (4, 4) float array
     pivot : (3,) float array
-    either_way : bool, optional
+    allows_half_turn : bool, optional
         Go half a turn as well: to the right about the axis whose largest coordinate is positive.
 
     Raises
@@ -129,9 +129,9 @@ def path_of(pose: np.ndarray, pivot: npt.ArrayLike, either_way: bool = False) ->
     rigid = np.eye(4)
     rigid[:3, :3] = R
     rigid[:3, 3] = transform(pose, centre[None])[0] - R @ centre
-    motion = decomposed(rigid, centre)
+    motion = rigid_transform(rigid, centre)
     if np.pi - motion.angle < _HALF_TURN:
-        if not either_way:
+        if not allows_half_turn:
             raise InputError(
                 tr("The motion is a half turn, whose direction is ambiguous; give it as a twist of 180deg.")
             )

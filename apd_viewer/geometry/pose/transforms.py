@@ -17,7 +17,7 @@ from apd_viewer.language import tr
 _APART = 1e-12
 
 
-class RigidMotion(NamedTuple):
+class RigidTransform(NamedTuple):
     """Rigid transform as displayed: a rotation about a centre, a displacement.
 
     Attributes
@@ -35,24 +35,24 @@ class RigidMotion(NamedTuple):
     angle: float
 
 
-def shifted(vector: npt.ArrayLike) -> np.ndarray:
+def translation(vector: npt.ArrayLike) -> np.ndarray:
     """The translation by ``vector`` (3,), mesh units."""
     pose = np.eye(4)
     pose[:3, 3] = vector
     return pose
 
 
-def turned_about(point: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> np.ndarray:
+def rotation_about(point: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> np.ndarray:
     """Rotation about the line through ``point`` (3,) along a nonzero ``axis`` (3,)."""
-    return linear_about(point, _rotation(_direction(axis), angle))
+    return linear_map_about(point, _rotation(_direction(axis), angle))
 
 
-def scaled_about(point: npt.ArrayLike, factors: npt.ArrayLike) -> np.ndarray:
+def scaling_about(point: npt.ArrayLike, factors: npt.ArrayLike) -> np.ndarray:
     """Scaling about ``point`` (3,) by one factor or one an axis."""
     each = np.broadcast_to(np.asarray(factors, dtype=float), 3)
     if not np.isfinite(each).all() or not each.all():
         raise InputError(tr("A scale must be a finite number other than 0; give one such as 1.5."))
-    return linear_about(point, np.diag(each))
+    return linear_map_about(point, np.diag(each))
 
 
 def twist(base: npt.ArrayLike, handle: npt.ArrayLike, angle: float) -> np.ndarray:
@@ -65,15 +65,15 @@ def twist(base: npt.ArrayLike, handle: npt.ArrayLike, angle: float) -> np.ndarra
                 "bend about an axis instead."
             )
         )
-    return turned_about(start, end - start, angle)
+    return rotation_about(start, end - start, angle)
 
 
 def bend(base: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> np.ndarray:
     """Rotation about the line through the base's centre (3,) along ``axis`` (3,)."""
-    return turned_about(base, axis, angle)
+    return rotation_about(base, axis, angle)
 
 
-def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> RigidMotion:
+def rigid_transform(pose: np.ndarray, centre: npt.ArrayLike) -> RigidTransform:
     """Rigid ``pose`` (4, 4) as rotation about ``centre`` (3,) and translation.
 
     The axis of half a turn may be either of two.
@@ -84,10 +84,10 @@ def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> RigidMotion:
     axis = _direction(half) if half.any() else np.array([0.0, 0.0, 1.0])
     # (R - I) c is small for small angles; R c is not, and its rounding would show as a displacement.
     displacement = (R - np.eye(3)) @ start + pose[:3, 3]
-    return RigidMotion(displacement, axis, float(2.0 * np.arctan2(half @ axis, w)))
+    return RigidTransform(displacement, axis, float(2.0 * np.arctan2(half @ axis, w)))
 
 
-def linear_about(point: npt.ArrayLike, A: np.ndarray) -> np.ndarray:
+def linear_map_about(point: npt.ArrayLike, A: np.ndarray) -> np.ndarray:
     """Pose with linear part ``A`` (3, 3) and fixed point ``point`` (3,)."""
     place = np.asarray(point, dtype=float)
     pose = np.eye(4)

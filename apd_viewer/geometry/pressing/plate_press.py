@@ -9,15 +9,15 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.contact.mesh_contact import thickness_of
-from apd_viewer.geometry.contact.obstacles import Obstacle, plate
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle, plate
+from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
-from apd_viewer.geometry.mesh.checked_arguments import check, whole
-from apd_viewer.geometry.pressing.plate_way import plate_way
+from apd_viewer.geometry.mesh.checked_arguments import check_argument, is_whole_number
+from apd_viewer.geometry.pressing.plate_travel import plate_travel
 from apd_viewer.geometry.pressing.press_options import DEFAULT_OPTIONS, PressOptions
+from apd_viewer.geometry.pressing.press_solver import PressSolver
 from apd_viewer.geometry.pressing.press_step import PressStep
-from apd_viewer.geometry.pressing.pressing import Pressing
 from apd_viewer.language import tr
 
 DEFAULT_STEPS, MOST_STEPS = 20, 1000
@@ -47,8 +47,8 @@ class PlatePress:
 
     Attributes
     ----------
-    way : PlateWay
-    pressing : Pressing
+    travel : PlateTravel
+    solver : PressSolver
 
     Raises
     ------
@@ -66,20 +66,20 @@ class PlatePress:
         options: PressOptions = DEFAULT_OPTIONS,
     ) -> None:
         _check_count(steps, MOST_STEPS, tr("The number of steps must be a whole number from 1 to {most:,}."))
-        check("iterations", iterations)
-        self._rest, self._asked = rest, (axis, to, thickness_of(rest.diagonal, options.thickness))
+        check_argument("iterations", iterations)
+        self._rest, self._asked = rest, (axis, to, contact_thickness(rest.diagonal, options.thickness))
         self._count, self._iterations = steps, iterations
         self._relaxes = options.start is not None
         if self._relaxes:
-            self.pressing = Pressing(rest, (), np.zeros((0, 3)), options)
-            self._plates_around(self.pressing.shape)
+            self.solver = PressSolver(rest, (), np.zeros((0, 3)), options)
+            self._plates_around(self.solver.solve_positions)
         else:
-            self.pressing = Pressing(rest, *self._plates_around(rest.shape.V), options)
+            self.solver = PressSolver(rest, *self._plates_around(rest.solve_mesh.V), options)
 
     def _plates_around(self, U: np.ndarray) -> tuple[list[Obstacle], np.ndarray]:
         """Plates at a local shape ``U`` (k, 3) of the solve, and their ways (2, 3)."""
-        X = U[np.unique(self._rest.shape.F)]
-        self.way = way = plate_way(X, *self._asked)
+        X = U[np.unique(self._rest.solve_mesh.F)]
+        self.travel = way = plate_travel(X, *self._asked)
         # The middle of the bounding box: plates need a place across their axis, too.
         middle, size = 0.5 * (X.min(axis=0) + X.max(axis=0)), diagonal(X)
         middle = middle - (middle @ way.axis) * way.axis
@@ -101,17 +101,17 @@ class PlatePress:
             ends the work.
         """
         if self._relaxes:
-            self.rest_at(0.0, partial(_tick_at, tick, 0, self._count))
-            if not self.pressing.met:
+            self.settle_at(0.0, partial(_tick_at, tick, 0, self._count))
+            if not self.solver.has_met_goals:
                 raise InputError(
                     tr("The shape to begin from has another area or volume; deform it with the same targets.")
                 )
-            self.pressing.surround(*self._plates_around(self.pressing.shape))
+            self.solver.replace_obstacles(*self._plates_around(self.solver.solve_positions))
         yield self._step(settled=True)
         for k in range(self._count):
-            self.rest_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))
-            yield self._step(self.pressing.settled)
-            if self.pressing.is_stopped:
+            self.settle_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))
+            yield self._step(self.solver.settled)
+            if self.solver.is_stopped:
                 return
 
     def release(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
@@ -122,41 +122,44 @@ class PlatePress:
         tick : callable
             As of :meth:`steps`.
         """
-        share, k = self.pressing.share, 0
-        touching = _TOUCHES * np.abs(self.pressing.loads).max()
-        while share > 0.0 and np.abs(self.pressing.loads).max() > touching:
+        share, k = self.solver.share, 0
+        touching = _TOUCHES * np.abs(self.solver.loads).max()
+        while share > 0.0 and np.abs(self.solver.loads).max() > touching:
             share = max(0.0, share - 1.0 / self._count)
-            self.rest_at(share, partial(_tick_at, tick, k, self._count))
+            self.settle_at(share, partial(_tick_at, tick, k, self._count))
             k += 1
-            yield self._step(self.pressing.settled)
+            yield self._step(self.solver.settled)
 
-    def rest_at(self, share: float, tick: Callable[[float], object]) -> None:
+    def settle_at(self, share: float, tick: Callable[[float], object]) -> None:
         """Go to a share of the way, and come to rest there, as far as iterations suffice.
 
         Walls in the way of the plates may give way once they have come to rest.
         """
         self._go_to(share, tick)
         for _ in range(_RETRIES):
-            if not self.pressing.is_stopped:
+            if not self.solver.is_stopped:
                 return
-            self._go_to(self.pressing.share, tick)
+            self._go_to(self.solver.share, tick)
             self._go_to(share, tick)
 
     def _go_to(self, share: float, tick: Callable[[float], object]) -> None:
-        pressing = self.pressing
+        pressing = self.solver
         pressing.aim(share)
         while not pressing.settled and pressing.iterations < self._iterations and not pressing.is_stopped:
             pressing.iterate()
             tick(pressing.iterations / (pressing.iterations + 200.0))
 
     def _step(self, settled: bool) -> PressStep:
-        pressing, rest = self.pressing, self._rest
-        found, crossed = rest.measure(pressing.shape), crossings(pressing.shape, rest.shape.F)
-        low, high = pressing.loads @ self.way.axis
-        gone = pressing.share * self.way.length
+        pressing, rest = self.solver, self._rest
+        found, crossed = (
+            rest.measure(pressing.solve_positions),
+            crossings(pressing.solve_positions, rest.solve_mesh.F),
+        )
+        low, high = pressing.loads @ self.travel.axis
+        gone = pressing.share * self.travel.length
         return PressStep(
             U=frozen(pressing.U),
-            distance=self.way.first - gone,
+            distance=self.travel.first_distance - gone,
             deflection=gone,
             load_low=float(-low),
             load_high=float(high),
@@ -176,5 +179,5 @@ def _tick_at(tick: Callable[[float], object], step: int, count: int, done: float
 
 
 def _check_count(given: int, most: int, otherwise: str) -> None:
-    if not whole(given) or not 1 <= given <= most:
+    if not is_whole_number(given) or not 1 <= given <= most:
         raise InputError(otherwise.format(most=most))

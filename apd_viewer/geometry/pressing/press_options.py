@@ -10,14 +10,14 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import numbers
-from apd_viewer.geometry.mesh.checked_arguments import check
+from apd_viewer.geometry.mesh.arrays import checked_floats
+from apd_viewer.geometry.mesh.checked_arguments import check_argument
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     Method,
-    material_of,
+    method_material,
 )
 from apd_viewer.language import tr
 
@@ -58,11 +58,11 @@ class PressOptions:
 DEFAULT_OPTIONS = PressOptions()
 
 
-def start_of(rest: RestMesh, start: np.ndarray | None) -> np.ndarray:
+def start_positions(rest: RestMesh, start: np.ndarray | None) -> np.ndarray:
     """Local start positions (k, 3) of the solve; by default the rest array itself."""
     if start is None:
-        return rest.shape.V
-    start = numbers(start, tr("Start"))
+        return rest.solve_mesh.V
+    start = checked_floats(start, tr("Start"))
     if start.shape != rest.V.shape:
         raise InputError(
             tr("The shape to begin from must have the {count:,} vertices of the mesh.").format(
@@ -71,21 +71,21 @@ def start_of(rest: RestMesh, start: np.ndarray | None) -> np.ndarray:
         )
     if not np.isfinite(start).all():
         raise InputError(tr("Every coordinate of the shape to begin from must be a number."))
-    return np.ascontiguousarray(rest.local(start)[rest.weld.first])
+    return np.ascontiguousarray(rest.to_local(start)[rest.weld.first])
 
 
-def press_material(traits: Method, options: PressOptions) -> Material:
+def press_material(method: Method, options: PressOptions) -> Material:
     """Material with what yields; raises InputError on numbers that cannot be."""
     stiffness, radius = options.stiffness, options.yield_radius
-    material = material_of(traits, stiffness, options.area_stiffness, options.shear_stiffness)
-    check_yield(radius, material.bending)
+    material = method_material(method, stiffness, options.area_stiffness, options.shear_stiffness)
+    check_yield_radius(radius, material.bending)
     return material if radius is None else replace(material, yield_curvature=1.0 / radius)
 
 
-def check_yield(radius: float | None, stiffness: float) -> None:
+def check_yield_radius(radius: float | None, stiffness: float) -> None:
     """Raise InputError unless walls can yield at a radius; None is none."""
     if radius is None:
         return
-    check("yield_radius", radius)
+    check_argument("yield_radius", radius)
     if not stiffness:
         raise InputError(tr("Walls without bending stiffness keep no creases; enter a stiffness, too."))

@@ -18,7 +18,7 @@ from numba.core.boxing import box_array
 from numba.core.dispatcher import Dispatcher
 from numba.core.pythonapi import _boxers
 
-from apd_viewer.geometry.signals.late_signals import LATE_SIGNALS
+from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 
 
 def _boxed(kind: Any, value: Any, compiler: Any) -> Any:
@@ -35,7 +35,7 @@ def _boxed(kind: Any, value: Any, compiler: Any) -> Any:
 def _late(compile_: Any) -> Any:
     @functools.wraps(compile_)
     def compiled(*args: Any) -> Any:
-        with LATE_SIGNALS:
+        with DEFERRED_SIGNALS:
             return compile_(*args)
 
     return compiled

@@ -17,13 +17,13 @@ from functools import cached_property
 import numpy as np
 
 from apd_viewer.geometry.energy.collar import Collar
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.goals.goals import Goal, at_rest
-from apd_viewer.geometry.linalg.quaternions import blended, difference
+from apd_viewer.geometry.goals.goals import Goal, goal_at_rest
+from apd_viewer.geometry.linalg.quaternions import blended_rotations, relative_rotations
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.decimation import with_held
-from apd_viewer.geometry.solver.iterative_solver import Level
+from apd_viewer.geometry.mesh.decimation import with_held_vertices
+from apd_viewer.geometry.solver.iterative_solver import LevelSolver
 from apd_viewer.geometry.solver.prolongation import Prolongation
 
 # The pace is the median of the last ones: other work beside it may stop any of them.
@@ -39,10 +39,10 @@ class CoarseLevel:
 
     Parameters
     ----------
-    elastic : Elastic
+    elastic : ElasticSurface
         The fine surface.
     goals : tuple of Goal
-    solver_of : callable
+    make_solver : callable
         Makes the solver of the coarse surface.
 
     Attributes
@@ -55,16 +55,16 @@ class CoarseLevel:
 
     def __init__(
         self,
-        elastic: Elastic,
+        elastic: ElasticSurface,
         goals: tuple[Goal, ...],
-        solver_of: Callable[[Elastic, tuple[Goal, ...]], Level],
+        make_solver: Callable[[ElasticSurface, tuple[Goal, ...]], LevelSolver],
     ) -> None:
         rest, fixed = elastic.rest, elastic.fixed
-        thinning = rest.thinning
-        self.vertices = with_held(rest.V, rest.piece, thinning, fixed)
+        thinning = rest.decimation
+        self.vertices = with_held_vertices(rest.V, rest.component, thinning, fixed)
         self.F = thinning.F
         unchanged = np.array_equal(self.vertices, thinning.vertices)
-        self._shape = rest.thinner if unchanged else SolveMesh(rest.V[self.vertices], self.F)
+        self._shape = rest.coarse_mesh if unchanged else SolveMesh(rest.V[self.vertices], self.F)
         held = np.flatnonzero(np.isin(self.vertices, fixed))
         soft, own = elastic.soft, np.full(len(rest.V), -1)
         own[self.vertices] = np.arange(len(self.vertices))
@@ -72,10 +72,10 @@ class CoarseLevel:
         self._which = np.concatenate(
             [np.searchsorted(fixed, self.vertices[held]), len(fixed) + np.flatnonzero(has)]
         )
-        drawn = soft.among(has)._replace(ids=own[soft.ids[has]])
-        self._elastic = Elastic(self._shape, held, elastic.material, soft=drawn)
-        self._solver = solver_of(self._elastic, self._own(goals))
-        self._near, self._weight = thinning.near, thinning.weight
+        drawn = soft.subset(has)._replace(ids=own[soft.ids[has]])
+        self._elastic = ElasticSurface(self._shape, held, elastic.material, soft=drawn)
+        self._solver = make_solver(self._elastic, self._own(goals))
+        self._near, self._weight = thinning.coarse_neighbours, thinning.weight
         self._fine = elastic
         self.steps, self._paces = 0, deque[float](maxlen=_PACES)
         self._set_reference()
@@ -90,9 +90,9 @@ class CoarseLevel:
         """Energy of the coarse surface."""
         return self._elastic.energy
 
-    def keep(self, goals: tuple[Goal, ...]) -> None:
+    def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals of the fine surface, as far as a coarse one can."""
-        self._solver.keep(self._own(goals))
+        self._solver.set_goals(self._own(goals))
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3) of the fine surface."""
@@ -130,7 +130,7 @@ class CoarseLevel:
         self._paces.append((time.monotonic() - begun) / iterations)
 
     @property
-    def pace(self) -> float:
+    def seconds_per_iteration(self) -> float:
         """Seconds of an iteration."""
         return float(np.median(self._paces))
 
@@ -140,37 +140,37 @@ class CoarseLevel:
         return self._elastic.factor.seconds
 
     @property
-    def growth(self) -> float:
+    def refinement_ratio(self) -> float:
         """Free vertices of the fine surface for each of this one."""
         return len(self._fine.free) / len(self._elastic.free)
 
-    def turns(self) -> np.ndarray:
+    def take_rotations(self) -> np.ndarray:
         """Rotations of the fine vertices since the last call, (n, 4) quaternions."""
-        turns = blended(self._turned(), self._near, self._weight)
+        turns = blended_rotations(self._turned(), self._near, self._weight)
         self._set_reference()
         return turns
 
-    def carried(self, targets: np.ndarray) -> np.ndarray:
-        """The fine surface of the last :meth:`turns`, moved along since then.
+    def prolonged_positions(self, targets: np.ndarray) -> np.ndarray:
+        """The fine surface of the last :meth:`take_rotations`, moved along since then.
 
         Its held vertices are at ``targets`` (k + s, 3).
         """
         U, fixed = self._fine.U, self._fine.fixed
         moved = self._elastic.U - self._reference[1]
-        U = self._prolongation.carried(U, U[self.vertices], self._turned(), moved)
+        U = self._prolongation.moved_positions(U, U[self.vertices], self._turned(), moved)
         U[fixed] = targets[: len(fixed)]
         return self._collar.smoothed(U)
 
-    def give_way(self, b: np.ndarray) -> np.ndarray:
+    def response(self, b: np.ndarray) -> np.ndarray:
         """Response of the free fine vertices to forces ``b``, both (f, 3).
 
         ``P K^-1 P^T b`` with K the coarse matrix and P the interpolation.
         """
-        forces = self._prolongation.gathered(b, self._fine.free)
+        forces = self._prolongation.restricted(b, self._fine.free)
         own = self._elastic.free
         given = np.zeros_like(forces)
         given[own] = self._elastic.solve(forces[own])
-        return self._prolongation.interpolated(given, self._fine.free)
+        return self._prolongation.prolonged(given, self._fine.free)
 
     @cached_property
     def _prolongation(self) -> Prolongation:
@@ -181,20 +181,20 @@ class CoarseLevel:
 
     @cached_property
     def _collar(self) -> Collar:
-        return Collar(self._fine, _COLLAR * self._fine.rest.thinning.edge)
+        return Collar(self._fine, _COLLAR * self._fine.rest.decimation.edge_length)
 
     def _set_reference(self) -> None:
         self._reference = self._elastic.q.copy(), self._elastic.U
 
     def _turned(self) -> np.ndarray:
-        return difference(self._elastic.q, self._reference[0])
+        return relative_rotations(self._elastic.q, self._reference[0])
 
     def _own(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
         """The goals for the coarse surface: the same percentages of its rest values."""
         shape, own = self._shape, []
         for goal in goals:
             weight = None if goal.weight is None else goal.weight[self.vertices]
-            coarse = at_rest(replace(goal, patch=shape.whole, weight=weight), shape.V)
+            coarse = goal_at_rest(replace(goal, patch=shape.all_triangles, weight=weight), shape.V)
             if coarse.rest:
                 own.append(coarse)
         return tuple(own)

@@ -6,8 +6,8 @@ import time
 
 import numpy as np
 
-from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.goals.goal_projection import Projection
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
+from apd_viewer.geometry.goals.goal_projection import GoalProjection
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 
@@ -19,14 +19,14 @@ _FACTORING, _BESIDE = 1.5, 1.3
 _DESCENT, _ITERATION = 6.0, 1.3
 
 
-class Preview:
+class CoarsePreview:
     """Shapes of a fine surface, moved along with a coarse one.
 
     They are not at rest, but held where they are asked to be, and they meet the goals, as all others do.
 
     Parameters
     ----------
-    elastic : Elastic
+    elastic : ElasticSurface
         The fine surface; it is not touched.
     coarse : CoarseLevel
     goals : tuple of Goal
@@ -39,48 +39,48 @@ class Preview:
         The last shape.
     """
 
-    def __init__(self, elastic: Elastic, coarse: CoarseLevel, goals: tuple[Goal, ...]) -> None:
+    def __init__(self, elastic: ElasticSurface, coarse: CoarseLevel, goals: tuple[Goal, ...]) -> None:
         self._elastic, self._coarse = elastic, coarse
         self.free = elastic.free
         self.U = elastic.U
-        self._projection = Projection(self, goals)
-        self._projection.refresh(self.U)
+        self._projection = GoalProjection(self, goals)
+        self._projection.refresh_directions(self.U)
 
     @property
-    def values(self) -> np.ndarray:
+    def goal_values(self) -> np.ndarray:
         """Values of the goals at ``U``, (g,) float array."""
         return self._projection.values
 
     @property
-    def met(self) -> bool:
+    def has_met_goals(self) -> bool:
         """True if all goals are met at ``U``."""
-        return self._projection.met
+        return self._projection.has_met_goals
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """Smooth response (f, 3) to forces ``b_f`` (f, 3), for meeting goals."""
-        return self._coarse.give_way(b_f)
+        return self._coarse.response(b_f)
 
-    def follow(self, targets: np.ndarray) -> None:
+    def follow_coarse(self, targets: np.ndarray) -> None:
         """Follow the coarse surface, with the held vertices at ``targets`` (k, 3)."""
-        U = self._coarse.carried(targets)
-        if self._projection.worn:
-            self._projection.refresh(U)
-        self.U, _ = self._projection.onto(U)
+        U = self._coarse.prolonged_positions(targets)
+        if self._projection.has_outdated_directions:
+            self._projection.refresh_directions(U)
+        self.U, _ = self._projection.project(U)
 
 
-class ExpectedEnd:
+class PreviewForecast:
     """Expected convergence of a fine surface that waits for its factor.
 
     Parameters
     ----------
-    elastic : Elastic
+    elastic : ElasticSurface
         The fine surface.
     coarse : CoarseLevel
     """
 
-    def __init__(self, elastic: Elastic, coarse: CoarseLevel) -> None:
+    def __init__(self, elastic: ElasticSurface, coarse: CoarseLevel) -> None:
         self._elastic, self._coarse = elastic, coarse
-        self.forget()
+        self.reset()
 
     @property
     def seconds_left(self) -> float | None:
@@ -90,7 +90,7 @@ class ExpectedEnd:
     @property
     def factor_seconds(self) -> float:
         """Expected seconds to factor the matrix of the fine surface in another process."""
-        return _BESIDE * self._coarse.factor_seconds * self._coarse.growth**_FACTORING
+        return _BESIDE * self._coarse.factor_seconds * self._coarse.refinement_ratio**_FACTORING
 
     @property
     def iterations(self) -> float:
@@ -100,24 +100,26 @@ class ExpectedEnd:
     @property
     def descent_seconds(self) -> float:
         """Expected seconds of these iterations."""
-        return self.iterations * self._coarse.pace * self._coarse.growth**_ITERATION
+        return (
+            self.iterations * self._coarse.seconds_per_iteration * self._coarse.refinement_ratio**_ITERATION
+        )
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Expect nothing, as the targets have moved."""
         self._end: float | None = None
         self._began, self._done = 0.0, 0
 
-    def wait(self) -> None:
+    def expect_factor(self) -> None:
         """Expect the factor, and the iterations after it."""
         if self._coarse.converged:
             factoring = self.factor_seconds - self._elastic.factor.seconds
             self._end = time.monotonic() + max(factoring, 0.0) + self.descent_seconds
 
-    def begin(self) -> None:
+    def begin_descent(self) -> None:
         """The first iteration begins."""
         self._began = time.monotonic()
 
-    def count(self) -> None:
+    def count_iteration(self) -> None:
         """Expect the other iterations at the pace of those so far."""
         if self._end is not None:
             self._done += 1

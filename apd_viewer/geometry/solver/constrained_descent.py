@@ -16,10 +16,10 @@ from collections import deque
 
 import numpy as np
 
-from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.goals.goal_projection import MET, Projection
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
+from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE, GoalProjection
 from apd_viewer.geometry.goals.goals import Goal
-from apd_viewer.geometry.solver.late_metric import LateMetric, gains_from_hessian
+from apd_viewer.geometry.solver.adaptive_metric import AdaptiveMetric, gains_from_hessian
 from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
 
 # The directions y become outdated as the shape rotates: recomputed after this many iterations.
@@ -39,9 +39,9 @@ _PATIENCE = 60
 _REDUCTION = 0.99
 # Convergence is judged over so many steps, by the part of the energy that they take away together.
 _WINDOW = 10
-TOLERANCE = 1e-7
+ENERGY_TOLERANCE = 1e-7
 # Once ten steps by K reduce the energy by less than this part, the Hessian takes them farther.
-LATE = 1e-3
+LATE_TOLERANCE = 1e-3
 # Steps by the Hessian have arrived, to 1e-5 of the energy, once so many of them reduce it by at most so many
 # tolerances. Fewer may gain as little at a saddle, and thousands of times that beyond it.
 _HESSIAN_WINDOW, _HESSIAN_GAIN = 40, 40.0
@@ -55,7 +55,7 @@ class ConstrainedDescent:
 
     Parameters
     ----------
-    elastic : Elastic
+    elastic : ElasticSurface
     goals : tuple of Goal
     tolerance : float
         Converged once ten steps together reduce the energy by at most this part of it.
@@ -64,7 +64,7 @@ class ConstrainedDescent:
 
     Attributes
     ----------
-    held : (k + s, 3) float array
+    held_positions : (k + s, 3) float array
         Positions of the held vertices, then the targets of the soft ones.
     multipliers : (g,) float array
         Lagrange multipliers of the goals.
@@ -72,24 +72,24 @@ class ConstrainedDescent:
         Whether the goals have been given up; ``U`` is then the best shape found, and stays.
     """
 
-    hides = False
+    is_iterate_hidden = False
     seconds_left: float | None = None
 
     def __init__(
         self,
-        elastic: Elastic,
+        elastic: ElasticSurface,
         goals: tuple[Goal, ...] = (),
-        tolerance: float = TOLERANCE,
+        tolerance: float = ENERGY_TOLERANCE,
         plain: bool = False,
     ) -> None:
         self.elastic = elastic
         self._tolerance = tolerance
         self._plain = plain
-        self._metric = LateMetric(elastic)
+        self._metric = AdaptiveMetric(elastic)
         self._edge = float(np.sqrt(elastic.rest.vertex_areas.mean()))
         self.goals: tuple[Goal, ...] = ()
         self.multipliers = np.zeros(0)
-        self.keep(goals)
+        self.set_goals(goals)
 
     @property
     def U(self) -> np.ndarray:
@@ -102,14 +102,14 @@ class ConstrainedDescent:
         return self.elastic.factor.ready
 
     @property
-    def values(self) -> np.ndarray:
+    def goal_values(self) -> np.ndarray:
         """Values of the goals at ``U``, (g,) float array."""
         return self._projection.values
 
     @property
-    def met(self) -> bool:
+    def has_met_goals(self) -> bool:
         """True if all goals are met at ``U``."""
-        return self._projection.met
+        return self._projection.has_met_goals
 
     @property
     def energy(self) -> float:
@@ -123,31 +123,31 @@ class ConstrainedDescent:
             return None
         E = self._by_hessian
         slow = len(E) > _HESSIAN_WINDOW and E[0] - E[-1] <= _HESSIAN_GAIN * self._tolerance * E[-1]
-        return self._at_minimum or self.stalls(self._tolerance) or slow
+        return self._at_minimum or self.has_stalled(self._tolerance) or slow
 
     @property
-    def gap(self) -> float | None:
+    def convergence_ratio(self) -> float | None:
         """Gain of the last steps in multiples of its tolerance; None before them."""
         E = self._energies
         if len(E) <= _WINDOW:
             return None
         return float(E[0] - E[-1]) / max(self._tolerance * float(E[-1]), _NO_ENERGY)
 
-    def stop_at(self, tolerance: float) -> None:
+    def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten steps together reduce the energy by at most this part."""
         self._tolerance = tolerance
 
-    def stalls(self, tolerance: float) -> bool:
+    def has_stalled(self, tolerance: float) -> bool:
         """True if the last steps reduced the energy by at most this part."""
         E = self._energies
         return len(E) > _WINDOW and E[0] - E[-1] <= tolerance * E[-1]
 
-    def keep(self, goals: tuple[Goal, ...]) -> None:
+    def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
         if [goal.name for goal in goals] != [goal.name for goal in self.goals]:
             self.multipliers = np.zeros(len(goals))
         self.goals = goals
-        self._projection = Projection(self.elastic, goals)
+        self._projection = GoalProjection(self.elastic, goals)
         self._age = 0
         self._reset()
 
@@ -169,7 +169,7 @@ class ConstrainedDescent:
 
     def aim(self, targets: np.ndarray) -> None:
         """Hold and draw vertices at ``targets`` (k + s, 3) from now on."""
-        self.held = targets
+        self.held_positions = targets
         self._reset()
 
     def _reset(self) -> None:
@@ -195,11 +195,11 @@ class ConstrainedDescent:
             self.iterate()
         elif self._quasi_newton is None:
             self.iterate()
-            if self.met and not self.stuck:
+            if self.has_met_goals and not self.stuck:
                 self._quasi_newton = QuasiNewton(self.elastic, self._projection)
         else:
             self._update_metric()
-            self._at_minimum = not self._quasi_newton.step(self.held)
+            self._at_minimum = not self._quasi_newton.step(self.held_positions)
             self.multipliers = self._quasi_newton.multipliers
             self._energies.append(self._quasi_newton.energy)
             if self._metric.is_hessian:
@@ -216,9 +216,9 @@ class ConstrainedDescent:
     def _update_metric(self) -> None:
         """Measure steps by the Hessian near the minimum."""
         metric = self._metric
-        late = self._tolerance < _FINE and self.stalls(LATE)
+        late = self._tolerance < _FINE and self.has_stalled(LATE_TOLERANCE)
         if metric.is_hessian or (late and gains_from_hessian(self.elastic)):
-            metric.follow(self._projection)
+            metric.update(self._projection)
 
     def iterate(self) -> None:
         """Do a global step, the projection onto the goals, and the local step."""
@@ -226,16 +226,16 @@ class ConstrainedDescent:
             return
         elastic, projection = self.elastic, self._projection
         if not self.goals:
-            elastic.iterate(self.held)
+            elastic.iterate(self.held_positions)
             return
-        met_before, pressure = self.met, self._pressure(self.multipliers)
+        met_before, pressure = self.has_met_goals, self._pressure(self.multipliers)
         self._update_directions(pressure)
-        start, end = elastic.U, elastic.global_step(self.held, self.multipliers, projection.g)
+        start, end = elastic.U, elastic.global_step(self.held_positions, self.multipliers, projection.g)
         steady = 1.0 / max(1.0, _STEADY + pressure)
         for damping in _DAMPINGS if met_before else _DAMPINGS[:1]:
             share = damping * steady
-            U, mu = projection.onto(end if share == 1.0 else self._between(start, end, share))
-            if self.met:
+            U, mu = projection.project(end if share == 1.0 else self._between(start, end, share))
+            if self.has_met_goals:
                 break
         self.multipliers = self._updated(share, mu)
         elastic.local_step(U)
@@ -244,8 +244,8 @@ class ConstrainedDescent:
     def _update_directions(self, pressure: float) -> None:
         """Update gradients and directions of the goals, if they are due."""
         projection, U = self._projection, self.elastic.U
-        if self._age % _REFRESH == 0 or projection.worn:
-            projection.refresh(U)
+        if self._age % _REFRESH == 0 or projection.has_outdated_directions:
+            projection.refresh_directions(U)
             self._age = 0
         elif self._lag % _LAG == 0 or pressure > _CALM:
             projection.evaluate(U)
@@ -254,7 +254,7 @@ class ConstrainedDescent:
 
     def _between(self, start: np.ndarray, end: np.ndarray, share: float) -> np.ndarray:
         U = start + share * (end - start)
-        U[self.elastic.fixed] = self.held[: len(self.elastic.fixed)]
+        U[self.elastic.fixed] = self.held_positions[: len(self.elastic.fixed)]
         return U
 
     def _updated(self, share: float, mu: np.ndarray) -> np.ndarray:
@@ -263,12 +263,12 @@ class ConstrainedDescent:
         return updated / max(1.0, self._pressure(updated) / _LARGEST_PRESSURE)
 
     def _pressure(self, multipliers: np.ndarray) -> float:
-        return self._projection.pressure(multipliers, self._edge)
+        return self._projection.force_stiffness(multipliers, self._edge)
 
     def _give_up_hopeless(self) -> None:
         """Give the goals up after a long stall, and restore the best shape."""
-        worst = self._projection.worst
-        if worst <= MET or worst < _REDUCTION * self._nearest[0]:
+        worst = self._projection.largest_miss
+        if worst <= GOAL_TOLERANCE or worst < _REDUCTION * self._nearest[0]:
             self._nearest, self._waited = (worst, self.elastic.U), 0
             return
         self._waited += 1

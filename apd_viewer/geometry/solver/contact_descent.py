@@ -17,22 +17,22 @@ from scipy.sparse.csgraph import connected_components
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import Contact
-from apd_viewer.geometry.contact.mesh_contact import contact_of
-from apd_viewer.geometry.contact.obstacles import Obstacle
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle
+from apd_viewer.geometry.contact.mesh_contact import mesh_contact
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_path import HeldPath
-from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
+from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
-from apd_viewer.geometry.solver.loose_parts import LooseParts
+from apd_viewer.geometry.solver.loose_components import LooseComponents
 from apd_viewer.geometry.solver.methods import Method
 from apd_viewer.geometry.solver.touching_descent import TouchingDescent
 from apd_viewer.geometry.solver.touching_surface import TouchingSurface
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.elastic import Elastic
+    from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 
 # In sizes of the mesh: how far held vertices are moved at once, and steps before they are moved on.
 _PART, _STEPS = 0.05, 10
@@ -42,7 +42,7 @@ _PATIENCE = 60
 
 def check_contact(method: Method, plain: bool) -> None:
     """Raise InputError unless walls can be kept apart so."""
-    if plain or not method.may_touch:
+    if plain or not method.may_use_contact:
         raise InputError(
             tr(
                 "Contact needs one of the methods Exact, Local and ARAP, and no number of plain iterations; "
@@ -60,7 +60,7 @@ def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
         raise InputError(tr("Obstacles need contact; switch it on, or remove the obstacles."))
 
 
-def stopped_at(share: float, contact: ContactDescent | None = None) -> str:
+def stop_sentence(share: float, contact: ContactDescent | None = None) -> str:
     """Sentence on what contact stops at a share of its way; by default the handle."""
     moves = (contact.path.moves_held, contact.path.moves_obstacles) if contact else (True, False)
     said = {
@@ -70,21 +70,21 @@ def stopped_at(share: float, contact: ContactDescent | None = None) -> str:
     return said.format(percent=math.floor(100.0 * share))
 
 
-def whole_way(frame: Frame, leg: int, legs: int, contact: ContactDescent | None) -> Frame:
+def whole_path_frame(frame: Frame, leg: int, legs: int, contact: ContactDescent | None) -> Frame:
     """The frame of a ``leg``, from 0, with share and sentence of all ``legs``."""
     share = (leg + (1.0 if contact is None else contact.share)) / legs
     stopped = frame.share_reached < 1.0 and frame.unreached is not None
-    said = stopped_at(share, contact) if stopped else frame.unreached
+    said = stop_sentence(share, contact) if stopped else frame.unreached
     return replace(frame, share_reached=share, unreached=said)
 
 
-def in_contact(
+def contact_descent(
     inner: IterativeSolver,
     goals: tuple[Goal, ...],
     rest: RestMesh,
     handle_of: np.ndarray,
     thickness: float | None = None,
-    loose: LooseParts | None = None,
+    loose: LooseComponents | None = None,
     obstacles: Sequence[Obstacle] = (),
 ) -> ContactDescent:
     """Solver whose shapes cross neither themselves nor obstacles.
@@ -101,15 +101,15 @@ def in_contact(
         connected part of the held vertices is taken for one.
     thickness : float, optional
         Distance that walls keep, mesh units.
-    loose : LooseParts, optional
+    loose : LooseComponents, optional
         What the surface carries along; without, it is left out.
     obstacles : sequence of Obstacle
         The surface enters among them with its first step.
     """
-    shape, fixed = rest.shape, inner.elastic.fixed
+    shape, fixed = rest.solve_mesh, inner.elastic.fixed
     if len(fixed) and not handle_of.any():
         handle_of = connected_components(shape.L[fixed][:, fixed])[1] + 1
-    contact = contact_of(shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness, loose)
+    contact = mesh_contact(shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness, loose)
     return ContactDescent(inner, goals, contact, handle_of, obstacles)
 
 
@@ -132,9 +132,9 @@ class ContactDescent:
 
     Attributes
     ----------
-    elastic : Elastic
+    elastic : ElasticSurface
     contact : Contact
-    held : (k + s, 3) float array
+    held_positions : (k + s, 3) float array
         Positions that the held vertices have reached, then the targets of the soft ones.
     path : HeldPath
         From where they were aimed.
@@ -142,9 +142,9 @@ class ContactDescent:
         Of the path, as far as it has been gone.
     shifts : (o, 3) float array
         How far the obstacles have come from their places.
-    destination : (o, 3) float array
+    target_shifts : (o, 3) float array
         How far they go from there with :meth:`aim`.
-    origin : (o, 3) float array or None
+    start_shifts : (o, 3) float array or None
         How far they have come at the shape of the next :meth:`restart`; None for as far as now.
     """
 
@@ -156,16 +156,16 @@ class ContactDescent:
         handle_of: np.ndarray,
         obstacles: Sequence[Obstacle] = (),
     ) -> None:
-        self.elastic: Elastic = inner.elastic
+        self.elastic: ElasticSurface = inner.elastic
         self.contact = contact
         self._inner, self._goals, self._handle_of = inner, goals, handle_of
-        self._tolerance = TOLERANCE
+        self._tolerance = ENERGY_TOLERANCE
         self._touching: TouchingDescent | None = None
         self._U = V = self.elastic.rest.V
         self._size = float(np.linalg.norm(np.ptp(V, axis=0)))
         self._at_rest = np.concatenate([V[self.elastic.fixed], V[self.elastic.soft.ids]])
-        self.held = self._targets = self._at_rest
-        self.surround(obstacles)
+        self.held_positions = self._targets = self._at_rest
+        self.replace_obstacles(obstacles)
 
     @property
     def U(self) -> np.ndarray:
@@ -173,14 +173,14 @@ class ContactDescent:
         return self._U
 
     @property
-    def values(self) -> np.ndarray:
+    def goal_values(self) -> np.ndarray:
         """Values of the goals at the iterated shape, (g,)."""
-        return (self._touching or self._inner).values
+        return (self._touching or self._inner).goal_values
 
     @property
-    def met(self) -> bool:
+    def has_met_goals(self) -> bool:
         """True if all goals are met at the iterated shape."""
-        return (self._touching or self._inner).met
+        return (self._touching or self._inner).has_met_goals
 
     @property
     def energy(self) -> float | None:
@@ -188,11 +188,11 @@ class ContactDescent:
         return self.elastic.energy if self._touching else self._inner.energy
 
     @property
-    def hides(self) -> bool:
+    def is_iterate_hidden(self) -> bool:
         """True if ``U`` is not the iterated shape, or stands still on its path."""
         if self._touching:
-            return self.is_on_its_way or self._touching.stands
-        return self.is_on_its_way or self._inner.hides or self._refused > 0
+            return self.is_on_its_way or self._touching.is_standing_still
+        return self.is_on_its_way or self._inner.is_iterate_hidden or self._refused > 0
 
     @property
     def ready(self) -> bool:
@@ -226,40 +226,40 @@ class ContactDescent:
         return False if self.is_on_its_way else (self._touching or self._inner).converged
 
     @property
-    def gap(self) -> float | None:
+    def convergence_ratio(self) -> float | None:
         """Gain of the last steps in multiples of its tolerance; None before them."""
-        return None if self.is_on_its_way else (self._touching or self._inner).gap
+        return None if self.is_on_its_way else (self._touching or self._inner).convergence_ratio
 
     @property
     def seconds_left(self) -> float | None:
         """Expected seconds to convergence; None with contact ahead."""
         return None if self.is_on_its_way or self._touching else self._inner.seconds_left
 
-    def stop_at(self, tolerance: float) -> None:
+    def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten steps together reduce the energy by at most this part."""
         self._tolerance = tolerance
-        self._inner.stop_at(tolerance)
+        self._inner.set_tolerance(tolerance)
         if self._touching:
             self._touching.tolerance = tolerance
 
-    def keep(self, goals: tuple[Goal, ...]) -> None:
+    def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
         self._goals = goals
-        self._inner.keep(goals)
+        self._inner.set_goals(goals)
         if self._touching:
             self._touch()
         self._set_path()
 
-    def surround(self, obstacles: Sequence[Obstacle]) -> None:
+    def replace_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
         """Put other obstacles around the surface; it enters with :meth:`restart`.
 
         Without, it enters at rest with the next step.
         """
-        self.contact.surround(obstacles)
-        self.shifts = self.destination = self._places = np.zeros((len(obstacles), 3))
+        self.contact.replace_obstacles(obstacles)
+        self.shifts = self.target_shifts = self._places = np.zeros((len(obstacles), 3))
         self._before = self._U, self.shifts
         self._is_inside = not obstacles
-        self.origin: np.ndarray | None = None
+        self.start_shifts: np.ndarray | None = None
         self._touching = None
         self._set_path()
 
@@ -273,72 +273,81 @@ class ContactDescent:
         InputError
             If not even the shape at rest is clear of obstacles at their places.
         """
-        shifts, self.origin = self.origin, None
+        shifts, self.start_shifts = self.start_shifts, None
         if shifts is None:
             # One step back may be asked for.
             shifts = self._before[1] if U is self._before[0] else self.shifts
         rest, places = self.elastic.rest.V, self._places
         ways = [(U, shifts), (U, places), (rest, places)]
-        found = next((way for way in ways if self.contact.may_enter(*way)), None)
+        found = next((way for way in ways if self.contact.can_start_at(*way)), None)
         if found is None and len(places) and not self.contact.is_clear(rest, places):
             raise InputError(
                 tr("An obstacle intersects the shape to begin from; move it away, or remove it.")
             )
         U, self.shifts = found or (rest, places)
-        self.contact.enter(U, self.shifts)
+        self.contact.start_at(U, self.shifts)
         self._U, self._is_inside = U, True
-        self.held = np.concatenate([U[self.elastic.fixed], U[self.elastic.soft.ids]])
+        self.held_positions = np.concatenate([U[self.elastic.fixed], U[self.elastic.soft.ids]])
         self._release()
         self._set_path()
 
     def aim(self, targets: np.ndarray) -> None:
         """Hold and draw vertices at ``targets`` (k + s, 3), along a path from here."""
-        self._targets, self.origin = targets, None
+        self._targets, self.start_shifts = targets, None
         if self._touching and not self.contact.may_touch:
             self._release()
         self._set_path()
         if self._touching and self.path.moves_obstacles:
-            self._touching.disturb()
+            self._touching.disturb_shape()
 
     def _set_path(self) -> None:
-        ends = np.array([self.shifts, self.destination])
-        self.path = HeldPath(self.held, self._targets, self._handle_of, ends)
-        ends = np.array([self._places, self.destination])
+        ends = np.array([self.shifts, self.target_shifts])
+        self.path = HeldPath(self.held_positions, self._targets, self._handle_of, ends)
+        ends = np.array([self._places, self.target_shifts])
         self._whole = HeldPath(self._at_rest, self._targets, self._handle_of, ends).length
         self.share = 0.0 if self.path.length else 1.0
         self._part = _PART * self._size / max(self.path.length, _PART * self._size)
         self._ahead = max(self.share, self._part)
         self._steps = self._refused = 0
         if self._touching:
-            self._touching.follow(self.path, self.share)
+            self._touching.follow_path(self.path, self.share)
         else:
-            self._inner.aim(self.path.at(self._ahead))
+            self._inner.aim(self.path.positions_at(self._ahead))
 
     def step(self) -> None:
         """Step to a shape with a free way to it; see :meth:`restart`."""
         if not self._is_inside:
-            self.origin = self._places
+            self.start_shifts = self._places
             self.restart(self.elastic.rest.V)
         self._before = self._U, self.shifts
         if self._touching is None:
             self._step_freely()
         else:
             self._touching.step()
-            self._U, self.share, self.held = self._touching.U, self._touching.share, self._touching.held
-            self.shifts = self.path.shift(self.share)
+            self._U, self.share, self.held_positions = (
+                self._touching.U,
+                self._touching.share,
+                self._touching.held_positions,
+            )
+            self.shifts = self.path.shifts_at(self.share)
 
     def _step_freely(self) -> None:
         """Take the next shape of the inner solver, if the way is free."""
         self._steps += 1
         self._inner.step()
-        W, shifts = self._inner.U, self.path.shift(self._ahead)
+        W, shifts = self._inner.U, self.path.shifts_at(self._ahead)
         stands = W is self._U and (self.path.moves_held or self.share == self._ahead)
-        if stands or self.contact.leads_to(W, shifts):
+        if stands or self.contact.move_to(W, shifts):
             if not stands:
-                self._U, self.share, self.held, self._refused = W, self._ahead, self._inner.held, 0
+                self._U, self.share, self.held_positions, self._refused = (
+                    W,
+                    self._ahead,
+                    self._inner.held_positions,
+                    0,
+                )
                 self.shifts = shifts
         elif self.elastic.factor.ready:  # which contact would wait for
-            self._refused += self.contact.examined
+            self._refused += self.contact.examined_parts
             if self._refused >= _PATIENCE or self._inner.converged:
                 self._touch()
                 self.step()
@@ -346,18 +355,18 @@ class ContactDescent:
         # Without the factor a preview may get no better than it is, before so many steps.
         if self.share == self._ahead < 1.0 and (self._steps >= _STEPS or not self._inner.ready):
             self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
-            self._inner.aim(self.path.at(self._ahead))
+            self._inner.aim(self.path.positions_at(self._ahead))
 
     def _touch(self) -> None:
         """Descend in contact from the last shape."""
         self._touching = self._descending()
-        self._touching.follow(self.path, self.share)
+        self._touching.follow_path(self.path, self.share)
         if self.path.moves_obstacles:
-            self._touching.disturb()
+            self._touching.disturb_shape()
 
     def _descending(self) -> TouchingDescent:
         surface = TouchingSurface(self.elastic, self.contact)
-        return TouchingDescent(surface, self._U, self.held, self._goals, self._tolerance)
+        return TouchingDescent(surface, self._U, self.held_positions, self._goals, self._tolerance)
 
     def _release(self) -> None:
         """Descend without contact from the last shape, unless nothing is held."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.checked_arguments import real, whole
+from apd_viewer.geometry.mesh.checked_arguments import as_float, is_whole_number
 from apd_viewer.language import tr
 
 # Settled: the last iteration moved no vertex by more than the step tolerance, and the remaining ones together
@@ -56,17 +56,17 @@ def check_convergence(convergence: Convergence) -> None:
     if not isinstance(convergence, Convergence):
         raise InputError(tr("The convergence must be an apd_viewer.Convergence."))
     most = convergence.most_iterations
-    if not whole(most) or not 1 <= most <= MOST_ITERATIONS:
+    if not is_whole_number(most) or not 1 <= most <= MOST_ITERATIONS:
         raise InputError(
             tr("The most iterations must be a whole number from 1 to {most:,}.").format(most=MOST_ITERATIONS)
         )
     for tolerance in (convergence.energy_tolerance, convergence.step_tolerance):
-        if not 0.0 < real(tolerance) <= LARGEST_TOLERANCE:
+        if not 0.0 < as_float(tolerance) <= LARGEST_TOLERANCE:
             sentence = tr("The tolerances of convergence must be above 0 and at most {most}, such as 1e-7.")
             raise InputError(sentence.format(most=LARGEST_TOLERANCE))
 
 
-def step_gap(steps: Sequence[float], tolerance: float) -> float | None:
+def step_ratio(steps: Sequence[float], tolerance: float) -> float | None:
     """Last step and those to come, in multiples of what counts as settled.
 
     None before there are enough ``steps``, or while they do not become shorter.
@@ -80,7 +80,7 @@ def step_gap(steps: Sequence[float], tolerance: float) -> float | None:
     return max(last, min(last / _CREEP, last * rate / (1.0 - rate) / _REMAINING)) / tolerance
 
 
-class StepLengths:
+class StepConvergence:
     """Lengths of the last iterations, in diagonals of the bounding box."""
 
     def __init__(self) -> None:
@@ -91,20 +91,20 @@ class StepLengths:
         self._steps.append(step)
 
     @property
-    def taken(self) -> bool:
+    def has_steps(self) -> bool:
         """True after the first."""
         return len(self._steps) > 0
 
     @property
-    def are_rounding(self) -> bool:
+    def is_rounding(self) -> bool:
         """True if the last one was a step of rounding errors."""
-        return self.taken and self._steps[-1] <= _ROUNDING
+        return self.has_steps and self._steps[-1] <= _ROUNDING
 
-    def gap(self, convergence: Convergence) -> float | None:
+    def convergence_ratio(self, convergence: Convergence) -> float | None:
         """Last step and those to come, in multiples of what counts as settled."""
-        return step_gap(self._steps, convergence.step_tolerance)
+        return step_ratio(self._steps, convergence.step_tolerance)
 
-    def end(self, convergence: Convergence) -> bool:
+    def has_converged(self, convergence: Convergence) -> bool:
         """True if those to come would change nothing that counts."""
-        gap = self.gap(convergence)
-        return self.are_rounding or (gap is not None and gap <= 1.0)
+        gap = self.convergence_ratio(convergence)
+        return self.is_rounding or (gap is not None and gap <= 1.0)

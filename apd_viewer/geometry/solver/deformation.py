@@ -10,45 +10,57 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.contact.contact_obstacles import shifted_obstacles
 from apd_viewer.geometry.contact.contact_readings import contact_readings
-from apd_viewer.geometry.contact.obstacles import moved_by
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.calm_parts import calm_levels
-from apd_viewer.geometry.goals.goals import Reading, Region
+from apd_viewer.geometry.goals.goals import Region, RegionReading
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.checked_arguments import Uncopied, checked
-from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
+from apd_viewer.geometry.mesh.checked_arguments import Uncopyable, checked
+from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.geometry.solver.arguments import HeldVertices, drawn_to, rest_of, shifts_of, soft_of, start_of
-from apd_viewer.geometry.solver.contact_descent import check_contact, check_obstacles, in_contact, stopped_at
+from apd_viewer.geometry.solver.contact_descent import (
+    check_contact,
+    check_obstacles,
+    contact_descent,
+    stop_sentence,
+)
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
     Convergence,
-    StepLengths,
+    StepConvergence,
     check_convergence,
 )
 from apd_viewer.geometry.solver.goal_set import GoalSet
-from apd_viewer.geometry.solver.loose_parts import GO, LooseParts
+from apd_viewer.geometry.solver.held_vertices import (
+    HeldVertices,
+    checked_rest_mesh,
+    checked_shifts,
+    checked_soft_targets,
+    checked_start,
+    solve_constraints,
+)
+from apd_viewer.geometry.solver.loose_components import GO, LooseComponents
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
     check_method,
-    material_of,
+    method_material,
 )
-from apd_viewer.geometry.solver.restarts import solver_of
+from apd_viewer.geometry.solver.restarts import make_solver
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.contact.obstacles import Obstacle
-    from apd_viewer.geometry.linalg.linear_solver import Factored
+    from apd_viewer.geometry.contact.contact_obstacles import Obstacle
+    from apd_viewer.geometry.linalg.linear_solver import Factorizer
 
 
-class Deformation(Uncopied):
+class Deformation(Uncopyable):
     """A mesh with some vertices held, deformed one iteration at a time.
 
     Parameters
@@ -82,7 +94,7 @@ class Deformation(Uncopied):
         Of the same V and F, to save computing it again.
     factored : callable, optional
         Makes the factor of a matrix in another way.
-    soft : Soft
+    soft : SoftConstraints
         Vertices that are drawn along by handles, and not held.
     loose : "go", "stay" or int array
         What becomes of connected parts without held vertices: all go along with the nearest surface, all stay
@@ -104,7 +116,7 @@ class Deformation(Uncopied):
 
     Attributes
     ----------
-    solver, loose, contact : IterativeSolver, LooseParts, ContactDescent or None
+    solver, loose, contact : IterativeSolver, LooseComponents, ContactDescent or None
 
     Raises
     ------
@@ -139,8 +151,8 @@ class Deformation(Uncopied):
         regions: Sequence[Region] = (),
         plain: bool = False,
         rest: RestMesh | None = None,
-        factored: Factored | None = None,
-        soft: Soft = NO_SOFT,
+        factored: Factorizer | None = None,
+        soft: SoftConstraints = NO_SOFT_CONSTRAINTS,
         loose: str | Sequence[int] | np.ndarray = GO,
         convergence: Convergence = DEFAULT_CONVERGENCE,
         calm: bool = True,
@@ -149,34 +161,36 @@ class Deformation(Uncopied):
         obstacles: Sequence[Obstacle] = (),
         weld: bool = False,
     ) -> None:
-        self.rest = rest = rest_of(rest, V, F, weld)
+        self.rest = rest = checked_rest_mesh(rest, V, F, weld)
         self.method, self._total = method, 0
         self._held = HeldVertices(fixed, handle, rest)
         held, handle_of = self._held.ids, self._held.handle_of
         check_obstacles(obstacles, contact)
         self._traits = check_method(method, handle_of, len(obstacles) > 0)
-        self.loose = LooseParts(rest, held, handle_of, loose, contact)
-        self._soft, self._drawn = soft_of(soft, rest, held)
-        material = material_of(self._traits, stiffness, area_stiffness, shear_stiffness)
-        if len(held) and np.isin(rest.shape.piece, rest.shape.piece[held]).sum() == len(held):
+        self.loose = LooseComponents(rest, held, handle_of, loose, contact)
+        self._soft, self._drawn = solve_constraints(soft, rest, held)
+        material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness)
+        if len(held) and np.isin(rest.solve_mesh.component, rest.solve_mesh.component[held]).sum() == len(
+            held
+        ):
             raise InputError(tr("Every vertex is held; leave some free to deform."))
-        with cores_for(len(rest.shape.V)):
-            levels = partial(calm_levels, rest.shape, held, handle_of, self._soft)
+        with cores_for(len(rest.solve_mesh.V)):
+            levels = partial(calm_levels, rest.solve_mesh, held, handle_of, self._soft)
             self._kept = GoalSet(rest, method, self._traits, tolerance, levels)
-            self._kept.ask(area, volume, regions, calm and len(held) > 0)
+            self._kept.set_targets(area, volume, regions, calm and len(held) > 0)
             started = time.perf_counter()
-            elastic = Elastic(rest.shape, held, material, factored, self._soft)
+            elastic = ElasticSurface(rest.solve_mesh, held, material, factored, self._soft)
             of, goals = np.concatenate([handle_of, self._soft.handle + 1]), self._kept.goals
-            self.solver = solver_of(elastic, goals, self._traits, of, plain)
+            self.solver = make_solver(elastic, goals, self._traits, of, plain)
             self.contact = None
             if contact:
                 check_contact(self._traits, plain)
-                touching = rest, of, thickness, self.loose, moved_by(obstacles, -rest.centre)
-                self.solver = self.contact = in_contact(self.solver, goals, *touching)
+                touching = rest, of, thickness, self.loose, shifted_obstacles(obstacles, -rest.centre)
+                self.solver = self.contact = contact_descent(self.solver, goals, *touching)
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
-        self.aim(rest.placed(rest.V[self.fixed]))
+        self.aim(rest.from_local(rest.V[self.fixed]))
 
     @property
     def fixed(self) -> np.ndarray:
@@ -190,10 +204,10 @@ class Deformation(Uncopied):
 
     @tolerance.setter
     def tolerance(self, tolerance: float) -> None:
-        with cores_for(len(self.rest.shape.V)):
+        with cores_for(len(self.rest.solve_mesh.V)):
             self._kept.tolerance = tolerance
             if self._traits.has_tolerance:
-                self.solver.keep(self._kept.goals)
+                self.solver.set_goals(self._kept.goals)
 
     @property
     def convergence(self) -> Convergence:
@@ -203,9 +217,9 @@ class Deformation(Uncopied):
     @convergence.setter
     def convergence(self, convergence: Convergence) -> None:
         check_convergence(convergence)
-        with cores_for(len(self.rest.shape.V)):
+        with cores_for(len(self.rest.solve_mesh.V)):
             if convergence.energy_tolerance != self._convergence.energy_tolerance:
-                self.solver.stop_at(convergence.energy_tolerance)
+                self.solver.set_tolerance(convergence.energy_tolerance)
                 self._begin()
             self._convergence = convergence
 
@@ -218,21 +232,21 @@ class Deformation(Uncopied):
         calm: bool = True,
     ) -> None:
         """Ask for other areas or another volume from now on; nothing is factored for it."""
-        with cores_for(len(self.rest.shape.V)):
-            self._kept.ask(area, volume, regions, calm and len(self.fixed) > 0)
-            self.solver.keep(self._kept.goals)
+        with cores_for(len(self.rest.solve_mesh.V)):
+            self._kept.set_targets(area, volume, regions, calm and len(self.fixed) > 0)
+            self.solver.set_goals(self._kept.goals)
             self._begin()
 
-    def surround(self, obstacles: Sequence[Obstacle]) -> None:
+    def replace_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
         """Put other obstacles around the surface; nothing is factored for it.
 
         Aim with ``U`` then: without, the surface begins at rest. Raises InputError without contact.
         """
         check_obstacles(obstacles, self.contact is not None)
         check_method(self.method, self._held.handle_of, len(obstacles) > 0)
-        with cores_for(len(self.rest.shape.V)):
+        with cores_for(len(self.rest.solve_mesh.V)):
             if self.contact is not None:
-                self.contact.surround(moved_by(obstacles, -self.rest.centre))
+                self.contact.replace_obstacles(shifted_obstacles(obstacles, -self.rest.centre))
             self._begin()
 
     def aim(
@@ -262,26 +276,28 @@ class Deformation(Uncopied):
             How far from its place each obstacle is at ``U``; without, where it goes. If it intersects ``U``
             there, it begins at its place; if it does so there too, at rest.
         """
-        U = None if U is None else start_of(U, self.rest)
+        U = None if U is None else checked_start(U, self.rest)
         count = 0 if self.contact is None else len(self.contact.shifts)
-        shifts = shifts_of(shifts, count)
-        begin = shifts if begin is None else shifts_of(begin, count)
-        with cores_for(len(self.rest.shape.V)):
-            self._held.ask(targets)
-            if self._kept.restore_calm():
-                self.solver.keep(self._kept.goals)
+        shifts = checked_shifts(shifts, count)
+        begin = shifts if begin is None else checked_shifts(begin, count)
+        with cores_for(len(self.rest.solve_mesh.V)):
+            self._held.set_targets(targets)
+            if self._kept.restore_calm_goals():
+                self.solver.set_goals(self._kept.goals)
             if self.contact is not None:
-                self.contact.destination, self.contact.origin = shifts, begin
+                self.contact.target_shifts, self.contact.start_shifts = shifts, begin
             if U is not None:
-                self.solver.restart(self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first])))
-            drawn = drawn_to(soft_targets, self.rest, self._soft, *self._drawn)
-            asked = self._held.asked
+                self.solver.restart(
+                    self.loose.with_loose_at_rest(np.ascontiguousarray(U[self.rest.weld.first]))
+                )
+            drawn = checked_soft_targets(soft_targets, self.rest, self._soft, *self._drawn)
+            asked = self._held.targets
             self.solver.aim(np.concatenate([asked, drawn]) if len(drawn) else asked)
             self._begin()
 
     def _begin(self) -> None:
         self._iteration = 0
-        self._steps = StepLengths()
+        self._steps = StepConvergence()
 
     def step(self) -> Frame:
         """One iteration; the shape after it and its readings."""
@@ -292,12 +308,12 @@ class Deformation(Uncopied):
         """One iteration, without the readings of its shape."""
         solver = self.solver
         with cores_for(len(solver.U)):
-            if self._kept.may_retry_calm and self._would_settle:
-                self._kept.retry_calm()
-                solver.keep(self._kept.goals)
+            if self._kept.may_retry_calm_goals and self._would_settle:
+                self._kept.retry_calm_goals()
+                solver.set_goals(self._kept.goals)
             before = solver.U
             solver.step()
-            if self._kept.keeps_calm and not solver.met:
+            if self._kept.has_calm_goals and not solver.has_met_goals:
                 self._let_calm_go(before)
             self._steps.append(largest_difference(solver.U, before) / self.rest.diagonal)
             self._iteration += 1
@@ -305,8 +321,8 @@ class Deformation(Uncopied):
 
     def _let_calm_go(self, before: np.ndarray) -> None:
         """Step from ``before`` again, without the areas of calm parts."""
-        self._kept.let_calm_go()
-        self.solver.keep(self._kept.goals)
+        self._kept.drop_calm_goals()
+        self.solver.set_goals(self._kept.goals)
         self.solver.restart(before)
         self.solver.step()
 
@@ -318,11 +334,11 @@ class Deformation(Uncopied):
     @property
     def settled(self) -> bool:
         """True if iterating further changes nothing."""
-        return self.solver.stuck or (self._would_settle and not self._kept.may_retry_calm)
+        return self.solver.stuck or (self._would_settle and not self._kept.may_retry_calm_goals)
 
     @property
     def _would_settle(self) -> bool:
-        return self.solver.met and self._still()
+        return self.solver.has_met_goals and self._still()
 
     def frame(self) -> Frame:
         """The shape after the last iteration, and its readings."""
@@ -332,18 +348,20 @@ class Deformation(Uncopied):
             regions = self._kept.region_areas(solver.U)
             energy = solver.energy
         return Frame(
-            U=frozen(self.rest.placed(self._spread(solver.U))),
+            U=frozen(self.rest.from_local(self._spread(solver.U))),
             iteration=self._iteration,
             **found._asdict(),
             area_error=found.area / self.rest.area - 1.0,
-            handle_drift=self._held.drift(solver.held),
-            converged=settled and solver.met and self.share_reached == 1.0,
+            handle_drift=self._held.drift(solver.held_positions),
+            converged=settled and solver.has_met_goals and self.share_reached == 1.0,
             settled=settled,
             regions=regions,
             unreached=self._unreached(),
             energy=energy,
             total=self._total,
-            gap=self._steps.gap(self._convergence) if solver.converged is None else solver.gap,
+            gap=self._steps.convergence_ratio(self._convergence)
+            if solver.converged is None
+            else solver.convergence_ratio,
             seconds_left=solver.seconds_left,
             share_reached=self.share_reached,
             **(contact_readings(at.contact, at.U, at.shifts) if (at := self.contact) else {}),
@@ -361,19 +379,19 @@ class Deformation(Uncopied):
 
     def _spread(self, U: np.ndarray) -> np.ndarray:
         """Local positions ``U`` of the vertices of the solve, for all those of the file."""
-        spread = self.rest.weld.spread(self.loose.carried(U))
+        spread = self.rest.weld.to_file(self.loose.with_followers(U))
         if self.rest.weld.offset is not None and not self._traits.moves_handles:
-            self._held.place(spread, self.solver.held)
+            self._held.write_positions(spread, self.solver.held_positions)
         return spread
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings about loose parts, a missing volume and open seams, a sentence each."""
-        why = None if self.rest.volume_capped else self.rest.why_no_volume
+        why = None if self.rest.volume_capped else self.rest.missing_volume_reason
         said = self.loose.warning, tr("There is no volume: {why}.").format(why=why) if why else None
         return tuple(sentence for sentence in (*said, *self.rest.seams.sentences) if sentence)
 
-    def readings(self, frame: Frame) -> tuple[Reading, ...]:
+    def readings(self, frame: Frame) -> tuple[RegionReading, ...]:
         """Readings of the regions in ``frame``."""
         return self._kept.readings(frame.regions)
 
@@ -383,17 +401,19 @@ class Deformation(Uncopied):
 
     def _still(self) -> bool:
         converged = self.solver.converged
-        if converged is None or not self._steps.taken:
-            return self._steps.end(self._convergence)
-        return converged or (self._steps.are_rounding and not self.solver.hides)
+        if converged is None or not self._steps.has_steps:
+            return self._steps.has_converged(self._convergence)
+        return converged or (self._steps.is_rounding and not self.solver.is_iterate_hidden)
 
     @property
-    def missed(self) -> str | None:
+    def missed_goals_sentence(self) -> str | None:
         """Goals not met by the last frame, and their values; None if all are met."""
-        return self._kept.missed(self.solver.values)
+        return self._kept.missed_goals_sentence(self.solver.goal_values)
 
     def _unreached(self) -> str | None:
         stopped = self.contact is not None and self.contact.is_stopped
-        if stopped and self.solver.met:  # otherwise it is the goals that let it go no farther
-            return stopped_at(self.share_reached, self.contact)
-        return self._kept.out_of_reach(self.solver.values if stopped or self.solver.stuck else None)
+        if stopped and self.solver.has_met_goals:  # otherwise it is the goals that let it go no farther
+            return stop_sentence(self.share_reached, self.contact)
+        return self._kept.out_of_reach_sentence(
+            self.solver.goal_values if stopped or self.solver.stuck else None
+        )

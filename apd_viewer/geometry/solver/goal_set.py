@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals.goal_projection import MET
-from apd_viewer.geometry.goals.goals import Goal, Reading, Region, make_goals, patch_of
+from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE
+from apd_viewer.geometry.goals.goals import Goal, Region, RegionReading, make_goals, region_patch
 from apd_viewer.geometry.goals.percentage import percentage
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.checked_arguments import check
+from apd_viewer.geometry.mesh.checked_arguments import check_argument
 from apd_viewer.geometry.solver.methods import Method
-from apd_viewer.language import listed, tr
+from apd_viewer.language import comma_separated, tr
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -47,7 +47,7 @@ class GoalSet:
     def __init__(
         self, rest: RestMesh, name: str, method: Method, tolerance: float, levels: Callable[[], np.ndarray]
     ) -> None:
-        check("tolerance", tolerance)
+        check_argument("tolerance", tolerance)
         self._rest = rest
         self._levels = cache(levels)
         self._name = name
@@ -58,7 +58,7 @@ class GoalSet:
         self._retries = 1
         self.regions: tuple[Region, ...] = ()
 
-    def ask(
+    def set_targets(
         self, area: float | str | None, volume: float | str | None, regions: Sequence[Region], calm: bool
     ) -> None:
         """Replace all goals by percentages of the values at rest.
@@ -73,7 +73,7 @@ class GoalSet:
         InputError
             If the method cannot keep them, a percentage is no target, or there is nothing to measure.
         """
-        patches = [patch_of(self._rest, region) for region in regions]
+        patches = [region_patch(self._rest, region) for region in regions]
         if area is None and self._method.keeps_total_area:
             area = 100.0
         others = volume is not None or any(region.area is not None for region in regions)
@@ -95,7 +95,7 @@ class GoalSet:
 
     @tolerance.setter
     def tolerance(self, tolerance: float) -> None:
-        check("tolerance", tolerance)
+        check_argument("tolerance", tolerance)
         self._tolerance = tolerance
         self.goals, self._dropped = self._tolerant(self.goals), self._tolerant(self._dropped)
 
@@ -106,13 +106,13 @@ class GoalSet:
         """Areas of the regions at ``U`` (n, 3), the vertices of the solve."""
         return tuple(patch.area(U) for patch in self._patches)
 
-    def readings(self, areas: Sequence[float]) -> tuple[Reading, ...]:
+    def readings(self, areas: Sequence[float]) -> tuple[RegionReading, ...]:
         """Readings of the regions whose areas are ``areas`` now."""
-        V = self._rest.shape.V
+        V = self._rest.solve_mesh.V
         with cores_for(len(V)):
             at_rest = self.region_areas(V)
         return tuple(
-            Reading(region.name, rest, area, _target(region, rest))
+            RegionReading(region.name, rest, area, _target(region, rest))
             for region, rest, area in zip(self.regions, at_rest, areas, strict=True)
         )
 
@@ -121,20 +121,20 @@ class GoalSet:
         return next((goal.target for goal in self.goals if goal.name == name), None)
 
     @property
-    def keeps_calm(self) -> bool:
+    def has_calm_goals(self) -> bool:
         """True if areas of calm parts are among the goals."""
         return any(goal.is_smooth for goal in self.goals)
 
     @property
-    def has_let_calm_go(self) -> bool:
+    def has_dropped_calm_goals(self) -> bool:
         """True if goals of calm parts are dropped for now."""
         return bool(self._dropped)
 
-    def let_calm_go(self) -> None:
-        """Drop the goals of calm parts until the next :meth:`restore_calm`."""
+    def drop_calm_goals(self) -> None:
+        """Drop the goals of calm parts until the next :meth:`restore_calm_goals`."""
         self._dropped, self.goals = self.goals, tuple(goal for goal in self.goals if not goal.is_smooth)
 
-    def restore_calm(self) -> bool:
+    def restore_calm_goals(self) -> bool:
         """Ask for what was dropped, for another pose; False if nothing was."""
         self._retries = 1
         if not self._dropped:
@@ -143,38 +143,38 @@ class GoalSet:
         return True
 
     @property
-    def may_retry_calm(self) -> bool:
+    def may_retry_calm_goals(self) -> bool:
         """True if what was dropped has not been tried from where the rest converged.
 
         On the way from a pose far away it may be missed although it can be kept.
         """
         return bool(self._dropped) and self._retries > 0
 
-    def retry_calm(self) -> None:
+    def retry_calm_goals(self) -> None:
         """Ask for what was dropped once more."""
-        self.restore_calm()
+        self.restore_calm_goals()
         self._retries = 0
 
-    def out_of_reach(self, values: np.ndarray | None) -> str | None:
+    def out_of_reach_sentence(self, values: np.ndarray | None) -> str | None:
         """Sentence on what cannot be had in this pose; ``values`` of goals given up."""
-        missed = None if values is None else self.missed(values)
+        missed = None if values is None else self.missed_goals_sentence(values)
         if missed is None:
-            return _CALM_GAVE_WAY if self.has_let_calm_go else None
+            return _CALM_GAVE_WAY if self.has_dropped_calm_goals else None
         return tr(
             "Out of reach in this pose: {missed}. Move the handle less or choose another target."
         ).format(missed=missed)
 
-    def missed(self, values: np.ndarray) -> str | None:
+    def missed_goals_sentence(self, values: np.ndarray) -> str | None:
         """Goals not met by their ``values``, as a sentence; None if all are met."""
         # Li & Hui's method approaches the target round by round: a miss in between is no failure.
         if self._method.has_tolerance:
             return None
         missed = [
-            goal.shortfall(float(value))
+            goal.shortfall_sentence(float(value))
             for goal, value in zip(self.goals, values, strict=True)
-            if abs(goal.miss(float(value))) > MET and not goal.is_smooth
+            if abs(goal.relative_miss(float(value))) > GOAL_TOLERANCE and not goal.is_smooth
         ]
-        return listed(missed) or None
+        return comma_separated(missed) or None
 
 
 def _target(region: Region, rest: float) -> float | None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     import numpy as np
 
-    from apd_viewer.geometry.energy.elastic import Elastic
+    from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
     from apd_viewer.geometry.goals.goals import Goal
 
 
@@ -16,26 +16,26 @@ class IterativeSolver(Protocol):
 
     Attributes
     ----------
-    elastic : Elastic
+    elastic : ElasticSurface
         The surface that is iterated.
     """
 
-    elastic: Elastic
+    elastic: ElasticSurface
 
     @property
     def U(self) -> np.ndarray:
         """The shape to show, (n, 3) float array."""
 
     @property
-    def held(self) -> np.ndarray:
+    def held_positions(self) -> np.ndarray:
         """Positions of held vertices, then targets of soft ones, (k + s, 3)."""
 
     @property
-    def values(self) -> np.ndarray:
+    def goal_values(self) -> np.ndarray:
         """Values of the goals at ``U``, (g,) float array."""
 
     @property
-    def met(self) -> bool:
+    def has_met_goals(self) -> bool:
         """True if all goals are met at ``U``."""
 
     @property
@@ -43,7 +43,7 @@ class IterativeSolver(Protocol):
         """The energy of ``U``; None if it is not known."""
 
     @property
-    def hides(self) -> bool:
+    def is_iterate_hidden(self) -> bool:
         """True if ``U`` is not the iterated shape."""
 
     @property
@@ -59,17 +59,17 @@ class IterativeSolver(Protocol):
         """True if further steps gain next to nothing; None if only lengths tell."""
 
     @property
-    def gap(self) -> float | None:
+    def convergence_ratio(self) -> float | None:
         """Measure of convergence in multiples of its tolerance; None while not known."""
 
     @property
     def seconds_left(self) -> float | None:
         """Expected seconds to convergence while a factor is made; None if not known."""
 
-    def stop_at(self, tolerance: float) -> None:
+    def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten steps together reduce the energy by at most this part."""
 
-    def keep(self, goals: tuple[Goal, ...]) -> None:
+    def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
 
     def aim(self, targets: np.ndarray) -> None:
@@ -82,7 +82,7 @@ class IterativeSolver(Protocol):
         """Do one iteration."""
 
 
-class Level(IterativeSolver, Protocol):
+class LevelSolver(IterativeSolver, Protocol):
     """Solver with shapes, down to the coarsest level, to save and restore."""
 
     def shapes(self) -> list[np.ndarray]:

@@ -11,7 +11,7 @@ from apd_viewer.geometry.goals.goals import GoalMeasures
 from apd_viewer.geometry.mesh.operators import area
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.elastic import Elastic
+    from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
     from apd_viewer.geometry.goals.goals import Goal
 
 
@@ -30,7 +30,7 @@ class LiHui:
 
     Parameters
     ----------
-    elastic : Elastic
+    elastic : ElasticSurface
     handle_of : (k,) int array
         For each held vertex the number of its handle, from 1; 0 is base. Each handle moves as one.
     goals : (Goal,)
@@ -41,21 +41,21 @@ class LiHui:
     KAPPA = 1.0
     ITERATIONS_A_ROUND = 20
     # The goal is never given up, and there is no energy that converges.
-    stuck, converged, gap = False, None, None
-    hides = False
+    stuck, converged, convergence_ratio = False, None, None
+    is_iterate_hidden = False
     seconds_left: float | None = None
 
-    def __init__(self, elastic: Elastic, handle_of: np.ndarray, goals: tuple[Goal, ...]) -> None:
+    def __init__(self, elastic: ElasticSurface, handle_of: np.ndarray, goals: tuple[Goal, ...]) -> None:
         self.elastic = elastic
         self._base = np.flatnonzero(handle_of == 0)
         self._handles = [np.flatnonzero(handle_of == k) for k in np.unique(handle_of[handle_of > 0])]
         self._m = elastic.rest.masses[elastic.free][:, None]
-        self._blend = elastic.factored(
+        self._blend = elastic.factorizer(
             lambda: (diags_array(self._m[:, 0]) + self.KAPPA * elastic.K_ff).tocsr(),
             elastic.rest.V[elastic.free],
         )
         self.U = elastic.U
-        self.keep(goals)
+        self.set_goals(goals)
 
     @property
     def ready(self) -> bool:
@@ -68,18 +68,20 @@ class LiHui:
         return self.elastic.energy_at(self.U)
 
     @property
-    def met(self) -> bool:
+    def has_met_goals(self) -> bool:
         """True if the area of ``U`` is within the tolerance."""
-        return abs(self._area.miss(float(self.values[0]))) <= self._area.tolerance * self._wanted
+        return (
+            abs(self._area.relative_miss(float(self.goal_values[0]))) <= self._area.tolerance * self._wanted
+        )
 
-    def keep(self, goals: tuple[Goal, ...]) -> None:
+    def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Bring the total area to another value, or to another tolerance, from now on."""
         (self._area,) = goals
         self._measures = GoalMeasures(goals)
         self._wanted = self._area.target / self._area.rest
-        self.values = self._measures.values(self.U)
+        self.goal_values = self._measures.values(self.U)
 
-    def stop_at(self, tolerance: float) -> None:
+    def set_tolerance(self, tolerance: float) -> None:
         """Do nothing: no energy is descended in."""
 
     def restart(self, U: np.ndarray) -> None:
@@ -89,7 +91,7 @@ class LiHui:
 
     def aim(self, targets: np.ndarray) -> None:
         """Hold the base at ``targets`` (k, 3), and start the handles from theirs."""
-        self._h = self.held = targets
+        self._h = self.held_positions = targets
         self._iteration = 0
 
     def step(self) -> None:
@@ -97,19 +99,21 @@ class LiHui:
         self.elastic.iterate(self._h)
         self._correct_and_blend()
         self._iteration += 1
-        if self._iteration % self.ITERATIONS_A_ROUND == 0 and not self.met:
-            self._h = self.held
+        if self._iteration % self.ITERATIONS_A_ROUND == 0 and not self.has_met_goals:
+            self._h = self.held_positions
 
     def _correct_and_blend(self) -> None:
         elastic, target = self.elastic, self._area.target
         # A shape that has collapsed cannot be scaled back to its area.
         s = np.sqrt(target / max(area(elastic.U, elastic.rest.F), 1e-6 * target))
         base_centroid = self._h[self._base].mean(axis=0)
-        self.held = self._h.copy()
+        self.held_positions = self._h.copy()
         for handle in self._handles:
-            self.held[handle] += (s - 1.0) * (self._h[handle].mean(axis=0) - base_centroid)
+            self.held_positions[handle] += (s - 1.0) * (self._h[handle].mean(axis=0) - base_centroid)
 
         c = base_centroid + s * (elastic.U[elastic.free] - base_centroid)
-        pull = elastic.pull(self.held)
-        self.U = elastic.assembled(self._blend.refined(self._m * c + self.KAPPA * pull), self.held)
-        self.values = self._measures.values(self.U)
+        pull = elastic.right_hand_side(self.held_positions)
+        self.U = elastic.all_positions(
+            self._blend.refined(self._m * c + self.KAPPA * pull), self.held_positions
+        )
+        self.goal_values = self._measures.values(self.U)

@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.material import Material
-from apd_viewer.geometry.mesh.checked_arguments import check
+from apd_viewer.geometry.mesh.checked_arguments import check_argument
 from apd_viewer.language import tr
 
 DEFAULT_METHOD = "exact"
@@ -19,7 +19,7 @@ DEFAULT_AREA_STIFFNESS = 20.0
 DEFAULT_SHEAR_STIFFNESS = 0.1
 _LOCAL_RIGIDITY = 0.1
 # Vertices; with more, walls in touch lose the pace of a hand. Fixed, so that all machines do the same.
-MOST_IN_CONTACT = 20_000
+MOST_VERTICES_IN_CONTACT = 20_000
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Method:
     ----------
     title, short_title : str
         In full, and for legends and tables.
-    keeps, gives_up : str
+    keeps_sentence, gives_up_sentence : str
         Sentences about what the user gains and pays.
     material : callable
         The :class:`Material` for a bending, an area and a shear stiffness.
@@ -48,18 +48,18 @@ class Method:
         The total area is kept to a tolerance, and not to the last digits.
     has_moduli : bool
         Area and shear stiffness matter.
-    plain_only : bool
+    is_plain_only : bool
         There is no energy of its own to descend in: all iterations are plain ones.
-    may_touch : bool
+    may_use_contact : bool
         Walls can be kept apart.
-    slow : bool
+    is_slow : bool
         Takes several times as long as the others.
     """
 
     title: str
     short_title: str
-    keeps: str
-    gives_up: str
+    keeps_sentence: str
+    gives_up_sentence: str
     material: Callable[[float, float, float], Material]
     keeps_total_area: bool = False
     may_keep_total_area: bool = False
@@ -68,14 +68,14 @@ class Method:
     moves_handles: bool = False
     has_tolerance: bool = False
     has_moduli: bool = False
-    plain_only: bool = False
-    may_touch: bool = False
-    slow: bool = False
+    is_plain_only: bool = False
+    may_use_contact: bool = False
+    is_slow: bool = False
 
     @property
-    def about(self) -> str:
+    def description(self) -> str:
         """Both sentences about it."""
-        return f"{self.keeps} {self.gives_up}"
+        return f"{self.keeps_sentence} {self.gives_up_sentence}"
 
 
 def _rigid(stiffness: float, _area: float, _shear: float) -> Material:
@@ -94,55 +94,55 @@ METHODS = {
     "exact": Method(
         title=tr("Exact"),
         short_title=tr("Exact"),
-        keeps=tr("Keeps the total area exactly and the handles in place."),
-        gives_up=tr("Gives up a little rigidity."),
+        keeps_sentence=tr("Keeps the total area exactly and the handles in place."),
+        gives_up_sentence=tr("Gives up a little rigidity."),
         material=_rigid,
         keeps_total_area=True,
         keeps_calm_parts=True,
-        may_touch=True,
+        may_use_contact=True,
     ),
     "local": Method(
         title=tr("Local"),
         short_title=tr("Local"),
-        keeps=tr("Keeps the area of every triangle, like fabric or PET film."),
-        gives_up=tr("Gives up smoothness: it wrinkles."),
+        keeps_sentence=tr("Keeps the area of every triangle, like fabric or PET film."),
+        gives_up_sentence=tr("Gives up smoothness: it wrinkles."),
         material=_fabric,
         may_keep_total_area=True,
         has_moduli=True,
-        may_touch=True,
-        slow=True,
+        may_use_contact=True,
+        is_slow=True,
     ),
     "paper": Method(
         title=tr("Paper (Li & Hui)"),
         short_title=tr("Paper"),
-        keeps=tr("Keeps the total area within the tolerance."),
-        gives_up=tr("Lets the handles drift a little."),
+        keeps_sentence=tr("Keeps the total area within the tolerance."),
+        gives_up_sentence=tr("Lets the handles drift a little."),
         material=_rigid,
         keeps_total_area=True,
         keeps_only_total_area=True,
         moves_handles=True,
         has_tolerance=True,
-        plain_only=True,
+        is_plain_only=True,
     ),
     "arap": Method(
         title=tr("ARAP"),
         short_title=tr("ARAP"),
-        keeps=tr("Keeps the shape as rigid as possible and the handles in place."),
-        gives_up=tr("Gives up the area."),
+        keeps_sentence=tr("Keeps the shape as rigid as possible and the handles in place."),
+        gives_up_sentence=tr("Gives up the area."),
         material=_rigid,
-        may_touch=True,
+        may_use_contact=True,
     ),
     "sr-arap": Method(
         title=tr("SR-ARAP"),
         short_title=tr("SR-ARAP"),
-        keeps=tr("Keeps neighbouring rotations alike, by the stiffness, and the handles in place."),
-        gives_up=tr("Gives up the area, and at stiffness 0 it is ARAP."),
+        keeps_sentence=tr("Keeps neighbouring rotations alike, by the stiffness, and the handles in place."),
+        gives_up_sentence=tr("Gives up the area, and at stiffness 0 it is ARAP."),
         material=_coupled,
-        plain_only=True,
+        is_plain_only=True,
     ),
 }
 # Methods compared in studies, in the order of their area error.
-COMPARED = ("arap", "paper", "exact", "local")
+COMPARED_METHODS = ("arap", "paper", "exact", "local")
 
 
 def method_named(name: str) -> Method:
@@ -158,17 +158,17 @@ def method_named(name: str) -> Method:
 
 def contact_by_default(method: str, vertices: int) -> bool:
     """True if contact is on by default, by a method and for so many vertices."""
-    return method_named(method).may_touch and vertices <= MOST_IN_CONTACT
+    return method_named(method).may_use_contact and vertices <= MOST_VERTICES_IN_CONTACT
 
 
-def passing_walls(method: str, vertices: int, switch: str) -> str:
+def passing_walls_warning(method: str, vertices: int, switch: str) -> str:
     """Sentence on a mesh too large for contact by default; mostly empty."""
-    if vertices <= MOST_IN_CONTACT or not method_named(method).may_touch:
+    if vertices <= MOST_VERTICES_IN_CONTACT or not method_named(method).may_use_contact:
         return ""
     return tr(
         "Walls may pass through each other: above {most:,} vertices contact is off by default; "
         "turn it on by {switch}."
-    ).format(most=MOST_IN_CONTACT, switch=switch)
+    ).format(most=MOST_VERTICES_IN_CONTACT, switch=switch)
 
 
 def check_method(name: str, handle_of: np.ndarray, obstacles: bool = False) -> Method:
@@ -188,9 +188,11 @@ def check_method(name: str, handle_of: np.ndarray, obstacles: bool = False) -> M
     return method
 
 
-def material_of(method: Method, stiffness: float, area_stiffness: float, shear_stiffness: float) -> Material:
+def method_material(
+    method: Method, stiffness: float, area_stiffness: float, shear_stiffness: float
+) -> Material:
     """Weights of the method's energy; raises InputError on invalid stiffness."""
-    check("stiffness", stiffness)
-    check("area_stiffness", area_stiffness)
-    check("shear_stiffness", shear_stiffness)
+    check_argument("stiffness", stiffness)
+    check_argument("area_stiffness", area_stiffness)
+    check_argument("shear_stiffness", shear_stiffness)
     return method.material(stiffness, area_stiffness, shear_stiffness)

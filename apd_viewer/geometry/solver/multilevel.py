@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.energy.solve_mesh import FEWEST, SolveMesh
+from apd_viewer.geometry.energy.solve_mesh import FEWEST_COARSE_VERTICES, SolveMesh
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.decimation import Thinning
+from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
-from apd_viewer.geometry.solver.coarse_preview import ExpectedEnd, Preview
-from apd_viewer.geometry.solver.constrained_descent import TOLERANCE, ConstrainedDescent
-from apd_viewer.geometry.solver.iterative_solver import Level
+from apd_viewer.geometry.solver.coarse_preview import CoarsePreview, PreviewForecast
+from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE, ConstrainedDescent
+from apd_viewer.geometry.solver.iterative_solver import LevelSolver
 
 # Below so many free vertices a surface converges as soon alone.
-_ALONE = 4 * FEWEST
+_ALONE = 4 * FEWEST_COARSE_VERTICES
 # Convergence tolerance of a coarse level: what it leaves, the finer one reduces faster.
 _COARSE_TOLERANCE = 1e-4
 # Iterations of the coarsest level for one of the next, which takes as long as they.
@@ -30,49 +30,53 @@ _SMOOTHING, _SMOOTHING_OF_FABRIC = 6, 3
 _MOST_AHEAD = 8
 
 
-def gains_from_coarse(elastic: Elastic) -> bool:
+def gains_from_coarse_level(elastic: ElasticSurface) -> bool:
     """True if a surface converges sooner with a coarse level."""
     if len(elastic.free) < _ALONE:
         return False
     # Thousands of loose triangles cannot be decimated, and the held vertices may leave the coarse mesh no
     # freedom.
-    vertices = elastic.rest.thinning.vertices
-    return _shrinks(elastic.rest) and bool(np.isin(vertices, elastic.free).sum() > FEWEST / 2)
+    vertices = elastic.rest.decimation.vertices
+    return _shrinks(elastic.rest) and bool(np.isin(vertices, elastic.free).sum() > FEWEST_COARSE_VERTICES / 2)
 
 
-def multilevel(elastic: Elastic, goals: tuple[Goal, ...], tolerance: float = TOLERANCE) -> Multilevel:
+def multilevel_descent(
+    elastic: ElasticSurface, goals: tuple[Goal, ...], tolerance: float = ENERGY_TOLERANCE
+) -> MultilevelDescent:
     """Solver of a surface with all useful coarse levels."""
-    return Multilevel(ConstrainedDescent(elastic, goals, tolerance), CoarseLevel(elastic, goals, _coarse))
+    return MultilevelDescent(
+        ConstrainedDescent(elastic, goals, tolerance), CoarseLevel(elastic, goals, _coarse)
+    )
 
 
-def _coarse(elastic: Elastic, goals: tuple[Goal, ...]) -> Level:
-    if gains_from_coarse(elastic):
-        return multilevel(elastic, goals, _COARSE_TOLERANCE)
+def _coarse(elastic: ElasticSurface, goals: tuple[Goal, ...]) -> LevelSolver:
+    if gains_from_coarse_level(elastic):
+        return multilevel_descent(elastic, goals, _COARSE_TOLERANCE)
     return ConstrainedDescent(elastic, goals, _COARSE_TOLERANCE)
 
 
-def make_ready(rest: RestMesh) -> tuple[Thinning, ...]:
+def compute_decimations(rest: RestMesh) -> tuple[Decimation, ...]:
     """Compute and keep the decimations common to all deformations of a mesh.
 
     They take longest of all that does not depend on the held vertices. With these thinnings another
     :class:`RestMesh` of the mesh need not compute them.
     """
-    shape, found = rest.shape, []
+    shape, found = rest.solve_mesh, []
     with cores_for(len(shape.V)):
         while len(shape.V) >= _ALONE:
-            found.append(shape.thinning)
+            found.append(shape.decimation)
             if not _shrinks(shape):
                 break
-            shape = shape.thinner
+            shape = shape.coarse_mesh
     return tuple(found)
 
 
 def _shrinks(rest: SolveMesh) -> bool:
     """True if decimation removes at least half of the vertices."""
-    return len(rest.thinning.vertices) < len(rest.V) / 2
+    return len(rest.decimation.vertices) < len(rest.V) / 2
 
 
-class Multilevel:
+class MultilevelDescent:
     """Steps led by a coarse level until it converges, then fine descent.
 
     Each step ends with the goals met and the held vertices in place, just as without a coarse level.
@@ -88,17 +92,17 @@ class Multilevel:
 
     Attributes
     ----------
-    elastic : Elastic
+    elastic : ElasticSurface
         The fine surface.
-    expected : ExpectedEnd
+    forecast : PreviewForecast
     """
 
     def __init__(self, fine: ConstrainedDescent, coarse: CoarseLevel) -> None:
         self.elastic = fine.elastic
         self.fine, self.coarse = fine, coarse
         self._coarse_iterations = 1 if len(coarse.shapes()) > 1 else _COARSEST_ITERATIONS
-        self._preview: Preview | None = None
-        self.expected = ExpectedEnd(self.elastic, coarse)
+        self._preview: CoarsePreview | None = None
+        self.forecast = PreviewForecast(self.elastic, coarse)
         self._reset()
 
     @property
@@ -107,19 +111,19 @@ class Multilevel:
         return (self._preview or self.fine).U
 
     @property
-    def held(self) -> np.ndarray:
+    def held_positions(self) -> np.ndarray:
         """Positions of held vertices, then targets of soft ones, (k + s, 3)."""
-        return self.fine.held
+        return self.fine.held_positions
 
     @property
-    def values(self) -> np.ndarray:
+    def goal_values(self) -> np.ndarray:
         """Values of the goals at ``U``, (g,) float array."""
-        return (self._preview or self.fine).values
+        return (self._preview or self.fine).goal_values
 
     @property
-    def met(self) -> bool:
+    def has_met_goals(self) -> bool:
         """True if all goals are met at ``U``."""
-        return (self._preview or self.fine).met
+        return (self._preview or self.fine).has_met_goals
 
     @property
     def energy(self) -> float | None:
@@ -127,7 +131,7 @@ class Multilevel:
         return None if self._preview else self.fine.energy
 
     @property
-    def hides(self) -> bool:
+    def is_iterate_hidden(self) -> bool:
         """True if ``U`` is not the iterated shape."""
         return self._preview is not None
 
@@ -147,28 +151,28 @@ class Multilevel:
         return self.coarse.converged and not self._previews and self.fine.converged
 
     @property
-    def gap(self) -> float | None:
+    def convergence_ratio(self) -> float | None:
         """Gain of the fine steps in multiples of its tolerance; None before them."""
-        return self.fine.gap if self.coarse.converged and not self._previews else None
+        return self.fine.convergence_ratio if self.coarse.converged and not self._previews else None
 
     @property
     def seconds_left(self) -> float | None:
         """Expected seconds to convergence; None if a step never waited for the factor."""
-        return self.expected.seconds_left
+        return self.forecast.seconds_left
 
-    def stop_at(self, tolerance: float) -> None:
+    def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten fine steps together reduce the energy by at most this part."""
-        self.fine.stop_at(tolerance)
+        self.fine.set_tolerance(tolerance)
 
-    def stalls(self, tolerance: float) -> bool:
+    def has_stalled(self, tolerance: float) -> bool:
         """True if the last fine steps reduced the energy by at most this part."""
-        return self.coarse.converged and self.fine.stalls(tolerance)
+        return self.coarse.converged and self.fine.has_stalled(tolerance)
 
-    def keep(self, goals: tuple[Goal, ...]) -> None:
+    def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
         self._preview = None
-        self.coarse.keep(goals)
-        self.fine.keep(goals)
+        self.coarse.set_goals(goals)
+        self.fine.set_goals(goals)
         self._reset()
 
     def aim(self, targets: np.ndarray) -> None:
@@ -184,7 +188,7 @@ class Multilevel:
         self.fine.restart(U)
         self._reset()
 
-    def follow_again(self) -> None:
+    def follow_coarse_again(self) -> None:
         """Follow the coarse level again from the current fine shape, without previews."""
         self.restart(self.fine.U)
         self._previews = False
@@ -202,25 +206,25 @@ class Multilevel:
 
     def _reset(self) -> None:
         self._ahead = 1
-        self.expected.forget()
-        self._previews = self.elastic.factor.elsewhere
+        self.forecast.reset()
+        self._previews = self.elastic.factor.is_in_other_process
 
     def step(self) -> None:
         """Prolong the coarse level's rotations; descend once it has converged."""
         if self._previews and not (self.coarse.converged and self.fine.ready):
             self._advance_coarse()
             self.coarse.smooth(_SMOOTHING_OF_FABRIC if self.elastic.membrane else _SMOOTHING)
-            self._preview = self._preview or Preview(self.elastic, self.coarse, self.fine.goals)
-            self._preview.follow(self.held)
-            self.expected.wait()
+            self._preview = self._preview or CoarsePreview(self.elastic, self.coarse, self.fine.goals)
+            self._preview.follow_coarse(self.held_positions)
+            self.forecast.expect_factor()
         elif self._previews:
             self._end_previews()
         elif self.coarse.converged or self.stuck:
             self.fine.step()
-            self.expected.count()
+            self.forecast.count_iteration()
         else:
             self._advance_coarse()
-            self.elastic.turn(self.coarse.turns())
+            self.elastic.rotate_projections(self.coarse.take_rotations())
             self.fine.iterate()
 
     def smooth(self, iterations: int) -> None:
@@ -233,10 +237,10 @@ class Multilevel:
 
     def _end_previews(self) -> None:
         """Iterate from the last preview."""
-        self.expected.begin()
-        self.elastic.turn(self.coarse.turns())
+        self.forecast.begin_descent()
+        self.elastic.rotate_projections(self.coarse.take_rotations())
         if self._preview is not None:
             self.elastic.U, self._preview = self._preview.U, None
         self._previews = False
         self.fine.iterate()
-        self.expected.count()
+        self.forecast.count_iteration()

@@ -61,7 +61,7 @@ class Prolongation:
         self._rings = _rings_of(graph.indptr, graph.indices, _RINGS)
         self._weights = _weights(V, X, nearest, *self._rings, radius)
 
-    def carried(self, U: np.ndarray, X: np.ndarray, q: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    def moved_positions(self, U: np.ndarray, X: np.ndarray, q: np.ndarray, moved: np.ndarray) -> np.ndarray:
         """Positions ``U`` (n, 3) after a motion of the coarse surface.
 
         Parameters
@@ -75,11 +75,11 @@ class Prolongation:
         B = _expansions(X, q, moved, start, ring, self._degree, self._held)
         return _carried(U, rows, node, weight, B)
 
-    def interpolated(self, values: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    def prolonged(self, values: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """``P values`` (f, 3) at the fine vertices ``rows`` for ``values`` (c, 3)."""
         return _interpolated(values, rows, *self._weights)
 
-    def gathered(self, b: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    def restricted(self, b: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """``P^T b`` (c, 3) for ``b`` (f, 3) at the fine vertices ``rows``."""
         return _gathered(b, rows, *self._weights, len(self._held))
 

@@ -12,8 +12,8 @@ from typing import Protocol
 
 import numpy as np
 
-from apd_viewer.geometry.goals.goal_projection import Projection, Yielding
-from apd_viewer.geometry.linalg.lbfgs import QuasiNewtonMemory
+from apd_viewer.geometry.goals.goal_projection import ElasticResponse, GoalProjection
+from apd_viewer.geometry.linalg.lbfgs import LbfgsMemory
 
 _REMEMBERED = 5
 # Least part of the decrease predicted by the slope [Armijo 1966].
@@ -21,7 +21,7 @@ _SHARE_OF_PROMISE = 1e-4
 _HALVINGS = 12
 
 
-class DescentSurface(Yielding, Protocol):
+class DescentSurface(ElasticResponse, Protocol):
     """Elastic surface, as seen by a descent."""
 
     @property
@@ -31,13 +31,15 @@ class DescentSurface(Yielding, Protocol):
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
 
-    def ahead(self, U: np.ndarray, share: float, way: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """``U`` (n, 3), the free a share of ``way`` (f, 3) on, the held at ``targets``."""
+    def positions_along(
+        self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
+    ) -> np.ndarray:
+        """``U`` (n, 3) plus a share of ``direction`` (f, 3), held at ``targets``."""
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current."""
 
-    def energy_after(self, U: np.ndarray) -> float:
+    def energy_after_local_step(self, U: np.ndarray) -> float:
         """Make ``U`` (n, 3) current; the energy there."""
 
 
@@ -47,15 +49,15 @@ class QuasiNewton:
     Parameters
     ----------
     elastic : DescentSurface
-    projection : Projection
+    projection : GoalProjection
     growth : float
         A line search begins at most so many times as far as the last one ended.
     """
 
-    def __init__(self, elastic: DescentSurface, projection: Projection, growth: float = np.inf) -> None:
+    def __init__(self, elastic: DescentSurface, projection: GoalProjection, growth: float = np.inf) -> None:
         self._growth, self._share = growth, 1.0
         self._elastic, self._projection = elastic, projection
-        self._memory = QuasiNewtonMemory(len(elastic.free), _REMEMBERED)
+        self._memory = LbfgsMemory(len(elastic.free), _REMEMBERED)
         # G and g where the last step began.
         self._last: tuple[np.ndarray, np.ndarray] | None = None
         self.multipliers = np.zeros(len(projection.goals))
@@ -70,14 +72,16 @@ class QuasiNewton:
         """One step for ``held`` (k, 3) as already placed; False at a minimum."""
         elastic, projection = self._elastic, self._projection
         projection.evaluate(elastic.U)
-        if projection.worn:
-            projection.refresh(elastic.U)
+        if projection.has_outdated_directions:
+            projection.refresh_directions(elastic.U)
         G, spare = elastic.residual(held), None
         self.multipliers = projection.multipliers(G)
-        slope = projection.lagrangian(G, self.multipliers, projection.g)
+        slope = projection.lagrangian_gradient(G, self.multipliers, projection.g)
         if self._last is not None:
             G_before, spare = self._last
-            self._memory.learn(slope, projection.lagrangian(G_before, self.multipliers, spare))
+            self._memory.store_gradients(
+                slope, projection.lagrangian_gradient(G_before, self.multipliers, spare)
+            )
         g, projection.g = projection.g, np.zeros_like(projection.g) if spare is None else spare
         moved = self._go(slope, held)
         self._last = (G, g) if moved else None
@@ -87,19 +91,19 @@ class QuasiNewton:
         """Line search from the current positions; False if it fails."""
         elastic, start = self._elastic, self._elastic.U
         while True:
-            way, along = self._memory.direction(slope, elastic.solve)
+            way, along = self._memory.descent_direction(slope, elastic.solve)
             promise, first = 4.0 * along, min(1.0, self._growth * self._share)
             for halvings in range(_HALVINGS):
                 share = first * 0.5**halvings
-                U, _ = self._projection.onto(elastic.ahead(start, share, way, held))
-                energy = elastic.energy_after(U)
+                U, _ = self._projection.project(elastic.positions_along(start, share, way, held))
+                energy = elastic.energy_after_local_step(U)
                 enough = energy <= self.energy + _SHARE_OF_PROMISE * share * promise
-                if enough and self._projection.met:
+                if enough and self._projection.has_met_goals:
                     self.energy, self._share = energy, share
-                    self._memory.move(start, U, elastic.free)
+                    self._memory.note_step(start, U, elastic.free)
                     return True
             elastic.local_step(start)
             self._projection.evaluate(start)
             if not len(self._memory):
                 return False
-            self._memory.forget()
+            self._memory.clear()

@@ -11,14 +11,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.goals.goals import Goal
-from apd_viewer.geometry.solver.constrained_descent import LATE, ConstrainedDescent
+from apd_viewer.geometry.solver.adaptive_metric import gains_from_hessian
+from apd_viewer.geometry.solver.constrained_descent import LATE_TOLERANCE, ConstrainedDescent
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
-from apd_viewer.geometry.solver.late_metric import gains_from_hessian
 from apd_viewer.geometry.solver.li_hui import LiHui
 from apd_viewer.geometry.solver.methods import Method
-from apd_viewer.geometry.solver.multilevel import Multilevel, gains_from_coarse, multilevel
+from apd_viewer.geometry.solver.multilevel import (
+    MultilevelDescent,
+    gains_from_coarse_level,
+    multilevel_descent,
+)
 
 # A minimum is better, and shown, if it takes so much of the energy away.
 _GAIN = 1e-3
@@ -30,26 +34,26 @@ _PATIENCE = 1
 # Where a Hessian ends the descent, which takes longer than elsewhere, the first trial that is higher is the
 # last. None goes on whose coarse surface has come to rest higher than before, and only those whose is lower
 # go on once a Hessian would be factored for them.
-_PATIENCE_BY_HESSIAN, _BEFORE_HESSIAN = 0, LATE
+_PATIENCE_BY_HESSIAN, _BEFORE_HESSIAN = 0, LATE_TOLERANCE
 # Coarse shapes closer than this part of their size are the same: there is no other minimum to follow.
 _SAME = 5e-3
 
 
-def solver_of(
-    elastic: Elastic, goals: tuple[Goal, ...], method: Method, handle_of: np.ndarray, plain: bool
+def make_solver(
+    elastic: ElasticSurface, goals: tuple[Goal, ...], method: Method, handle_of: np.ndarray, plain: bool
 ) -> IterativeSolver:
     """Solver of a method; ``handle_of`` (k + s,) tells handles from base, from 1."""
     if method.moves_handles:
         return LiHui(elastic, handle_of, goals)
-    if plain or method.plain_only or not len(elastic.fixed):
+    if plain or method.is_plain_only or not len(elastic.fixed):
         return ConstrainedDescent(elastic, goals, plain=True)
     return minimizer(elastic, goals)
 
 
-def minimizer(elastic: Elastic, goals: tuple[Goal, ...]) -> IterativeSolver:
+def minimizer(elastic: ElasticSurface, goals: tuple[Goal, ...]) -> IterativeSolver:
     """Solver with coarse levels and restarts as useful."""
-    if gains_from_coarse(elastic):
-        return Restarts(multilevel(elastic, goals))
+    if gains_from_coarse_level(elastic):
+        return Restarts(multilevel_descent(elastic, goals))
     return ConstrainedDescent(elastic, goals)
 
 
@@ -58,16 +62,16 @@ class Restarts:
 
     Parameters
     ----------
-    inner : Multilevel
+    inner : MultilevelDescent
 
     Attributes
     ----------
-    elastic : Elastic
+    elastic : ElasticSurface
         The fine surface.
-    inner : Multilevel
+    inner : MultilevelDescent
     """
 
-    def __init__(self, inner: Multilevel) -> None:
+    def __init__(self, inner: MultilevelDescent) -> None:
         self.elastic = inner.elastic
         self.inner = inner
         self._by_hessian = gains_from_hessian(inner.elastic)
@@ -80,19 +84,19 @@ class Restarts:
         return self._best[1][0] if self._on_trial else self.inner.U
 
     @property
-    def held(self) -> np.ndarray:
+    def held_positions(self) -> np.ndarray:
         """Positions of held vertices, then targets of soft ones, (k + s, 3)."""
-        return self.inner.held
+        return self.inner.held_positions
 
     @property
-    def values(self) -> np.ndarray:
+    def goal_values(self) -> np.ndarray:
         """Values of the goals at the iterated shape, (g,)."""
-        return self.inner.values
+        return self.inner.goal_values
 
     @property
-    def met(self) -> bool:
+    def has_met_goals(self) -> bool:
         """True if all goals are met at the iterated shape."""
-        return self.inner.met
+        return self.inner.has_met_goals
 
     @property
     def energy(self) -> float | None:
@@ -100,9 +104,9 @@ class Restarts:
         return self._best[0] if self._on_trial else self.inner.energy
 
     @property
-    def hides(self) -> bool:
+    def is_iterate_hidden(self) -> bool:
         """True if ``U`` is not the iterated shape."""
-        return self._on_trial or self.inner.hides
+        return self._on_trial or self.inner.is_iterate_hidden
 
     @property
     def ready(self) -> bool:
@@ -120,27 +124,27 @@ class Restarts:
         return self._done
 
     @property
-    def gap(self) -> float | None:
+    def convergence_ratio(self) -> float | None:
         """Gain in multiples of its tolerance; 0 on trial."""
         if self._on_trial:
             return 0.0
-        return self.inner.fine.gap if self._finishing else self.inner.gap
+        return self.inner.fine.convergence_ratio if self._finishing else self.inner.convergence_ratio
 
     @property
     def seconds_left(self) -> float | None:
         """Expected seconds to the first minimum; None if they are not known."""
         return None if self._minima else self.inner.seconds_left
 
-    def stop_at(self, tolerance: float) -> None:
+    def set_tolerance(self, tolerance: float) -> None:
         """Take a minimum for one once ten steps reduce the energy by at most this part."""
         self._end_trial()
-        self.inner.stop_at(tolerance)
+        self.inner.set_tolerance(tolerance)
         self._reset()
 
-    def keep(self, goals: tuple[Goal, ...]) -> None:
+    def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
         self._end_trial()
-        self.inner.keep(goals)
+        self.inner.set_goals(goals)
         self._reset()
 
     def aim(self, targets: np.ndarray) -> None:
@@ -207,14 +211,14 @@ class Restarts:
     def _stalls(self, energy: float) -> bool:
         """True if steps on trial gain too little at this energy."""
         soon = self._by_hessian and self._doubtful and not energy < self._best[0]
-        return self.inner.stalls(_BEFORE_HESSIAN if soon else _TRIAL_TOLERANCE)
+        return self.inner.has_stalled(_BEFORE_HESSIAN if soon else _TRIAL_TOLERANCE)
 
     def _begin_trial(self) -> None:
         """Follow the coarse level from the minimum; show the best shape meanwhile."""
         inner, energy, best, minima = self.inner, self.elastic.energy, self._best, self._minima
         if energy < best[0]:
             best = energy, inner.shapes(), inner.fine.multipliers
-        inner.follow_again()
+        inner.follow_coarse_again()
         self._coarse_start, self._led = inner.coarse.shapes()[0], False
         self._best, self._minima, self._on_trial = best, [*minima, energy], True
 

@@ -10,12 +10,12 @@ from collections import deque
 
 import numpy as np
 
-from apd_viewer.geometry.goals.goal_projection import MET
+from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.pose.held_path import HeldPath
-from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
+from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE
 from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
-from apd_viewer.geometry.solver.touching_surface import FreeProjection, TouchingSurface
+from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection, TouchingSurface
 
 # Lengths of parts, in sizes of the mesh: the first, the longest, and what is no part any more.
 _FIRST, _LONGEST, _NONE = 2e-3, 8e-3, 1e-4
@@ -44,7 +44,7 @@ class TouchingDescent:
     surface : TouchingSurface
     U : (n, 3) float array
         Where it begins; contact stands there.
-    held : (k + s, 3) float array
+    held_positions : (k + s, 3) float array
         Positions of the held vertices there, and targets of the soft ones.
     goals : tuple of Goal
     tolerance : float
@@ -52,7 +52,7 @@ class TouchingDescent:
 
     Attributes
     ----------
-    held : (k + s, 3) float array
+    held_positions : (k + s, 3) float array
         Positions that the held vertices have reached.
     share : float
         Of the path, as far as it has been gone.
@@ -64,13 +64,13 @@ class TouchingDescent:
         U: np.ndarray,
         held: np.ndarray,
         goals: tuple[Goal, ...],
-        tolerance: float = TOLERANCE,
+        tolerance: float = ENERGY_TOLERANCE,
     ) -> None:
-        self._surface, self.held, self.tolerance = surface, held, tolerance
+        self._surface, self.held_positions, self.tolerance = surface, held, tolerance
         surface.elastic.restart(U)
         surface.local_step(U)
-        self._projection = FreeProjection(surface, goals)
-        self._projection.refresh(U)
+        self._projection = CollisionFreeProjection(surface, goals)
+        self._projection.refresh_directions(U)
         self._quasi_newton = QuasiNewton(surface, self._projection, _GROWTH)
         self._size = float(np.linalg.norm(np.ptp(surface.rest.V, axis=0)))
         self.share, self._steps = 1.0, 0
@@ -82,17 +82,17 @@ class TouchingDescent:
         return self._surface.U
 
     @property
-    def values(self) -> np.ndarray:
+    def goal_values(self) -> np.ndarray:
         """Values of the goals at ``U``, (g,) float array."""
         return self._projection.values
 
     @property
-    def met(self) -> bool:
+    def has_met_goals(self) -> bool:
         """True if all goals are met at ``U``."""
-        return self._projection.worst <= MET
+        return self._projection.largest_miss <= GOAL_TOLERANCE
 
     @property
-    def stands(self) -> bool:
+    def is_standing_still(self) -> bool:
         """True if nothing was done but to try the next part of the path."""
         return self._steps == 0
 
@@ -104,7 +104,7 @@ class TouchingDescent:
     @property
     def stuck(self) -> bool:
         """True where no free way leads to shapes that meet the goals."""
-        return self._at_minimum and not self.met and not self.is_on_its_way
+        return self._at_minimum and not self.has_met_goals and not self.is_on_its_way
 
     @property
     def is_on_its_way(self) -> bool:
@@ -119,14 +119,14 @@ class TouchingDescent:
         """
         if self.is_on_its_way:
             return False
-        return self._gains_little and (self._unbalanced > _MORE_STEPS or self.imbalance <= _BALANCED)
+        return self._gains_little and (self._unbalanced > _MORE_STEPS or self.load_imbalance <= _BALANCED)
 
     @property
     def _gains_little(self) -> bool:
-        return self._at_minimum or (self.gap is not None and self.gap <= 1.0)
+        return self._at_minimum or (self.convergence_ratio is not None and self.convergence_ratio <= 1.0)
 
     @property
-    def imbalance(self) -> float:
+    def load_imbalance(self) -> float:
         """Length of the sum of all loads on obstacles, in the sum of their lengths.
 
         0 where something is held, which takes the rest.
@@ -139,12 +139,12 @@ class TouchingDescent:
         return float(np.linalg.norm(contact.loads.sum(axis=0))) / total if total else 0.0
 
     @property
-    def gap(self) -> float | None:
+    def convergence_ratio(self) -> float | None:
         """Gain of the last steps in multiples of its tolerance; None before them."""
         E = self._energies
         return float(E[0] - E[-1]) / (self.tolerance * float(E[-1])) if len(E) > _WINDOW else None
 
-    def follow(self, path: HeldPath, share: float) -> None:
+    def follow_path(self, path: HeldPath, share: float) -> None:
         """Walk ``path`` from a share of it on, where the held vertices are."""
         self._path, self.share = path, share
         part = self._size / max(path.length, _NONE * self._size)
@@ -165,10 +165,10 @@ class TouchingDescent:
         self._steps += 1
         if self._surface.renew_springs():
             # The directions of the goals yield to what touches, too: otherwise each step pushes against it.
-            self._projection.refresh(self.U)
+            self._projection.refresh_directions(self.U)
             self._quasi_newton.resume()
-        self._at_minimum = not self._quasi_newton.step(self.held)
-        self._surface.contact.go(self.U)
+        self._at_minimum = not self._quasi_newton.step(self.held_positions)
+        self._surface.contact.accept_shape(self.U)
         self._energies.append(self._quasi_newton.energy)
         self._unbalanced = self._unbalanced + 1 if self._gains_little else 0
 
@@ -198,16 +198,18 @@ class TouchingDescent:
     def _goes_to(self, share: float) -> bool:
         """Move held vertices and obstacles, the free ones following; False if refused."""
         surface, projection, start = self._surface, self._projection, self._surface.U
-        held = self._path.at(share)
-        surface.contact.send_obstacles(self._path.shift(share))
-        if not self._moves_to(surface.assembled(surface.following(self.held, held), held)):
-            surface.contact.send_obstacles(self._path.shift(self.share))
+        held = self._path.positions_at(share)
+        surface.contact.aim_obstacles(self._path.shifts_at(share))
+        if not self._moves_to(
+            surface.all_positions(surface.following_positions(self.held_positions, held), held)
+        ):
+            surface.contact.aim_obstacles(self._path.shifts_at(self.share))
             projection.evaluate(start)
             return False
-        self.held = held
+        self.held_positions = held
         return True
 
-    def disturb(self) -> None:
+    def disturb_shape(self) -> None:
         """Move the free vertices a little, if that is free, always in the same manner.
 
         A wall that is pressed evenly would stay straight beyond the load at which it buckles: nothing would
@@ -217,15 +219,17 @@ class TouchingDescent:
         start = self._surface.U
         way = self._surface.solve(np.random.default_rng(_SEED).normal(size=(len(self._surface.free), 3)))
         way *= _DISTURBED * self._size / np.abs(way).max()
-        if not self._moves_to(self._surface.assembled(start[self._surface.free] + way, self.held)):
+        if not self._moves_to(
+            self._surface.all_positions(start[self._surface.free] + way, self.held_positions)
+        ):
             self._projection.evaluate(start)
         self._quasi_newton.resume()
 
     def _moves_to(self, W: np.ndarray) -> bool:
         """Move to what is near ``W`` (n, 3) and meets the goals; False if refused."""
-        W, _ = self._projection.onto(W)
-        if not self._projection.met:
+        W, _ = self._projection.project(W)
+        if not self._projection.has_met_goals:
             return False
         self._surface.local_step(W)
-        self._surface.contact.go(W)
+        self._surface.contact.accept_shape(W)
         return True

@@ -10,10 +10,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from apd_viewer.geometry.contact.contact import Contact
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
-from apd_viewer.geometry.energy.whole_turns import WholeTurns
-from apd_viewer.geometry.goals.goal_projection import MET, Projection
+from apd_viewer.geometry.energy.overall_rotation import OverallRotation
+from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE, GoalProjection
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.linalg import row_ops
 from apd_viewer.geometry.linalg.linear_solver import Factor, LinearSolver
@@ -30,18 +30,18 @@ class TouchingSurface:
 
     Parameters
     ----------
-    elastic : Elastic
+    elastic : ElasticSurface
     contact : Contact
     gas : EnclosedGas, optional
     """
 
-    def __init__(self, elastic: Elastic, contact: Contact, gas: EnclosedGas | None = None) -> None:
+    def __init__(self, elastic: ElasticSurface, contact: Contact, gas: EnclosedGas | None = None) -> None:
         self.elastic, self.contact, self.gas = elastic, contact, gas
         self.rest, self.free = elastic.rest, elastic.free
         self.metric: Factor = elastic.factor
         self._to_held: sp.csr_array | None = None
         self._age = _RENEWED
-        self._first = row_ops.taken(elastic.U, elastic.free)
+        self._first = row_ops.gathered_rows(elastic.U, elastic.free)
 
     @property
     def U(self) -> np.ndarray:
@@ -74,42 +74,42 @@ class TouchingSurface:
         """
         if len(self.elastic.fixed):
             return self.metric.solve(b_f)
-        turns = WholeTurns(row_ops.taken(self.U, self.free), self._masses, self._first)
-        return turns.without(self.metric.solve(turns.balanced(b_f)))
+        turns = OverallRotation(row_ops.gathered_rows(self.U, self.free), self._masses, self._first)
+        return turns.without_rotation(self.metric.solve(turns.without_torque(b_f)))
 
-    def unturned(self, U: np.ndarray, turning: np.ndarray) -> np.ndarray:
+    def without_rotation(self, U: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """``U`` (n, 3) less its turn against the shape at first, where nothing is held.
 
         What contact pushes along or stops has turned the whole a little. The others turn it back, each by as
-        much as ``turning``, (n,), has it.
+        much as ``weight``, (n,), has it.
         """
         if len(self.elastic.fixed):
             return U
-        X, free = row_ops.taken(U, self.free), self.free
-        turns = WholeTurns(X, self._masses, self._first, turning[free])
-        return self.assembled(turns.without(X), U[:0])
+        X, free = row_ops.gathered_rows(U, self.free), self.free
+        turns = OverallRotation(X, self._masses, self._first, weight[free])
+        return self.all_positions(turns.without_rotation(X), U[:0])
 
     @property
     def _masses(self) -> np.ndarray:
         return self.rest.vertex_areas[self.free]
 
-    def following(self, held: np.ndarray, then: np.ndarray) -> np.ndarray:
+    def following_positions(self, held: np.ndarray, held_after: np.ndarray) -> np.ndarray:
         """Free positions (f, 3) after a move of all else.
 
         Parameters
         ----------
-        held, then : (k + s, 3) float arrays
+        held, held_after : (k + s, 3) float arrays
             Held and soft vertices before and after it; obstacles go ahead as they are told.
         """
-        pull = self.elastic.from_held(held) - self.elastic.from_held(then)
+        pull = self.elastic.held_contribution(held) - self.elastic.held_contribution(held_after)
         if self._to_held is not None:
             k = len(self.elastic.fixed)
-            moves = [pairs.ahead[0] - pairs.points[0] for pairs in self.contact.obstacles]
-            pull -= self._to_held @ np.vstack([then[:k] - held[:k], *moves])
-        start = row_ops.taken(self.U, self.free)
-        W = self.assembled(start + self.solve(pull), then)
-        carried = self.contact.carried_along(self.U, W)
-        return row_ops.taken(self.unturned(carried, (carried == W).all(axis=1)), self.free)
+            moves = [pairs.points_ahead[0] - pairs.points[0] for pairs in self.contact.obstacles]
+            pull -= self._to_held @ np.vstack([held_after[:k] - held[:k], *moves])
+        start = row_ops.gathered_rows(self.U, self.free)
+        W = self.all_positions(start + self.solve(pull), held_after)
+        carried = self.contact.pushed_by_obstacles(self.U, W)
+        return row_ops.gathered_rows(self.without_rotation(carried, (carried == W).all(axis=1)), self.free)
 
     def renew_springs(self) -> bool:
         """Renew the springs of what touches, if due; False if nothing changed."""
@@ -127,24 +127,26 @@ class TouchingSurface:
         self._to_held, self._age = springs[:, others], 0
         return True
 
-    def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
+    def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
-        return self.elastic.assembled(X, targets)
+        return self.elastic.all_positions(X, targets)
 
-    def ahead(self, U: np.ndarray, share: float, way: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Positions (n, 3) a share of ``way`` (f, 3) on from ``U``, held at ``targets``."""
-        return self.elastic.ahead(U, share, way, targets)
+    def positions_along(
+        self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
+    ) -> np.ndarray:
+        """Positions ``U`` plus a share of ``direction`` (f, 3), held at ``targets``."""
+        return self.elastic.positions_along(U, share, direction, targets)
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current and compute each term's projection there."""
         self.elastic.local_step(U)
 
-    def energy_after(self, U: np.ndarray) -> float:
+    def energy_after_local_step(self, U: np.ndarray) -> float:
         """Make ``U`` (n, 3) current; the energy there."""
-        return self._whole(self.elastic.energy_after(U))
+        return self._whole(self.elastic.energy_after_local_step(U))
 
 
-class FreeProjection(Projection):
+class CollisionFreeProjection(GoalProjection):
     """Projection onto goals that leads only to shapes with a free way to them.
 
     Parameters
@@ -160,18 +162,18 @@ class FreeProjection(Projection):
         self._is_free = True
 
     @property
-    def met(self) -> bool:
+    def has_met_goals(self) -> bool:
         """True if all goals are met at the last positions, and the way there is free."""
-        return self._is_free and super().met
+        return self._is_free and super().has_met_goals
 
-    def onto(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def project(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions near ``U`` (n, 3) that meet the goals by a free way, and steps."""
         start, self._is_free = self._contact.start, False
-        W, mu = super().onto(U)
+        W, mu = super().project(U)
         for attempt in range(_ATTEMPTS + 1):
-            if self.worst > MET:
+            if self.largest_miss > GOAL_TOLERANCE:
                 break
-            shares = self._contact.shares(W)
+            shares = self._contact.trial_shares(W)
             self._is_free = shares is None
             if shares is None or attempt == _ATTEMPTS:
                 break
@@ -179,5 +181,5 @@ class FreeProjection(Projection):
                 shares[:] = min(_MOST_AT_ONCE, float(shares.min()))
             nearer = start + shares[:, None] * (W - start)
             nearer[self._held] = W[self._held]
-            W, mu = super().onto(self._surface.unturned(nearer, shares))
+            W, mu = super().project(self._surface.without_rotation(nearer, shares))
         return W, mu

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.language import tr
-from apd_viewer.notation import written
+from apd_viewer.notation import localized_number
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.pose.frame import Frame
@@ -28,7 +28,7 @@ class HeldTurn(NamedTuple):
 
     Attributes
     ----------
-    asked : float
+    requested : float
         With whole turns, radians; positive about the line from the base to the handle, or else about the
         largest coordinate of its axis.
     held : float or None
@@ -36,13 +36,13 @@ class HeldTurn(NamedTuple):
         degrees were asked, no surface leads to the handle, or handle or base is a line or a point.
     """
 
-    asked: float
+    requested: float
     held: float | None = None
 
     @property
-    def lost(self) -> float:
+    def lost_angle(self) -> float:
         """Difference of asked and held, radians; 0 where nobody looked."""
-        return 0.0 if self.held is None else abs(self.asked - self.held)
+        return 0.0 if self.held is None else abs(self.requested - self.held)
 
     @property
     def degrees(self) -> tuple[float, float | None]:
@@ -51,16 +51,16 @@ class HeldTurn(NamedTuple):
         return asked or 0.0, held
 
     @property
-    def passed_through(self) -> bool:
+    def has_lost_whole_turns(self) -> bool:
         """True if whole turns are missing.
 
         Only a surface that passes through itself can lose them.
         """
-        turns = round(self.lost / (2.0 * math.pi))
-        return turns > 0 and abs(self.lost - 2.0 * math.pi * turns) < _WHOLE
+        turns = round(self.lost_angle / (2.0 * math.pi))
+        return turns > 0 and abs(self.lost_angle - 2.0 * math.pi * turns) < _WHOLE
 
 
-class Turning(NamedTuple):
+class HandleTurns(NamedTuple):
     """Handles that have turned.
 
     Attributes
@@ -68,30 +68,33 @@ class Turning(NamedTuple):
     V : (n, 3) float array
         Positions before.
     labels : (n,) int array of BASE, FREE, and HANDLE + k
-    ways : tuple of tuples of (4, 4) float arrays
+    paths : tuple of tuples of (4, 4) float arrays
         Poses of each handle on its way.
     """
 
     V: np.ndarray
     labels: np.ndarray
-    ways: tuple[tuple[np.ndarray, ...], ...]
+    paths: tuple[tuple[np.ndarray, ...], ...]
 
-    def same(self, other: Turning | None) -> bool:
+    def has_equal_arrays(self, other: HandleTurns | None) -> bool:
         """True if all arrays are equal."""
-        if other is None or len(self.ways) != len(other.ways):
+        if other is None or len(self.paths) != len(other.paths):
             return False
-        one, another = ((each.V, each.labels, *itertools.chain(*each.ways)) for each in (self, other))
+        one, another = ((each.V, each.labels, *itertools.chain(*each.paths)) for each in (self, other))
         return len(one) == len(another) and all(
             a is b or np.array_equal(a, b) for a, b in zip(one, another, strict=True)
         )
 
 
-def most_lost(turns: Sequence[HeldTurn]) -> HeldTurn:
+def most_lost_turn(turns: Sequence[HeldTurn]) -> HeldTurn:
     """Turn with the largest loss; of those the largest."""
-    return max(turns, key=lambda turn: (turn.lost if turn.lost >= LEAST_TURN else 0.0, abs(turn.asked)))
+    return max(
+        turns,
+        key=lambda turn: (turn.lost_angle if turn.lost_angle >= LEAST_TURN else 0.0, abs(turn.requested)),
+    )
 
 
-def passing_warnings(
+def pass_through_warnings(
     turns: Sequence[HeldTurn],
     frame: Frame,
     volume_rest: float | None,
@@ -117,11 +120,11 @@ def passing_warnings(
     """
     said = []
     for k, turn in enumerate(turns):
-        if turn.lost < LEAST_TURN or frame.share_reached < 1.0:
+        if turn.lost_angle < LEAST_TURN or frame.share_reached < 1.0:
             continue
-        asked, held = (written(f"{round(angle or 0.0, 1) + 0.0:g}") for angle in turn.degrees)
+        asked, held = (localized_number(f"{round(angle or 0.0, 1) + 0.0:g}") for angle in turn.degrees)
         lost = tr("The surface holds {held} of the {asked} degrees asked").format(held=held, asked=asked)
-        sentence = _because(lost, contact, may_touch) if turn.passed_through else f"{lost}."
+        sentence = _because(lost, contact, may_touch) if turn.has_lost_whole_turns else f"{lost}."
         if len(turns) > 1:
             name = names[k] if names else tr("Handle {n}").format(n=k + 1)
             sentence = tr("{name}: {sentence}").format(name=name, sentence=sentence)

@@ -13,16 +13,16 @@ import numpy as np
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.fitted_motion import fitted_rotation
-from apd_viewer.geometry.pose.winding import pose_of, signed_about
+from apd_viewer.geometry.pose.waypoint_path import rotation_pose, signed_angle_about
 from apd_viewer.geometry.turns.held_turn import LEAST_TURN, HeldTurn
-from apd_viewer.geometry.turns.surface_turns import AskedTurn, SurfaceTurns
+from apd_viewer.geometry.turns.surface_turns import RequestedTurn, SurfaceTurns
 
 # Relative to the coordinates: between closer centres there is no line.
 _APART = 1e-9
 
 
 def held_turns(
-    V: np.ndarray, U: np.ndarray, F: np.ndarray, labels: np.ndarray, ways: Sequence[Sequence[np.ndarray]]
+    V: np.ndarray, U: np.ndarray, F: np.ndarray, labels: np.ndarray, paths: Sequence[Sequence[np.ndarray]]
 ) -> tuple[HeldTurn, ...]:
     """Turn of each handle in the shape ``U``.
 
@@ -34,41 +34,41 @@ def held_turns(
         Positions before the turns, and the shape; of vertices at one place only one is named by ``F``.
     F : (m, 3) int array
     labels : (n,) int array of BASE, FREE, and HANDLE + k
-    ways : sequence of sequences of (4, 4) float arrays
+    paths : sequence of sequences of (4, 4) float arrays
         Of each handle: its poses against the base, one after another, and from one to the next by the
         shortest rotation; none where it is not known.
     """
-    asked = [AskedTurn.along(poses) for poses in ways]
+    asked = [RequestedTurn.from_poses(poses) for poses in paths]
     turned = any(way.angle >= LEAST_TURN for way in asked)
     looks = turned and (labels == BASE).any() and np.isfinite(U).all()
     surface = SurfaceTurns(V, U, F, labels) if looks else None
     said = []
     for k, way in enumerate(asked):
         held = surface.turn(k, way) if surface and way.angle >= LEAST_TURN else None
-        sign = math.copysign(1.0, signed_about(way.axis, _line(V, labels, k))[0])
+        sign = math.copysign(1.0, signed_angle_about(way.axis, _line(V, labels, k))[0])
         said.append(HeldTurn(sign * way.angle, None if held is None else sign * held))
     return tuple(said)
 
 
-def ways_of(X: np.ndarray, places: np.ndarray, labels: np.ndarray) -> list[list[np.ndarray]]:
+def relative_paths(X: np.ndarray, positions: np.ndarray, labels: np.ndarray) -> list[list[np.ndarray]]:
     """Rotations of each handle against the base, as poses (4, 4); none if not told.
 
     Parameters
     ----------
     X : (k, 3) float array
         Places of what is held.
-    places : (s, k, 3) float array
+    positions : (s, k, 3) float array
         Where it goes, one after another.
     labels : (k,) int array of BASE, and HANDLE + k
     """
-    base = _rotations(X, places, labels == BASE)
-    handles = [_rotations(X, places, labels == k) for k in range(HANDLE, labels.max(initial=BASE) + 1)]
-    return [[pose_of(b.T @ h) for b, h in zip(base, rotations, strict=False)] for rotations in handles]
+    base = _rotations(X, positions, labels == BASE)
+    handles = [_rotations(X, positions, labels == k) for k in range(HANDLE, labels.max(initial=BASE) + 1)]
+    return [[rotation_pose(b.T @ h) for b, h in zip(base, rotations, strict=False)] for rotations in handles]
 
 
-def _rotations(X: np.ndarray, places: np.ndarray, part: np.ndarray) -> list[np.ndarray]:
+def _rotations(X: np.ndarray, positions: np.ndarray, mask: np.ndarray) -> list[np.ndarray]:
     """Rotation of a part at each place; none if its points tell none."""
-    found = [fitted_rotation(X[part], there[part]) for there in places]
+    found = [fitted_rotation(X[mask], there[mask]) for there in positions]
     return [R for R in found if R is not None]
 
 

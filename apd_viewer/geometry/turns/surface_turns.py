@@ -14,8 +14,13 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.fitted_motion import fitted_rotation
 from apd_viewer.geometry.pose.transforms import quaternion
-from apd_viewer.geometry.pose.winding import nearest_rotation, rotation_vector
-from apd_viewer.geometry.turns.triangle_turns import TurningPairs, between, product, thickness
+from apd_viewer.geometry.pose.waypoint_path import nearest_rotation, rotation_vector
+from apd_viewer.geometry.turns.triangle_turns import (
+    TriangleTurns,
+    quaternion_product,
+    shortest_turns,
+    triangle_quality,
+)
 
 # Doubled area over squared edges: what is thinner has no normal.
 _NO_AREA = 1e-9
@@ -30,7 +35,7 @@ _THERE = math.radians(5.0)
 _AT_REST = np.array([1.0, 0.0, 0.0, 0.0])
 
 
-class AskedTurn(NamedTuple):
+class RequestedTurn(NamedTuple):
     """Turn of a handle on its way, with whole turns, and its end.
 
     Attributes
@@ -40,24 +45,24 @@ class AskedTurn(NamedTuple):
         Radians, not negative.
     lifted : (4,) float array
         Unit quaternion that follows the way without a jump: the other one of its rotation is a turn away.
-    one_axis : bool
+    has_one_axis : bool
         Whether it turns about one axis all the way.
     """
 
     axis: np.ndarray
     angle: float
     lifted: np.ndarray
-    one_axis: bool
+    has_one_axis: bool
 
     @classmethod
-    def along(cls, poses: Sequence[np.ndarray]) -> AskedTurn:
+    def from_poses(cls, poses: Sequence[np.ndarray]) -> RequestedTurn:
         """The way along poses (4, 4), from one to the next by the shortest rotation."""
         vector = rotation_vector(poses[:-1], poses[-1]) if poses else np.zeros(3)
         angle = float(np.linalg.norm(vector))
         axis, q, clear = vector / (angle or 1.0), _AT_REST, 1.0
         rotations = [np.eye(3), *(nearest_rotation(pose) for pose in poses)]
         for before, after in itertools.pairwise(rotations):
-            q = product(quaternion(after @ before.T), q)
+            q = quaternion_product(quaternion(after @ before.T), q)
             clear = min(clear, math.hypot(q[0], q[1:] @ axis))
         return cls(axis, angle, q, clear > 1.0 - _ONE_AXIS)
 
@@ -78,14 +83,14 @@ class SurfaceTurns:
     """
 
     def __init__(self, V: np.ndarray, U: np.ndarray, F: np.ndarray, labels: np.ndarray) -> None:
-        F = F[(thickness(V, F) > _NO_AREA) & (thickness(U, F) > _NO_AREA)].astype(np.int64)
+        F = F[(triangle_quality(V, F) > _NO_AREA) & (triangle_quality(U, F) > _NO_AREA)].astype(np.int64)
         self._held = labels[F]
         used = np.bincount(F.ravel(), minlength=len(V)) > 0
         parts = {k: np.flatnonzero(used & (labels == k)) for k in (BASE, *range(HANDLE, labels.max() + 1))}
         self._rotations = {k: fitted_rotation(V[part], U[part]) for k, part in parts.items()}
         if (base := self._rotations[BASE]) is None:
             return
-        self._pairs = TurningPairs.of(V, U @ base, F, labels)
+        self._pairs = TriangleTurns.from_shapes(V, U @ base, F, labels)
         inside = self._inside(BASE)
         for k in range(HANDLE, labels.max() + 1):
             inside |= self._inside(k)
@@ -102,27 +107,31 @@ class SurfaceTurns:
         corners = (self._held == label).sum(axis=1)
         return np.flatnonzero((corners > 0) & (corners == corners.max(initial=0)))
 
-    def turn(self, k: int, way: AskedTurn) -> float | None:
+    def turn(self, k: int, requested: RequestedTurn) -> float | None:
         """Turn of handle ``k`` about the axis of its way, radians; None if not told."""
         base, end = self._rotations[BASE], self._rotations.get(HANDLE + k)
         if base is None or end is None:
             return None
         last = quaternion(base.T @ end)
-        made, jumps, arm = self._ways(HANDLE + k, way.axis, last)
-        held = [self._by_arm(way, made[arm == each], jumps[arm == each], last) for each in np.unique(arm)]
+        made, jumps, arm = self._ways(HANDLE + k, requested.axis, last)
+        held = [
+            self._by_arm(requested, made[arm == each], jumps[arm == each], last) for each in np.unique(arm)
+        ]
         known = [each for each in held if each is not None]
-        return max(known, key=lambda each: abs(each - way.angle), default=None)
+        return max(known, key=lambda each: abs(each - requested.angle), default=None)
 
-    def _by_arm(self, way: AskedTurn, made: np.ndarray, jumps: np.ndarray, last: np.ndarray) -> float | None:
+    def _by_arm(
+        self, requested: RequestedTurn, made: np.ndarray, jumps: np.ndarray, last: np.ndarray
+    ) -> float | None:
         """Turn held by an arm, from the sums (a,) of turns and of jumps over it."""
-        if way.one_axis:
+        if requested.has_one_axis:
             held = float(np.median(made))
-            return abs(held) if abs(way.angle - math.pi) < _EITHER_WAY else held
+            return abs(held) if abs(requested.angle - math.pi) < _EITHER_WAY else held
         # Of turns about several axes two come to none [the belt trick]; one is a jump of the quaternions.
-        likeness = float(last @ way.lifted) * (-1.0 if np.median(jumps % 2) else 1.0)
+        likeness = float(last @ requested.lifted) * (-1.0 if np.median(jumps % 2) else 1.0)
         if abs(likeness) < math.cos(_THERE / 2.0):
             return None
-        return way.angle if likeness > 0.0 else way.angle - 2.0 * math.pi
+        return requested.angle if likeness > 0.0 else requested.angle - 2.0 * math.pi
 
     def _ways(
         self, label: int, axis: np.ndarray, last: np.ndarray
@@ -130,12 +139,12 @@ class SurfaceTurns:
         """Sums (a,) of turns and jumps on the clearest ways to a part, with their arms."""
         pairs, start, ends = self._pairs, self._ends(BASE), self._ends(label)
         own = self._inside(label)
-        step, clear = pairs.turns(axis)
+        step, clear = pairs.turns_about(axis)
         i, j = pairs.faces.T
         # Two arms that meet at a row of the part are two.
-        goes = ~((pairs.ends == label).all(axis=1) & ~own[i] & ~own[j])
+        goes = ~((pairs.end_labels == label).all(axis=1) & ~own[i] & ~own[j])
         cost = ((step**2 + _EDGE) / np.maximum(clear, _EDGE) ** 2)[goes]
-        i, j, step, jump = i[goes], j[goes], step[goes], pairs.jump[goes]
+        i, j, step, jump = i[goes], j[goes], step[goes], pairs.has_jump[goes]
         closed = np.zeros(len(self._held), dtype=bool)
         closed[ends] = True
         rows, columns, costs = np.concatenate([i, j]), np.concatenate([j, i]), np.concatenate([cost, cost])
@@ -146,11 +155,11 @@ class SurfaceTurns:
         for a, b, sign in ((i, j, 1.0), (j, i, -1.0)):
             follows = before[b] == a
             values[b[follows]] = np.column_stack([sign * step, jump])[follows]
-        first = between(np.broadcast_to(_AT_REST, (len(start), 4)), pairs.q[start], axis)
+        first = shortest_turns(np.broadcast_to(_AT_REST, (len(start), 4)), pairs.q[start], axis)
         values[start] = np.column_stack(first)
         reached = ends[before[ends] >= 0]
         made, jumps = _summed(values, before)[reached].T
-        more, jumped = between(pairs.q[reached], np.broadcast_to(last, (len(reached), 4)), axis)
+        more, jumped = shortest_turns(pairs.q[reached], np.broadcast_to(last, (len(reached), 4)), axis)
         arm = np.where(self._arm[reached] < 0, self._arm[before[reached]], self._arm[reached])
         return made + more, jumps + jumped, arm
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from apd_viewer.geometry.mesh.adjacency import opposite_corners
+from apd_viewer.geometry.mesh.adjacency import opposite_half_edges
 
 
 class TriangleAxes(NamedTuple):
@@ -25,7 +25,7 @@ class TriangleAxes(NamedTuple):
     angles: np.ndarray
 
     @classmethod
-    def of(cls, X: np.ndarray, F: np.ndarray) -> TriangleAxes:
+    def from_positions(cls, X: np.ndarray, F: np.ndarray) -> TriangleAxes:
         """Frames at the positions ``X`` (n, 3)."""
         edges = X[np.roll(F, -1, axis=1)] - X[F]
         normal = _unit(np.cross(edges[:, 0], edges[:, 1]))
@@ -45,7 +45,7 @@ class TriangleAxes(NamedTuple):
         return np.cos(angle) * self.first[t] + np.sin(angle) * np.cross(self.normal[t], self.first[t])
 
 
-class TurningPairs(NamedTuple):
+class TriangleTurns(NamedTuple):
     """Pairs of neighbouring triangles, with the rotations from one to the other.
 
     Attributes
@@ -53,27 +53,27 @@ class TurningPairs(NamedTuple):
     q : (m, 4) float array
         Rotation of each triangle, as a unit quaternion.
     faces : (p, 2) int array
-    ends : (p, 2) int array
+    end_labels : (p, 2) int array
         Labels of the ends of their common edges.
-    on_the_way : tuple of four (p, 4) float arrays
+    intermediate_rotations : tuple of four (p, 4) float arrays
         Quaternions from that of the first triangle to that of the second, without a jump.
-    jump : (p,) bool array
+    has_jump : (p,) bool array
         Whether the last of them is the other one of the second triangle.
     """
 
     q: np.ndarray
     faces: np.ndarray
-    ends: np.ndarray
-    on_the_way: tuple[np.ndarray, ...]
-    jump: np.ndarray
+    end_labels: np.ndarray
+    intermediate_rotations: tuple[np.ndarray, ...]
+    has_jump: np.ndarray
 
     @classmethod
-    def of(cls, V: np.ndarray, U: np.ndarray, F: np.ndarray, labels: np.ndarray) -> TurningPairs:
+    def from_shapes(cls, V: np.ndarray, U: np.ndarray, F: np.ndarray, labels: np.ndarray) -> TriangleTurns:
         """Pairs between ``V`` (n, 3) and ``U`` (n, 3)."""
-        rest, now = TriangleAxes.of(V, F), TriangleAxes.of(U, F)
+        rest, now = TriangleAxes.from_positions(V, F), TriangleAxes.from_positions(U, F)
         R = np.einsum("mij,mkj->mik", now.matrices, rest.matrices)
         q = np.roll(Rotation.from_matrix(R).as_quat(), 1, axis=1) if len(F) else np.zeros((0, 4))
-        opposite = opposite_corners(F, len(V)).ravel()
+        opposite = opposite_half_edges(F, len(V)).ravel()
         h = np.flatnonzero(opposite > np.arange(len(opposite)))
         (s, c), (t, d) = np.divmod(h, 3), np.divmod(opposite[h], 3)
         in_plane = now.angles - rest.angles
@@ -86,9 +86,9 @@ class TurningPairs(NamedTuple):
         ends = labels[np.column_stack([F[s, c], F[s, (c + 1) % 3]])]
         return cls(q, np.column_stack([s, t]), ends, tuple(way), _dots(way[-1], q[t]) < 0.0)
 
-    def turns(self, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def turns_about(self, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Turn about ``axis`` (3,) in each pair, (p,), and its clearness 0 to 1, (p,)."""
-        points = [(q[:, 0], q[:, 1:] @ axis) for q in self.on_the_way]
+        points = [(q[:, 0], q[:, 1:] @ axis) for q in self.intermediate_rotations]
         angles = [np.arctan2(along, w) for w, along in points]
         # A turn by less than a whole one is half as much of an ellipse: less than a half of it.
         steps = [_wrapped(after - before) for before, after in itertools.pairwise(angles)]
@@ -103,7 +103,7 @@ def _hinge(frames: TriangleAxes, s: np.ndarray, c: np.ndarray, t: np.ndarray, sa
     return angle
 
 
-def between(p: np.ndarray, q: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def shortest_turns(p: np.ndarray, q: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Turn about an axis by the shortest way from ``p`` (k, 4) to ``q``, and jumps."""
     jump = _dots(p, q) < 0.0
     q = np.where(jump[:, None], -q, q)
@@ -111,7 +111,7 @@ def between(p: np.ndarray, q: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray,
     return 2.0 * _wrapped(after - before), jump
 
 
-def thickness(X: np.ndarray, F: np.ndarray) -> np.ndarray:
+def triangle_quality(X: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Doubled area of the triangles over the sum of their squared edges, (m,)."""
     edges = X[np.roll(F, -1, axis=1)] - X[F]
     area, squares = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1), (edges**2).sum(axis=(1, 2))
@@ -129,7 +129,7 @@ def _products(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     return np.column_stack([w, p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])])
 
 
-def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+def quaternion_product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Quaternion (4,) of the rotation ``q`` and after it ``p``."""
     found: np.ndarray = _products(p[None], q[None])[0]
     return found

@@ -8,14 +8,19 @@ from html import escape
 
 import numpy as np
 
-from apd_viewer.files.picture_files import png
+from apd_viewer.files.picture_files import png_content
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.solver.deform import Result
+from apd_viewer.geometry.solver.deformation_result import Result
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation.color_maps import DIVERGING
-from apd_viewer.presentation.number_format import length, short, signed, significant
+from apd_viewer.presentation.number_format import (
+    format_length,
+    format_short,
+    format_signed,
+    format_significant,
+)
 from apd_viewer.presentation.palette import FREE_COLOR
 from apd_viewer.presentation.shape_picture import shape_picture
 
@@ -51,9 +56,9 @@ class PicturedResult(Result):
 
     def _figure(self) -> str:
         pixels = shape_picture([self.rest, self.U], self.triangles, [FREE_COLOR, change_colors(self)], _SIDE)
-        source = base64.b64encode(png(pixels)).decode()
+        source = base64.b64encode(png_content(pixels)).decode()
         said = tr("Rest shape and deformed shape, coloured by its local area change up to ±{end} %")
-        caption = escape(said.format(end=short(100 * _END)))
+        caption = escape(said.format(end=format_short(100 * _END)))
         return f'<img src="data:image/png;base64,{source}" alt="{caption}" title="{caption}">'
 
 
@@ -71,12 +76,15 @@ def result_rows(result: PicturedResult) -> list[tuple[str, str]]:
     region = tr("Region “{name}”")
     return [
         (tr("Method"), METHODS[result.method].short_title),
-        (tr("Effort"), f"{ended.format(n=result.iterations)}, {significant(result.seconds, 3)}\u00a0s"),
+        (
+            tr("Effort"),
+            f"{ended.format(n=result.iterations)}, {format_significant(result.seconds, 3)}\u00a0s",
+        ),
         (tr("Area"), _of_rest(result.area, result.area_rest)),
         *_volume_rows(result),
         *((region.format(name=part.name), _of_rest(part.area, part.area_rest)) for part in result.regions),
-        (tr("Largest local area change"), f"{short(100 * result.local_change)}\u00a0%"),
-        (tr("Handle drift"), length(result.handle_drift, diagonal(result.rest))),
+        (tr("Largest local area change"), f"{format_short(100 * result.local_change)}\u00a0%"),
+        (tr("Handle drift"), format_length(result.handle_drift, diagonal(result.rest))),
         *((tr("Warning"), sentence) for sentence in result.warnings),
     ]
 
@@ -91,9 +99,9 @@ def _volume_rows(result: Result) -> list[tuple[str, str]]:
 
 
 def _of_rest(value: float, rest: float) -> str:
-    change = signed(100.0 * (value / rest - 1.0), 3) if rest else "0.000"
+    change = format_signed(100.0 * (value / rest - 1.0), 3) if rest else "0.000"
     return tr("{now} of {rest} ({change} %)").format(
-        now=significant(value), rest=significant(rest), change=change
+        now=format_significant(value), rest=format_significant(rest), change=change
     )
 
 

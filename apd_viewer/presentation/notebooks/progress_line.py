@@ -17,7 +17,7 @@ _INTERVAL = 0.1  # s; the eye reads no faster
 class _Place(Protocol):
     """Place of the line."""
 
-    def show(self, said: str) -> None:
+    def show(self, text: str) -> None:
         """Replace the line."""
 
     def end(self) -> None:
@@ -37,13 +37,13 @@ class ProgressLine:
         self._iterations = iterations
         self._place = _place()
         self._last = -_INTERVAL
-        self._said = self._shown = ""
+        self._text = self._shown = ""
 
     def __call__(self, frame: Frame) -> None:
         """Show a frame, unless the last one was shown only just."""
         if self._place is None:
             return
-        self._said = frame_line(frame, self._iterations)
+        self._text = frame_line(frame, self._iterations)
         now = time.monotonic()
         if now - self._last >= _INTERVAL:
             self._last = now
@@ -51,14 +51,14 @@ class ProgressLine:
 
     def end(self) -> None:
         """Show the last frame, and leave it there."""
-        if self._place is not None and self._said:
+        if self._place is not None and self._text:
             self._show(self._place)
             self._place.end()
 
     def _show(self, place: _Place) -> None:
-        if self._said != self._shown:
-            self._shown = self._said
-            place.show(self._said)
+        if self._text != self._shown:
+            self._shown = self._text
+            place.show(self._text)
 
 
 def frame_line(frame: Frame, iterations: int | None = None) -> str:
@@ -77,9 +77,9 @@ class _Terminal:
     def __init__(self) -> None:
         self._longest = 0
 
-    def show(self, said: str) -> None:
-        self._longest = max(self._longest, len(said))
-        print(f"\r{said.ljust(self._longest)}", end="", file=sys.stderr, flush=True)  # noqa: T201
+    def show(self, text: str) -> None:
+        self._longest = max(self._longest, len(text))
+        print(f"\r{text.ljust(self._longest)}", end="", file=sys.stderr, flush=True)  # noqa: T201
 
     def end(self) -> None:
         print(file=sys.stderr, flush=True)  # noqa: T201
@@ -92,8 +92,8 @@ class _Cell:
         self._display = display
         self._handle: Any = None
 
-    def show(self, said: str) -> None:
-        content = {"text/plain": said}
+    def show(self, text: str) -> None:
+        content = {"text/plain": text}
         if self._handle is None:
             self._handle = self._display(content, raw=True, display_id=True)
         else:

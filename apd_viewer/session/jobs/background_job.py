@@ -33,7 +33,7 @@ class Job:
     title : str
         What is being done, for people: "Opening bunny.obj".
     work : callable
-    done : callable
+    on_done : callable
         Called by the owner with the value, on the owner's thread.
     deliver : callable
     can_be_cancelled : bool
@@ -44,13 +44,13 @@ class Job:
         self,
         title: str,
         work: Callable[[], Any],
-        done: Callable[[Any], object],
+        on_done: Callable[[Any], object],
         deliver: Callable[[JobOutcome], None],
         can_be_cancelled: bool = True,
     ) -> None:
         self.title = title
         self.can_be_cancelled = can_be_cancelled
-        self.done = done
+        self.on_done = on_done
         self._work = work
         self._deliver = deliver
         self._thread = threading.Thread(target=self._run, name=title, daemon=True)
@@ -86,8 +86,8 @@ class Jobs:
         Called on the job's thread when there is something to receive.
     failed : callable
         ``failed(sentence)``, called on the owner's thread.
-    told : callable
-        ``told(sentence)``, called on the owner's thread when a job was cancelled.
+    message_sent : callable
+        ``message_sent(sentence)``, called on the owner's thread when a job was cancelled.
     changed : callable
         Called on the owner's thread when a job may have begun or ended.
     """
@@ -96,13 +96,13 @@ class Jobs:
         self,
         wake: Callable[[], object],
         failed: Callable[[str], object],
-        told: Callable[[str], object],
+        message_sent: Callable[[str], object],
         changed: Callable[[], object],
     ) -> None:
         self.current: Job | None = None
         self._wake = wake
         self._failed = failed
-        self._told = told
+        self._message_sent = message_sent
         self._changed = changed
         self._outcomes: queue.SimpleQueue[JobOutcome] = queue.SimpleQueue()
         self._closed = False
@@ -111,16 +111,16 @@ class Jobs:
         self,
         title: str,
         work: Callable[[], object],
-        done: Callable[..., object],
+        on_done: Callable[..., object],
         can_be_cancelled: bool = True,
     ) -> None:
-        """Start ``work()``; on receipt of its value, call ``done`` with it."""
+        """Start ``work()``; on receipt of its value, call ``on_done`` with it."""
         if self.current is not None:
             self._failed(
                 tr("{title} is not finished; wait for it or cancel it.").format(title=self.current.title)
             )
         else:
-            self.current = Job(title, work, done, self._deliver, can_be_cancelled)
+            self.current = Job(title, work, on_done, self._deliver, can_be_cancelled)
         self._changed()
 
     def cancel(self) -> None:
@@ -128,7 +128,7 @@ class Jobs:
         cancelled = self.current
         if cancelled is not None and cancelled.can_be_cancelled:
             self.current = None
-            self._told(tr("{title}: cancelled.").format(title=cancelled.title))
+            self._message_sent(tr("{title}: cancelled.").format(title=cancelled.title))
             self._changed()
 
     def receive(self) -> None:
@@ -140,7 +140,7 @@ class Jobs:
                 if outcome.failure:
                     self._failed(outcome.failure)
                 else:
-                    outcome.job.done(outcome.value)
+                    outcome.job.on_done(outcome.value)
             self._changed()
 
     def close(self) -> None:

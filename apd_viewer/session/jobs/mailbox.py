@@ -42,17 +42,17 @@ class Mailbox(Generic[T]):
     def wait(self) -> T | None:
         """Take the value as soon as there is one; None once the mailbox is closed."""
         with self._filled:
-            self._filled.wait_for(lambda: self.waiting)
+            self._filled.wait_for(lambda: self.is_ready)
             value, self._value = self._value, None
         return None if self._closed else value
 
-    def comes_within(self, seconds: float) -> bool:
+    def wait_for_value(self, seconds: float) -> bool:
         """Wait at most so many seconds for a value or the end; True if one came."""
         with self._filled:
-            return self._filled.wait_for(lambda: self.waiting, seconds)
+            return self._filled.wait_for(lambda: self.is_ready, seconds)
 
     @property
-    def waiting(self) -> bool:
+    def is_ready(self) -> bool:
         """True if there is a value, or the mailbox is closed."""
         return self._value is not None or self._closed
 

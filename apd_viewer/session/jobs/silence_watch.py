@@ -16,44 +16,44 @@ class SilenceWatch:
 
     Parameters
     ----------
-    changed : callable
-        ``changed(seconds)``, called on a thread of the watch or of who hears: the seconds of silence so far
-        when it is noticed, and 0 when it is over; must only pass it on.
-    at_start : int
+    silence_changed : callable
+        ``silence_changed(seconds)``, called on a thread of the watch or of who hears: the seconds of silence
+        so far when it is noticed, and 0 when it is over; must only pass it on.
+    first_patience : int
         Seconds that are allowed until the first word, at least.
     """
 
-    def __init__(self, changed: Callable[[int], object], at_start: int) -> None:
-        self._changed, self._at_start = changed, at_start
+    def __init__(self, silence_changed: Callable[[int], object], first_patience: int) -> None:
+        self._changed, self._at_start = silence_changed, first_patience
         self._patience = 0
-        self._told = threading.Condition()
+        self._condition = threading.Condition()
         self._awaited = self._answered = 0
         self._quiet = 0
         self._silent = self._closed = False
         self._thread = threading.Thread(target=self._run, name="silence", daemon=True)
         self._thread.start()
 
-    def expect(self, number: int, patience: int) -> None:
+    def expect_answer(self, number: int, patience: int) -> None:
         """Await answer ``number``; whatever comes before it breaks the silence."""
-        with self._told:
+        with self._condition:
             if not self._awaits:
                 self._quiet = 0
-                self._told.notify()
+                self._condition.notify()
             self._awaited, self._patience = number, patience
 
-    def hear(self, answered: int = 0) -> None:
+    def note_message(self, answer: int = 0) -> None:
         """Note a sign of life, be it the last word of an answer."""
-        with self._told:
+        with self._condition:
             self._at_start = self._quiet = 0
-            self._answered = max(answered, self._answered)
+            self._answered = max(answer, self._answered)
             self._break_silence()
 
     def close(self) -> None:
         """End the watch."""
-        with self._told:
+        with self._condition:
             self._closed = True
             self._break_silence()
-            self._told.notify()
+            self._condition.notify()
         self._thread.join()
 
     @property
@@ -63,15 +63,15 @@ class SilenceWatch:
     def _break_silence(self) -> None:
         if self._silent:
             self._silent = False
-            self._told.notify()
+            self._condition.notify()
             self._changed(0)
 
     def _run(self) -> None:
-        with self._told:
+        with self._condition:
             while not self._closed:
                 if self._silent or not self._awaits:
-                    self._told.wait()
-                elif not self._told.wait(_TICK):
+                    self._condition.wait()
+                elif not self._condition.wait(_TICK):
                     self._quiet += 1
                     if self._quiet >= max(self._patience, self._at_start) and self._awaits:
                         self._silent = True

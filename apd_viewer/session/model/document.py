@@ -7,15 +7,22 @@ from dataclasses import dataclass, field, fields, replace
 import numpy as np
 
 from apd_viewer.files.mesh_location import MissingMesh
-from apd_viewer.files.selections.selection import numbered
+from apd_viewer.files.selections.selection import default_name
 from apd_viewer.geometry.analysis.target_shape import TargetShape
-from apd_viewer.geometry.contact.obstacles import Obstacle
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.measuring.measurement import Measurement
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.components import LoosePart, loose_parts
+from apd_viewer.geometry.mesh.components import LooseComponent, loose_components
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.region_areas import region_areas
-from apd_viewer.geometry.pose.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints
+from apd_viewer.geometry.pose.constraints import (
+    FREE,
+    HANDLE,
+    NO_SOFT_CONSTRAINTS,
+    Constraints,
+    SoftConstraints,
+    constraints,
+)
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
@@ -28,8 +35,7 @@ from apd_viewer.geometry.solver.methods import (
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
-from apd_viewer.session.model.named_obstacle import NamedObstacle, solids_of
-from apd_viewer.session.model.named_parts import (
+from apd_viewer.session.model.handles_and_regions import (
     IDENTITY,
     NO_FLAGS,
     DocumentFlags,
@@ -38,6 +44,7 @@ from apd_viewer.session.model.named_parts import (
     NamedRegion,
     PartFlags,
 )
+from apd_viewer.session.model.named_obstacle import NamedObstacle, geometric_obstacles
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +72,7 @@ class Document:
         Whether "local" keeps the total area too.
     volume : float or None
         What the volume should be, in percent; None leaves it free. Always None where there is no volume.
-    staying : tuple of int
+    staying_components : tuple of int
         Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
     calm : bool
         Whether "exact" keeps the area of calm parts too.
@@ -77,14 +84,14 @@ class Document:
         What the surface touches and does not enter, while contact is on.
     base : PartFlags
     measurements : tuple of Measurement
-    target : TargetShape or None
+    target_shape : TargetShape or None
         What the shape is compared with; nothing is deformed to it.
-    missing_target : MissingMesh or None
+    missing_target_shape : MissingMesh or None
         The target shape of a session that was not found again.
     convergence : Convergence
         What ends the iterations.
     poses : tuple of NamedPose
-    mirror : int or None
+    mirror_axis : int or None
         Axis along which handles are moved symmetrically, 0, 1 or 2; None moves each by itself.
     """
 
@@ -93,7 +100,9 @@ class Document:
     grip: np.ndarray = field(metadata=NOT_FACTORED)
     member: np.ndarray = field(metadata=NOT_FACTORED)
     # Each field of a handle declares it for itself.
-    handles: tuple[Handle, ...] = field(default=(Handle(numbered(tr("Handle"), 1)),), metadata=NOT_FACTORED)
+    handles: tuple[Handle, ...] = field(
+        default=(Handle(default_name(tr("Handle"), 1)),), metadata=NOT_FACTORED
+    )
     regions: tuple[NamedRegion, ...] = field(default=(), metadata=NOT_FACTORED)
     method: str = field(default=DEFAULT_METHOD, metadata=FACTORED)
     tolerance: float = field(default=DEFAULT_TOLERANCE, metadata=NOT_FACTORED)
@@ -103,49 +112,51 @@ class Document:
     area: float = field(default=100.0, metadata=NOT_FACTORED)
     hold_area: bool = field(default=False, metadata=NOT_FACTORED)
     volume: float | None = field(default=None, metadata=NOT_FACTORED)
-    staying: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
+    staying_components: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
     calm: bool = field(default=True, metadata=NOT_FACTORED)
     contact: bool = field(default=False, metadata=NOT_FACTORED)
     thickness: float | None = field(default=None, metadata=NOT_FACTORED)
     obstacles: tuple[NamedObstacle, ...] = field(default=(), metadata=NOT_FACTORED)
     base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
     measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
-    target: TargetShape | None = field(default=None, metadata=NOT_FACTORED)
-    missing_target: MissingMesh | None = field(default=None, metadata=NOT_FACTORED)
+    target_shape: TargetShape | None = field(default=None, metadata=NOT_FACTORED)
+    missing_target_shape: MissingMesh | None = field(default=None, metadata=NOT_FACTORED)
     convergence: Convergence = field(default=DEFAULT_CONVERGENCE, metadata=NOT_FACTORED)
     poses: tuple[NamedPose, ...] = field(default=(), metadata=NOT_FACTORED)
-    mirror: int | None = field(default=None, metadata=NOT_FACTORED)
+    mirror_axis: int | None = field(default=None, metadata=NOT_FACTORED)
 
     # What follows from it
 
     @property
-    def traits(self) -> Method:
+    def method_traits(self) -> Method:
         """The deformation method."""
         return method_named(self.method)
 
     @property
-    def problem(self) -> str | None:
+    def paint_problem(self) -> str | None:
         """Sentence about paint missing for moving anything; None if none is."""
-        return memo.problem(self.labels, self.has_obstacles)
+        return memo.paint_problem(self.labels, self.has_active_obstacles)
 
     @property
-    def has_obstacles(self) -> bool:
+    def has_active_obstacles(self) -> bool:
         """True if there are obstacles, and contact for them to push by."""
-        return bool(self.obstacles) and self.contact and self.traits.may_touch
+        return bool(self.obstacles) and self.contact and self.method_traits.may_use_contact
 
     @property
-    def solids(self) -> tuple[Obstacle, ...]:
+    def active_obstacles(self) -> tuple[Obstacle, ...]:
         """The obstacles that push, where they were put."""
-        return solids_of(self.obstacles, self.mesh.V) if self.has_obstacles else ()
+        return geometric_obstacles(self.obstacles, self.mesh.V) if self.has_active_obstacles else ()
 
     @property
-    def counts(self) -> np.ndarray:
+    def label_counts(self) -> np.ndarray:
         """Number of the vertices with each label, (256,) int array."""
-        return memo.counts(self.labels)
+        return memo.label_counts(self.labels)
 
     def centre(self, k: int) -> np.ndarray | None:
         """Centre of the grip of handle ``k``, (3,); None if it holds nothing."""
-        return memo.centre(self.labels, self.grip, HANDLE + k) if self.counts[HANDLE + k] else None
+        return (
+            memo.label_centre(self.labels, self.grip, HANDLE + k) if self.label_counts[HANDLE + k] else None
+        )
 
     def pivot(self, k: int) -> np.ndarray | None:
         """Pivot of handle ``k`` at its grip, (3,); None if it holds nothing."""
@@ -153,37 +164,39 @@ class Document:
         return centre if own is None or centre is None else own
 
     def constraints(self) -> Constraints:
-        """Held vertices and their targets; raises InputError with ``problem``."""
+        """Held vertices and their targets; raises InputError with ``paint_problem``."""
         poses = [handle.pose for handle in self.handles]
-        return constraints(self.labels, self.grip, poses, self.soft, self.has_obstacles)
+        return constraints(self.labels, self.grip, poses, self.soft_constraints, self.has_active_obstacles)
 
     @property
-    def soft(self) -> Soft:
+    def soft_constraints(self) -> SoftConstraints:
         """Soft constraints of free vertices within the falloff of a handle."""
         falloffs = tuple(handle.falloff for handle in self.handles)
         if not any(falloffs):
-            return NO_SOFT
-        return memo.soft(self.mesh.V, self.mesh.joined_F, self.mesh.weld, self.labels, falloffs)
+            return NO_SOFT_CONSTRAINTS
+        return memo.falloff_constraints(
+            self.mesh.V, self.mesh.joined_F, self.mesh.weld, self.labels, falloffs
+        )
 
     @property
-    def loose_parts(self) -> tuple[LoosePart, ...]:
+    def loose_components(self) -> tuple[LooseComponent, ...]:
         """Connected parts with triangles but without base and handle, largest first."""
         mesh = self.mesh
-        return loose_parts(memo.parts(mesh.joined_F), mesh.F, self.labels != FREE)
+        return loose_components(memo.triangle_components(mesh.joined_F), mesh.F, self.labels != FREE)
 
     @property
-    def posed(self) -> bool:
+    def is_posed(self) -> bool:
         """True if any handle has been moved from its grip, or an obstacle that pushes."""
         handles = any(not np.array_equal(handle.pose, IDENTITY) for handle in self.handles)
-        return handles or (self.has_obstacles and any(each.shift.any() for each in self.obstacles))
+        return handles or (self.has_active_obstacles and any(each.shift.any() for each in self.obstacles))
 
     @property
-    def winds(self) -> bool:
+    def has_half_turn(self) -> bool:
         """True if any handle has turned by half a turn or more."""
-        return any(handle.winds for handle in self.handles)
+        return any(handle.has_half_turn for handle in self.handles)
 
     @property
-    def percentages(self) -> tuple[float | None, ...]:
+    def target_percentages(self) -> tuple[float | None, ...]:
         """Percentages asked for: of the area, the volume and each region."""
         return self.area, self.volume, *(part.area for part in self.regions)
 
@@ -219,45 +232,48 @@ class Document:
         """The document with all handles reset, and every percentage at 100."""
         regions = tuple(part if part.area is None else replace(part, area=100.0) for part in self.regions)
         volume = None if self.volume is None else 100.0
-        handles = tuple(replace(handle.from_rest.at(IDENTITY), line=None) for handle in self.handles)
+        handles = tuple(
+            replace(handle.relative_to_rest.with_pose(IDENTITY), former_twist_axis=None)
+            for handle in self.handles
+        )
         return replace(self, grip=self.mesh.V, handles=handles, area=100.0, volume=volume, regions=regions)
 
     @property
-    def from_rest(self) -> Document:
+    def relative_to_rest(self) -> Document:
         """The same document with whole motions, gripped at rest.
 
         But for vertices that were painted on a deformed shape: these are where they were without the motions.
         """
-        if not any(handle.earlier for handle in self.handles):
+        if not any(handle.earlier_poses for handle in self.handles):
             return self
-        starts = [handle.earlier[-1] if handle.earlier else IDENTITY for handle in self.handles]
+        starts = [handle.earlier_poses[-1] if handle.earlier_poses else IDENTITY for handle in self.handles]
         grip = memo.rest_grip(self.mesh.V, self.grip, self.labels, self.mesh.weld, *starts)
-        handles = tuple(handle.from_rest for handle in self.handles)
+        handles = tuple(handle.relative_to_rest for handle in self.handles)
         return replace(self, grip=self.mesh.V if grip is None else grip, handles=handles)
 
-    def painted(self, ids: np.ndarray, label: int) -> Document:
+    def with_label(self, ids: np.ndarray, label: int) -> Document:
         """The document with ``ids`` and their coincident vertices labelled.
 
         Locked parts stay as they are.
         """
-        labels = _painted(self.labels, self.mesh.weld.everywhere(ids), label, self.flags.locked.labels)
+        labels = _painted(self.labels, self.mesh.weld.with_coincident(ids), label, self.flags.locked.labels)
         return self if labels is self.labels else replace(self, labels=labels)
 
-    def painted_region(self, ids: np.ndarray, number: int) -> Document:
+    def with_region_number(self, ids: np.ndarray, number: int) -> Document:
         """The document with ``ids`` and their coincident vertices in a region; 0 is none.
 
         Locked regions stay as they are.
         """
-        member = _painted(self.member, self.mesh.weld.everywhere(ids), number, self.flags.locked.regions)
+        member = _painted(self.member, self.mesh.weld.with_coincident(ids), number, self.flags.locked.regions)
         return self if member is self.member else replace(self, member=member)
 
     def with_pose(self, k: int, pose: np.ndarray) -> Document:
         """The same document with handle ``k`` at ``pose`` (4, 4), reached directly."""
-        return self.with_handle(k, self.handles[k].at(pose))
+        return self.with_handle(k, self.handles[k].with_pose(pose))
 
-    def moved(self, k: int, pose: np.ndarray) -> Document:
+    def with_handle_moved(self, k: int, pose: np.ndarray) -> Document:
         """The same document with handle ``k`` moved on to ``pose`` (4, 4)."""
-        return self.with_handle(k, self.handles[k].moved(pose))
+        return self.with_handle(k, self.handles[k].moved_to(pose))
 
     def with_handle(self, k: int, handle: Handle) -> Document:
         """The same document with another handle ``k``, or one more."""

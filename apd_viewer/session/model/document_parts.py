@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.files.selections.selection import numbered
+from apd_viewer.files.selections.selection import default_name
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.language import tr
-from apd_viewer.session.model.named_parts import IDENTITY, Handle, NamedRegion
-from apd_viewer.session.model.names import next_name
+from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle, NamedRegion
+from apd_viewer.session.model.unique_names import next_name
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -24,45 +24,47 @@ def with_next_region(document: Document) -> Document:
     return document.with_region(len(document.regions), NamedRegion(name))
 
 
-def asks_of_regions(document: Document) -> bool:
+def has_region_targets(document: Document) -> bool:
     """True if any region has a target area."""
     return any(region.area is not None for region in document.regions)
 
 
-def painted_alike(one: Document, other: Document) -> bool:
+def have_same_paint(document: Document, other: Document) -> bool:
     """True if both share the same arrays of labels and regions."""
-    return one.labels is other.labels and one.member is other.member
+    return document.labels is other.labels and document.member is other.member
 
 
-def shifts_of(document: Document) -> np.ndarray:
+def obstacle_shifts(document: Document) -> np.ndarray:
     """Motion of each obstacle that pushes, (o, 3)."""
-    return np.array([each.shift for each in document.obstacles if document.has_obstacles]).reshape(-1, 3)
+    return np.array([each.shift for each in document.obstacles if document.has_active_obstacles]).reshape(
+        -1, 3
+    )
 
 
-def put_back(document: Document, *which: int) -> Document:
+def with_handles_reset(document: Document, *numbers: int) -> Document:
     """The document with handles back at rest; once none is moved, with all of it."""
-    document = document.from_rest
+    document = document.relative_to_rest
     handles = list(document.handles)
-    for k in which:
-        handles[k] = replace(handles[k].at(IDENTITY), line=None)
+    for k in numbers:
+        handles[k] = replace(handles[k].with_pose(IDENTITY), former_twist_axis=None)
     grip = document.mesh.V
     if any(handle.is_moved for handle in handles):
-        back = np.isin(document.labels, HANDLE + np.array(which))
+        back = np.isin(document.labels, HANDLE + np.array(numbers))
         grip = frozen(np.where(back[:, None], grip, document.grip))
     return replace(document, grip=grip, handles=tuple(handles))
 
 
-def cleared(document: Document) -> Document:
+def without_paint(document: Document) -> Document:
     """The document with nothing painted, but for locked parts."""
     every = np.arange(len(document.labels))
-    return document.painted(every, FREE).painted_region(every, 0)
+    return document.with_label(every, FREE).with_region_number(every, 0)
 
 
 def without_handle(document: Document, k: int) -> Document:
     """The document without handle ``k``; its vertices are free."""
     left = document.handles[:k] + document.handles[k + 1 :]
     labels = _without(document.labels, HANDLE + k, FREE)
-    return replace(document, handles=left or (Handle(numbered(tr("Handle"), 1)),), labels=labels)
+    return replace(document, handles=left or (Handle(default_name(tr("Handle"), 1)),), labels=labels)
 
 
 def without_region(document: Document, k: int) -> Document:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.files.selections.selection import Selection
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.session.model.named_parts import Handle, NamedRegion
+from apd_viewer.session.model.handles_and_regions import Handle, NamedRegion
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -17,7 +17,7 @@ def selection_of(document: Document) -> Selection:
     """The paint, with the names of its parts."""
     names = [handle.name for handle in document.handles], [region.name for region in document.regions]
     areas = [region.area for region in document.regions]
-    return Selection.of(document.labels, document.member, *names, areas)
+    return Selection.with_default_names(document.labels, document.member, *names, areas)
 
 
 def with_selection(document: Document, selection: Selection) -> Document:

@@ -13,9 +13,9 @@ FACTORED = MappingProxyType({"factored": True})
 NOT_FACTORED = MappingProxyType({"factored": False})
 
 
-def factored_fields(kind: type) -> tuple[str, ...]:
+def factored_fields(cls: type) -> tuple[str, ...]:
     """Names of the FACTORED fields; raises TypeError for a field without declaration."""
-    undeclared = [each.name for each in fields(kind) if "factored" not in each.metadata]
+    undeclared = [each.name for each in fields(cls) if "factored" not in each.metadata]
     if undeclared:
-        raise TypeError(f"{kind.__name__}.{undeclared[0]} is neither FACTORED nor NOT_FACTORED")
-    return tuple(each.name for each in fields(kind) if each.metadata["factored"])
+        raise TypeError(f"{cls.__name__}.{undeclared[0]} is neither FACTORED nor NOT_FACTORED")
+    return tuple(each.name for each in fields(cls) if each.metadata["factored"])

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
-from apd_viewer.geometry.pose.winding import HandlePath, rounded, way_of
-from apd_viewer.geometry.turns.held_turn import LEAST_TURN, Turning
+from apd_viewer.geometry.pose.waypoint_path import HandlePath, handle_path, rounded_pose
+from apd_viewer.geometry.turns.held_turn import LEAST_TURN, HandleTurns
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -23,62 +23,66 @@ _STEP = math.radians(45.0)
 class PosePath(Protocol):
     """Poses of a handle by the part of its way."""
 
-    def at(self, part: float, /) -> np.ndarray:
-        """Pose (4, 4) at ``part`` of the path."""
+    def pose_at(self, share: float, /) -> np.ndarray:
+        """Pose (4, 4) at ``share`` of the path."""
 
 
-def paths_of(document: Document) -> tuple[HandlePath, ...]:
+def handle_paths(document: Document) -> tuple[HandlePath, ...]:
     """Path of each handle from its grip; raises InputError where there is none."""
     pivots = [document.pivot(k) for k in range(len(document.handles))]
     return tuple(
-        way_of((), np.eye(4), np.zeros(3)) if pivot is None else way_of(handle.waypoints, handle.pose, pivot)
+        handle_path((), np.eye(4), np.zeros(3))
+        if pivot is None
+        else handle_path(handle.waypoints, handle.pose, pivot)
         for handle, pivot in zip(document.handles, pivots, strict=True)
     )
 
 
-def ways_of(document: Document) -> tuple[tuple[np.ndarray, ...], ...]:
+def handle_pose_sequences(document: Document) -> tuple[tuple[np.ndarray, ...], ...]:
     """Poses (4, 4) of each handle on its way from the grip, the present one last."""
     return tuple((*handle.waypoints, handle.pose) for handle in document.handles)
 
 
-def turning_of(document: Document) -> Turning | None:
+def handle_turns(document: Document) -> HandleTurns | None:
     """Ways of the handles from rest, for their turns; None without a large one."""
     if not all(np.isfinite(handle.pose).all() for handle in document.handles):
         return None
-    document = document.from_rest
+    document = document.relative_to_rest
     if not any(float(np.linalg.norm(handle.rotation)) >= LEAST_TURN for handle in document.handles):
         return None
-    return Turning(document.grip, document.labels, ways_of(document))
+    return HandleTurns(document.grip, document.labels, handle_pose_sequences(document))
 
 
-def document_at(document: Document, paths: Sequence[PosePath], part: float) -> Document:
+def document_at(document: Document, paths: Sequence[PosePath], share: float) -> Document:
     """The document with its handles and obstacles at a part of their ways."""
-    there = tuple(each.shifted(part * each.shift) for each in document.obstacles)
+    there = tuple(each.with_shift(share * each.shift) for each in document.obstacles)
     document = replace(document, obstacles=there)
     for k, path in enumerate(paths):
-        document = document.with_pose(k, path.at(part))
+        document = document.with_pose(k, path.pose_at(share))
     return document
 
 
-def on_the_way(document: Document) -> Iterator[Document]:
+def intermediate_documents(document: Document) -> Iterator[Document]:
     """The document at steps on the way to winding poses, without the end."""
-    if not document.winds:
+    if not document.has_half_turn:
         return
-    paths = paths_of(document)
+    paths = handle_paths(document)
     steps = math.ceil(max(path.angle for path in paths) / _STEP)
     for step in range(1, steps):
         stop = document_at(document, paths, step / steps)
         yield _rounded(stop, [True] * len(paths))
 
 
-def without_last_digits(document: Document) -> Document:
+def with_rounded_poses(document: Document) -> Document:
     """The document with the poses of winding handles rounded."""
-    return _rounded(document, [handle.winds for handle in document.handles])
+    return _rounded(document, [handle.has_half_turn for handle in document.handles])
 
 
 def _rounded(document: Document, which: Sequence[bool]) -> Document:
     size = diagonal(document.mesh.V)
     for k, handle in enumerate(document.handles):
         if which[k]:
-            document = document.with_handle(k, handle.at(rounded(handle.pose, size), handle.waypoints))
+            document = document.with_handle(
+                k, handle.with_pose(rounded_pose(handle.pose, size), handle.waypoints)
+            )
     return document

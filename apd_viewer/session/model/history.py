@@ -23,9 +23,9 @@ class HistoryEntry:
     state: State
 
     @cached_property
-    def held(self) -> dict[int, int]:
-        """Bytes that it keeps in memory, see :func:`held`."""
-        return held(self.state)
+    def array_bytes(self) -> dict[int, int]:
+        """Bytes that it keeps in memory, see :func:`array_bytes`."""
+        return array_bytes(self.state)
 
 
 class History:
@@ -39,9 +39,9 @@ class History:
     Attributes
     ----------
     most_bytes : int
-    bytes : int
+    undo_bytes : int
         Memory of the states that can be undone.
-    forgot : callable
+    entries_dropped : callable
         Called after entries were dropped.
     """
 
@@ -50,11 +50,11 @@ class History:
         self._undo: list[HistoryEntry] = []
         self._redo: list[HistoryEntry] = []
         self._keepers = Counter[int]()  # number of entries to undo that keep a thing in memory
-        self.bytes = 0
-        self.forgot: Callable[[], object] = lambda: None
+        self.undo_bytes = 0
+        self.entries_dropped: Callable[[], object] = lambda: None
 
     @property
-    def latest(self) -> HistoryEntry | None:
+    def last_entry(self) -> HistoryEntry | None:
         """The next gesture to undo; the same while repeated keys are joined to it."""
         return self._undo[-1] if self._undo else None
 
@@ -69,22 +69,22 @@ class History:
         return self._redo[-1].gesture if self._redo else None
 
     @property
-    def done(self) -> list[str]:
+    def undo_names(self) -> list[str]:
         """Names of the gestures on the undo stack, oldest first."""
         return [entry.gesture for entry in self._undo]
 
     @property
-    def undone(self) -> list[str]:
+    def redo_names(self) -> list[str]:
         """Names of the gestures on the redo stack, next first."""
         return [entry.gesture for entry in reversed(self._redo)]
 
     @property
-    def past(self) -> list[State]:
+    def undo_states(self) -> list[State]:
         """States on the undo stack, oldest first."""
         return [entry.state for entry in self._undo]
 
     @property
-    def states(self) -> list[State]:
+    def reachable_states(self) -> list[State]:
         """States within reach of undo and redo."""
         return [entry.state for entry in (*self._undo, *self._redo)]
 
@@ -94,51 +94,51 @@ class History:
         self._push(HistoryEntry(gesture, before))
         self._drop_oldest(undone)
 
-    def limit(self, most_bytes: int) -> None:
+    def limit_memory(self, most_bytes: int) -> None:
         """Set the budget, and drop what is beyond it."""
         self.most_bytes = most_bytes
         self._drop_oldest([])
 
     def _drop_oldest(self, dropped: list[HistoryEntry]) -> None:
-        while len(self._undo) > 1 and self.bytes > self.most_bytes:
+        while len(self._undo) > 1 and self.undo_bytes > self.most_bytes:
             dropped.append(self._pop(0))
         if dropped:
             dropped.clear()  # so that nothing keeps their memory
-            self.forgot()
+            self.entries_dropped()
 
-    def undo(self, now: State) -> State | None:
+    def undo(self, state: State) -> State | None:
         """The state before the last gesture; None if there is none."""
         if not self._undo:
             return None
         entry = self._pop(-1)
-        self._redo.append(HistoryEntry(entry.gesture, now))
+        self._redo.append(HistoryEntry(entry.gesture, state))
         return entry.state
 
-    def redo(self, now: State) -> State | None:
+    def redo(self, state: State) -> State | None:
         """The state after the gesture undone last; None if there is none."""
         if not self._redo:
             return None
         entry = self._redo.pop()
-        self._push(HistoryEntry(entry.gesture, now))
+        self._push(HistoryEntry(entry.gesture, state))
         return entry.state
 
     def _push(self, entry: HistoryEntry) -> None:
         self._undo.append(entry)
-        for key, size in entry.held.items():
-            self.bytes += 0 if self._keepers[key] else size
+        for key, size in entry.array_bytes.items():
+            self.undo_bytes += 0 if self._keepers[key] else size
             self._keepers[key] += 1
 
     def _pop(self, k: int) -> HistoryEntry:
         entry = self._undo.pop(k)
-        for key, size in entry.held.items():
+        for key, size in entry.array_bytes.items():
             self._keepers[key] -= 1
             if not self._keepers[key]:
                 del self._keepers[key]
-                self.bytes -= size
+                self.undo_bytes -= size
         return entry
 
 
-def held(value: object) -> dict[int, int]:
+def array_bytes(value: object) -> dict[int, int]:
     """Bytes of the arrays and file contents within a value, by their identity.
 
     It looks into everything of this package, and into tuples, lists and dictionaries.

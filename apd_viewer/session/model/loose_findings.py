@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.findings import Finding
+from apd_viewer.geometry.analysis.mesh_findings import Finding
 from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.language import tr, trn
 from apd_viewer.session.model import memo
@@ -16,12 +16,12 @@ from apd_viewer.session.model.document import Document
 _MOST = 100
 
 
-def of_loose_parts(document: Document) -> Iterator[tuple[Finding, tuple[int, ...]]]:
+def loose_component_findings(document: Document) -> Iterator[tuple[Finding, tuple[int, ...]]]:
     """All loose parts together, then each, with the lowest vertex of each.
 
     Before anything is painted the largest part does not count: it is the one to be painted.
     """
-    parts = document.loose_parts
+    parts = document.loose_components
     if not (document.labels != FREE).any():
         parts = parts[1:]
     if len(parts) > 1:
@@ -32,7 +32,7 @@ def of_loose_parts(document: Document) -> Iterator[tuple[Finding, tuple[int, ...
         yield _finding(document, said.format(n=part.triangles), (part.first,))
 
 
-def _finding(document: Document, said: str, firsts: tuple[int, ...]) -> tuple[Finding, tuple[int, ...]]:
+def _finding(document: Document, sentence: str, firsts: tuple[int, ...]) -> tuple[Finding, tuple[int, ...]]:
     mesh = document.mesh
-    vertices = np.unique(mesh.F[np.isin(memo.parts(mesh.joined_F), firsts)])
-    return Finding("loose part", said, vertices), firsts
+    vertices = np.unique(mesh.F[np.isin(memo.triangle_components(mesh.joined_F), firsts)])
+    return Finding("loose part", sentence, vertices), firsts

@@ -11,58 +11,65 @@ import numpy as np
 
 from apd_viewer.geometry.energy import cell_bending
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
-from apd_viewer.geometry.mesh.components import part_of_triangles
+from apd_viewer.geometry.mesh.components import face_components
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.mesh.region_areas import region_areas
 from apd_viewer.geometry.mesh.weld import Weld
-from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, Soft, transform, what_is_missing
-from apd_viewer.geometry.pose.falloff import Graph, distances, edge_graph, softened, strengths
+from apd_viewer.geometry.pose.constraints import (
+    BASE,
+    FREE,
+    HANDLE,
+    SoftConstraints,
+    next_paint_sentence,
+    transform,
+)
+from apd_viewer.geometry.pose.falloff import Graph, distances, edge_graph, soft_constraints, strengths
 
 T = TypeVar("T")
 
 
-def once(find: Callable[..., T]) -> Callable[..., T]:
-    """Memoise ``find`` by the identity of its arrays, shared between documents.
+def memoised(compute: Callable[..., T]) -> Callable[..., T]:
+    """Memoise ``compute`` by the identity of its arrays, shared between documents.
 
     What it finds is kept until one of the arrays is gone. What else is given counts by its value.
     """
     known: dict[tuple[object, ...], tuple[list[weakref.ref[np.ndarray]], T]] = {}
 
-    @wraps(find)
+    @wraps(compute)
     def found(*given: object) -> T:
         key = tuple(id(each) if isinstance(each, np.ndarray) else each for each in given)
         if key not in known:
             arrays = [each for each in given if isinstance(each, np.ndarray)]
-            result = find(*given)
+            result = compute(*given)
             known[key] = [weakref.ref(each, lambda _: known.pop(key, None)) for each in arrays], result
         return known[key][1]
 
     return found
 
 
-problem = once(what_is_missing)
+paint_problem = memoised(next_paint_sentence)
 
 
-@once
-def counts(labels: np.ndarray) -> np.ndarray:
+@memoised
+def label_counts(labels: np.ndarray) -> np.ndarray:
     """Number of the vertices with each label or in each region, (256,) int array."""
     return frozen(np.bincount(labels, minlength=256))
 
 
-@once
-def centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
+@memoised
+def label_centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
     """Mean of the points of ``X`` (n, 3) with a label, (3,); there must be one."""
     # One axis at a time: ten times faster than all at once.
     return frozen(np.array([x.mean() for x in X[labels == label].T]))
 
 
-@once
-def in_place(V: np.ndarray, weld: Weld) -> float:
+@memoised
+def in_place_tolerance(V: np.ndarray, weld: Weld) -> float:
     """Tolerance of held vertices in place, mesh units."""
-    return weld.in_place(diagonal(V))
+    return weld.in_place_tolerance(diagonal(V))
 
 
-@once
+@memoised
 def rest_grip(
     V: np.ndarray, grip: np.ndarray, labels: np.ndarray, weld: Weld, *starts: np.ndarray
 ) -> np.ndarray | None:
@@ -87,46 +94,46 @@ def rest_grip(
     for label, start in enumerate(starts, HANDLE):
         mine = labels == label
         found[mine] = transform(np.linalg.inv(start), grip[mine])
-    near = np.abs(found - V).max(axis=1) <= in_place(V, weld)
+    near = np.abs(found - V).max(axis=1) <= in_place_tolerance(V, weld)
     found[near] = V[near]
     return None if near.all() else frozen(found)
 
 
-@once
+@memoised
 def is_displaced(V: np.ndarray, X: np.ndarray, labels: np.ndarray, label: int) -> bool:
     """True if vertices of a label are elsewhere in ``X`` (n, 3) than in ``V`` (n, 3)."""
     mine = labels == label
     return not np.array_equal(V[mine], X[mine])
 
 
-@once
+@memoised
 def rest_areas(V: np.ndarray, F: np.ndarray, member: np.ndarray, count: int) -> tuple[float, ...]:
     """Area of each region at rest."""
     return tuple(region_areas(V, F, member, count).tolist())
 
 
-@once
-def parts(F: np.ndarray) -> np.ndarray:
+@memoised
+def triangle_components(F: np.ndarray) -> np.ndarray:
     """Lowest vertex of the connected part of each triangle of ``F``, (m,)."""
-    return frozen(part_of_triangles(F))
+    return frozen(face_components(F))
 
 
-@once
+@memoised
 def triangle_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Area of each triangle at rest, (m,) float array."""
     return frozen(face_areas(V, F))
 
 
-cell_stiffness = once(cell_bending.cell_stiffness)
+cell_stiffness = memoised(cell_bending.cell_stiffness)
 
 
-@once
+@memoised
 def _graph(V: np.ndarray, F: np.ndarray) -> Graph:
     """Lengths of the edges, (n, n)."""
     return edge_graph(V, F)
 
 
-@once
+@memoised
 def _away(
     V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, label: int, reach: float
 ) -> np.ndarray:
@@ -136,8 +143,10 @@ def _away(
     return frozen(distances(_graph(V, F), start, reach)[joined])
 
 
-@once
-def soft(V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, falloffs: tuple[float, ...]) -> Soft:
+@memoised
+def falloff_constraints(
+    V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, falloffs: tuple[float, ...]
+) -> SoftConstraints:
     """Soft constraints of handles by their falloffs; ``F`` has welded vertices."""
     # A falloff being swept needs a new search only after doubling.
     reaches = [2.0 ** np.ceil(np.log2(r)) if r > 0.0 else 0.0 for r in falloffs]
@@ -145,4 +154,4 @@ def soft(V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, falloffs:
     for k, (falloff, reach) in enumerate(zip(falloffs, reaches, strict=True)):
         if falloff > 0.0:
             strength[k] = strengths(_away(V, F, weld, labels, HANDLE + k, float(reach)), falloff)
-    return softened(labels == FREE, strength, np.array(falloffs))
+    return soft_constraints(labels == FREE, strength, np.array(falloffs))

@@ -8,8 +8,8 @@ from enum import Enum
 
 import numpy as np
 
-from apd_viewer.geometry.contact.obstacles import Obstacle, capsule, plate, sphere
-from apd_viewer.geometry.mesh.arrays import diagonal, direction, frozen
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle, capsule, plate, sphere
+from apd_viewer.geometry.mesh.arrays import checked_direction, diagonal, frozen
 from apd_viewer.language import tr, trc
 
 MOST_OBSTACLES = 20
@@ -75,12 +75,12 @@ class NamedObstacle:
     length: float = 0.0
     shift: np.ndarray = field(default_factory=lambda: _NO_SHIFT)
 
-    def solid(self, size: float) -> Obstacle:
-        """The obstacle where it was put, in the way of what is ``size`` large.
+    def to_obstacle(self, extent: float) -> Obstacle:
+        """The obstacle where it was put, in the way of what is ``extent`` large.
 
         Parameters
         ----------
-        size : float
+        extent : float
             Extent of all that a plate is to stop, mesh units.
 
         Raises
@@ -89,17 +89,17 @@ class NamedObstacle:
             If it has no extent or direction.
         """
         if self.kind is ObstacleKind.PLATE:
-            return plate(self.place, self.axis, size)
+            return plate(self.place, self.axis, extent)
         if self.kind is ObstacleKind.SPHERE:
             return sphere(self.place, self.radius)
-        half = 0.5 * self.length * direction(self.axis)
+        half = 0.5 * self.length * checked_direction(self.axis)
         return capsule(self.place - half, self.place + half, self.radius)
 
-    def shifted(self, shift: np.ndarray) -> NamedObstacle:
+    def with_shift(self, shift: np.ndarray) -> NamedObstacle:
         """The obstacle ``shift`` (3,) from where it was put."""
         return replace(self, shift=frozen(np.array(shift, dtype=np.float64)))
 
-    def settled(self, shift: np.ndarray) -> NamedObstacle:
+    def with_shift_applied(self, shift: np.ndarray) -> NamedObstacle:
         """The obstacle put where it is after ``shift`` (3,), with no motion since."""
         return replace(self, place=frozen(self.place + shift), shift=_NO_SHIFT)
 
@@ -109,8 +109,8 @@ class NamedObstacle:
         return self.place + self.shift
 
 
-def shifts_after(
-    before: Sequence[NamedObstacle], come: np.ndarray, after: Sequence[NamedObstacle]
+def carried_shifts(
+    before: Sequence[NamedObstacle], shifts: np.ndarray, after: Sequence[NamedObstacle]
 ) -> np.ndarray:
     """Motion of obstacles so far, (o, 3), where there are others now.
 
@@ -118,21 +118,21 @@ def shifts_after(
     ----------
     before, after : sequences of NamedObstacle
         Those put at the same place array are the same; new ones have come as far as they are moved.
-    come : (p, 3) float array
+    shifts : (p, 3) float array
         Of those before; it is empty where that is not known, and stays so.
     """
-    if len(come) != len(before):
+    if len(shifts) != len(before):
         return frozen(np.zeros((0, 3)))
-    known = {id(each.place): shift for each, shift in zip(before, come, strict=True)}
+    known = {id(each.place): shift for each, shift in zip(before, shifts, strict=True)}
     return frozen(np.array([known.get(id(each.place), each.shift) for each in after]).reshape(-1, 3))
 
 
-def solids_of(obstacles: Sequence[NamedObstacle], V: np.ndarray) -> tuple[Obstacle, ...]:
+def geometric_obstacles(obstacles: Sequence[NamedObstacle], V: np.ndarray) -> tuple[Obstacle, ...]:
     """The obstacles in the way of a mesh with vertices ``V`` (n, 3)."""
-    return tuple(each.solid(size_for(each, V)) for each in obstacles)
+    return tuple(each.to_obstacle(stopping_extent(each, V)) for each in obstacles)
 
 
-def size_for(obstacle: NamedObstacle, V: np.ndarray) -> float:
+def stopping_extent(obstacle: NamedObstacle, V: np.ndarray) -> float:
     """Extent of all that an obstacle is to stop of a mesh with vertices ``V`` (n, 3)."""
     middle = 0.5 * (V.min(axis=0) + V.max(axis=0))
     # A plate far away has to reach as far.

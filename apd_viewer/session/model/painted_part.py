@@ -13,10 +13,10 @@ from apd_viewer.session.model.document_parts import with_next_region
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.named_parts import Handle, NamedRegion, PartFlags
+    from apd_viewer.session.model.handles_and_regions import Handle, NamedRegion, PartFlags
 
 
-class Part(NamedTuple):
+class PaintedPart(NamedTuple):
     """The base or a handle, by its label, or a region, by its number from 1."""
 
     code: int
@@ -27,11 +27,11 @@ class Part(NamedTuple):
         return document.member if self.is_region else document.labels
 
     @property
-    def nothing(self) -> int:
+    def unpainted_code(self) -> int:
         """The code of unpainted vertices."""
         return 0 if self.is_region else FREE
 
-    def of(self, document: Document) -> np.ndarray:
+    def mask(self, document: Document) -> np.ndarray:
         """Membership of the vertices, (n,) bool."""
         return np.asarray(self.codes(document) == self.code)
 
@@ -45,7 +45,7 @@ class Part(NamedTuple):
         named = self._named(document)
         return document.base if named is None else named.flags
 
-    def flagged(self, document: Document, flags: PartFlags) -> Document:
+    def document_with_flags(self, document: Document, flags: PartFlags) -> Document:
         """The document with other flags of the part."""
         if self.is_region:
             k = self.code - 1
@@ -55,7 +55,7 @@ class Part(NamedTuple):
         k = self.code - HANDLE
         return document.with_handle(k, replace(document.handles[k], flags=flags))
 
-    def exists(self, document: Document) -> bool:
+    def is_in(self, document: Document) -> bool:
         """True but for the region of a first stroke."""
         return not self.is_region or self.code <= len(document.regions)
 
@@ -64,10 +64,10 @@ class Part(NamedTuple):
             return document.regions[self.code - 1]
         return None if self.code == BASE else document.handles[self.code - HANDLE]
 
-    def become(self, document: Document, wanted: np.ndarray) -> Document:
-        """The document with the ``wanted`` vertices, (n,) bool, and no others, in it."""
-        if not self.exists(document) and wanted.any():
+    def document_with_members(self, document: Document, members: np.ndarray) -> Document:
+        """The document with the ``members`` vertices, (n,) bool, and no others, in it."""
+        if not self.is_in(document) and members.any():
             document = with_next_region(document)  # the part need not exist yet, as for a stroke
-        paint = type(document).painted_region if self.is_region else type(document).painted
-        cleared = paint(document, np.flatnonzero(self.of(document) & ~wanted), self.nothing)
-        return paint(cleared, np.flatnonzero(wanted), self.code)
+        paint = type(document).with_region_number if self.is_region else type(document).with_label
+        cleared = paint(document, np.flatnonzero(self.mask(document) & ~members), self.unpainted_code)
+        return paint(cleared, np.flatnonzero(members), self.code)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.selections.selection import numbered
+from apd_viewer.files.selections.selection import default_name
 from apd_viewer.geometry.analysis.inspection import Inspection, inspect
 from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -15,15 +15,15 @@ from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.weld import Weld
-from apd_viewer.geometry.picking.surface_index import Skin
+from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
-from apd_viewer.geometry.pose.frame import MET, Frame
-from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, contact_by_default, material_of
+from apd_viewer.geometry.pose.frame import TARGET_ACCURACY, Frame
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, contact_by_default, method_material
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.named_obstacle import shifts_after
-from apd_viewer.session.model.named_parts import Handle
+from apd_viewer.session.model.handles_and_regions import Handle
+from apd_viewer.session.model.named_obstacle import carried_shifts
 from apd_viewer.session.model.targets import kept_percentages
 
 
@@ -36,7 +36,7 @@ class State:
     document : Document
     inspection : Inspection
         Readings of the mesh at rest.
-    skin : Skin
+    surface_index : SurfaceIndex
         What is drawn and touched of the mesh.
     frame : Frame
         The latest shape, and its readings.
@@ -44,44 +44,44 @@ class State:
 
     document: Document
     inspection: Inspection
-    skin: Skin
+    surface_index: SurfaceIndex
     frame: Frame
 
     @property
     def region_counts(self) -> np.ndarray:
         """Number of the vertices with each region number, (256,) int array."""
-        return memo.counts(self.document.member)
+        return memo.label_counts(self.document.member)
 
     @property
     def is_at_rest(self) -> bool:
         """True if the shape is at rest, nothing moved and every percentage 100 or none."""
         document = self.document
-        asks = any(percent not in (None, 100.0) for percent in document.percentages)
-        moved = document.posed or any(each.shift.any() for each in document.obstacles)
+        asks = any(percent not in (None, 100.0) for percent in document.target_percentages)
+        moved = document.is_posed or any(each.shift.any() for each in document.obstacles)
         return self.frame.U is document.mesh.V and not moved and not asks
 
-    def is_away(self, k: int) -> bool:
+    def is_handle_moved(self, k: int) -> bool:
         """True if handle ``k`` has been moved, or holds vertices away from rest."""
-        whole = self.document.from_rest
+        whole = self.document.relative_to_rest
         moved = whole.handles[k].is_moved
         return moved or memo.is_displaced(whole.mesh.V, whole.grip, whole.labels, HANDLE + k)
 
     @property
-    def keeps_apart(self) -> bool:
+    def is_contact_active(self) -> bool:
         """True if contact is on, and the method has it."""
-        return self.document.contact and self.document.traits.may_touch
+        return self.document.contact and self.document.method_traits.may_use_contact
 
     @property
-    def cannot_cross(self) -> bool:
+    def is_safe_from_crossing(self) -> bool:
         """True if contact keeps all of the shape apart, on its way too."""
         touch = self.frame.contact
-        return self.keeps_apart and touch is not None and not touch.exempt
+        return self.is_contact_active and touch is not None and not touch.exempt
 
     @property
-    def shifts(self) -> np.ndarray:
+    def obstacle_shifts(self) -> np.ndarray:
         """Motions of the obstacles, as far as contact has let them come, (o, 3)."""
         obstacles, come = self.document.obstacles, self.frame.shifts
-        if self.keeps_apart and len(come) == len(obstacles):
+        if self.is_contact_active and len(come) == len(obstacles):
             return come
         return np.array([each.shift for each in obstacles]).reshape(-1, 3)
 
@@ -91,10 +91,10 @@ class State:
         return load_excess_of(self.document)
 
     @property
-    def lacks(self) -> bool:
+    def has_unmet_target(self) -> bool:
         """True if a target of area or volume is not met."""
         document, rest, now = self.document, self.inspection, self.frame
-        within = document.tolerance if document.traits.has_tolerance else MET
+        within = document.tolerance if document.method_traits.has_tolerance else TARGET_ACCURACY
         at_rest = rest.area, rest.volume, *document.rest_areas
         measured = zip(kept_percentages(document), at_rest, (now.area, now.volume, *now.regions), strict=True)
         return any(
@@ -105,24 +105,24 @@ class State:
             for percent, before, value in measured
         )
 
-    def at(self, document: Document | None = None, frame: Frame | None = None) -> State:
+    def updated(self, document: Document | None = None, frame: Frame | None = None) -> State:
         """The state with another document or frame, and its regions measured anew."""
         before, shown = self.document, self.frame
         document, frame = document or before, frame or shown
         # Handles move more often than the rest shape is measured anew.
         same = frame is shown and document.member is before.member and document.regions is before.regions
         if frame is shown and document.obstacles is not before.obstacles:
-            frame = replace(frame, shifts=shifts_after(before.obstacles, frame.shifts, document.obstacles))
+            frame = replace(frame, shifts=carried_shifts(before.obstacles, frame.shifts, document.obstacles))
         if not same:
             frame = replace(frame, regions=document.region_areas(frame.U))
-        return State(document, self.inspection, self.skin, frame)
+        return State(document, self.inspection, self.surface_index, frame)
 
-    def unsettled(self) -> State:
+    def as_unsettled(self) -> State:
         """The state with its shape marked as unfinished."""
         return replace(self, frame=replace(self.frame, converged=False, settled=False))
 
 
-def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
+def initial_state(mesh: Mesh, labels: np.ndarray | None = None) -> State:
     """A mesh at rest as new work begins, with ``labels`` (n,) or nothing painted."""
     if labels is None:
         labels = frozen(np.full(len(mesh.V), FREE, dtype=np.uint8))
@@ -137,15 +137,15 @@ def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
         labels,
         grip=mesh.V,
         member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
-        handles=tuple(Handle(numbered(tr("Handle"), k)) for k in range(1, count + 1)),
+        handles=tuple(Handle(default_name(tr("Handle"), k)) for k in range(1, count + 1)),
         contact=contact_by_default(DEFAULT_METHOD, len(mesh.V)),
     )
-    return State(document, inspection, skin_of(mesh), rest_frame(mesh, inspection))
+    return State(document, inspection, surface_index_of(mesh), rest_frame(mesh, inspection))
 
 
-def skin_of(mesh: Mesh) -> Skin:
+def surface_index_of(mesh: Mesh) -> SurfaceIndex:
     """The part of a mesh to be drawn and touched."""
-    return Skin.of(mesh.F, len(mesh.V), mesh.joined_F, mesh.V, mesh.corner_normals)
+    return SurfaceIndex.from_triangles(mesh.F, len(mesh.V), mesh.joined_F, mesh.V, mesh.corner_normals)
 
 
 def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
@@ -174,13 +174,13 @@ def shape_frame(mesh: Mesh, inspection: Inspection, U: np.ndarray) -> Frame:
     return replace(frame, U=U, area_error=found.area / rest.area - 1.0, **found._asdict())
 
 
-def welded(state: State) -> State:
+def welded_state(state: State) -> State:
     """The state with welded seams, both sides painted alike and at one place."""
     before, mesh = state.document, state.document.mesh.welded()
 
     def beside(X: np.ndarray) -> np.ndarray:
         """Positions ``X`` (n, 3) with the other side of a seam beside the first."""
-        return X if X is mesh.V else frozen(mesh.weld.spread(X[mesh.weld.first]))
+        return X if X is mesh.V else frozen(mesh.weld.to_file(X[mesh.weld.first]))
 
     document = replace(
         before,
@@ -189,12 +189,14 @@ def welded(state: State) -> State:
         member=_alike(before.member, mesh.weld, 0),
         grip=beside(before.grip),
     )
-    loose = {part.first for part in document.loose_parts}
-    document = replace(document, staying=tuple(sorted(loose.intersection(document.staying))))
+    loose = {part.first for part in document.loose_components}
+    document = replace(
+        document, staying_components=tuple(sorted(loose.intersection(document.staying_components)))
+    )
     inspection, U = inspect(mesh), beside(state.frame.U)
     frame = replace(shape_frame(mesh, inspection, U), shifts=state.frame.shifts)
-    found = State(document, inspection, skin_of(mesh), state.frame).at(frame=frame)
-    return found if U is mesh.V else found.unsettled()
+    found = State(document, inspection, surface_index_of(mesh), state.frame).updated(frame=frame)
+    return found if U is mesh.V else found.as_unsettled()
 
 
 def _alike(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
@@ -209,4 +211,4 @@ def load_excess_of(document: Document) -> float | None:
     """Expected excess of loads on the obstacles; None without stiffness."""
     moduli = document.stiffness, document.area_stiffness, document.shear_stiffness
     cells = memo.cell_stiffness(document.mesh.V, document.mesh.joined_F)
-    return load_excess(material_of(document.traits, *moduli), cells)
+    return load_excess(method_material(document.method_traits, *moduli), cells)

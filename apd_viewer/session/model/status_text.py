@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.files.known_file import Fate
+from apd_viewer.files.known_file import FileState
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.turns.held_turn import passing_warnings
+from apd_viewer.geometry.turns.held_turn import pass_through_warnings
 from apd_viewer.language import tr, trn
-from apd_viewer.notation import written
+from apd_viewer.notation import localized_number
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
     from apd_viewer.files.fe_deck import Deck
     from apd_viewer.files.selections.selection import Selection
-    from apd_viewer.geometry.analysis.findings import Finding
+    from apd_viewer.geometry.analysis.mesh_findings import Finding
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.geometry.analysis.target_shape import TargetShape
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -37,10 +37,10 @@ def about_findings(findings: Sequence[Finding]) -> str | None:
     return " ".join(said) or None
 
 
-def about_export(name: str, area: float, at_rest: float, unit: Unit) -> str:
+def about_export(name: str, area: float, rest_area: float, unit: Unit) -> str:
     """Sentence about an exported mesh: the area measured on the file."""
     return tr("Exported {name}: area {area}, {percent:.3f} % of the rest area.").format(
-        name=name, area=unit.area(written(f"{area:.6g}")), percent=100.0 * area / at_rest
+        name=name, area=unit.format_area(localized_number(f"{area:.6g}")), percent=100.0 * area / rest_area
     )
 
 
@@ -51,8 +51,8 @@ def about_deck(name: str, deck: Deck) -> str:
         "{name}: {shells:,} shells, {held:,} held nodes, {n} steps.",
         len(deck.steps),
     )
-    held = sum(len(part.vertices) for part in deck.held)
-    return said.format(name=name, shells=len(deck.used), held=held, n=len(deck.steps))
+    held = sum(len(part.vertices) for part in deck.held_sets)
+    return said.format(name=name, shells=len(deck.used_faces), held=held, n=len(deck.steps))
 
 
 def about_baking(area: float, before: float, unit: Unit) -> str:
@@ -60,7 +60,10 @@ def about_baking(area: float, before: float, unit: Unit) -> str:
     return tr(
         "New rest shape: 100 % is now {area}, {percent} % of before, and motions count from here. "
         "Undo to go back."
-    ).format(area=unit.area(written(f"{area:.6g}")), percent=written(f"{100.0 * area / before:.3f}"))
+    ).format(
+        area=unit.format_area(localized_number(f"{area:.6g}")),
+        percent=localized_number(f"{100.0 * area / before:.3f}"),
+    )
 
 
 def about_session(name: str, embedded: bool) -> str:
@@ -70,21 +73,21 @@ def about_session(name: str, embedded: bool) -> str:
 
 
 _LOST = {
-    Fate.CHANGED: tr("{name} has been changed by another window or program."),
-    Fate.GONE: tr("{name} has been moved or deleted."),
-    Fate.INCOMPLETE: tr("The mesh of {name} has been moved, changed or deleted."),
+    FileState.CHANGED: tr("{name} has been changed by another window or program."),
+    FileState.GONE: tr("{name} has been moved or deleted."),
+    FileState.INCOMPLETE: tr("The mesh of {name} has been moved, changed or deleted."),
 }
 
 
-def lost_file(name: str, found: Fate) -> str:
+def lost_file_text(name: str, file_state: FileState) -> str:
     """Sentence about a session file changed or gone; empty if it is neither."""
-    return _LOST[found].format(name=name) if found in _LOST else ""
+    return _LOST[file_state].format(name=name) if file_state in _LOST else ""
 
 
-def about_lost_file(name: str, found: Fate) -> str:
+def about_lost_file(name: str, file_state: FileState) -> str:
     """Sentences about a lost file, and what to do."""
     remedy = tr("What is shown here is in no file until you save it.")
-    return f"{lost_file(name, found)} {remedy}"
+    return f"{lost_file_text(name, file_state)} {remedy}"
 
 
 def about_selection(name: str, left_out: Sequence[str]) -> str:
@@ -104,18 +107,18 @@ def about_loaded_selection(name: str, selection: Selection) -> str:
 
 def about_missing_target(document: Document) -> str | None:
     """Sentence about a target shape that was not found again; None if there is none."""
-    missing = document.missing_target
-    return None if missing is None else tr("The target shape is not shown: {why}").format(why=missing.why)
+    missing = document.missing_target_shape
+    return None if missing is None else tr("The target shape is not shown: {why}").format(why=missing.reason)
 
 
 def about_target(target: TargetShape, mesh: Mesh) -> str:
     """Sentence about a loaded target shape, and about its size if that is another."""
-    name, factor = target.mesh.name, target.misfit(mesh)
+    name, factor = target.mesh.name, target.size_ratio(mesh)
     if factor is None:
         return tr("Comparing with {name}.").format(name=name)
     return tr(
         "{name} is {factor} times as large as {mesh}; check its unit of length and scale its file."
-    ).format(name=name, factor=written(f"{factor:.3g}"), mesh=mesh.name)
+    ).format(name=name, factor=localized_number(f"{factor:.3g}"), mesh=mesh.name)
 
 
 def about_lock(name: str) -> str:
@@ -123,21 +126,21 @@ def about_lock(name: str) -> str:
     return tr("{name} is locked; unlock it in the panel first.").format(name=name)
 
 
-def about_caps(openings: int) -> str:
+def caps_phrase(openings: int) -> str:
     """Phrase about capped openings in a volume."""
     said = trn("with its opening capped flat", "with its {n:,} openings capped flat", openings)
     return said.format(n=openings)
 
 
-def of_exempt(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
+def exempt_zone_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
     """Finding about what contact leaves as it is, by the triangles crossing at rest."""
     if crossing is None or not len(crossing):
         return ()
     # Here, because the window shows some of these sentences before they are loaded.
-    from apd_viewer.geometry.analysis.findings import Finding
-    from apd_viewer.geometry.contact.exempt_zones import near_crossing
+    from apd_viewer.geometry.analysis.mesh_findings import Finding
+    from apd_viewer.geometry.contact.exempt_zones import is_near_crossing
 
-    near = near_crossing(mesh.joined_F, crossing, len(mesh.V))
+    near = is_near_crossing(mesh.joined_F, crossing, len(mesh.V))
     where = frozen(np.flatnonzero(near[mesh.weld.representative]))
     said = tr(
         "{n:,} triangles cross at rest; contact leaves the {vertices:,} vertices near them as they are."
@@ -145,28 +148,28 @@ def of_exempt(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
     return (Finding("exempt from contact", said, where),)
 
 
-def of_crossings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
+def crossing_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
     """Finding about intersecting triangles; empty if there are none."""
     if crossing is None or not len(crossing):
         return ()
     # Here, because the window shows some of these sentences before it is loaded.
-    from apd_viewer.geometry.analysis.findings import Finding
+    from apd_viewer.geometry.analysis.mesh_findings import Finding
 
     said = tr("{n:,} intersecting triangles; the volume counts overlaps twice.")
     where = frozen(np.unique(mesh.F[crossing]))
     return (Finding("self-intersections", said.format(n=len(crossing)), where),)
 
 
-def of_passing(state: State, found: ShapeCheck | None) -> tuple[str, ...]:
+def self_passing_warnings(state: State, check: ShapeCheck | None) -> tuple[str, ...]:
     """Sentences on signs of a surface passing through itself, as far as known."""
-    if found is None:
+    if check is None:
         return ()
     names = [handle.name for handle in state.document.handles]
-    touch = state.keeps_apart, state.document.traits.may_touch
-    return passing_warnings(found.turns, state.frame, state.inspection.volume, *touch, names)
+    touch = state.is_contact_active, state.document.method_traits.may_use_contact
+    return pass_through_warnings(check.turns, state.frame, state.inspection.volume, *touch, names)
 
 
-def of_held_turn(found: ShapeCheck | None, k: int) -> str:
+def held_turn_phrase(check: ShapeCheck | None, k: int) -> str:
     """Turn of handle ``k`` held by the surface, as a phrase; empty without a turn."""
-    held = found.turns[k].degrees[1] if found is not None and k < len(found.turns) else None
+    held = check.turns[k].degrees[1] if check is not None and k < len(check.turns) else None
     return "" if held is None else tr("the surface holds {angle:.1f}°").format(angle=held).replace("-", "−")

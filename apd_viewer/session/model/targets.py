@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.goals.percentage import said_with_sign
+from apd_viewer.geometry.goals.percentage import percentage_text
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.goals.goals import Region
@@ -23,7 +23,7 @@ class Targets(NamedTuple):
 
 def kept_percentages(document: Document) -> tuple[float | None, ...]:
     """Percentages passed to the method; None for a region without a triangle."""
-    method = document.traits
+    method = document.method_traits
     keeps_area = method.keeps_total_area or (method.may_keep_total_area and document.hold_area)
     only_area = method.keeps_only_total_area
     return (
@@ -41,7 +41,7 @@ def targets_of(document: Document) -> Targets:
     # Here: it loads scipy and numba, and the panel of the first picture needs the percentages alone.
     from apd_viewer.geometry.goals.goals import Region
 
-    area, volume, *areas = map(said_with_sign, kept_percentages(document))
+    area, volume, *areas = map(percentage_text, kept_percentages(document))
     regions = tuple(
         Region(part.name, np.flatnonzero(document.member == k), percent)
         for k, (part, percent) in enumerate(zip(document.regions, areas, strict=True), start=1)

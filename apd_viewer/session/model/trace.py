@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
 
-COLUMNS = (
+TRACE_COLUMNS = (
     "seconds",
     "iteration",
     "area",
@@ -28,7 +28,7 @@ COLUMNS = (
     "local_change",
 )
 # Most samples; a plot is hardly wider in pixels. Even, so that every other one can be dropped.
-MOST = 512
+MOST_SAMPLES = 512
 
 
 @dataclass(eq=False)
@@ -55,7 +55,7 @@ class Trace:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._rows = np.empty((MOST, len(COLUMNS)))
+        self._rows = np.empty((MOST_SAMPLES, len(TRACE_COLUMNS)))
         self._start = _Start(None, [], 0.0)
         self._next: _Start | None = None
         self._forget()
@@ -69,12 +69,12 @@ class Trace:
         return self._count
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Column by its name in ``COLUMNS``, read-only; NaN for unknown values.
+        """Column by its name in ``TRACE_COLUMNS``, read-only; NaN for unknown values.
 
         Seconds and iterations since the beginning; areas in square lengths; ``area_error`` relative to rest,
         ``area_miss`` to what is asked for; the rest as in :class:`apd_viewer.geometry.pose.frame.Frame`.
         """
-        return frozen(self._rows[: self._count, COLUMNS.index(name)].copy())
+        return frozen(self._rows[: self._count, TRACE_COLUMNS.index(name)].copy())
 
     @property
     def rows(self) -> np.ndarray:
@@ -92,15 +92,15 @@ class Trace:
         self._next = self._total = None
         self._begin(_Start(state.document, _readings(state.document, state.frame), self._clock()))
 
-    def expect(self, asked: Document | None, state: State) -> None:
+    def begin_with_next_frame(self, requested: Document | None, state: State) -> None:
         """Begin another trace from ``state`` with the first frame of another document."""
-        self._next = _Start(asked, _readings(state.document, state.frame), self._clock())
+        self._next = _Start(requested, _readings(state.document, state.frame), self._clock())
 
-    def release(self) -> None:
+    def mark_release(self) -> None:
         """Mark the end of the gesture; the shape may not have settled yet."""
         (self._next or self._start).released = self._clock()
 
-    def add(self, document: Document, frame: Frame) -> None:
+    def add_frame(self, document: Document, frame: Frame) -> None:
         """Append a frame of ``document``."""
         coming = self._next
         if coming is not None and document is not coming.asked:
@@ -122,9 +122,9 @@ class Trace:
             self._since += 1
         else:
             self._since = 1
-            if self._count == MOST:
-                self._rows[: MOST // 2] = self._rows[::2]
-                self._count = MOST // 2
+            if self._count == MOST_SAMPLES:
+                self._rows[: MOST_SAMPLES // 2] = self._rows[::2]
+                self._count = MOST_SAMPLES // 2
                 self._since += self._stride  # the last sample left out
                 self._stride *= 2
             self._count += 1

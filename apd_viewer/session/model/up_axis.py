@@ -33,9 +33,9 @@ class UpAxis(Enum):
     MINUS_X = "-X"
 
     @classmethod
-    def of_suffix(cls, suffix: str, otherwise: UpAxis) -> UpAxis:
+    def from_suffix(cls, suffix: str, default: UpAxis) -> UpAxis:
         """Up axis prescribed by a file format, or another."""
-        return cls(_PRESCRIBED.get(suffix.lower(), otherwise))
+        return cls(_PRESCRIBED.get(suffix.lower(), default))
 
     @classmethod
     def nearest(cls, direction: np.ndarray) -> UpAxis:

@@ -8,13 +8,13 @@ from typing import TypeAlias
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
 
-SUFFIX = ".apd"  # of a session file
+SESSION_SUFFIX = ".apd"  # of a session file
 
-Point: TypeAlias = tuple[float, float, float]
+Point3: TypeAlias = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Standpoint:
+class CameraPose:
     """Position and direction of the camera.
 
     Attributes
@@ -25,9 +25,9 @@ class Standpoint:
         Vertical opening angle, radians.
     """
 
-    position: Point
-    focal: Point
-    up: Point
+    position: Point3
+    focal: Point3
+    up: Point3
     angle: float
 
 
@@ -37,7 +37,7 @@ class View:
 
     Attributes
     ----------
-    camera : Standpoint or None
+    camera : CameraPose or None
         None where nobody has looked yet: the mesh is shown whole.
     unit : str
         Value of a :class:`apd_viewer.session.quantities.units.Unit`: its symbol, with a question mark
@@ -51,7 +51,7 @@ class View:
         None where nothing is said of it.
     """
 
-    camera: Standpoint | None = None
+    camera: CameraPose | None = None
     unit: str = ""
     wall: Wall = NO_WALL
     overlay: str | None = None

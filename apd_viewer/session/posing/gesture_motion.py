@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.session.model.document_parts import painted_alike
-from apd_viewer.session.model.named_parts import IDENTITY
+from apd_viewer.session.model.document_parts import have_same_paint
+from apd_viewer.session.model.handles_and_regions import IDENTITY
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.named_parts import Handle
+    from apd_viewer.session.model.handles_and_regions import Handle
     from apd_viewer.session.model.state import State
 
 
@@ -36,7 +36,7 @@ def gesture_motion(before: State, document: Document) -> Document | None:
         None too where obstacles have been moved, as these go along their whole way.
     """
     start = before.document
-    same = document.mesh is start.mesh and document.grip is start.grip and painted_alike(start, document)
+    same = document.mesh is start.mesh and document.grip is start.grip and have_same_paint(start, document)
     if not same or len(document.handles) != len(start.handles):
         return None
     if any(each.shift.any() for each in document.obstacles):
@@ -59,13 +59,13 @@ def _rest_of_way(before: Handle, after: Handle) -> Handle:
 
     Back to where both ways part, and on from there: what is gone back along is taken off again.
     """
-    gripped = replace(before.gripped(), earlier=(), line=None)
+    gripped = replace(before.regripped(), earlier_poses=(), former_twist_axis=None)
     if not _moved(before, after):
         return gripped
     shared, origin = _shared(before, after), np.linalg.inv(before.pose)
     parting = before.waypoints[shared - 1] if shared else IDENTITY
     for pose in (*reversed(before.waypoints[shared:]), parting, *after.waypoints[shared:], after.pose):
-        gripped = gripped.moved(pose @ origin)
+        gripped = gripped.moved_to(pose @ origin)
     return gripped
 
 

@@ -22,15 +22,15 @@ from dataclasses import dataclass
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
-WORDS = ("twist", "bend", "turn", "push", "move", "scale")
-MOST_TYPED = 100
+MOTION_WORDS = ("twist", "bend", "turn", "push", "move", "scale")
+MOST_STEPS = 100
 _HANDLE = re.compile(r"handle\s+(\d{1,3})\s*:\s*(.*)", re.DOTALL | re.IGNORECASE)
 _ABOUT = re.compile(r"(.*?)\s+about\s+([xyz])", re.DOTALL | re.IGNORECASE)
 _SHOWN = 40  # characters quoted from invalid input
 
 
 @dataclass(frozen=True)
-class TypedStep:
+class MotionTextStep:
     """One motion of one handle, in words.
 
     Attributes
@@ -57,7 +57,7 @@ class TypedStep:
         return f"handle {self.handle + 1}: {self.word} {' '.join(self.amounts)}{about}"
 
 
-def parsed_motion(text: str) -> tuple[TypedStep, ...]:
+def parse_motion(text: str) -> tuple[MotionTextStep, ...]:
     """Steps of a motion in words.
 
     Raises
@@ -65,7 +65,7 @@ def parsed_motion(text: str) -> tuple[TypedStep, ...]:
     InputError
         If it is none; a sentence says why. Amounts are read later, when the mesh is known.
     """
-    steps: list[TypedStep] = []
+    steps: list[MotionTextStep] = []
     handle = 0
     for part in filter(None, (part.strip() for part in text.split(";"))):
         named = _HANDLE.fullmatch(part)
@@ -78,17 +78,19 @@ def parsed_motion(text: str) -> tuple[TypedStep, ...]:
         steps.append(_step(handle, part))
     if not steps:
         raise InputError(tr("The motion is empty; enter one such as “twist 120deg; push 30%”."))
-    if len(steps) > MOST_TYPED:
-        raise InputError(tr("The motion has too many steps; enter at most {most}.").format(most=MOST_TYPED))
+    if len(steps) > MOST_STEPS:
+        raise InputError(tr("The motion has too many steps; enter at most {most}.").format(most=MOST_STEPS))
     return tuple(steps)
 
 
-def _step(handle: int, text: str) -> TypedStep:
+def _step(handle: int, text: str) -> MotionTextStep:
     word, _, rest = text.partition(" ")
     word, rest, axis = word.lower(), rest.strip(), ""
-    if word not in WORDS:
+    if word not in MOTION_WORDS:
         raise InputError(
-            tr("“{word}” is no motion; use {words}.").format(word=word[:_SHOWN], words=", ".join(WORDS))
+            tr("“{word}” is no motion; use {words}.").format(
+                word=word[:_SHOWN], words=", ".join(MOTION_WORDS)
+            )
         )
     if about := _ABOUT.fullmatch(rest):
         rest, axis = about[1], about[2].upper()
@@ -101,4 +103,4 @@ def _step(handle: int, text: str) -> TypedStep:
     amounts = tuple(rest.split()) if word == "move" else (rest,)
     if word == "move" and len(amounts) != 3:
         raise InputError(tr("“move” needs three lengths without spaces in them, as in “move 0 2cm 0”."))
-    return TypedStep(handle, word, amounts, axis)
+    return MotionTextStep(handle, word, amounts, axis)

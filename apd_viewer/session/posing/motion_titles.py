@@ -8,60 +8,60 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
-from apd_viewer.geometry.pose.transforms import decomposed
-from apd_viewer.geometry.pose.winding import summed_rotations
-from apd_viewer.language import listed, tr
-from apd_viewer.notation import written
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.geometry.pose.transforms import rigid_transform
+from apd_viewer.geometry.pose.waypoint_path import summed_rotations
+from apd_viewer.language import comma_separated, tr
+from apd_viewer.notation import localized_number
+from apd_viewer.session.model.motion_kind import MotionKind
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.named_parts import Handle
+    from apd_viewer.session.model.handles_and_regions import Handle
     from apd_viewer.session.quantities.units import Unit
 
 # Relative: what a drag computes in floating point is equal within this.
 _SAME = 1e-9
 
 
-def title_of(motion: TypedMotion, amount: float, handles: str, unit: Unit) -> str:
+def motion_title(motion: MotionKind, amount: float, handles: str, unit: Unit) -> str:
     """Title such as “Twist +60° (Handle 1)”; radians, a length or a factor."""
-    return _titled(motion.title, _said(motion, amount, unit), handles)
+    return _titled(motion.title, _amount_text(motion, amount, unit), handles)
 
 
-def title_between(before: Document, after: Document, k: int, unit: Unit) -> str:
+def motion_title_between(before: Document, after: Document, k: int, unit: Unit) -> str:
     """Title of the motion of handle ``k`` from one document to another.
 
     About or along an axis of the mesh it is that of the typed motion. A motion of several kinds has
     no amount.
     """
-    old, new, names = before.handles[k], after.handles[k], names_of_moved(before, after)
+    old, new, names = before.handles[k], after.handles[k], moved_handle_names(before, after)
     by = new.pose @ np.linalg.inv(old.pose)
     if not np.isfinite(by).all():
         return tr("Move handle ({handle})").format(handle=names)
     factor = float(np.cbrt(np.linalg.det(by[:3, :3])))
     if np.abs(by[:3, :3] - factor * np.eye(3)).max() <= _SAME * abs(factor):
         if abs(factor - 1.0) > _SAME:
-            return title_of(TypedMotion.SCALE, factor, names, unit)
-        return _title_of_way(by[:3, 3], names, unit)
+            return motion_title(MotionKind.SCALE, factor, names, unit)
+        return _title_of_displacement(by[:3, 3], names, unit)
     if np.abs(by[:3, :3] @ by[:3, :3].T - np.eye(3)).max() <= _SAME:
-        turn = decomposed(by, np.zeros(3) if (pivot := before.pivot(k)) is None else pivot)
+        turn = rigid_transform(by, np.zeros(3) if (pivot := before.pivot(k)) is None else pivot)
         if abs(float(turn.displacement @ turn.axis)) <= _SAME * diagonal(before.mesh.V):
             return _title_of_turn(turn.axis, turn.angle, (old, new), names, unit)
     return tr("Move handle ({handle})").format(handle=names)
 
 
-def names_of_moved(before: Document, after: Document) -> str:
+def moved_handle_names(before: Document, after: Document) -> str:
     """Names of the handles with other poses."""
     pairs = zip(before.handles, after.handles, strict=True)
-    return listed(new.name for old, new in pairs if old.pose is not new.pose)
+    return comma_separated(new.name for old, new in pairs if old.pose is not new.pose)
 
 
-def _title_of_way(way: np.ndarray, names: str, unit: Unit) -> str:
-    along = _axis(way)
+def _title_of_displacement(displacement: np.ndarray, names: str, unit: Unit) -> str:
+    along = _axis(displacement)
     if along is None:
-        length = float(np.linalg.norm(way))
-        return _titled(tr("Move"), unit.length(written(f"{length:.4g}")), names)
-    return title_of(TypedMotion[f"MOVE_{'XYZ'[along]}"], float(way[along]), names, unit)
+        length = float(np.linalg.norm(displacement))
+        return _titled(tr("Move"), unit.format_length(localized_number(f"{length:.4g}")), names)
+    return motion_title(MotionKind[f"MOVE_{'XYZ'[along]}"], float(displacement[along]), names, unit)
 
 
 def _title_of_turn(
@@ -72,26 +72,28 @@ def _title_of_turn(
     angle += 2.0 * math.pi * round((float((new - old) @ axis) - angle) / (2.0 * math.pi))
     along = _axis(axis)
     if along is None:
-        return _titled(tr("Rotate"), _said(TypedMotion.TWIST, angle, unit), names)
-    return title_of(TypedMotion[f"TURN_{'XYZ'[along]}"], math.copysign(1.0, axis[along]) * angle, names, unit)
+        return _titled(tr("Rotate"), _amount_text(MotionKind.TWIST, angle, unit), names)
+    return motion_title(
+        MotionKind[f"TURN_{'XYZ'[along]}"], math.copysign(1.0, axis[along]) * angle, names, unit
+    )
 
 
-def _axis(way: np.ndarray) -> int | None:
+def _axis(displacement: np.ndarray) -> int | None:
     """Number of the axis of the mesh along a vector (3,); None along none."""
-    largest = int(np.argmax(np.abs(way)))
-    aside = np.abs(np.delete(way, largest)).max()
-    return largest if aside <= _SAME * abs(way[largest]) else None
+    largest = int(np.argmax(np.abs(displacement)))
+    aside = np.abs(np.delete(displacement, largest)).max()
+    return largest if aside <= _SAME * abs(displacement[largest]) else None
 
 
-def _said(motion: TypedMotion, amount: float, unit: Unit) -> str:
-    if motion is TypedMotion.SCALE:
-        return written(f"×{amount:.4g}")
-    if motion.kind == "MOVE":
-        return unit.length(written(f"{amount:+.4g}"))
-    return written(f"{math.degrees(amount):+.4g}°")
+def _amount_text(motion: MotionKind, amount: float, unit: Unit) -> str:
+    if motion is MotionKind.SCALE:
+        return localized_number(f"×{amount:.4g}")
+    if motion.family == "MOVE":
+        return unit.format_length(localized_number(f"{amount:+.4g}"))
+    return localized_number(f"{math.degrees(amount):+.4g}°")
 
 
-def _titled(motion: str, said: str, handles: str) -> str:
+def _titled(motion: str, amount: str, handles: str) -> str:
     return tr("{motion} {amount} ({handle})").format(
-        motion=motion, amount=said.replace("-", "−"), handle=handles
+        motion=motion, amount=amount.replace("-", "−"), handle=handles
     )

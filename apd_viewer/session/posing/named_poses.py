@@ -13,8 +13,8 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.pose.fitted_motion import fitted_motion
-from apd_viewer.session.model.memo import once
-from apd_viewer.session.model.named_parts import IDENTITY, Handle, NamedPose, Placement
+from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle, HandlePlacement, NamedPose
+from apd_viewer.session.model.memo import memoised
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _SAME = 1e-7
 
 
-@once
+@memoised
 def _grip_motion(V: np.ndarray, grip: np.ndarray, labels: np.ndarray, label: int) -> np.ndarray:
     """Motion (4, 4) that brought the vertices of a label from rest to their grip."""
     mine = labels == label
@@ -34,7 +34,7 @@ def _grip_motion(V: np.ndarray, grip: np.ndarray, labels: np.ndarray, label: int
     return frozen(fitted_motion(V[mine], grip[mine]))
 
 
-@once
+@memoised
 def _size(V: np.ndarray) -> float:
     """Diagonal of the bounding box."""
     return diagonal(V)
@@ -43,44 +43,48 @@ def _size(V: np.ndarray) -> float:
 def _gripped(document: Document, k: int) -> Handle:
     """Handle ``k`` with its motion until it was gripped, as nearly as can be known."""
     handle = document.handles[k]
-    if not handle.earlier:
+    if not handle.earlier_poses:
         motion = _grip_motion(document.mesh.V, document.grip, document.labels, HANDLE + k)
-        handle = replace(handle, earlier=() if motion is IDENTITY else (motion,))
+        handle = replace(handle, earlier_poses=() if motion is IDENTITY else (motion,))
     return handle
 
 
-def placements(document: Document) -> tuple[Placement, ...]:
+def handle_placements(document: Document) -> tuple[HandlePlacement, ...]:
     """Present places of all handles with vertices."""
     found = [
-        _gripped(document, k).from_rest for k in range(len(document.handles)) if document.counts[HANDLE + k]
+        _gripped(document, k).relative_to_rest
+        for k in range(len(document.handles))
+        if document.label_counts[HANDLE + k]
     ]
-    return tuple(Placement(handle.name, handle.pose, handle.waypoints) for handle in found)
+    return tuple(HandlePlacement(handle.name, handle.pose, handle.waypoints) for handle in found)
 
 
 def _targets(document: Document, pose: NamedPose) -> Iterator[tuple[int, Handle]]:
     """Handles that a named pose places and the document has, each in its place."""
-    numbers = {handle.name: k for k, handle in enumerate(document.handles) if document.counts[HANDLE + k]}
+    numbers = {
+        handle.name: k for k, handle in enumerate(document.handles) if document.label_counts[HANDLE + k]
+    }
     for placement in pose.placements:
         k = numbers.get(placement.handle)
         if k is not None:
-            there = _gripped(document, k).placed(placement.pose, placement.waypoints)
-            yield k, document.handles[k].at(there.pose, there.waypoints)
+            there = _gripped(document, k).with_pose_from_rest(placement.pose, placement.waypoints)
+            yield k, document.handles[k].with_pose(there.pose, there.waypoints)
 
 
-def posed(document: Document, pose: NamedPose) -> Document:
+def with_named_pose(document: Document, pose: NamedPose) -> Document:
     """The document with its handles in a named pose; others stay where they are."""
     for k, handle in _targets(document, pose):
         document = document.with_handle(k, handle)
     return document
 
 
-def missing(document: Document, pose: NamedPose) -> list[str]:
+def missing_handles(document: Document, pose: NamedPose) -> list[str]:
     """Names of the handles that a named pose places and the document has not."""
     found = {document.handles[k].name for k, _ in _targets(document, pose)}
     return [placement.handle for placement in pose.placements if placement.handle not in found]
 
 
-def is_at(document: Document, pose: NamedPose) -> bool:
+def is_in_pose(document: Document, pose: NamedPose) -> bool:
     """True if the handles are in a named pose, as far as they are there."""
     size, there = _size(document.mesh.V), list(_targets(document, pose))
     return bool(there) and all(_alike(document.handles[k], handle, size) for k, handle in there)
@@ -107,9 +111,9 @@ def with_handle_renamed(document: Document, before: str, after: str) -> Document
     return replace(document, poses=poses)
 
 
-def rebased(document: Document) -> tuple[NamedPose, ...]:
+def rebased_poses(document: Document) -> tuple[NamedPose, ...]:
     """Named poses from the present places of the handles, which become those at rest."""
-    present = {each.handle: each for each in placements(document)}
+    present = {each.handle: each for each in handle_placements(document)}
     return tuple(
         replace(
             pose,
@@ -122,8 +126,8 @@ def rebased(document: Document) -> tuple[NamedPose, ...]:
     )
 
 
-def _rebased(placement: Placement, present: Placement) -> Placement:
+def _rebased(placement: HandlePlacement, present: HandlePlacement) -> HandlePlacement:
     """Placement from another one: back along its path, then along its own."""
-    handle = Handle(placement.handle, earlier=(*present.waypoints, present.pose))
-    there = handle.placed(placement.pose, placement.waypoints)
-    return Placement(there.name, there.pose, there.waypoints)
+    handle = Handle(placement.handle, earlier_poses=(*present.waypoints, present.pose))
+    there = handle.with_pose_from_rest(placement.pose, placement.waypoints)
+    return HandlePlacement(there.name, there.pose, there.waypoints)

@@ -10,17 +10,17 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE, transform
 from apd_viewer.geometry.pose.fitted_motion import fitted_motion
-from apd_viewer.geometry.pose.winding import rotation_vector
+from apd_viewer.geometry.pose.waypoint_path import rotation_vector
 from apd_viewer.session.model import memo
-from apd_viewer.session.model.named_parts import IDENTITY
+from apd_viewer.session.model.handles_and_regions import IDENTITY
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.pose.frame import Frame
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.named_parts import Handle
+    from apd_viewer.session.model.handles_and_regions import Handle
 
 
-def regripped(before: Document, document: Document, frame: Frame) -> Document:
+def regripped_document(before: Document, document: Document, frame: Frame) -> Document:
     """The document with base and handles gripped at the shape of a frame.
 
     A handle keeps its motion from rest while it keeps a vertex that made it.
@@ -40,24 +40,35 @@ def regripped(before: Document, document: Document, frame: Frame) -> Document:
         if j is not None:
             kept = np.flatnonzero((before.labels == HANDLE + j) & (document.labels == label))
         if j is None or not len(kept):
-            handles.append(replace(handle.gripped(), earlier=(), line=None))
+            handles.append(replace(handle.regripped(), earlier_poses=(), former_twist_axis=None))
             continue
-        there = come(before, j, frame, kept).gripped()
+        there = reached_handle(before, j, frame, kept).regripped()
         pivot = None if handle.pivot is None else there.pivot
-        line = _line(before, j) if there.line is None and there.earlier else there.line
-        handles.append(replace(handle.at(IDENTITY), earlier=there.earlier, pivot=pivot, line=line))
+        line = (
+            _line(before, j)
+            if there.former_twist_axis is None and there.earlier_poses
+            else there.former_twist_axis
+        )
+        handles.append(
+            replace(
+                handle.with_pose(IDENTITY),
+                earlier_poses=there.earlier_poses,
+                pivot=pivot,
+                former_twist_axis=line,
+            )
+        )
     return replace(document, grip=frame.U, handles=tuple(handles))
 
 
 def _line(document: Document, k: int) -> np.ndarray | None:
     """Vector from the base to handle ``k``, (3,); None without a base."""
-    if not document.counts[BASE]:
+    if not document.label_counts[BASE]:
         return None
-    centre, base = document.centre(k), memo.centre(document.labels, document.grip, BASE)
+    centre, base = document.centre(k), memo.label_centre(document.labels, document.grip, BASE)
     return None if centre is None else frozen(transform(document.handles[k].pose, centre[None])[0] - base)
 
 
-def come(document: Document, k: int, frame: Frame, ids: np.ndarray | None = None) -> Handle:
+def reached_handle(document: Document, k: int, frame: Frame, ids: np.ndarray | None = None) -> Handle:
     """Handle ``k`` as far as the shape of a frame has followed it; itself if it has.
 
     Parameters
@@ -72,11 +83,11 @@ def come(document: Document, k: int, frame: Frame, ids: np.ndarray | None = None
     ids = np.flatnonzero(document.labels == HANDLE + k) if ids is None else ids
     X, Y = document.grip[ids], frame.U[ids]
     away = np.abs(transform(handle.pose, X) - Y).max(initial=0.0)
-    if away <= memo.in_place(document.mesh.V, document.mesh.weld):
+    if away <= memo.in_place_tolerance(document.mesh.V, document.mesh.weld):
         return handle
     pose = fitted_motion(X, Y)
     ways = [handle.waypoints[:count] for count in range(len(handle.waypoints) + 1)]
     # A pose does not tell full turns: the share of the way does.
     wanted = frame.share_reached * handle.rotation
     nearest = min(ways, key=lambda way: float(np.linalg.norm(rotation_vector(way, pose) - wanted)))
-    return handle.at(pose, nearest)
+    return handle.with_pose(pose, nearest)

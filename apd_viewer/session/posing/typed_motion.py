@@ -10,12 +10,12 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import BASE, transform
-from apd_viewer.geometry.pose.transforms import bend, scaled_about, shifted, turned_about, twist
-from apd_viewer.geometry.pose.winding import rotation_vector
+from apd_viewer.geometry.pose.transforms import bend, rotation_about, scaling_about, translation, twist
+from apd_viewer.geometry.pose.waypoint_path import rotation_vector
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.quantities.expressions import angle, length, number
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.quantities.expressions import parse_angle, parse_length, parse_number
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -29,26 +29,26 @@ _SAMPLE = math.radians(10.0)  # by which the axis of a motion is found
 _AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 
-def names_of(state: State) -> dict[str, float]:
+def named_lengths(state: State) -> dict[str, float]:
     """Lengths of the mesh at rest by name: sides X, Y, Z, longest L, diagonal D."""
     size = state.inspection.size
     sides = dict(zip("XYZ", map(float, size), strict=True))
     return {**sides, "L": float(max(size)), "D": float(np.linalg.norm(size))}
 
 
-def amount_of(motion: TypedMotion, text: str, state: State, unit: Unit) -> float:
+def parse_amount(motion: MotionKind, text: str, state: State, unit: Unit) -> float:
     """Typed length, angle in radians or factor; raises InputError with a sentence."""
-    names = names_of(state)
-    if motion.kind == "MOVE":
-        return length(text, unit, names)
-    return number(text, names) if motion is TypedMotion.SCALE else angle(text, names)
+    names = named_lengths(state)
+    if motion.family == "MOVE":
+        return parse_length(text, unit, names)
+    return parse_number(text, names) if motion is MotionKind.SCALE else parse_angle(text, names)
 
 
 def poses_along(
-    document: Document, k: int, motion: TypedMotion, amount: float, line: np.ndarray | None = None
+    document: Document, k: int, motion: MotionKind, amount: float, line: np.ndarray | None = None
 ) -> Iterator[np.ndarray]:
     """Poses (4, 4) on the way of a motion, each from the last by a quarter turn."""
-    turns = motion.kind not in ("MOVE", "SCALE")
+    turns = motion.family not in ("MOVE", "SCALE")
     if turns and abs(amount) > MOST_TURNS * 2.0 * math.pi:
         raise InputError(tr("Enter at most {most} turns at a time.").format(most=MOST_TURNS))
     steps = max(1, math.ceil(abs(amount) / _LARGEST_STEP)) if turns else 1
@@ -56,28 +56,28 @@ def poses_along(
         yield pose_after(document, k, motion, amount * step / steps, line)
 
 
-def still_to_go(
-    document: Document, k: int, motion: TypedMotion, amount: float, line: np.ndarray | None = None
+def remaining_amount(
+    document: Document, k: int, motion: MotionKind, amount: float, line: np.ndarray | None = None
 ) -> float:
     """Amount of a motion left to a total from rest.
 
     The total of a rotation is its part about the axis of the motion.
     """
-    document = document.from_rest
+    document = document.relative_to_rest
     handle, gripped = document.handles[k], document.centre(k)
     if gripped is None:
         return amount
-    if motion.kind == "MOVE":
+    if motion.family == "MOVE":
         way = transform(handle.pose, gripped[None])[0] - gripped
         return amount - float(way @ _AXES[motion.name[-1]])
-    if motion is TypedMotion.SCALE:
+    if motion is MotionKind.SCALE:
         return amount / float(np.cbrt(np.linalg.det(handle.pose[:3, :3])))
     made = rotation_vector((), pose_after(document, k, motion, _SAMPLE, line) @ np.linalg.inv(handle.pose))
     return amount - float(handle.rotation @ made) / _SAMPLE
 
 
 def pose_after(
-    document: Document, k: int, motion: TypedMotion, amount: float, line: np.ndarray | None = None
+    document: Document, k: int, motion: MotionKind, amount: float, line: np.ndarray | None = None
 ) -> np.ndarray:
     """Pose (4, 4) of handle ``k`` after a motion; raises InputError if impossible.
 
@@ -88,14 +88,14 @@ def pose_after(
         raise InputError(tr("“{name}” is empty; paint it first.").format(name=document.handles[k].name))
     pose = document.handles[k].pose
     centre = transform(pose, gripped[None])[0]
-    kind, letter = motion.kind, motion.name[-1]
+    kind, letter = motion.family, motion.name[-1]
     if kind == "MOVE":
-        by = shifted(amount * np.array(_AXES[letter]))
+        by = translation(amount * np.array(_AXES[letter]))
     elif kind == "TURN":
-        by = turned_about(centre, _AXES[letter], amount)
+        by = rotation_about(centre, _AXES[letter], amount)
     elif kind == "SCALE":
-        by = scaled_about(centre, amount)
-    elif motion is TypedMotion.BEND_LINE:
+        by = scaling_about(centre, amount)
+    elif motion is MotionKind.BEND_LINE:
         by = _about_line(line, amount)
     else:
         base = _base_centre(document)
@@ -110,7 +110,7 @@ def _about_line(line: np.ndarray | None, angle: float) -> np.ndarray:
         raise InputError(tr("There is no line to bend about yet; pick it with two clicks on the mesh."))
     if np.array_equal(line[0], line[1]):
         raise InputError(tr("Both ends of the line coincide; pick two different points."))
-    return turned_about(line[0], line[1] - line[0], angle)
+    return rotation_about(line[0], line[1] - line[0], angle)
 
 
 def _centre(document: Document, k: int) -> np.ndarray:
@@ -122,6 +122,6 @@ def _centre(document: Document, k: int) -> np.ndarray:
 
 
 def _base_centre(document: Document) -> np.ndarray:
-    if not document.counts[BASE]:
+    if not document.label_counts[BASE]:
         raise InputError(tr("Twisting and bending need a base; paint the part that stays in place."))
-    return memo.centre(document.labels, document.grip, BASE)
+    return memo.label_centre(document.labels, document.grip, BASE)

@@ -2,14 +2,15 @@
 
 ::
 
-    window process                                 solver process            factor process (>= 100,000 rows)
-    thread "solver": Worker  -- Order, envelope -> thread "orders": Mailbox
-    thread "answers": Child  <- Message, tray ---- Solver, Deformation  -- matrix, B -> LinearSolver
-                                                                        <- solution ---
-    thread "shape check"     -- F, U ------------> shape-check process (ipctk)
-                             <- ShapeCheck ------
-    thread "geodesic"        -- F, U, ends ------> geodesic process (potpourri3d)
-                             <- path -------------
+    window process                                      solver process           factor process (large meshes)
+    thread "solver": SolverWorker   -- request, arrays -> thread "orders": Mailbox
+    thread "answers": SolverProcess <- reply, shape ----- RequestSolver, Deformation
+                                                          RemoteFactor -- matrix, B -> LinearSolver
+                                                                       <- solution ---
+    thread "shape check"            -- F, U ------------> shape-check process (ipctk)
+                                    <- ShapeCheck ------
+    thread "geodesic"               -- F, U, ends ------> geodesic process (potpourri3d)
+                                    <- path -------------
 
 Every process is a :class:`ChildProcess`: messages by two pipes, large arrays beside them in shared memory.
 It ends with its owner and ignores Ctrl+C; the log gets the last lines of its standard error if it fails.

@@ -18,14 +18,14 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.weld import Weld
-from apd_viewer.session.processes.shared_memory import Envelope, OpenedEnvelope
+from apd_viewer.session.processes.shared_memory import SharedArrays, SharedArraysReader
 
 # Bytes; smaller arrays are sent in the message itself.
-LARGE = 16_384
+LEAST_SHARED_BYTES = 16_384
 _LENGTH = struct.Struct("<Q")
 
 
-def write(sink: BinaryIO, message: bytes | np.ndarray) -> None:
+def write_message(sink: BinaryIO, message: bytes | np.ndarray) -> None:
     """Write a message; raises OSError or ValueError if the other end is closed."""
     content = message.data.cast("B") if isinstance(message, np.ndarray) else message
     sink.write(_LENGTH.pack(len(content)))
@@ -33,7 +33,7 @@ def write(sink: BinaryIO, message: bytes | np.ndarray) -> None:
     sink.flush()
 
 
-def read(source: BinaryIO) -> bytes | None:
+def read_message(source: BinaryIO) -> bytes | None:
     """Read a message; None at the end of the stream, also within a message."""
     head = source.read(_LENGTH.size)
     if len(head) < _LENGTH.size:
@@ -62,17 +62,17 @@ class _Mesh(NamedTuple):
     path: Path | None
 
 
-class Packer:
-    """Serialise values for one :class:`Unpacker`.
+class ArrayPacker:
+    """Serialise values for one :class:`ArrayUnpacker`.
 
     Attributes
     ----------
-    envelope : Envelope or None
+    shared_arrays : SharedArrays or None
         Has to be discarded by the caller once the last message has been unpacked.
     """
 
     def __init__(self) -> None:
-        self.envelope: Envelope | None = None
+        self.shared_arrays: SharedArrays | None = None
         self._numbers = itertools.count()
         # By id, unique as long as the objects are kept alive.
         self._known: dict[int, tuple[int, Any]] = {}
@@ -80,21 +80,21 @@ class Packer:
         self._arrays: list[tuple[int, np.ndarray]] = []
         self._meshes: list[_Mesh] = []
 
-    def packed(self, value: object) -> bytes:
+    def packed_message(self, value: object) -> bytes:
         """Return the message for ``value``; raises MemoryError."""
         self._mentioned, self._arrays, self._meshes = {}, [], []
         content = _pickled(value, self)
         forgotten = [number for key, (number, _) in self._known.items() if key not in self._mentioned]
         arrays = self._laid_out()
         self._known = self._mentioned
-        name = self.envelope.name if self.envelope else None
+        name = self.shared_arrays.name if self.shared_arrays else None
         return pickle.dumps((arrays, self._meshes, forgotten, name, content))
 
-    def number(self, thing: object) -> int | None:
+    def number(self, value: object) -> int | None:
         """Return the number of an array or a mesh; None for anything else."""
-        if isinstance(thing, np.ndarray):
-            return self._array(thing)
-        return self._mesh(thing) if isinstance(thing, Mesh) else None
+        if isinstance(value, np.ndarray):
+            return self._array(value)
+        return self._mesh(value) if isinstance(value, Mesh) else None
 
     def _array(self, array: np.ndarray) -> int:
         number, new = self._mention(array)
@@ -120,14 +120,14 @@ class Packer:
         return entry[0], new
 
     def _laid_out(self) -> list[_Array]:
-        large = [array for _, array in self._arrays if array.nbytes >= LARGE]
+        large = [array for _, array in self._arrays if array.nbytes >= LEAST_SHARED_BYTES]
         try:
-            self.envelope = Envelope(large) if large else None
+            self.shared_arrays = SharedArrays(large) if large else None
         except OSError:  # some machines have almost no shared memory: then everything goes through the pipe
-            self.envelope, large = None, []
-        offsets = iter(self.envelope.offsets if self.envelope else ())
+            self.shared_arrays, large = None, []
+        offsets = iter(self.shared_arrays.offsets if self.shared_arrays else ())
         places = [
-            next(offsets) if self.envelope and array.nbytes >= LARGE else array.tobytes()
+            next(offsets) if self.shared_arrays and array.nbytes >= LEAST_SHARED_BYTES else array.tobytes()
             for _, array in self._arrays
         ]
         return [
@@ -136,18 +136,18 @@ class Packer:
         ]
 
 
-class Unpacker:
-    """Restore values from the messages of one :class:`Packer`."""
+class ArrayUnpacker:
+    """Restore values from the messages of one :class:`ArrayPacker`."""
 
     def __init__(self) -> None:
         self._known: dict[int, Any] = {}
 
-    def unpacked(self, message: bytes) -> Any:
+    def unpacked_value(self, message: bytes) -> Any:
         """Return the value, with read-only arrays of its own."""
         arrays, meshes, forgotten, name, content = pickle.loads(message)
         for number in forgotten:
             del self._known[number]
-        envelope = OpenedEnvelope(name) if name else None
+        envelope = SharedArraysReader(name) if name else None
         for number, dtype, shape, place in arrays:
             if isinstance(place, bytes):
                 array = np.frombuffer(place, np.dtype(dtype)).reshape(shape)
@@ -161,13 +161,13 @@ class Unpacker:
             self._known[mesh.number] = self._mesh(mesh)
         return _unpickled(content, self._known)
 
-    def _mesh(self, told: _Mesh) -> Mesh:
+    def _mesh(self, description: _Mesh) -> Mesh:
         known = self._known
-        weld = (known[told.weld[0]], known[told.weld[1]]) if told.weld else None
-        return Mesh.trusted(known[told.V], known[told.F], told.path, weld=weld)
+        weld = (known[description.weld[0]], known[description.weld[1]]) if description.weld else None
+        return Mesh.from_checked(known[description.V], known[description.F], description.path, weld=weld)
 
 
-def _pickled(value: object, packer: Packer) -> bytes:
+def _pickled(value: object, packer: ArrayPacker) -> bytes:
     class Pickler(pickle.Pickler):
         def persistent_id(self, thing: object) -> int | None:
             return packer.number(thing)

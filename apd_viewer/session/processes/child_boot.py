@@ -14,12 +14,12 @@ from typing import BinaryIO
 _DEATH_OF_THE_PARENT = 1  # of prctl(2)
 
 
-def set_up(owner: int) -> None:
+def set_up_process(owner_pid: int) -> None:
     """Prepare this process to serve its owner, before large imports.
 
     Parameters
     ----------
-    owner : int
+    owner_pid : int
         Number of the process that started this one.
     """
     faulthandler.enable()
@@ -31,16 +31,18 @@ def set_up(owner: int) -> None:
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_DEATH_OF_THE_PARENT, signal.SIGKILL)
         # Linux does not signal an owner killed while this interpreter was starting.
-        if os.getppid() != owner:
+        if os.getppid() != owner_pid:
             os._exit(0)
 
 
-def run(replies: int, serve: Callable[[BinaryIO, BinaryIO], object], niceness: int = 0) -> None:
+def run_service(
+    reply_descriptor: int, serve: Callable[[BinaryIO, BinaryIO], object], niceness: int = 0
+) -> None:
     """Call ``serve(source, sink)`` until the owner closes ``source``.
 
     Parameters
     ----------
-    replies : int
+    reply_descriptor : int
         File descriptor of the sink.
     serve : callable
         Reads messages from ``source`` and writes messages to ``sink``; see :mod:`array_pipe`.
@@ -50,5 +52,5 @@ def run(replies: int, serve: Callable[[BinaryIO, BinaryIO], object], niceness: i
     if hasattr(os, "nice"):
         os.nice(niceness)
     # A dead owner reads no more: unread messages are lost when the sink is closed.
-    with contextlib.suppress(OSError), os.fdopen(replies, "wb") as sink:
+    with contextlib.suppress(OSError), os.fdopen(reply_descriptor, "wb") as sink:
         serve(sys.stdin.buffer, sink)

@@ -20,13 +20,13 @@ _log = logging.getLogger(__name__)
 
 # Not multiprocessing and not -m: neither the user's script nor modules in the current folder are imported.
 # Libraries print to the standard error, never between the replies.
-START = """
+START_SCRIPT = """
 import os, sys
 replies = os.dup(1)
 os.dup2(2, 1)
 sys.path[:] = sys.argv[2:]
-from apd_viewer.session.processes.child_boot import set_up
-set_up(owner=int(sys.argv[1]))
+from apd_viewer.session.processes.child_boot import set_up_process
+set_up_process(owner_pid=int(sys.argv[1]))
 from apd_viewer.session.{module} import main
 main(replies)
 """
@@ -100,12 +100,12 @@ class ChildProcess:
             )
             self._error_reader.start()
 
-    def send(self, *messages: bytes | np.ndarray) -> bool:
+    def send_messages(self, *messages: bytes | np.ndarray) -> bool:
         """Send messages; False if the process has ended."""
         with contextlib.suppress(OSError, ValueError):
             if self._process is not None:
                 for message in messages:
-                    array_pipe.write(self._process.stdin, message)
+                    array_pipe.write_message(self._process.stdin, message)
                 return True
         self._failed = not self._killed
         return False
@@ -114,7 +114,7 @@ class ChildProcess:
         """Wait for a message; None if the process has ended."""
         with contextlib.suppress(OSError, ValueError):
             if self._process is not None:
-                message = array_pipe.read(self._process.stdout)
+                message = array_pipe.read_message(self._process.stdout)
                 if message is not None:
                     return message
         self._failed = not self._killed

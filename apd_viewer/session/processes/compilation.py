@@ -10,17 +10,17 @@ import contextlib
 from collections.abc import Callable
 from typing import BinaryIO
 
-from apd_viewer.geometry.warmup import PARTS, tell_of_compiling, warm_up
+from apd_viewer.geometry.warmup import SECTIONS, report_compilations, warm_up
 from apd_viewer.session.processes import array_pipe
-from apd_viewer.session.processes.child_boot import run
-from apd_viewer.session.processes.child_process import START, ChildProcess
-from apd_viewer.session.processes.messages import Compiling, Message
+from apd_viewer.session.processes.child_boot import run_service
+from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
+from apd_viewer.session.processes.messages import CompilationProgress, SolverMessage
 
 # The window and the solver come first: on two cores the window would otherwise be ready twice as late.
 _NICENESS = 10
 # Most that is told before all are there: what is compiled beside those that are counted takes its time too.
 _NEARLY_ALL = 0.99
-_START = START.format(module="processes.compilation")
+_START = START_SCRIPT.format(module="processes.compilation")
 
 
 class Compilation:
@@ -28,27 +28,27 @@ class Compilation:
 
     Parameters
     ----------
-    tell : callable
+    send : callable
         Called with messages on how far it is.
     """
 
-    def __init__(self, tell: Callable[[Message], object]) -> None:
-        self._tell = tell
-        self._stop = tell_of_compiling(lambda share: self._say(min(share, _NEARLY_ALL)))
+    def __init__(self, send: Callable[[SolverMessage], object]) -> None:
+        self._tell = send
+        self._stop = report_compilations(lambda share: self._say(min(share, _NEARLY_ALL)))
 
-    def run(self, called: Callable[[], bool]) -> None:
-        """Compile until ``called()``; errors are left to the requests."""
+    def run(self, is_interrupted: Callable[[], bool]) -> None:
+        """Compile until ``is_interrupted()``; errors are left to the requests."""
         with contextlib.suppress(Exception):
-            warm_up(enough=called)
-        if not called():
+            warm_up(is_cancelled=is_interrupted)
+        if not is_interrupted():
             self._stop()
             self._say(1.0)
 
     def _say(self, share: float) -> None:
-        self._tell(Message(0, Compiling(share)))
+        self._tell(SolverMessage(0, CompilationProgress(share)))
 
 
-class CompilersBeside:
+class CompilerProcesses:
     """Processes that compile PARTS beside this one.
 
     On Linux they end with the thread that starts them.
@@ -60,11 +60,11 @@ class CompilersBeside:
     def start(self) -> None:
         """Start them; once is enough. Where that fails, the solver compiles."""
         if not self._processes:
-            self._processes = [ChildProcess("compiler", _START) for _ in PARTS]
-            for process, part in zip(self._processes, PARTS, strict=True):
+            self._processes = [ChildProcess("compiler", _START) for _ in SECTIONS]
+            for process, part in zip(self._processes, SECTIONS, strict=True):
                 with contextlib.suppress(OSError):
                     process.start()
-                    process.send(part.encode())
+                    process.send_messages(part.encode())
 
     def end(self) -> None:
         """End them, whatever they are doing."""
@@ -73,14 +73,14 @@ class CompilersBeside:
             process.end()
 
 
-def main(replies: int) -> None:
-    """Serve the window's process; ``replies`` is the file descriptor for the answer."""
-    run(replies, serve, _NICENESS)
+def main(reply_descriptor: int) -> None:
+    """Serve the window's process, with answers on a file descriptor."""
+    run_service(reply_descriptor, serve, _NICENESS)
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
     """Compile the part named by ``source``, and say so."""
-    name = array_pipe.read(source)
+    name = array_pipe.read_message(source)
     if name is not None:
         warm_up(name.decode())
-        array_pipe.write(sink, b"")
+        array_pipe.write_message(sink, b"")

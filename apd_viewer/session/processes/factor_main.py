@@ -11,14 +11,14 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.session.processes import array_pipe
-from apd_viewer.session.processes.child_boot import run
+from apd_viewer.session.processes.child_boot import run_service
 
 _NICENESS = 10  # displayed frames come first
 
 
-def main(replies: int) -> None:
-    """Serve the owner; ``replies`` is the file descriptor for answers."""
-    run(replies, serve, _NICENESS)
+def main(reply_descriptor: int) -> None:
+    """Serve the owner; ``reply_descriptor`` is the file descriptor for answers."""
+    run_service(reply_descriptor, serve, _NICENESS)
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
@@ -28,7 +28,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     word on it is empty, or says what is wrong with it. After that every two messages are a byte, 1 for a
     refined solution, and a right-hand side (n, 3); the answer is the solution.
     """
-    parts = [array_pipe.read(source) for _ in range(4)]
+    parts = [array_pipe.read_message(source) for _ in range(4)]
     if None in parts:
         return
     start, column, entry, V = (
@@ -38,10 +38,12 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     try:
         factor = LinearSolver.from_rows(start, column, entry, V.reshape(-1, 3))
     except Exception as error:
-        array_pipe.write(sink, (str(error) or type(error).__name__).encode())
+        array_pipe.write_message(sink, (str(error) or type(error).__name__).encode())
         return
     del parts, start, column, entry, V
-    array_pipe.write(sink, b"")
-    while (refined := array_pipe.read(source)) and (message := array_pipe.read(source)) is not None:
+    array_pipe.write_message(sink, b"")
+    while (refined := array_pipe.read_message(source)) and (
+        message := array_pipe.read_message(source)
+    ) is not None:
         solve = factor.refined if refined[0] else factor.solve
-        array_pipe.write(sink, solve(np.frombuffer(bytearray(message)).reshape(-1, 3)))
+        array_pipe.write_message(sink, solve(np.frombuffer(bytearray(message)).reshape(-1, 3)))

@@ -9,23 +9,23 @@ import numpy as np
 
 from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
-from apd_viewer.session.processes.child_process import START, ChildProcess
-from apd_viewer.session.processes.newest_answer import NewestAnswer, waited_for
+from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
+from apd_viewer.session.processes.newest_answer import NewestAnswer, answer_to
 
-_START = START.format(module="processes.geodesic_main")
+_START = START_SCRIPT.format(module="processes.geodesic_main")
 _CALM = 0.1  # s; a shape that has just settled is often moved again at once
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class GeodesicQuery:
     """Two points of a shape ``U`` (n, 3) with welded triangles ``F`` (m, 3)."""
 
     U: np.ndarray
     F: np.ndarray
-    ends: tuple[SurfacePoint, ...]
+    end_points: tuple[SurfacePoint, ...]
 
 
-class GeodesicFinder(NewestAnswer[Course, CarriedPath]):
+class GeodesicFinder(NewestAnswer[GeodesicQuery, CarriedPath]):
     """Finds one geodesic at a time; the newest wins.
 
     Where there is none, or the process died, the path is empty.
@@ -38,18 +38,18 @@ class GeodesicFinder(NewestAnswer[Course, CarriedPath]):
 
     def __init__(self, wake: Callable[[], object]) -> None:
         process = ChildProcess("geodesic", _START)
-        super().__init__(wake, process, _path, CarriedPath.none(), lambda _: _CALM)
+        super().__init__(wake, process, _path, CarriedPath.empty(), lambda _: _CALM)
 
 
-def path_of(course: Course) -> CarriedPath:
+def find_geodesic(query: GeodesicQuery) -> CarriedPath:
     """Find a geodesic in a process of its own, and wait for it."""
-    return waited_for(ChildProcess("geodesic", _START), _path, CarriedPath.none(), course)
+    return answer_to(ChildProcess("geodesic", _START), _path, CarriedPath.empty(), query)
 
 
-def _path(process: ChildProcess, course: Course) -> CarriedPath | None:
-    ends = np.array([[end.face, *end.weights] for end in course.ends])
-    shape = np.ascontiguousarray(course.F, np.int32), np.ascontiguousarray(course.U)
-    if not process.send(*shape, ends):
+def _path(process: ChildProcess, query: GeodesicQuery) -> CarriedPath | None:
+    ends = np.array([[end.face, *end.weights] for end in query.end_points])
+    shape = np.ascontiguousarray(query.F, np.int32), np.ascontiguousarray(query.U)
+    if not process.send_messages(*shape, ends):
         return None
     corners, weights = process.receive(), process.receive()
     if corners is None or weights is None:

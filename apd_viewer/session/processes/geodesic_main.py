@@ -14,12 +14,12 @@ from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.session.processes import array_pipe
-from apd_viewer.session.processes.child_boot import run
+from apd_viewer.session.processes.child_boot import run_service
 
 
-def main(replies: int) -> None:
-    """Serve the owner; ``replies`` is the file descriptor for answers."""
-    run(replies, serve)
+def main(reply_descriptor: int) -> None:
+    """Serve the owner; ``reply_descriptor`` is the file descriptor for answers."""
+    run_service(reply_descriptor, serve)
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
@@ -30,20 +30,20 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     path, (k, 3) int64, and their weights (k, 3) float64; empty where there is no path.
     """
     while (
-        (triangles := array_pipe.read(source)) is not None
-        and (positions := array_pipe.read(source)) is not None
-        and (ends := array_pipe.read(source)) is not None
+        (triangles := array_pipe.read_message(source)) is not None
+        and (positions := array_pipe.read_message(source)) is not None
+        and (ends := array_pipe.read_message(source)) is not None
     ):
         F = np.frombuffer(triangles, dtype=np.int32).reshape(-1, 3).astype(np.int64)
         points = [SurfacePoint(int(face), (a, b, c)) for face, a, b, c in np.frombuffer(ends).reshape(-1, 4)]
         U = np.frombuffer(positions).reshape(-1, 3).copy()  # not read-only: as the kernels are cached for
         found = _found(U, F, *points)
-        array_pipe.write(sink, found.corners.astype(np.int64).tobytes())
-        array_pipe.write(sink, found.weights.tobytes())
+        array_pipe.write_message(sink, found.corners.astype(np.int64).tobytes())
+        array_pipe.write_message(sink, found.weights.tobytes())
 
 
 def _found(U: np.ndarray, F: np.ndarray, start: SurfacePoint, end: SurfacePoint) -> CarriedPath:
     try:
-        return CarriedPath.of(geodesic_path(U, F, start, end), U, F)
+        return CarriedPath.from_polyline(geodesic_path(U, F, start, end), U, F)
     except InputError:
-        return CarriedPath.none()
+        return CarriedPath.empty()

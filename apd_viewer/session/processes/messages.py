@@ -10,32 +10,32 @@ from enum import Enum
 from logging import LogRecord
 from typing import BinaryIO, NamedTuple
 
-from apd_viewer.geometry.mesh.decimation import Thinning
+from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.processes.requests import Reply, Request
+from apd_viewer.session.processes.request_and_reply import Reply, Request
 
 
 @dataclass(frozen=True, eq=False)
-class Order:
+class RequestMessage:
     """A request on its way to the solver process.
 
     Attributes
     ----------
     number : int
         Later orders have higher ones.
-    tray : str or None
+    shape_buffer : str or None
         Name of the tray for the shapes; without one they travel in the messages.
-    thinnings : tuple of Thinning
+    decimations : tuple of Decimation
         Of the mesh, where they are known and the process has not found them itself.
     """
 
     number: int
     request: Request
-    tray: str | None
-    thinnings: tuple[Thinning, ...] = ()
+    shape_buffer: str | None
+    decimations: tuple[Decimation, ...] = ()
 
 
-class OrderStage(Enum):
+class RequestStage(Enum):
     """Progress of an order."""
 
     RECEIVED = "received"
@@ -45,13 +45,13 @@ class OrderStage(Enum):
 
 
 @dataclass(frozen=True)
-class Compiling:
+class CompilationProgress:
     """Kernels are being compiled for this computer; the ``share`` done, 1 in the end."""
 
     share: float
 
 
-class Message(NamedTuple):
+class SolverMessage(NamedTuple):
     """Progress of an order, the thinnings of its mesh once found, or a reply to it.
 
     Compiling belongs to no order: its number is 0.
@@ -60,26 +60,26 @@ class Message(NamedTuple):
     ----------
     number : int
         Of the order.
-    content : OrderStage, tuple of Thinning, Compiling or Reply
-    put : int or None
+    content : RequestStage, tuple of Decimation, CompilationProgress or Reply
+    shape_number : int or None
         Number of the reply's shape in the tray, where it lies there instead of in the frame.
     """
 
     number: int
-    content: OrderStage | tuple[Thinning, ...] | Compiling | Reply
-    put: int | None = None
+    content: RequestStage | tuple[Decimation, ...] | CompilationProgress | Reply
+    shape_number: int | None = None
 
 
-def packed(message: Message | LogRecord) -> bytes:
+def packed_message(message: SolverMessage | LogRecord) -> bytes:
     """Pickle a message; a reply's document is replaced by its order's number."""
     buffer = io.BytesIO()
-    _Pickler(buffer, message.number if isinstance(message, Message) else None).dump(message)
+    _Pickler(buffer, message.number if isinstance(message, SolverMessage) else None).dump(message)
     return buffer.getvalue()
 
 
-def unpacked(content: bytes, requests: Mapping[int, Request]) -> Message | LogRecord:
+def unpacked_message(content: bytes, requests: Mapping[int, Request]) -> SolverMessage | LogRecord:
     """Restore a message, given the requests by the numbers of their orders."""
-    message: Message | LogRecord = _Unpickler(io.BytesIO(content), requests).load()
+    message: SolverMessage | LogRecord = _Unpickler(io.BytesIO(content), requests).load()
     return message
 
 

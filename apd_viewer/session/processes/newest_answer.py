@@ -14,10 +14,10 @@ Question = TypeVar("Question")
 Answer = TypeVar("Answer")
 
 
-def waited_for(
+def answer_to(
     process: ChildProcess,
     exchange: Callable[[ChildProcess, Question], Answer | None],
-    unknown: Answer,
+    fallback: Answer,
     question: Question,
 ) -> Answer:
     """Answer of a process to one question, waited for; see :class:`NewestAnswer`."""
@@ -26,7 +26,7 @@ def waited_for(
         process.start()
         answer = exchange(process, question)
     process.end()
-    return unknown if answer is None else answer
+    return fallback if answer is None else answer
 
 
 class NewestAnswer(Generic[Question, Answer]):
@@ -39,7 +39,7 @@ class NewestAnswer(Generic[Question, Answer]):
     process : ChildProcess
     exchange : callable
         ``exchange(process, question)``: the answer, or None if the process has died.
-    unknown : object
+    fallback : object
         The answer where the process died, or cannot be started.
     pause : callable
         ``pause(first)``: seconds to wait before a question, the first one or another, as a newer may follow.
@@ -50,10 +50,10 @@ class NewestAnswer(Generic[Question, Answer]):
         wake: Callable[[], object],
         process: ChildProcess,
         exchange: Callable[[ChildProcess, Question], Answer | None],
-        unknown: Answer,
+        fallback: Answer,
         pause: Callable[[bool], float],
     ) -> None:
-        self._wake, self._exchange, self._unknown, self._pause = wake, exchange, unknown, pause
+        self._wake, self._exchange, self._unknown, self._pause = wake, exchange, fallback, pause
         self._questions: Mailbox[Question] = Mailbox()
         self._answers: Mailbox[tuple[Question, Answer]] = Mailbox()
         self._wanted: Question | None = None
@@ -66,11 +66,11 @@ class NewestAnswer(Generic[Question, Answer]):
 
     def ask(self, question: Question) -> None:
         """Answer ``question`` soon instead of any other. Never blocks."""
-        self.forget()
+        self.cancel()
         self._wanted = question
         self._questions.put(question)
 
-    def forget(self) -> None:
+    def cancel(self) -> None:
         """Answer nothing; end the work in progress."""
         self._wanted = None
         self._questions.take()
@@ -85,7 +85,7 @@ class NewestAnswer(Generic[Question, Answer]):
 
     def close(self) -> None:
         """End the process and the thread."""
-        self.forget()
+        self.cancel()
         self._closed.set()
         self._questions.close()
         self._thread.join()
@@ -94,7 +94,7 @@ class NewestAnswer(Generic[Question, Answer]):
 
     def _run(self) -> None:
         first = True
-        while self._questions.comes_within(threading.TIMEOUT_MAX):
+        while self._questions.wait_for_value(threading.TIMEOUT_MAX):
             self._closed.wait(self._pause(first))
             first = False
             question = self._questions.wait()

@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.linalg.linear_solver import rows_of
+from apd_viewer.geometry.linalg.linear_solver import csr_rows
 from apd_viewer.language import tr
-from apd_viewer.session.processes.child_process import START, ChildProcess
+from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from apd_viewer.geometry.linalg.linear_solver import Matrix
 
-_START = START.format(module="processes.factor_main")
+_START = START_SCRIPT.format(module="processes.factor_main")
 _MOST_DEATHS = 3
 _ENDED = tr("the factoring process ended {times} times; memory may be low")
 
 
-class FarFactor:
+class RemoteFactor:
     """The factor of a symmetric positive definite matrix, in a process of its own.
 
     It is begun by :meth:`begin` or by whoever asks for it, and begun again if the process dies; :meth:`close`
@@ -37,7 +37,7 @@ class FarFactor:
         Positions of the unknowns.
     """
 
-    elsewhere = True
+    is_in_other_process = True
 
     def __init__(self, matrix: Callable[[], Matrix], V: np.ndarray) -> None:
         self._matrix, self._V = matrix, V
@@ -57,16 +57,16 @@ class FarFactor:
     def ready(self) -> bool:
         """True if :meth:`solve` would not wait for the factorization."""
         self.begin()
-        return not self.factoring
+        return not self.is_factoring
 
     @property
-    def factoring(self) -> bool:
+    def is_factoring(self) -> bool:
         """True while the process has the matrix and no factor yet."""
         return self._thread is not None and self._thread.is_alive()
 
     def begin(self) -> None:
         """Start a process, if there is none or it has died."""
-        if self.factoring or not self._missing or self._error is not None:
+        if self.is_factoring or not self._missing or self._error is not None:
             return
         if self._process.pid is not None:
             self._deaths += 1
@@ -121,7 +121,7 @@ class FarFactor:
 
     def _send(self) -> None:
         try:
-            word = self._answer_to(*rows_of(self._matrix()), np.ascontiguousarray(self._V))
+            word = self._answer_to(*csr_rows(self._matrix()), np.ascontiguousarray(self._V))
         except Exception as error:  # raised again in the waiting thread
             self._error = error
             return
@@ -131,6 +131,6 @@ class FarFactor:
 
     def _answer_to(self, *messages: np.ndarray) -> bytes | None:
         """Return the answer of the process; None if it has died."""
-        answer = self._process.receive() if self._process.send(*messages) else None
+        answer = self._process.receive() if self._process.send_messages(*messages) else None
         self._missing = answer is None
         return answer

@@ -11,17 +11,17 @@ from typing import BinaryIO
 import numpy as np
 
 from apd_viewer.geometry.analysis.shape_check import check_shape
-from apd_viewer.geometry.turns.held_turn import Turning
+from apd_viewer.geometry.turns.held_turn import HandleTurns
 from apd_viewer.session.processes import array_pipe
-from apd_viewer.session.processes.child_boot import run
+from apd_viewer.session.processes.child_boot import run_service
 
 _NICENESS = 10  # nobody waits for it
-NOBODY_LOOKED = b"-"
+NOT_CHECKED = b"-"
 
 
-def main(replies: int) -> None:
-    """Serve the owner; ``replies`` is the file descriptor for answers."""
-    run(replies, serve, _NICENESS)
+def main(reply_descriptor: int) -> None:
+    """Serve the owner; ``reply_descriptor`` is the file descriptor for answers."""
+    run_service(reply_descriptor, serve, _NICENESS)
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
@@ -33,21 +33,21 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     others, int64; the three sizes of its box along the axes with the volume, the width and the three sides of
     the smallest box of its hull, float64; and each turn as it was asked and as it is held, float64.
     """
-    while len(said := [read for _ in range(6) if (read := array_pipe.read(source)) is not None]) == 6:
+    while len(said := [read for _ in range(6) if (read := array_pipe.read_message(source)) is not None]) == 6:
         triangles, positions, *turned = said
         F = np.frombuffer(triangles, dtype=np.int32).reshape(-1, 3).astype(np.int64)
         found = check_shape(np.frombuffer(positions).reshape(-1, 3), F, _turning(*turned))
-        crossing = NOBODY_LOOKED if found.crossing is None else found.crossing.astype(np.int64).tobytes()
-        array_pipe.write(sink, crossing)
-        array_pipe.write(sink, np.array([*found.size, *found.hull[:2], *found.hull.sides]).tobytes())
-        turns = [(turn.asked, math.nan if turn.held is None else turn.held) for turn in found.turns]
-        array_pipe.write(sink, np.array(turns, dtype=float).tobytes())
+        crossing = NOT_CHECKED if found.crossing is None else found.crossing.astype(np.int64).tobytes()
+        array_pipe.write_message(sink, crossing)
+        array_pipe.write_message(sink, np.array([*found.size, *found.hull[:2], *found.hull.sides]).tobytes())
+        turns = [(turn.requested, math.nan if turn.held is None else turn.held) for turn in found.turns]
+        array_pipe.write_message(sink, np.array(turns, dtype=float).tobytes())
 
 
-def _turning(before: bytes, labels: bytes, counts: bytes, poses: bytes) -> Turning | None:
+def _turning(before: bytes, labels: bytes, counts: bytes, poses: bytes) -> HandleTurns | None:
     if not before:
         return None
     ends = np.cumsum(np.frombuffer(counts, dtype=np.int64))[:-1]
     ways = np.split(np.frombuffer(poses).reshape(-1, 4, 4), ends)
     V = np.frombuffer(before).reshape(-1, 3)
-    return Turning(V, np.frombuffer(labels, dtype=np.int64), tuple(tuple(way) for way in ways))
+    return HandleTurns(V, np.frombuffer(labels, dtype=np.int64), tuple(tuple(way) for way in ways))

@@ -11,29 +11,29 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.hull_readings import HullReadings
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
-from apd_viewer.geometry.turns.held_turn import HeldTurn, Turning
-from apd_viewer.session.processes.child_process import START, ChildProcess
-from apd_viewer.session.processes.newest_answer import NewestAnswer, waited_for
-from apd_viewer.session.processes.shape_check_main import NOBODY_LOOKED
+from apd_viewer.geometry.turns.held_turn import HandleTurns, HeldTurn
+from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
+from apd_viewer.session.processes.newest_answer import NewestAnswer, answer_to
+from apd_viewer.session.processes.shape_check_main import NOT_CHECKED
 
-_START = START.format(module="processes.shape_check_main")
+_START = START_SCRIPT.format(module="processes.shape_check_main")
 # A settled shape is often moved again at once, and a program just starting has more urgent work.
-CALM, AT_FIRST = 0.3, 2.0  # s
+NEXT_PAUSE, FIRST_PAUSE = 0.3, 2.0  # s
 # Result if the process died or cannot be started.
 _NONE = (math.nan, math.nan, math.nan)
-UNKNOWN = ShapeCheck(None, _NONE, HullReadings(math.nan, math.nan, _NONE))
+UNKNOWN_CHECK = ShapeCheck(None, _NONE, HullReadings(math.nan, math.nan, _NONE))
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class ShapeQuery:
     """A shape to check: positions ``U`` (n, 3), welded triangles ``F`` (m, 3), turns."""
 
     U: np.ndarray
     F: np.ndarray
-    turning: Turning | None = None
+    handle_turns: HandleTurns | None = None
 
 
-class ShapeChecker(NewestAnswer[Shape, ShapeCheck]):
+class ShapeChecker(NewestAnswer[ShapeQuery, ShapeCheck]):
     """Checks one shape at a time; the newest wins.
 
     Parameters
@@ -44,23 +44,29 @@ class ShapeChecker(NewestAnswer[Shape, ShapeCheck]):
 
     def __init__(self, wake: Callable[[], object]) -> None:
         process = ChildProcess("shape check", _START)
-        super().__init__(wake, process, _answer, UNKNOWN, lambda first: AT_FIRST if first else CALM)
+        super().__init__(
+            wake, process, _answer, UNKNOWN_CHECK, lambda first: FIRST_PAUSE if first else NEXT_PAUSE
+        )
 
 
-def checked(shape: Shape) -> ShapeCheck:
+def check_shape_apart(query: ShapeQuery) -> ShapeCheck:
     """Check a shape in a process of its own, and wait for it."""
-    return waited_for(ChildProcess("shape check", _START), _answer, UNKNOWN, shape)
+    return answer_to(ChildProcess("shape check", _START), _answer, UNKNOWN_CHECK, query)
 
 
-def _answer(process: ChildProcess, shape: Shape) -> ShapeCheck | None:
+def _answer(process: ChildProcess, query: ShapeQuery) -> ShapeCheck | None:
     """Return the check of a shape; None if the process has died."""
-    said = np.ascontiguousarray(shape.F, np.int32), np.ascontiguousarray(shape.U), *_turned(shape.turning)
-    if not process.send(*said):
+    said = (
+        np.ascontiguousarray(query.F, np.int32),
+        np.ascontiguousarray(query.U),
+        *_turned(query.handle_turns),
+    )
+    if not process.send_messages(*said):
         return None
     crossing, boxes, turned = process.receive(), process.receive(), process.receive()
     if crossing is None or boxes is None or turned is None:
         return None
-    ids = None if crossing == NOBODY_LOOKED else np.frombuffer(crossing, dtype=np.int64)
+    ids = None if crossing == NOT_CHECKED else np.frombuffer(crossing, dtype=np.int64)
     dx, dy, dz, volume, width, a, b, c = np.frombuffer(boxes).tolist()
     turns = [
         HeldTurn(asked, None if math.isnan(held) else held)
@@ -69,10 +75,10 @@ def _answer(process: ChildProcess, shape: Shape) -> ShapeCheck | None:
     return ShapeCheck(ids, (dx, dy, dz), HullReadings(volume, width, (a, b, c)), tuple(turns))
 
 
-def _turned(turning: Turning | None) -> tuple[bytes | np.ndarray, ...]:
+def _turned(handle_turns: HandleTurns | None) -> tuple[bytes | np.ndarray, ...]:
     """The four messages about turns; see :func:`shape_check_main.serve`."""
-    if turning is None:
+    if handle_turns is None:
         return (b"",) * 4
-    counts = np.array([len(way) for way in turning.ways])
-    poses = np.array(list(itertools.chain(*turning.ways)))
-    return np.ascontiguousarray(turning.V), turning.labels.astype(np.int64), counts, poses
+    counts = np.array([len(way) for way in handle_turns.paths])
+    poses = np.array(list(itertools.chain(*handle_turns.paths)))
+    return np.ascontiguousarray(handle_turns.V), handle_turns.labels.astype(np.int64), counts, poses

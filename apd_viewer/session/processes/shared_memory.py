@@ -23,7 +23,7 @@ _COUNTER = 8  # bytes of an int64
 _PUT, _COPIED, _SEEN = range(3)  # the counters of a tray
 
 
-class Envelope:
+class SharedArrays:
     """Copies of arrays in one block, discarded once they have been read.
 
     Its name travels by a pipe, whose two ends take the same lock in the kernel: the reader of the message
@@ -54,7 +54,7 @@ class Envelope:
             _view(block, array.dtype, array.shape, offset)[...] = array
 
 
-class OpenedEnvelope:
+class SharedArraysReader:
     """The reader's side of an envelope."""
 
     def __init__(self, name: str) -> None:
@@ -78,24 +78,24 @@ class SharedCounters:
 
     Parameters
     ----------
-    places : (n,) int64 array
+    counters : (n,) int64 array
         In shared memory; to be accessed through this class alone.
     """
 
-    def __init__(self, places: np.ndarray) -> None:
-        self._places = places  # the address is valid as long as the array lives
-        self._address = places.ctypes.data
+    def __init__(self, counters: np.ndarray) -> None:
+        self._places = counters  # the address is valid as long as the array lives
+        self._address = counters.ctypes.data
 
-    def load(self, which: int) -> int:
+    def load(self, k: int) -> int:
         """Return a counter, with acquire ordering."""
-        return int(load_acquire(self._address + which * _COUNTER))
+        return int(load_acquire(self._address + k * _COUNTER))
 
-    def store(self, which: int, value: int) -> None:
+    def store(self, k: int, value: int) -> None:
         """Set a counter, with release ordering."""
-        store_release(self._address + which * _COUNTER, value)
+        store_release(self._address + k * _COUNTER, value)
 
 
-class Tray:
+class SharedShapeBuffer:
     """Room for one shape, written by the solver and copied by its owner.
 
     Three counters beside it: the shapes put so far, the last one copied, the last one displayed. Each is
@@ -127,16 +127,16 @@ class Tray:
     # The solver's side
 
     @property
-    def free(self) -> bool:
+    def is_free(self) -> bool:
         """True if the last shape has been copied."""
         return self._counters.load(_COPIED) == self._counters.load(_PUT)
 
     @property
-    def seen(self) -> bool:
+    def is_displayed(self) -> bool:
         """True if the last shape has been displayed."""
         return self._counters.load(_SEEN) == self._counters.load(_PUT)
 
-    def put(self, U: np.ndarray) -> int:
+    def write_shape(self, U: np.ndarray) -> int:
         """Write ``U`` (n, 3) and return its number; the tray must be free."""
         self._U[...] = U
         number = self._counters.load(_PUT) + 1
@@ -145,7 +145,7 @@ class Tray:
 
     # The owner's side
 
-    def carry(self, number: int) -> np.ndarray:
+    def take_shape(self, number: int) -> np.ndarray:
         """Copy the shape of that number and free the tray."""
         while self._counters.load(_PUT) < number:  # its message may arrive before the store
             time.sleep(0.0)
@@ -153,12 +153,12 @@ class Tray:
         self._counters.store(_COPIED, number)
         return U
 
-    def look(self, number: int) -> None:
+    def mark_displayed(self, number: int) -> None:
         """Note the display of the shape of that number."""
         self._counters.store(_SEEN, number)
 
 
-def leave_blocks_to_their_owner() -> None:
+def untrack_shared_memory() -> None:
     """Keep blocks opened, not created, here at exit, as Python 3.13 does."""
     if sys.version_info < (3, 13):
         resource_tracker.register = lambda *_: None

@@ -18,41 +18,41 @@ from typing import BinaryIO
 
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.processes import array_pipe
-from apd_viewer.session.processes.child_boot import run
+from apd_viewer.session.processes.child_boot import run_service
 from apd_viewer.session.processes.compilation import Compilation
-from apd_viewer.session.processes.messages import Message, Order, OrderStage, packed
-from apd_viewer.session.processes.shared_memory import leave_blocks_to_their_owner
-from apd_viewer.session.processes.solver import Solver
+from apd_viewer.session.processes.messages import RequestMessage, RequestStage, SolverMessage, packed_message
+from apd_viewer.session.processes.request_solver import RequestSolver
+from apd_viewer.session.processes.shared_memory import untrack_shared_memory
 
 _BEAT = 1.0  # s
 _LEAST_SPENT = 0.001  # s of the processor in a beat; a loop that waits for a flag spends 20 times as much
 
 
-def main(replies: int) -> None:
-    """Serve the owner; ``replies`` is the file descriptor for messages."""
-    leave_blocks_to_their_owner()
-    run(replies, _serve_at_leisure)
+def main(reply_descriptor: int) -> None:
+    """Serve the owner; ``reply_descriptor`` is the file descriptor for messages."""
+    untrack_shared_memory()
+    run_service(reply_descriptor, _serve_when_idle)
 
 
-def _serve_at_leisure(source: BinaryIO, sink: BinaryIO) -> None:
-    tell = Teller(sink)
+def _serve_when_idle(source: BinaryIO, sink: BinaryIO) -> None:
+    tell = SolverMessageSender(sink)
     logging.getLogger().addHandler(_Forwarder(tell))
     compilation = Compilation(tell)
     serve(source, tell, lambda: os._exit(0), compilation.run)
 
 
-class Teller:
+class SolverMessageSender:
     """Thread-safe sending of messages to the owner."""
 
     def __init__(self, sink: BinaryIO) -> None:
         self._sink = sink
         self._one_at_a_time = threading.Lock()
 
-    def __call__(self, message: Message | logging.LogRecord) -> None:
+    def __call__(self, message: SolverMessage | logging.LogRecord) -> None:
         """Send a message."""
         # An owner that stopped listening is gone: the source of requests ends as well.
         with self._one_at_a_time, contextlib.suppress(OSError, ValueError):
-            array_pipe.write(self._sink, packed(message))
+            array_pipe.write_message(self._sink, packed_message(message))
 
 
 class _Pulse:
@@ -61,18 +61,18 @@ class _Pulse:
     A process that waits for what never comes spends no time of the processor.
     """
 
-    def __init__(self, tell: Teller, factoring: Callable[[], bool]) -> None:
+    def __init__(self, tell: SolverMessageSender, factoring: Callable[[], bool]) -> None:
         self._tell, self._factoring = tell, factoring
         self._beats, self._ended = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="pulse", daemon=True)
         self._thread.start()
 
-    def tell(self, message: Message) -> None:
+    def tell(self, message: SolverMessage) -> None:
         """Send a message of the solver, beating from an order to its answer."""
         self._tell(message)
-        if message.content is OrderStage.TURNED_TO:
+        if message.content is RequestStage.TURNED_TO:
             self._beats.set()
-        elif message.content is OrderStage.ANSWERED:
+        elif message.content is RequestStage.ANSWERED:
             self._beats.clear()
 
     def during(self, work: Callable[[Callable[[], bool]], object], called: Callable[[], bool]) -> None:
@@ -92,14 +92,14 @@ class _Pulse:
         while self._beats.wait() and not self._ended.wait(_BEAT):
             spent = time.process_time() - time.thread_time()
             if spent - before > _LEAST_SPENT or self._factoring():
-                self._tell(Message(0, OrderStage.UNDER_WAY))
+                self._tell(SolverMessage(0, RequestStage.UNDER_WAY))
             before = spent
 
 
 class _Forwarder(QueueHandler):
     """Log handler forwarding records to the owner."""
 
-    def __init__(self, tell: Teller) -> None:
+    def __init__(self, tell: SolverMessageSender) -> None:
         super().__init__(queue=None)  # type: ignore[arg-type]
         self._tell = tell
 
@@ -110,39 +110,39 @@ class _Forwarder(QueueHandler):
 
 def serve(
     source: BinaryIO,
-    tell: Teller,
-    abandoned: Callable[[], object] = lambda: None,
-    at_leisure: Callable[[Callable[[], bool]], object] = lambda _: None,
+    send: SolverMessageSender,
+    on_source_end: Callable[[], object] = lambda: None,
+    when_idle: Callable[[Callable[[], bool]], object] = lambda _: None,
 ) -> None:
     """Answer the orders from ``source`` on this thread until it ends.
 
     Parameters
     ----------
     source : binary file
-    tell : Teller
-    abandoned : callable
+    send : SolverMessageSender
+    on_source_end : callable
         Called on another thread as soon as ``source`` has ended.
-    at_leisure : callable
-        Called when there is nothing to do: see :meth:`Solver.run`.
+    when_idle : callable
+        Called when there is nothing to do: see :meth:`RequestSolver.run`.
     """
-    orders: Mailbox[Order] = Mailbox()
+    orders: Mailbox[RequestMessage] = Mailbox()
 
     def receive() -> None:
-        unpacker = array_pipe.Unpacker()
+        unpacker = array_pipe.ArrayUnpacker()
         try:
-            while (message := array_pipe.read(source)) is not None:
-                order: Order = unpacker.unpacked(message)
-                tell(Message(order.number, OrderStage.RECEIVED))
+            while (message := array_pipe.read_message(source)) is not None:
+                order: RequestMessage = unpacker.unpacked_value(message)
+                send(SolverMessage(order.number, RequestStage.RECEIVED))
                 orders.put(order)
         finally:  # without an owner there is nothing to log to
             orders.close()
-            abandoned()
+            on_source_end()
 
     reader = threading.Thread(target=receive, name="orders", daemon=True)
     reader.start()
-    solver: Solver
-    pulse = _Pulse(tell, lambda: solver.factoring)
-    solver = Solver(orders, pulse.tell)
-    solver.run(partial(pulse.during, at_leisure))
+    solver: RequestSolver
+    pulse = _Pulse(send, lambda: solver.is_factoring)
+    solver = RequestSolver(orders, pulse.tell)
+    solver.run(partial(pulse.during, when_idle))
     pulse.end()
     reader.join()

@@ -10,7 +10,8 @@ depend on D, and loads are in proportion to it:
 A shape that cannot bend without stretching resists by both, and its load is in proportion to
 ``D^(1 - p) (E t)^p``, where p is the share of the energy in stretching (the derivative of the least energy by
 the logarithm of a modulus is the energy that the modulus has). A wall that is thinner than that of the model
-resists stretching more, against bending, so that the newtons above are too low; see :func:`too_low`.
+resists stretching more, against bending, so that the newtons above are too low; see
+:func:`underestimate_factor`.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from typing import NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.session.quantities.expressions import number
+from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.units import Unit
 
 _PRESSURES = {
@@ -65,7 +66,7 @@ class ElasticWall(NamedTuple):
         """Bending rigidity ``E t³ / (12 (1 - nu²))``, N m."""
         return self.young * self.thickness**3 / (12.0 * (1.0 - self.poisson**2))
 
-    def newtons(self, stiffness: float, area: float, metre: float) -> float:
+    def newtons_per_load(self, stiffness: float, area: float, metre: float) -> float:
         """Newtons of a load of 1 of the model.
 
         Parameters
@@ -79,7 +80,7 @@ class ElasticWall(NamedTuple):
         """
         return self.rigidity / (2.0 * stiffness * area * metre)
 
-    def stiffness(self, area: float, metre: float, young: float) -> float:
+    def model_stiffness(self, area: float, metre: float, young: float) -> float:
         """Stiffness of the model with this wall's proportion of bending to stretch.
 
         ``D / (E t)`` is ``2 stiffness area / young`` in the model, and ``t² / (12 (1 - nu²))`` of the wall.
@@ -96,7 +97,7 @@ class ElasticWall(NamedTuple):
         return young * self.thickness**2 / (24.0 * (1.0 - self.poisson**2) * area * metre**2)
 
 
-def too_low(ratio: float, stretching: float, curvature: float) -> float:
+def underestimate_factor(ratio: float, stretching: float, curvature: float) -> float:
     """Largest factor by which newtons may be too low; less than 1 if too high.
 
     It is 1 where a shape need not stretch. Where it has to, loads are in proportion to the root of ``D E t``
@@ -116,13 +117,13 @@ def too_low(ratio: float, stretching: float, curvature: float) -> float:
     return ratio ** max(_ROOT, stretching) if forced or stretching > _ROOT else 1.0
 
 
-def metres(unit: Unit) -> float | None:
+def metres_per_unit(unit: Unit) -> float | None:
     """Metres in a unit of length; None if there is none."""
-    litres = unit.litres(1.0)
+    litres = unit.to_litres(1.0)
     return None if litres is None else 0.1 * math.cbrt(litres)
 
 
-def young_modulus(text: str) -> float:
+def parse_young_modulus(text: str) -> float:
     """Young's modulus in Pa from a text; a bare number is in GPa. Raises InputError."""
     parted = _UNIT.fullmatch(text.strip())
     assert parted is not None
@@ -132,7 +133,7 @@ def young_modulus(text: str) -> float:
             tr("“{unit}” is not a unit of Young's modulus; use GPa, MPa or psi.").format(unit=parted["unit"])
         )
     try:
-        value = _PASCALS[unit] * number(parted["amount"], {})
+        value = _PASCALS[unit] * parse_number(parted["amount"], {})
     except InputError:
         sentence = tr("“{text}” is not a Young's modulus; enter one such as 2.8 GPa.")
         raise InputError(sentence.format(text=text.strip()[:_SHOWN])) from None
@@ -145,7 +146,7 @@ def young_modulus(text: str) -> float:
     return value
 
 
-def pressure(text: str) -> float | None:
+def parse_pressure(text: str) -> float | None:
     """Pressure in Pa from a text, None for a bare number; raises InputError."""
     parted = _UNIT.fullmatch(text.strip())
     assert parted is not None
@@ -154,15 +155,15 @@ def pressure(text: str) -> float | None:
         raise InputError(
             tr("“{unit}” is not a unit of pressure; use kPa, bar, atm or psi.").format(unit=parted["unit"])
         )
-    value = number(parted["amount"], {})
+    value = parse_number(parted["amount"], {})
     if not value > 0.0:
         raise InputError(tr("The pressure of the gas must be greater than 0."))
     return _PRESSURES[unit] * value if unit else None
 
 
-def poisson_ratio(text: str) -> float:
+def parse_poisson_ratio(text: str) -> float:
     """Poisson's ratio from a text; raises InputError."""
-    value = number(text, {})
+    value = parse_number(text, {})
     if not 0.0 <= value <= 0.5:
         raise InputError(tr("Poisson's ratio must be from 0 to 0.5, such as 0.4."))
     return value

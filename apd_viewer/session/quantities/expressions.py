@@ -12,15 +12,15 @@ from collections.abc import Mapping
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.session.quantities.expression_reader import ExpressionReader
-from apd_viewer.session.quantities.quantity import BARE
-from apd_viewer.session.quantities.tokens import SPELLINGS, tokens_of
+from apd_viewer.session.quantities.expression_parser import ExpressionParser
+from apd_viewer.session.quantities.quantity import DIMENSIONLESS
+from apd_viewer.session.quantities.tokens import SPELLINGS, tokenize
 from apd_viewer.session.quantities.units import Unit
 
 MOST_CHARACTERS = 200
 
 
-def length(text: str, unit: Unit, names: Mapping[str, float]) -> float:
+def parse_length(text: str, unit: Unit, names: Mapping[str, float]) -> float:
     """Length in mesh units from a text.
 
     Parameters
@@ -36,20 +36,20 @@ def length(text: str, unit: Unit, names: Mapping[str, float]) -> float:
     InputError
         If the text says no finite length.
     """
-    return _said(text, names, unit, (1.0, 0.0), tr("a length such as 0.5"))
+    return _parse_value(text, names, unit, (1.0, 0.0), tr("a length such as 0.5"))
 
 
-def angle(text: str, names: Mapping[str, float]) -> float:
-    """Angle in radians; a bare number is in degrees. Otherwise as :func:`length`."""
-    return math.radians(_said(text, names, None, (0.0, 1.0), tr("an angle such as 30 or 30deg")))
+def parse_angle(text: str, names: Mapping[str, float]) -> float:
+    """Angle in radians, as :func:`parse_length`; a bare number is in degrees."""
+    return math.radians(_parse_value(text, names, None, (0.0, 1.0), tr("an angle such as 30 or 30deg")))
 
 
-def number(text: str, names: Mapping[str, float]) -> float:
-    """Dimensionless number. Otherwise as :func:`length`."""
-    return _said(text, names, None, BARE, tr("a number such as 0.5"))
+def parse_number(text: str, names: Mapping[str, float]) -> float:
+    """Dimensionless number. Otherwise as :func:`parse_length`."""
+    return _parse_value(text, names, None, DIMENSIONLESS, tr("a number such as 0.5"))
 
 
-def _said(
+def _parse_value(
     text: str, names: Mapping[str, float], unit: Unit | None, powers: tuple[float, float], wanted: str
 ) -> float:
     text = text.translate(SPELLINGS).strip()
@@ -59,7 +59,7 @@ def _said(
         raise InputError(
             tr("The entry is too long; enter at most {most} characters.").format(most=MOST_CHARACTERS)
         )
-    said = ExpressionReader(tokens_of(text), names, unit).whole()
-    if said.powers not in (BARE, powers):
+    said = ExpressionParser(tokenize(text), names, unit).parsed_quantity()
+    if said.powers not in (DIMENSIONLESS, powers):
         raise InputError(tr("This is {kind}; enter {wanted}.").format(kind=said.kind, wanted=wanted))
     return said.value

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
-BARE = (0.0, 0.0)
+DIMENSIONLESS = (0.0, 0.0)
 _KINDS = {
-    BARE: tr("a number"),
+    DIMENSIONLESS: tr("a number"),
     (1.0, 0.0): tr("a length"),
     (2.0, 0.0): tr("an area"),
     (3.0, 0.0): tr("a volume"),
@@ -40,11 +40,11 @@ class Quantity:
         """Its kind, in words."""
         return _KINDS.get(self.powers, tr("a product of lengths and angles"))
 
-    def beside(self, other: Quantity) -> Quantity:
+    def in_kind_of(self, other: Quantity) -> Quantity:
         """Itself in the kind of ``other``, if it is a bare number."""
-        if self.powers == BARE:
+        if self.powers == DIMENSIONLESS:
             return replace(other, value=self.value)
-        if other.powers in (BARE, self.powers):
+        if other.powers in (DIMENSIONLESS, self.powers):
             return self
         raise InputError(
             tr("This adds or compares {kind} and {other}; use one kind for both.").format(
@@ -53,7 +53,7 @@ class Quantity:
         )
 
     def __add__(self, other: Quantity) -> Quantity:
-        return replace(self.beside(other), value=self.value + other.value)
+        return replace(self.in_kind_of(other), value=self.value + other.value)
 
     def __mul__(self, other: Quantity) -> Quantity:
         return Quantity(self.value * other.value, self.length + other.length, self.angle + other.angle)
@@ -64,7 +64,7 @@ class Quantity:
         return Quantity(self.value / other.value, self.length - other.length, self.angle - other.angle)
 
     def __pow__(self, other: Quantity) -> Quantity:
-        if other.powers != BARE:
+        if other.powers != DIMENSIONLESS:
             raise InputError(tr("An exponent cannot be {kind}; enter a number.").format(kind=other.kind))
         try:
             value = self.value**other.value

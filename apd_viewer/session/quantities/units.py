@@ -49,12 +49,12 @@ class Unit(Enum):
         return self.value.endswith(_GUESS)
 
     @property
-    def guessed(self) -> Unit:
+    def as_guess(self) -> Unit:
         """The same unit as a guess."""
         return Unit(self.symbol + _GUESS) if self.symbol else self
 
     @property
-    def confirmed(self) -> Unit:
+    def as_confirmed(self) -> Unit:
         """The same unit, no longer a guess."""
         return Unit(self.symbol)
 
@@ -63,37 +63,37 @@ class Unit(Enum):
         """The name on a button."""
         return self.value or tr("no unit")
 
-    def length(self, number: str) -> str:
+    def format_length(self, number: str) -> str:
         """A length: the number, as it is written, with its unit."""
         return self._written(number, 1)
 
-    def area(self, number: str) -> str:
+    def format_area(self, number: str) -> str:
         """An area: the number, as it is written, with its unit."""
         return self._written(number, 2)
 
-    def volume(self, number: str) -> str:
+    def format_volume(self, number: str) -> str:
         """A volume: the number, as it is written, with its unit."""
         return self._written(number, 3)
 
-    def curvature(self, number: str) -> str:
+    def format_curvature(self, number: str) -> str:
         """A curvature: the number, as it is written, over the unit of length."""
         return self._written(number, -1)
 
-    def legible(self, value: float, power: int) -> tuple[Unit, float]:
+    def legible_unit(self, value: float, power: int) -> tuple[Unit, float]:
         """The unit in which an area or a volume is legible, and the factor into it."""
-        unit, factor = self.confirmed, 1.0
+        unit, factor = self.as_confirmed, 1.0
         while abs(factor * value) >= _LEGIBLE and unit in _LARGER:
             larger = _LARGER[unit]
             factor *= (_DECIMETRES[unit.value] / _DECIMETRES[larger.value]) ** power
             unit = larger
-        return unit.guessed if self.is_guess else unit, factor
+        return unit.as_guess if self.is_guess else unit, factor
 
-    def litres(self, volume: float) -> float | None:
+    def to_litres(self, volume: float) -> float | None:
         """A volume in cubic mesh units as litres; None without a unit."""
         side = _DECIMETRES.get(self.symbol)
         return None if side is None else volume * side**3
 
-    def capacity(self, litres: float) -> tuple[str, float]:
+    def capacity_unit(self, litres: float) -> tuple[str, float]:
         """The unit of capacity for a volume, and how many of it are a litre."""
         if self._is_of_inches:
             symbol, factor = _largest(_LITRES_OF_INCHES, abs(litres))
@@ -101,14 +101,14 @@ class Unit(Enum):
             symbol, factor = _largest(_LITRES, 10.0 * abs(litres))  # from a tenth on, litres are usual
         return symbol + self._mark, factor
 
-    def mass(self, grams: float) -> tuple[str, float]:
+    def mass_unit(self, grams: float) -> tuple[str, float]:
         """The unit of mass for so many grams, and how many of it are a gram."""
         symbol, factor = _largest(_GRAMS_OF_INCHES if self._is_of_inches else _GRAMS, grams)
         return symbol + self._mark, factor
 
     @property
     def _is_of_inches(self) -> bool:
-        return self.confirmed in (Unit.INCH, Unit.FOOT)
+        return self.as_confirmed in (Unit.INCH, Unit.FOOT)
 
     @property
     def _mark(self) -> str:

@@ -6,8 +6,8 @@ import re
 from typing import NamedTuple
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import listed, tr
-from apd_viewer.session.quantities.expressions import length, number
+from apd_viewer.language import comma_separated, tr
+from apd_viewer.session.quantities.expressions import parse_length, parse_number
 from apd_viewer.session.quantities.units import Unit
 
 # In grams per cubic centimetre, the unit of a bare number.
@@ -46,21 +46,21 @@ class Wall(NamedTuple):
     thickness: str = ""
     density: str = ""
 
-    def written(self, unit: Unit) -> str:
+    def text(self, unit: Unit) -> str:
         """Thickness and density, a bare number with the unit that it is in; empty if none."""
         thickness, density = (text.strip() for text in self)
-        thickness = unit.length(thickness) if _is_bare(thickness) else thickness
+        thickness = unit.format_length(thickness) if _is_bare(thickness) else thickness
         density = f"{density}\u00a0g/cm³" if _is_bare(density) else density
-        return listed(filter(None, (thickness, density)))
+        return comma_separated(filter(None, (thickness, density)))
 
 
 NO_WALL = Wall()
 
 
-def mass(wall: Wall, area: float, unit: Unit, material: float | None = None) -> float | None:
+def wall_mass(wall: Wall, area: float, unit: Unit, material_volume: float | None = None) -> float | None:
     """Mass of a wall of ``area`` square mesh units, grams; None if nothing was typed.
 
-    Of a double wall the ``material`` between its surfaces counts, cubic mesh units, and no thickness.
+    Of a double wall the ``material_volume`` between its surfaces counts, cubic mesh units, and no thickness.
 
     Raises
     ------
@@ -71,50 +71,50 @@ def mass(wall: Wall, area: float, unit: Unit, material: float | None = None) -> 
         return None
     if unit is Unit.NONE:
         raise InputError(tr("The mass needs the unit of the mesh; choose it next to the area."))
-    if material is None:
+    if material_volume is None:
         if not wall.thickness.strip():
             raise InputError(tr("The mass needs a wall thickness; enter one such as 0.3mm."))
-        material = area * thickness_from(wall.thickness, unit)
+        material_volume = area * parse_thickness(wall.thickness, unit)
     if not wall.density.strip():
         raise InputError(tr("The mass needs a density; enter one such as 1.38 g/cm³."))
-    litres = unit.litres(material)
+    litres = unit.to_litres(material_volume)
     assert litres is not None
-    return 1000.0 * litres * density(wall.density)
+    return 1000.0 * litres * parse_density(wall.density)
 
 
-def thickness_from(text: str, unit: Unit) -> float:
+def parse_thickness(text: str, unit: Unit) -> float:
     """Thickness in mesh units from a text; raises InputError."""
-    thickness = length(text, unit, {})
+    thickness = parse_length(text, unit, {})
     if not thickness > 0.0:
         raise InputError(tr("Enter a wall thickness greater than 0, such as 0.3mm."))
     return thickness
 
 
-def thickness_of(wall: Wall, unit: Unit) -> float | None:
+def wall_thickness(wall: Wall, unit: Unit) -> float | None:
     """Thickness in mesh units; None where no usable one was typed."""
     try:
-        return thickness_from(wall.thickness, unit)
+        return parse_thickness(wall.thickness, unit)
     except InputError:
         return None
 
 
-def density_of(wall: Wall) -> float | None:
+def wall_density(wall: Wall) -> float | None:
     """Density in g/cm³; None where no usable one was typed."""
     try:
-        return density(wall.density)
+        return parse_density(wall.density)
     except InputError:
         return None
 
 
 def _is_bare(text: str) -> bool:
     try:
-        number(text, {})
+        parse_number(text, {})
     except InputError:
         return False
     return True
 
 
-def density(text: str) -> float:
+def parse_density(text: str) -> float:
     """Density in g/cm³ from a text; raises InputError."""
     parted = _UNIT.fullmatch(text.translate(_SPELLINGS).strip())
     amount, factor = text, 1.0
@@ -126,7 +126,7 @@ def density(text: str) -> float:
             )
         amount, factor = parted["amount"], _DENSITIES[said]
     try:
-        value = factor * number(amount, {})
+        value = factor * parse_number(amount, {})
     except InputError:
         sentence = tr("“{text}” is not a density; enter one such as 1.38 g/cm³.")
         raise InputError(sentence.format(text=text.strip()[:_SHOWN])) from None

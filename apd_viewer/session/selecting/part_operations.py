@@ -7,32 +7,38 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from apd_viewer.geometry.picking.vertex_sets import grown, mirrored, shrunk, smoothed
-from apd_viewer.session.posing.symmetry import mirror_plane
+from apd_viewer.geometry.picking.vertex_sets import grown_set, mirrored_set, shrunk_set, smoothed_set
+from apd_viewer.session.posing.mirror_partner import mirror_plane
 from apd_viewer.session.selecting.part_operation import PartOperation
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.painted_part import Part
+    from apd_viewer.session.model.painted_part import PaintedPart
     from apd_viewer.session.model.state import State
 
-Reshape: TypeAlias = "Callable[[State, np.ndarray], np.ndarray]"
+MemberOperation: TypeAlias = "Callable[[State, np.ndarray], np.ndarray]"
 
 
-def _mirrored_along(axis: int) -> Reshape:
+def _mirrored_along(axis: int) -> MemberOperation:
     def reshape(state: State, member: np.ndarray) -> np.ndarray:
-        mesh, skin = state.document.mesh, state.skin
-        return member | mirrored(skin.start, skin.neighbour, mesh.V, member, mirror_plane(mesh, axis))
+        mesh, skin = state.document.mesh, state.surface_index
+        return member | mirrored_set(skin.start, skin.neighbour, mesh.V, member, mirror_plane(mesh, axis))
 
     return reshape
 
 
 def _smoothed(state: State, member: np.ndarray) -> np.ndarray:
-    return smoothed(state.skin.start, state.skin.neighbour, state.document.mesh.V, member)
+    return smoothed_set(
+        state.surface_index.start, state.surface_index.neighbour, state.document.mesh.V, member
+    )
 
 
-_OPERATIONS: dict[PartOperation, Reshape] = {
-    PartOperation.GROW: lambda state, member: grown(state.skin.start, state.skin.neighbour, member),
-    PartOperation.SHRINK: lambda state, member: shrunk(state.skin.start, state.skin.neighbour, member),
+_OPERATIONS: dict[PartOperation, MemberOperation] = {
+    PartOperation.GROW: lambda state, member: grown_set(
+        state.surface_index.start, state.surface_index.neighbour, member
+    ),
+    PartOperation.SHRINK: lambda state, member: shrunk_set(
+        state.surface_index.start, state.surface_index.neighbour, member
+    ),
     PartOperation.SMOOTH: _smoothed,
     PartOperation.INVERT: lambda _, member: ~member,
     PartOperation.CLEAR: lambda _, member: np.zeros_like(member),
@@ -42,12 +48,12 @@ _OPERATIONS: dict[PartOperation, Reshape] = {
 }
 
 
-def reshaped(state: State, part: Part, operation: PartOperation) -> np.ndarray:
+def members_after(state: State, part: PaintedPart, operation: PartOperation) -> np.ndarray:
     """Members of a part after a change, (n,) bool; none are taken from other parts."""
-    document, skin = state.document, state.skin
-    member = part.of(document)
+    document, skin = state.document, state.surface_index
+    member = part.mask(document)
     wanted = _OPERATIONS[operation](state, member)
     if len(skin.source):
         wanted = wanted[skin.source]
     codes = part.codes(document)
-    return wanted & (member | (codes == part.nothing))
+    return wanted & (member | (codes == part.unpainted_code))

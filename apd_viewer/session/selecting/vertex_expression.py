@@ -9,8 +9,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.session.posing.typed_motion import names_of
-from apd_viewer.session.quantities.expressions import length, number
+from apd_viewer.session.posing.typed_motion import named_lengths
+from apd_viewer.session.quantities.expressions import parse_length, parse_number
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
@@ -26,7 +26,7 @@ _AXES = "x", "y", "z"
 _HOW = tr("enter IDs such as 3, 10-20, or conditions such as y > 80% and x < 0")
 
 
-def chosen(text: str, state: State, unit: Unit) -> np.ndarray:
+def parse_vertices(text: str, state: State, unit: Unit) -> np.ndarray:
     """Vertices selected by a text, ascending ids.
 
     Either ids and ranges of ids, parted by commas or spaces, or conditions on the coordinates x, y, z of the
@@ -90,12 +90,12 @@ def _side(text: str, other: str, state: State, unit: Unit) -> np.ndarray | float
     if text in _AXES:
         return _coordinates(text, state)
     if not _SHARE.fullmatch(text):
-        return length(text, unit, names_of(state))
+        return parse_length(text, unit, named_lengths(state))
     if other not in _AXES:
         raise InputError(
             tr("{text} is a share of the mesh along an axis; compare it with x, y or z.").format(text=text)
         )
-    along, part = _coordinates(other, state), number(text, {})
+    along, part = _coordinates(other, state), parse_number(text, {})
     return float((1.0 - part) * along.min() + part * along.max())  # exact at 0 % and 100 %
 
 
@@ -104,18 +104,18 @@ def _coordinates(axis: str, state: State) -> np.ndarray:
     return column
 
 
-def place(text: str, state: State, unit: Unit) -> np.ndarray:
+def parse_point(text: str, state: State, unit: Unit) -> np.ndarray:
     """Point (3,) from three expressions separated by semicolons or commas."""
     problem = tr("“{text}” is not a point; enter three coordinates such as 0, 0.5Y, 12mm.")
-    names = names_of(state)
-    return np.array([length(part, unit, names) for part in _three(text, problem)])
+    names = named_lengths(state)
+    return np.array([parse_length(part, unit, names) for part in _three(text, problem)])
 
 
-def vector(text: str, state: State) -> np.ndarray:
+def parse_vector(text: str, state: State) -> np.ndarray:
     """Vector (3,) from three numbers separated by semicolons or commas."""
     problem = tr("“{text}” is not a direction; enter three numbers such as 0, 1, 0.")
-    names = names_of(state)
-    return np.array([number(part, names) for part in _three(text, problem)])
+    names = named_lengths(state)
+    return np.array([parse_number(part, names) for part in _three(text, problem)])
 
 
 def _three(text: str, problem: str) -> list[str]:

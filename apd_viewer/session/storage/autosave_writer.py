@@ -15,12 +15,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from apd_viewer.files.storage.atomic_file import flush_to_disk
-from apd_viewer.files.storage.lock import Lock
+from apd_viewer.files.storage.lock import FileLock
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
-from apd_viewer.session.storage.recovery import Leftover, keep_private, owned, remove
+from apd_viewer.session.storage.recovery_file import RecoveryFile, claim_path, make_private, remove_with_lock
 from apd_viewer.session.storage.session_file import save_session
 
 _LOGGER = logging.getLogger(__name__)
@@ -29,12 +29,12 @@ _FAILED = tr("Autosave failed ({why}); save the session regularly.")
 
 
 @dataclass(frozen=True, eq=False)
-class Copy:
+class AutosaveCopy:
     """Content of the file, and the leftovers it replaces."""
 
     state: State
     view: View
-    supersedes: tuple[Leftover, ...] = ()
+    superseded_files: tuple[RecoveryFile, ...] = ()
 
 
 class AutosaveWriter:
@@ -51,7 +51,7 @@ class AutosaveWriter:
     def __init__(self, folder: Path, wake: Callable[[], object]) -> None:
         self._folder = folder
         self._wake = wake
-        self._mailbox: Mailbox[tuple[int, Copy | None]] = Mailbox()
+        self._mailbox: Mailbox[tuple[int, AutosaveCopy | None]] = Mailbox()
         self._asked = self._done = 0
         self._pace = 0.0
         self._doing = threading.Condition()
@@ -60,11 +60,11 @@ class AutosaveWriter:
         self._removes = False
         self._hurry = threading.Event()
         self._failing = False
-        self._mine: tuple[Path, Lock] | None = None
+        self._mine: tuple[Path, FileLock] | None = None
         self._thread = threading.Thread(target=self._run, name="backup", daemon=True)
         self._thread.start()
 
-    def put(self, copy: Copy | None, patience: float = 0.0) -> None:
+    def put(self, copy: AutosaveCopy | None, patience: float = 0.0) -> None:
         """Queue ``copy``, replacing any other in the queue; None removes the file.
 
         Returns once that is done, but after ``patience`` seconds at the latest, and at once where the one
@@ -115,7 +115,7 @@ class AutosaveWriter:
             self._hurry.wait(left)
             self._hurry.clear()
 
-    def _try(self, number: int, copy: Copy) -> None:
+    def _try(self, number: int, copy: AutosaveCopy) -> None:
         since = time.monotonic()
         try:
             try:
@@ -123,7 +123,7 @@ class AutosaveWriter:
             finally:
                 self._tell_done(number, time.monotonic() - since)
             flush_to_disk(path)
-            for left in copy.supersedes:
+            for left in copy.superseded_files:
                 left.discard()
             self._failing = False
         except Exception as error:  # the next step is tried again, whatever the error
@@ -144,14 +144,14 @@ class AutosaveWriter:
 
     def _remove(self) -> None:
         if self._mine is not None:
-            remove(*self._mine)
+            remove_with_lock(*self._mine)
             self._mine = None
 
-    def _write(self, copy: Copy) -> Path:
-        if self._mine is not None and not self._mine[1].stands:  # the folder has been cleared
+    def _write(self, copy: AutosaveCopy) -> Path:
+        if self._mine is not None and not self._mine[1].is_in_place:  # the folder has been cleared
             self._mine[1].release()
             self._mine = None
         if self._mine is None:
-            self._mine = owned(self._folder)
-        save_session(self._mine[0], copy.state, copy.view, at_once=True, finish=keep_private)
+            self._mine = claim_path(self._folder)
+        save_session(self._mine[0], copy.state, copy.view, is_urgent=True, finish=make_private)
         return self._mine[0]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def explained(path: Path) -> Iterator[None]:
+def explaining_errors(path: Path) -> Iterator[None]:
     """Turn errors of reading into an InputError with a sentence."""
     try:
         yield

@@ -18,27 +18,27 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_location import find_mesh
-from apd_viewer.files.storage.archive import Archive, npy, write_archive
-from apd_viewer.files.storage.json_fields import Fields
-from apd_viewer.files.storage.reading import content_of
+from apd_viewer.files.storage.archive import Archive, npy_content, write_archive
+from apd_viewer.files.storage.json_fields import JsonFields
+from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-from apd_viewer.session.model.state import State, opened
-from apd_viewer.session.model.view import SUFFIX, View
-from apd_viewer.session.storage.session_errors import explained
+from apd_viewer.session.model.state import State, initial_state
+from apd_viewer.session.model.view import SESSION_SUFFIX, View
+from apd_viewer.session.storage.session_errors import explaining_errors
 from apd_viewer.session.storage.session_json import (
-    document_of,
-    document_said,
-    frame_of,
-    frame_said,
-    view_of,
-    view_said,
+    document_from_json,
+    document_to_json,
+    frame_from_json,
+    frame_to_json,
+    view_from_json,
+    view_to_json,
 )
-from apd_viewer.session.storage.session_meshes import TEXT, mesh_said, target_said, with_target
-from apd_viewer.session.storage.session_picture import PICTURE
+from apd_viewer.session.storage.session_meshes import JSON_MEMBER, mesh_to_json, target_to_json, with_target
+from apd_viewer.session.storage.session_picture import PICTURE_MEMBER
 
-FORMAT, VERSION = "apd-session", 1
+SESSION_FORMAT, SESSION_VERSION = "apd-session", 1
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
 _WELD = "weld"  # for each vertex the one that it is welded to, where seams were welded
 # In bounding-box diagonals; positions farther away are no shape of this mesh.
@@ -50,7 +50,7 @@ def save_session(
     state: State,
     view: View,
     embed: bool = False,
-    at_once: bool = False,
+    is_urgent: bool = False,
     picture: bytes = b"",
     finish: Callable[[Path], object] = lambda _: None,
 ) -> bool:
@@ -65,7 +65,7 @@ def save_session(
     embed : bool
         Whether to put copies of the mesh and of the target shape into it. There is one in any case where no
         file holds them.
-    at_once : bool
+    is_urgent : bool
         Whether it is wanted in a moment, and may be larger; see
         :func:`apd_viewer.files.storage.archive.write_archive`.
     picture : bytes
@@ -84,15 +84,15 @@ def save_session(
         If the file cannot be written.
     """
     path = Path(path)
-    if path.suffix.lower() != SUFFIX:
+    if path.suffix.lower() != SESSION_SUFFIX:
         raise InputError(
             tr("{name} does not have the ending of a session; use {ending}.").format(
-                name=path.name, ending=SUFFIX
+                name=path.name, ending=SESSION_SUFFIX
             )
         )
     document, mesh = state.document, state.document.mesh
-    told, copy = mesh_said(mesh, path, embed)
-    target, copy_of_target = target_said(document, path, embed)
+    told, copy = mesh_to_json(mesh, path, embed)
+    target, copy_of_target = target_to_json(document, path, embed)
     arrays = {"labels": document.labels, "member": document.member}
     if mesh.has_welded_seams:
         arrays[_WELD] = mesh.weld.representative
@@ -100,20 +100,20 @@ def save_session(
     # Rest positions are left out: once opened they are the mesh's own.
     arrays |= {name: X for name, X in positions.items() if X is not mesh.V}
     said = {
-        "format": FORMAT,
-        "version": VERSION,
+        "format": SESSION_FORMAT,
+        "version": SESSION_VERSION,
         "program": _program(),
         "mesh": told,
         **({"target": target} if target else {}),
         "arrays": list(arrays),
-        "document": document_said(document),
-        "frame": frame_said(state.frame),
-        "view": view_said(view),
+        "document": document_to_json(document),
+        "frame": frame_to_json(state.frame),
+        "view": view_to_json(view),
     }
     text = json.dumps(said, indent=1, allow_nan=False).encode()
-    members = {f"{name}.npy": npy(array) for name, array in arrays.items()}
-    members |= {**copy, **copy_of_target, **({PICTURE: picture} if picture else {})}
-    write_archive(path, {TEXT: text, **members}, at_once, finish)
+    members = {f"{name}.npy": npy_content(array) for name, array in arrays.items()}
+    members |= {**copy, **copy_of_target, **({PICTURE_MEMBER: picture} if picture else {})}
+    write_archive(path, {JSON_MEMBER: text, **members}, is_urgent, finish)
     return bool(copy)
 
 
@@ -137,18 +137,20 @@ def open_session(path: str | Path) -> tuple[State, View]:
         If there is no such file, it is no session, or its mesh is missing or another one.
     """
     path = Path(path)
-    with explained(path):
+    with explaining_errors(path):
         archive = Archive(_content(path))
-        said = Fields.of(archive.content(TEXT), TEXT)
+        said = JsonFields.parse(archive.content(JSON_MEMBER), JSON_MEMBER)
         _check_version(said, path)
-        mesh = _welded(find_mesh(said.part("mesh"), path, archive), said, archive)
-        state, arrays = opened(mesh), _arrays(said, archive, mesh)
-        document = with_target(document_of(said.part("document"), mesh, arrays), said, path, archive)
+        mesh = _welded(find_mesh(said.nested_fields("mesh"), path, archive), said, archive)
+        state, arrays = initial_state(mesh), _arrays(said, archive, mesh)
+        document = with_target(
+            document_from_json(said.nested_fields("document"), mesh, arrays), said, path, archive
+        )
         if document.volume is not None and not state.inspection.volume:
             raise ValueError(tr("its “volume” is damaged"))
         state = replace(state, document=document)
-        frame = frame_of(said.part("frame"), state, arrays["shape"])
-        return replace(state, frame=frame), view_of(said.part("view"))
+        frame = frame_from_json(said.nested_fields("frame"), state, arrays["shape"])
+        return replace(state, frame=frame), view_from_json(said.nested_fields("view"))
 
 
 def _content(path: Path) -> bytes:
@@ -157,14 +159,14 @@ def _content(path: Path) -> bytes:
         raise InputError(tr("There is no file {path}; check the name.").format(path=path))
     if not path.is_file():
         raise InputError(tr("{path} is not a file; choose a session file.").format(path=path))
-    return content_of(path)
+    return read_content(path)
 
 
-def _check_version(said: Fields, path: Path) -> None:
-    if said.text("format") != FORMAT:
+def _check_version(fields: JsonFields, path: Path) -> None:
+    if fields.text("format") != SESSION_FORMAT:
         raise ValueError(tr("it is another type of file"))
-    version = said.count("version")
-    if version > VERSION:
+    version = fields.count("version")
+    if version > SESSION_VERSION:
         raise InputError(
             tr("{name} was saved by a newer version of the program; update apd-viewer to open it.").format(
                 name=path.name
@@ -174,20 +176,20 @@ def _check_version(said: Fields, path: Path) -> None:
         raise ValueError(tr("its “version” is damaged"))
 
 
-def _welded(mesh: Mesh, said: Fields, archive: Archive) -> Mesh:
+def _welded(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
     """The mesh with its seams welded as they were."""
-    if _WELD not in said.texts("arrays", most=100):
+    if _WELD not in fields.texts("arrays", most=100):
         return mesh
     n = len(mesh.V)
     to = archive.array(_WELD, "<i8", (n,))
     if to.min() < 0 or (to > np.arange(n)).any() or (to[to] != to).any():
         raise ValueError(tr("“{name}” in it refers to a vertex that does not exist").format(name=_WELD))
-    return mesh.joined(to)
+    return mesh.welded_to(to)
 
 
-def _arrays(said: Fields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]:
+def _arrays(fields: JsonFields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]:
     """Labels, regions and positions of all vertices, by their names."""
-    there, n = said.texts("arrays", most=100), len(mesh.V)
+    there, n = fields.texts("arrays", most=100), len(mesh.V)
     farthest = _FARTHEST * diagonal(mesh.V)
     arrays = {name: archive.array(name, "|u1", (n,)) for name in _CODES}
     for name in _POSITIONS:

@@ -13,36 +13,36 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import MOST_REGIONS
-from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
-from apd_viewer.geometry.pose.frame import Frame, Touch
+from apd_viewer.geometry.pose.frame import Frame, FrameContact
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence, check_convergence
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.handles_and_regions import MOST_POSES, NO_FLAGS
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle
-from apd_viewer.session.model.named_parts import MOST_POSES, NO_FLAGS
 from apd_viewer.session.model.state import State, shape_frame
 from apd_viewer.session.model.up_axis import UpAxis
-from apd_viewer.session.model.view import Point, Standpoint, View
+from apd_viewer.session.model.view import CameraPose, Point3, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall_mass import Wall
-from apd_viewer.session.storage.measurements_json import measurements_of, measurements_said
-from apd_viewer.session.storage.obstacle_json import obstacle_of, obstacle_said, vectors_of
+from apd_viewer.session.storage.measurements_json import measurements_from_json, measurements_to_json
+from apd_viewer.session.storage.obstacle_json import obstacle_from_json, obstacle_to_json, vectors_from_json
 from apd_viewer.session.storage.part_json import (
-    LEAST,
-    MOST,
-    flags_of,
-    flags_said,
-    handle_of,
-    handle_said,
-    number_said,
-    percent_of,
-    pose_of,
-    pose_said,
-    region_of,
+    LARGEST_NUMBER,
+    LEAST_POSITIVE,
+    flags_from_json,
+    flags_to_json,
+    handle_from_json,
+    handle_to_json,
+    number_to_json,
+    percent_from_json,
+    pose_from_json,
+    pose_to_json,
+    region_from_json,
 )
 
 _NUMBERS = ("tolerance", "stiffness", "area_stiffness", "shear_stiffness", "area")
@@ -51,42 +51,50 @@ _AXES = "xyz"
 _NO_OVERLAY = "none"
 
 
-def document_said(document: Document) -> dict[str, Any]:
+def document_to_json(document: Document) -> dict[str, Any]:
     """All of a document but for its mesh and its arrays."""
     return {
-        "handles": [handle_said(handle) for handle in document.handles],
+        "handles": [handle_to_json(handle) for handle in document.handles],
         "regions": [
-            {"name": part.name, "area": number_said(part.area), **flags_said(part.flags)}
+            {"name": part.name, "area": number_to_json(part.area), **flags_to_json(part.flags)}
             for part in document.regions
         ],
         "method": document.method,
-        **{name: number_said(getattr(document, name)) for name in _NUMBERS},
+        **{name: number_to_json(getattr(document, name)) for name in _NUMBERS},
         "hold_area": bool(document.hold_area),
-        "volume": number_said(document.volume),
+        "volume": number_to_json(document.volume),
         # Sessions without it are from a time when no calm parts were kept.
         **({"calm": True} if document.calm else {}),
         "contact": bool(document.contact),
-        **({"thickness": number_said(document.thickness)} if document.thickness else {}),
-        **({"obstacles": [obstacle_said(each) for each in document.obstacles]} if document.obstacles else {}),
-        **_convergence_said(document.convergence),
+        **({"thickness": number_to_json(document.thickness)} if document.thickness else {}),
+        **(
+            {"obstacles": [obstacle_to_json(each) for each in document.obstacles]}
+            if document.obstacles
+            else {}
+        ),
+        **_convergence_to_json(document.convergence),
         # Sessions without it are from a time when loose parts stayed.
-        **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
-        **measurements_said(document.measurements),
-        **({"base": flags_said(document.base)} if document.base != NO_FLAGS else {}),
-        **({"poses": [pose_said(pose) for pose in document.poses]} if document.poses else {}),
-        **({} if document.mirror is None else {"mirror": _AXES[document.mirror]}),
+        **(
+            {"staying": list(document.staying_components)}
+            if document.staying_components or document.loose_components
+            else {}
+        ),
+        **measurements_to_json(document.measurements),
+        **({"base": flags_to_json(document.base)} if document.base != NO_FLAGS else {}),
+        **({"poses": [pose_to_json(pose) for pose in document.poses]} if document.poses else {}),
+        **({} if document.mirror_axis is None else {"mirror": _AXES[document.mirror_axis]}),
     }
 
 
-def _convergence_said(convergence: Convergence) -> dict[str, Any]:
+def _convergence_to_json(convergence: Convergence) -> dict[str, Any]:
     """The criteria that end the iterations, if they are not the usual ones."""
     return {} if convergence == DEFAULT_CONVERGENCE else {"convergence": convergence._asdict()}
 
 
-def _convergence(said: Fields) -> Convergence:
-    if not said.says("convergence"):
+def _convergence_from_json(fields: JsonFields) -> Convergence:
+    if not fields.has_value("convergence"):
         return DEFAULT_CONVERGENCE
-    criteria = said.part("convergence")
+    criteria = fields.nested_fields("convergence")
     found = Convergence(
         criteria.count("most_iterations"),
         criteria.number("energy_tolerance"),
@@ -99,11 +107,11 @@ def _convergence(said: Fields) -> Convergence:
     return found
 
 
-def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
+def document_from_json(fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
     """Document from its JSON, its mesh and ``labels``, ``member`` and ``grip``."""
-    handles = tuple(handle_of(part) for part in said.parts("handles", MOST_HANDLES))
-    regions = tuple(region_of(part) for part in said.parts("regions", MOST_REGIONS))
-    labels, member, method = arrays["labels"], arrays["member"], said.text("method")
+    handles = tuple(handle_from_json(part) for part in fields.nested_list("handles", MOST_HANDLES))
+    regions = tuple(region_from_json(part) for part in fields.nested_list("regions", MOST_REGIONS))
+    labels, member, method = arrays["labels"], arrays["member"], fields.text("method")
     if not handles or labels.max() >= HANDLE + len(handles):
         raise ValueError(tr("“labels” in it refer to a handle that does not exist"))
     if member.max() > len(regions):
@@ -118,31 +126,35 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         handles,
         regions,
         method,
-        tolerance=said.number("tolerance", LEAST, MOST),
-        stiffness=said.number("stiffness", 0.0, MOST),
-        area_stiffness=said.number("area_stiffness", 0.0, MOST),
-        shear_stiffness=said.number("shear_stiffness", 0.0, MOST),
-        area=said.number("area", LEAST, MOST),
-        hold_area=said.flag("hold_area"),
-        volume=percent_of(said, "volume"),
-        calm=said.says("calm") and said.flag("calm"),
+        tolerance=fields.number("tolerance", LEAST_POSITIVE, LARGEST_NUMBER),
+        stiffness=fields.number("stiffness", 0.0, LARGEST_NUMBER),
+        area_stiffness=fields.number("area_stiffness", 0.0, LARGEST_NUMBER),
+        shear_stiffness=fields.number("shear_stiffness", 0.0, LARGEST_NUMBER),
+        area=fields.number("area", LEAST_POSITIVE, LARGEST_NUMBER),
+        hold_area=fields.flag("hold_area"),
+        volume=percent_from_json(fields, "volume"),
+        calm=fields.has_value("calm") and fields.flag("calm"),
         # Sessions without it may be from a time when walls passed through each other by default.
-        contact=said.says("contact") and said.flag("contact"),
-        thickness=said.number("thickness", LEAST, MOST) if said.says("thickness") else None,
-        obstacles=_obstacles(said),
-        base=flags_of(said.part("base")) if said.says("base") else NO_FLAGS,
-        convergence=_convergence(said),
-        measurements=measurements_of(said, len(mesh.F)),
-        poses=tuple(pose_of(each) for each in said.parts("poses", MOST_POSES)) if said.says("poses") else (),
-        mirror=_axis(said.text("mirror")) if said.says("mirror") else None,
+        contact=fields.has_value("contact") and fields.flag("contact"),
+        thickness=fields.number("thickness", LEAST_POSITIVE, LARGEST_NUMBER)
+        if fields.has_value("thickness")
+        else None,
+        obstacles=_obstacles(fields),
+        base=flags_from_json(fields.nested_fields("base")) if fields.has_value("base") else NO_FLAGS,
+        convergence=_convergence_from_json(fields),
+        measurements=measurements_from_json(fields, len(mesh.F)),
+        poses=tuple(pose_from_json(each) for each in fields.nested_list("poses", MOST_POSES))
+        if fields.has_value("poses")
+        else (),
+        mirror_axis=_axis(fields.text("mirror")) if fields.has_value("mirror") else None,
     )
-    return replace(document, staying=_staying(said, document, arrays["shape"]))
+    return replace(document, staying_components=_staying(fields, document, arrays["shape"]))
 
 
-def _obstacles(said: Fields) -> tuple[NamedObstacle, ...]:
-    if not said.says("obstacles"):
+def _obstacles(fields: JsonFields) -> tuple[NamedObstacle, ...]:
+    if not fields.has_value("obstacles"):
         return ()
-    return tuple(obstacle_of(each) for each in said.parts("obstacles", MOST_OBSTACLES))
+    return tuple(obstacle_from_json(each) for each in fields.nested_list("obstacles", MOST_OBSTACLES))
 
 
 def _axis(name: str) -> int:
@@ -151,18 +163,18 @@ def _axis(name: str) -> int:
     return _AXES.index(name)
 
 
-def _staying(said: Fields, document: Document, shape: np.ndarray) -> tuple[int, ...]:
+def _staying(fields: JsonFields, document: Document, shape: np.ndarray) -> tuple[int, ...]:
     """Parts that stay; of a deformed shape in an older session all loose ones."""
     n = len(document.mesh.V)
-    if said.says("staying"):
-        staying = said.counts("staying", n)
+    if fields.has_value("staying"):
+        staying = fields.counts("staying", n)
         if any(first >= n for first in staying):
             raise ValueError(tr("“staying” in it refers to a vertex that does not exist"))
         return staying
-    return () if shape is document.mesh.V else tuple(part.first for part in document.loose_parts)
+    return () if shape is document.mesh.V else tuple(part.first for part in document.loose_components)
 
 
-def frame_said(frame: Frame) -> dict[str, Any]:
+def frame_to_json(frame: Frame) -> dict[str, Any]:
     """The fields of a frame not measured on its shape, as JSON."""
     return {
         "iteration": int(frame.iteration),
@@ -185,32 +197,32 @@ def _of_obstacles(frame: Frame) -> dict[str, Any]:
     return {**loads, "shifts": frame.shifts.tolist()}
 
 
-def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
+def frame_from_json(fields: JsonFields, state: State, U: np.ndarray) -> Frame:
     """The frame of a state again, measured anew on its shape ``U`` (n, 3)."""
     frame = shape_frame(state.document.mesh, state.inspection, U)
-    settled, count = said.flag("settled"), len(state.document.obstacles)
+    settled, count = fields.flag("settled"), len(state.document.obstacles)
     return replace(
         frame,
-        iteration=said.count("iteration"),
+        iteration=fields.count("iteration"),
         settled=settled,
-        converged=said.flag("converged") and settled,
-        handle_drift=said.number("handle_drift", 0.0),
+        converged=fields.flag("converged") and settled,
+        handle_drift=fields.number("handle_drift", 0.0),
         regions=state.document.region_areas(U),
-        unreached=said.text("unreached") if said.says("unreached") else None,
-        energy=said.number("energy", 0.0) if said.says("energy") else None,
-        share_reached=said.number("share_reached", 0.0, 1.0) if said.says("share_reached") else 1.0,
-        contact=_touch(said.part("contact")) if said.says("contact") else None,
-        loads=vectors_of(said, "loads", count),
-        shifts=vectors_of(said, "shifts", count),
+        unreached=fields.text("unreached") if fields.has_value("unreached") else None,
+        energy=fields.number("energy", 0.0) if fields.has_value("energy") else None,
+        share_reached=fields.number("share_reached", 0.0, 1.0) if fields.has_value("share_reached") else 1.0,
+        contact=_touch(fields.nested_fields("contact")) if fields.has_value("contact") else None,
+        loads=vectors_from_json(fields, "loads", count),
+        shifts=vectors_from_json(fields, "shifts", count),
     )
 
 
-def _touch(said: Fields) -> Touch:
-    least = said.number("least_gap", 0.0) if said.says("least_gap") else None
-    return Touch(said.count("pairs"), least, said.count("exempt"))
+def _touch(fields: JsonFields) -> FrameContact:
+    least = fields.number("least_gap", 0.0) if fields.has_value("least_gap") else None
+    return FrameContact(fields.count("pairs"), least, fields.count("exempt"))
 
 
-def view_said(view: View) -> dict[str, Any]:
+def view_to_json(view: View) -> dict[str, Any]:
     """The view as JSON."""
     eye = view.camera
     camera = eye and {
@@ -228,30 +240,30 @@ def view_said(view: View) -> dict[str, Any]:
     return said if view.up_axis is None else {**said, "up_axis": view.up_axis.value}
 
 
-def view_of(said: Fields) -> View:
+def view_from_json(fields: JsonFields) -> View:
     """The view again."""
-    unit = _unit(said)
-    wall = _wall(said.part("wall")) if said.says("wall") else Wall()
-    overlay = said.text("overlay") if said.says("overlay") else None
+    unit = _unit(fields)
+    wall = _wall(fields.nested_fields("wall")) if fields.has_value("wall") else Wall()
+    overlay = fields.text("overlay") if fields.has_value("overlay") else None
     overlay = "" if overlay == _NO_OVERLAY else overlay
-    up_axis = _up_axis(said.text("up_axis")) if said.says("up_axis") else None
-    if not said.says("camera"):
+    up_axis = _up_axis(fields.text("up_axis")) if fields.has_value("up_axis") else None
+    if not fields.has_value("camera"):
         return View(None, unit, wall, overlay, up_axis)
-    camera = said.part("camera")
+    camera = fields.nested_fields("camera")
     position, focal, up = (camera.numbers(name, 3) for name in _POINTS)
     across = np.linalg.norm(np.cross(focal - position, up))
-    if not across > LEAST * np.linalg.norm(focal - position) * np.linalg.norm(up):
+    if not across > LEAST_POSITIVE * np.linalg.norm(focal - position) * np.linalg.norm(up):
         raise ValueError(tr("its “camera” has no direction"))
-    angle = camera.number("angle", LEAST, np.pi - LEAST)
-    return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit, wall, overlay, up_axis)
+    angle = camera.number("angle", LEAST_POSITIVE, np.pi - LEAST_POSITIVE)
+    return View(CameraPose(_point(position), _point(focal), _point(up), angle), unit, wall, overlay, up_axis)
 
 
-def _unit(said: Fields) -> str:
-    symbol = said.text("unit") if said.says("unit") else ""
+def _unit(fields: JsonFields) -> str:
+    symbol = fields.text("unit") if fields.has_value("unit") else ""
     if symbol not in ("", *SYMBOLS):
         raise ValueError(tr("its “unit” is unknown"))
-    is_guess = said.says("unit_is_guess") and said.flag("unit_is_guess")
-    return Unit(symbol).guessed.value if is_guess else symbol
+    is_guess = fields.has_value("unit_is_guess") and fields.flag("unit_is_guess")
+    return Unit(symbol).as_guess.value if is_guess else symbol
 
 
 def _up_axis(name: str) -> UpAxis:
@@ -260,14 +272,14 @@ def _up_axis(name: str) -> UpAxis:
     return UpAxis(name)
 
 
-def _wall(said: Fields) -> Wall:
+def _wall(fields: JsonFields) -> Wall:
     """The wall as typed; null fields are empty."""
-    typed = [said.text(name) if said.says(name) else "" for name in Wall._fields]
+    typed = [fields.text(name) if fields.has_value(name) else "" for name in Wall._fields]
     if any(len(text) > MOST_CHARACTERS for text in typed):
         raise ValueError(tr("its “wall” is damaged"))
     return Wall(*typed)
 
 
-def _point(numbers: np.ndarray) -> Point:
+def _point(numbers: np.ndarray) -> Point3:
     x, y, z = numbers.tolist()
     return x, y, z

@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.files.storage.archive import Archive
-from apd_viewer.files.storage.reading import opened
-from apd_viewer.session.storage.session_errors import explained
+from apd_viewer.files.storage.regular_files import open_regular
+from apd_viewer.session.storage.session_errors import explaining_errors
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-PICTURE = "picture.png"
+PICTURE_MEMBER = "picture.png"
 PICTURE_SIDE = 256  # pixels at most: what file managers ask for
 
 
-def picture_in(path: Path) -> bytes | None:
+def session_picture(path: Path) -> bytes | None:
     """Content of the PNG file in a session; None if there is none.
 
     Raises
@@ -23,6 +23,6 @@ def picture_in(path: Path) -> bytes | None:
     InputError
         If the file cannot be read, or is no session.
     """
-    with explained(path), opened(path) as stream:
+    with explaining_errors(path), open_regular(path) as stream:
         archive = Archive(stream)
-        return archive.content(PICTURE) if archive.has(PICTURE) else None
+        return archive.content(PICTURE_MEMBER) if archive.has_member(PICTURE_MEMBER) else None

@@ -12,13 +12,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from apd_viewer.session.processes.requests import Cost, Request
-from apd_viewer.session.processes.worker import Worker
+from apd_viewer.session.processes.request_and_reply import Cost, Request
+from apd_viewer.session.processes.solver_worker import SolverWorker
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.pose.frame import Frame
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.processes.requests import Reply
+    from apd_viewer.session.processes.request_and_reply import Reply
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class Comparison:
     ----------
     outcomes : dict of str to MethodOutcome
         By the names of the methods; those that have not begun yet are not in it.
-    under_way : str or None
+    current_method : str or None
         The method that is being solved.
     news : str
         What has happened to the solver, a sentence; mostly empty.
@@ -66,63 +66,65 @@ class Comparison:
     def __init__(self, document: Document, wake: Callable[[], object]) -> None:
         self.document = document
         self.outcomes: dict[str, MethodOutcome] = {}
-        self.under_way: str | None = None
+        self.current_method: str | None = None
         self.news = ""
         self._wake = wake
         self._wanted: tuple[str, ...] = ()
-        self._worker: Worker | None = None
+        self._worker: SolverWorker | None = None
         self._asked: Document | None = None
         self._generation = 0
 
-    def want(self, methods: Sequence[str]) -> None:
+    def set_methods(self, methods: Sequence[str]) -> None:
         """Solve these methods in this order, and no others; finished ones stay."""
         self._wanted = tuple(methods)
-        if self.under_way is not None and self.under_way not in self._wanted:
-            del self.outcomes[self.under_way]
-            self.under_way = None
+        if self.current_method is not None and self.current_method not in self._wanted:
+            del self.outcomes[self.current_method]
+            self.current_method = None
         self._go_on()
 
     @property
-    def waiting(self) -> tuple[str, ...]:
+    def queued_methods(self) -> tuple[str, ...]:
         """Queued methods."""
         return tuple(method for method in self._wanted if method not in self.outcomes)
 
     def receive(self) -> bool:
         """Receive results; True if there were any."""
-        reply = self._worker.take() if self._worker is not None else None
+        reply = self._worker.take_reply() if self._worker is not None else None
         if reply is None:
             return False
         self.news = reply.news or self.news
-        if reply.document is self._asked and self.under_way is not None:
-            self._hear(self.under_way, reply)
+        if reply.document is self._asked and self.current_method is not None:
+            self._hear(self.current_method, reply)
         return True
 
     def _hear(self, method: str, reply: Reply) -> None:
         frame = reply.frame or self.outcomes[method].frame
         self.outcomes[method] = MethodOutcome(frame, reply.finished, reply.cost, reply.failure)
         if reply.finished:
-            self.under_way = None
+            self.current_method = None
             self._go_on()
 
     def _go_on(self) -> None:
         """Begin the next method; after the last one, end the process."""
-        if self.under_way is not None:
+        if self.current_method is not None:
             return
-        if not self.waiting:
+        if not self.queued_methods:
             self._end()
             return
-        self.under_way = self.waiting[0]
-        self.outcomes[self.under_way] = MethodOutcome()
-        self._asked = replace(self.document.from_rest, method=self.under_way)
+        self.current_method = self.queued_methods[0]
+        self.outcomes[self.current_method] = MethodOutcome()
+        self._asked = replace(self.document.relative_to_rest, method=self.current_method)
         self._generation += 1
         if self._worker is None:
-            self._worker = Worker(self._wake)
-        self._worker.ask(Request(self._asked, self._generation, self.document.mesh.V, True, with_cost=True))
+            self._worker = SolverWorker(self._wake)
+        self._worker.put_request(
+            Request(self._asked, self._generation, self.document.mesh.V, True, with_cost=True)
+        )
 
     def stop(self) -> None:
         """End the process; unfinished methods keep their last shape."""
         self._wanted = tuple(method for method in self._wanted if method in self.outcomes)
-        self.under_way = None
+        self.current_method = None
         self._end()
 
     def _end(self) -> None:

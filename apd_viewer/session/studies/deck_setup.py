@@ -13,8 +13,8 @@ from apd_viewer.files.fe_deck import Deck, DeckRegion, DeckWall, NodeSet
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
-from apd_viewer.session.model.handle_paths import document_at, paths_of
-from apd_viewer.session.posing.motion_path import motion_paths, posed_along, turning
+from apd_viewer.session.model.handle_paths import document_at, handle_paths
+from apd_viewer.session.posing.motion_path import document_along, motion_paths, total_turn
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -49,7 +49,7 @@ def deck_of(
     """
     if steps is not None and not 1 <= steps <= MOST_STEPS:
         raise InputError(tr("A deck has 1 to {most} steps; enter another number.").format(most=MOST_STEPS))
-    document = document.from_rest
+    document = document.relative_to_rest
     stages = _stages(document, steps, motion)
     document.constraints()  # refuses what has no base or handle
     mesh = document.mesh
@@ -61,18 +61,18 @@ def deck_of(
 
 def _stages(document: Document, steps: int | None, motion: Sequence[MotionStep]) -> list[Document]:
     """The document at the end of each step."""
-    paths = motion_paths(document, motion) if motion else paths_of(document)
+    paths = motion_paths(document, motion) if motion else handle_paths(document)
     if steps is None:
-        steps = max(1, math.ceil(max(turning(path) for path in paths) / _TURN - _ROUNDED))
-    ended = posed_along(document, paths) if motion else document
+        steps = max(1, math.ceil(max(total_turn(path) for path in paths) / _TURN - _ROUNDED))
+    ended = document_along(document, paths) if motion else document
     return [*(document_at(document, paths, k / steps) for k in range(1, steps)), ended]
 
 
-def _shifts(document: Document, parts: Sequence[NodeSet]) -> list[np.ndarray]:
+def _shifts(document: Document, node_sets: Sequence[NodeSet]) -> list[np.ndarray]:
     """Displacements (k, 3) of the vertices of each part from rest to their targets."""
     held, X = document.constraints(), document.mesh.V.copy()
     X[held.fixed] = held.targets
-    return [X[part.vertices] - document.mesh.V[part.vertices] for part in parts]
+    return [X[part.vertices] - document.mesh.V[part.vertices] for part in node_sets]
 
 
 def _elements(document: Document) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -82,7 +82,7 @@ def _elements(document: Document) -> tuple[np.ndarray, tuple[str, ...]]:
     longest = (sides**2).sum(axis=2).max(axis=1)
     flat = ~(memo.triangle_areas(V, F) > _NO_AREA * longest)
     is_held = document.labels != FREE
-    part = memo.parts(F)
+    part = memo.triangle_components(F)
     loose = ~np.isin(part, part[is_held[F].any(axis=1) & ~flat])
     notes = []
     if flat.any():

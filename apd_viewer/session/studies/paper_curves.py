@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.geometry.pose.transforms import shifted
+from apd_viewer.geometry.pose.transforms import translation
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.posing.motion_step import MotionStep
 from apd_viewer.session.studies.sweep_setup import sweep_of
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
 
 # Iteration counts from rest at which ARAP is measured.
-STOPS = (1, 2, 3, 5, 20)
+LOSS_ITERATIONS = (1, 2, 3, 5, 20)
 _WIDEST = 180.0  # degrees
 _TWIST = MotionStep(0, "twist", (np.radians(_WIDEST),))
 _PUSH, _PULL = 0.2, 0.4  # of the height
 _STEPS_OF_A_PULL = 4
 
-Tick = Callable[[float, str], object]
+ProgressCallback = Callable[[float, str], object]
 
 
-class Loss(NamedTuple):
+class LossCurvePoint(NamedTuple):
     """The area after a twist.
 
     Attributes
@@ -43,7 +43,7 @@ class Loss(NamedTuple):
     area_error: float
 
 
-class Held(NamedTuple):
+class HandleCurvePoint(NamedTuple):
     """Requested and actual position of a handle under the paper's method.
 
     Attributes
@@ -61,7 +61,9 @@ class Held(NamedTuple):
     got: float
 
 
-def losses(document: Document, steps: int = 18, tick: Tick = lambda *_: None) -> list[Loss]:
+def loss_curve(
+    document: Document, steps: int = 18, tick: ProgressCallback = lambda *_: None
+) -> list[LossCurvePoint]:
     """ARAP's area change for twists of 0 to 180 degrees, in ``steps`` steps."""
     found = []
     document = replace(document, contact=False)  # of which the paper knows nothing
@@ -69,25 +71,27 @@ def losses(document: Document, steps: int = 18, tick: Tick = lambda *_: None) ->
     mesh = document.mesh
     solver = Deformation(mesh.V, mesh.F, held.fixed, method="arap", handle=held.handles, plain=True)
     sweep = sweep_of(document, steps, methods=["arap"], motion=[_TWIST])
-    for number, part in enumerate(sweep.parts):
+    for number, part in enumerate(sweep.shares):
         tick(0.1 * number / steps, "ARAP")
         solver.aim(sweep.document_at(part).constraints().targets, mesh.V)
-        for iteration in range(1, max(STOPS) + 1):
+        for iteration in range(1, max(LOSS_ITERATIONS) + 1):
             solver.iterate()
-            if iteration in STOPS:
-                found.append(Loss(_WIDEST * part, iteration, solver.frame().area_error))
+            if iteration in LOSS_ITERATIONS:
+                found.append(LossCurvePoint(_WIDEST * part, iteration, solver.frame().area_error))
     for step in sweep.steps(lambda done, method: tick(0.1 + 0.9 * done, method)):
-        found.append(Loss(step.degrees, 0, step.frame.area_error))
+        found.append(LossCurvePoint(step.degrees, 0, step.frame.area_error))
     return found
 
 
-def holds(document: Document, steps: int = 12, tick: Tick = lambda *_: None) -> list[Held]:
+def handle_curve(
+    document: Document, steps: int = 12, tick: ProgressCallback = lambda *_: None
+) -> list[HandleCurvePoint]:
     """Handle drift of the paper's method in twists up to 180 degrees, pulls, pushes."""
     found = []
     height = float(np.linalg.norm(_line(document)))
     twist = sweep_of(document, steps, methods=["paper"], motion=[_TWIST])
     for step in twist.steps(lambda done, method: tick(0.6 * done, method)):
-        found.append(Held("twist", step.degrees, step.frame.handle_drift / height))
+        found.append(HandleCurvePoint("twist", step.degrees, step.frame.handle_drift / height))
     ways = [
         *_pulls(document, -_PUSH, lambda done, method: tick(0.6 + 0.2 * done, method)),
         *_pulls(document, _PULL, lambda done, method: tick(0.8 + 0.2 * done, method)),
@@ -95,14 +99,14 @@ def holds(document: Document, steps: int = 12, tick: Tick = lambda *_: None) -> 
     return found + sorted(set(ways), key=lambda held: held.asked)
 
 
-def _pulls(document: Document, share: float, tick: Tick) -> Iterator[Held]:
+def _pulls(document: Document, share: float, tick: ProgressCallback) -> Iterator[HandleCurvePoint]:
     line = _line(document)
-    sweep = sweep_of(document.with_pose(0, shifted(share * line)), _STEPS_OF_A_PULL, methods=["paper"])
+    sweep = sweep_of(document.with_pose(0, translation(share * line)), _STEPS_OF_A_PULL, methods=["paper"])
     handle = document.labels == HANDLE
     for step in sweep.steps(tick):
         away = (step.frame.U[handle] - document.grip[handle]).mean(axis=0)
         got = float(away @ line / (line @ line))
-        yield Held("pull", share * step.part + 0.0, round(got, 12) + 0.0)
+        yield HandleCurvePoint("pull", share * step.share + 0.0, round(got, 12) + 0.0)
 
 
 def _line(document: Document) -> np.ndarray:

@@ -11,19 +11,19 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.screw_motion import Turn
-from apd_viewer.geometry.pose.winding import HandlePath, WaypointPath
+from apd_viewer.geometry.pose.screw_motion import RotationPath
+from apd_viewer.geometry.pose.waypoint_path import HandlePath, WaypointPath
 from apd_viewer.geometry.solver.methods import method_named
-from apd_viewer.geometry.turns.held_turn import passing_warnings
+from apd_viewer.geometry.turns.held_turn import pass_through_warnings
 from apd_viewer.language import tr
-from apd_viewer.session.model.document_parts import shifts_of
+from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.handle_paths import document_at
 from apd_viewer.session.model.state import load_excess_of
-from apd_viewer.session.posing.motion_path import MotionPath, posed_along, turning
-from apd_viewer.session.processes.deforming import deformation_of
+from apd_viewer.session.posing.motion_path import MotionPath, document_along, total_turn
+from apd_viewer.session.processes.document_deformation import deformation_of
+from apd_viewer.session.studies.contact_frames import contact_frames
+from apd_viewer.session.studies.document_turns import document_turns
 from apd_viewer.session.studies.sweep_step import SweepStep
-from apd_viewer.session.studies.turns import turns_in
-from apd_viewer.session.studies.walked_frames import walked_frames
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -52,7 +52,7 @@ class Sweep:
         Its paint, its settings, and its grip, from which the handles start.
     paths : tuple of SweepPath
         The way of each handle.
-    parts : tuple of float
+    shares : tuple of float
         Of the motion, one for each step.
     methods : tuple of str
     iterations : int
@@ -61,14 +61,14 @@ class Sweep:
 
     document: Document
     paths: tuple[SweepPath, ...]
-    parts: tuple[float, ...]
+    shares: tuple[float, ...]
     methods: tuple[str, ...]
     iterations: int = DEFAULT_ITERATIONS
 
     @property
-    def leading(self) -> int:
+    def leading_handle(self) -> int:
         """The first moving handle; the first of all where obstacles alone move."""
-        return next((k for k, path in enumerate(self.paths) if path.moves), 0)
+        return next((k for k, path in enumerate(self.paths) if path.has_motion), 0)
 
     @property
     def obstacles(self) -> tuple[NamedObstacle, ...]:
@@ -78,19 +78,19 @@ class Sweep:
     def load_excess_percent(self, method: str) -> float | None:
         """Expected excess of the loads by a method; None without stiffness or loads."""
         document = replace(self.document, method=method)
-        excess = load_excess_of(document) if document.has_obstacles else None
+        excess = load_excess_of(document) if document.has_active_obstacles else None
         return None if excess is None else 100.0 * excess
 
     @property
     def abscissa(self) -> str:
         """Kind of abscissa: "degrees" of a turn, the "way" of a shift, or the "part"."""
-        path = self.paths[self.leading]
-        if not path.moves or any(each.shift.any() for each in self.obstacles):
+        path = self.paths[self.leading_handle]
+        if not path.has_motion or any(each.shift.any() for each in self.obstacles):
             return "part"
-        several = sum(path.moves for path in self.paths) > 1
-        if several or path.stretched or isinstance(path, WaypointPath | MotionPath):
+        several = sum(path.has_motion for path in self.paths) > 1
+        if several or path.has_stretch or isinstance(path, WaypointPath | MotionPath):
             return "part"
-        if isinstance(path, Turn):
+        if isinstance(path, RotationPath):
             return "degrees"
         if path.angle == 0.0:
             return "way"
@@ -100,7 +100,7 @@ class Sweep:
     def _diagonal(self) -> float:
         return diagonal(self.document.mesh.V)
 
-    def said_of(self, step: SweepStep) -> tuple[str, ...]:
+    def warnings_of(self, step: SweepStep) -> tuple[str, ...]:
         """Sentences on what a step does not reach, and on passing through itself."""
         frame = step.frame
         if frame.unreached:
@@ -111,13 +111,16 @@ class Sweep:
         return self._passing(step)
 
     def _passing(self, step: SweepStep) -> tuple[str, ...]:
-        may_touch, names = method_named(step.method).may_touch, [each.name for each in self.document.handles]
+        may_touch, names = (
+            method_named(step.method).may_use_contact,
+            [each.name for each in self.document.handles],
+        )
         touch = self.document.contact and may_touch, may_touch
-        return passing_warnings(step.turns, step.frame, step.volume_rest, *touch, names)
+        return pass_through_warnings(step.turns, step.frame, step.volume_rest, *touch, names)
 
-    def document_at(self, part: float) -> Document:
+    def document_at(self, share: float) -> Document:
         """The document with its handles at a part of their motion."""
-        return document_at(self.document, self.paths, part)
+        return document_at(self.document, self.paths, share)
 
     def steps(self, tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[SweepStep]:
         """The shapes, one method after another.
@@ -142,23 +145,23 @@ class Sweep:
         """Tell how much is done after an iteration of a step by a method."""
         # Most progress is in the first iterations, and few steps need all of them.
         step = number + (k + 1) / (k + 1 + 0.1 * self.iterations)
-        tick((m + step / len(self.parts)) / len(self.methods), self.methods[m])
+        tick((m + step / len(self.shares)) / len(self.methods), self.methods[m])
 
     def _frames(self, solver: Deformation, tick: Callable[[int, int], object]) -> Iterator[Frame]:
         """Frame of each step, continued from the one before or beside a walk."""
-        documents = [replace(self.document_at(part), method=solver.method) for part in self.parts]
+        documents = [replace(self.document_at(part), method=solver.method) for part in self.shares]
         # Obstacles press against shapes at rest, as it is their loads that matter.
-        if solver.contact is not None and not documents[0].has_obstacles:
-            end = self.parts[-1]
-            documents[-1] = posed_along(documents[-1], self.paths, end)
-            shares = [part / end for part in self.parts]
-            largest = max(np.diff(self.parts, prepend=0.0)) * max(turning(path) for path in self.paths)
-            yield from walked_frames(solver, documents, shares, self.iterations, tick, largest < np.pi)
+        if solver.contact is not None and not documents[0].has_active_obstacles:
+            end = self.shares[-1]
+            documents[-1] = document_along(documents[-1], self.paths, end)
+            shares = [part / end for part in self.shares]
+            largest = max(np.diff(self.shares, prepend=0.0)) * max(total_turn(path) for path in self.paths)
+            yield from contact_frames(solver, documents, shares, self.iterations, tick, largest < np.pi)
             return
         U: np.ndarray | None = self.document.grip
         for number, there in enumerate(documents):
             held = there.constraints()
-            solver.aim(held.targets, U, held.soft_targets, shifts_of(there))
+            solver.aim(held.targets, U, held.soft_targets, obstacle_shifts(there))
             U = None
             for k in range(self.iterations):
                 solver.iterate()
@@ -168,9 +171,9 @@ class Sweep:
             yield solver.frame()
 
     def _step(self, solver: Deformation, number: int, frame: Frame) -> SweepStep:
-        k, part = self.leading, self.parts[number]
+        k, part = self.leading_handle, self.shares[number]
         path, pivot = self.paths[k], self.document.pivot(k)
-        way = 0.0 if pivot is None else np.linalg.norm(transform(path.at(part), pivot[None])[0] - pivot)
+        way = 0.0 if pivot is None else np.linalg.norm(transform(path.pose_at(part), pivot[None])[0] - pivot)
         return SweepStep(
             solver.method,
             number,
@@ -182,5 +185,5 @@ class Sweep:
             solver.rest.volume_capped,
             solver.rest.energy(frame.U),
             tuple(np.linalg.norm(frame.loads, axis=1).tolist()),
-            turns_in(posed_along(self.document, self.paths, part), frame.U),
+            document_turns(document_along(self.document, self.paths, part), frame.U),
         )

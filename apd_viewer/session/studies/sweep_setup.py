@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.pose.constraints import what_is_missing
-from apd_viewer.geometry.solver.methods import COMPARED, method_named
+from apd_viewer.geometry.pose.constraints import next_paint_sentence
+from apd_viewer.geometry.solver.methods import COMPARED_METHODS, method_named
 from apd_viewer.language import tr
-from apd_viewer.session.model.document_parts import shifts_of
-from apd_viewer.session.model.handle_paths import paths_of
+from apd_viewer.session.model.document_parts import obstacle_shifts
+from apd_viewer.session.model.handle_paths import handle_paths
 from apd_viewer.session.posing.motion_path import motion_paths
 
 if TYPE_CHECKING:
@@ -25,8 +25,8 @@ MOST_STEPS = 1000
 def sweep_of(
     document: Document,
     steps: int,
-    to: float = 1.0,
-    methods: Sequence[str] = COMPARED,
+    last_share: float = 1.0,
+    methods: Sequence[str] = COMPARED_METHODS,
     iterations: int | None = None,
     motion: Sequence[MotionStep] = (),
 ) -> Sweep:
@@ -37,7 +37,7 @@ def sweep_of(
     document : Document
     steps : int
         Beside the one at the start.
-    to : float
+    last_share : float
         Part of the motion that is the last step.
     methods : sequence of str
     iterations : int
@@ -52,16 +52,20 @@ def sweep_of(
     """
     if not 1 <= steps <= MOST_STEPS:
         raise InputError(tr("A sweep has 1 to {most} steps; enter another number.").format(most=MOST_STEPS))
-    if not 0.0 < to <= 100.0:
+    if not 0.0 < last_share <= 100.0:
         raise InputError(
             tr("The end of a sweep must be a fraction of the motion greater than 0, such as 1 or 1.5.")
         )
     if iterations is None:
-        iterations = SETTLING_ITERATIONS if document.has_obstacles else DEFAULT_ITERATIONS
+        iterations = SETTLING_ITERATIONS if document.has_active_obstacles else DEFAULT_ITERATIONS
     if iterations < 1:
         raise InputError(tr("Each step needs at least one iteration; enter a larger number."))
     for method in methods:
-        if not method_named(method).may_touch and document.has_obstacles and what_is_missing(document.labels):
+        if (
+            not method_named(method).may_use_contact
+            and document.has_active_obstacles
+            and next_paint_sentence(document.labels)
+        ):
             raise InputError(
                 tr("Without contact obstacles move nothing, and {method!r} has none; omit it.").format(
                     method=method
@@ -69,13 +73,13 @@ def sweep_of(
             )
     if not methods or len(set(methods)) < len(methods):
         raise InputError(tr("Give at least one method, and each method only once."))
-    if document.problem:
-        raise InputError(document.problem)
-    document = document.from_rest
-    paths: tuple[SweepPath, ...] = motion_paths(document, motion) if motion else paths_of(document)
-    if not any(path.moves for path in paths) and not shifts_of(document).any():
+    if document.paint_problem:
+        raise InputError(document.paint_problem)
+    document = document.relative_to_rest
+    paths: tuple[SweepPath, ...] = motion_paths(document, motion) if motion else handle_paths(document)
+    if not any(path.has_motion for path in paths) and not obstacle_shifts(document).any():
         raise InputError(
             tr("No handle has moved, so there is no motion to sweep; move a handle or give a twist.")
         )
-    parts = tuple(to * k / steps for k in range(steps + 1))
+    parts = tuple(last_share * k / steps for k in range(steps + 1))
     return Sweep(document, paths, parts, tuple(methods), iterations)

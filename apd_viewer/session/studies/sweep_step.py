@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from apd_viewer.geometry.turns.held_turn import HeldTurn, most_lost
+from apd_viewer.geometry.turns.held_turn import HeldTurn, most_lost_turn
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.pose.frame import Frame
@@ -18,11 +18,11 @@ class SweepStep(NamedTuple):
     method : str
     number : int
         From 0, where nothing has moved yet.
-    part : float
+    share : float
         Of the motion: 0 to 1, and beyond 1 past it.
     degrees : float
         By how much the first handle that moves has turned.
-    way : float
+    displacement : float
         How far its pivot is from where it was, mesh units.
     frame : Frame
     volume_rest, volume_capped_rest : float or None
@@ -36,9 +36,9 @@ class SweepStep(NamedTuple):
 
     method: str
     number: int
-    part: float
+    share: float
     degrees: float
-    way: float
+    displacement: float
     frame: Frame
     volume_rest: float | None
     volume_capped_rest: float | None
@@ -47,9 +47,9 @@ class SweepStep(NamedTuple):
     turns: tuple[HeldTurn, ...] = ()
 
     @property
-    def turned(self) -> tuple[float, float | None]:
+    def turn_degrees(self) -> tuple[float, float | None]:
         """Turn asked and held, degrees; of several handles the one with the largest loss."""
-        return most_lost(self.turns).degrees
+        return most_lost_turn(self.turns).degrees
 
     @property
     def volume_error(self) -> float | None:

@@ -18,7 +18,7 @@ Setting = float | int | bool | str
 
 
 @dataclass(frozen=True)
-class Source:
+class InputFile:
     """File needed by a case, known by its content.
 
     Attributes
@@ -37,20 +37,20 @@ class Source:
     path: Path
 
     @property
-    def said(self) -> dict[str, str]:
+    def to_json(self) -> dict[str, str]:
         """Its digest and its name, for JSON."""
         return {"digest": self.digest, "name": self.path.name}
 
     @classmethod
-    def of(cls, said: dict[str, str], inputs: Path) -> Source:
+    def from_json(cls, fields: dict[str, str], inputs: Path) -> InputFile:
         """The source again, with its copy in a folder of inputs.
 
         Raises ValueError if that would be elsewhere.
         """
-        if not said["digest"].isalnum() or Path(said["name"]).name != said["name"]:
+        if not fields["digest"].isalnum() or Path(fields["name"]).name != fields["name"]:
             raise ValueError
-        path = copy_of(inputs, said["digest"], said["name"])
-        return cls(said["digest"], path.suffix.lower(), path)
+        path = input_path(inputs, fields["digest"], fields["name"])
+        return cls(fields["digest"], path.suffix.lower(), path)
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,9 @@ class StudyCase:
 
     Attributes
     ----------
-    mesh : Source
+    mesh : InputFile
         A mesh, or a session with its mesh in it.
-    selection : Source or None
+    selection : InputFile or None
         What is painted; None in a session.
     motion : tuple of str
         Steps in words, each written in one way only; none for the motion of a session.
@@ -73,8 +73,8 @@ class StudyCase:
         no, or the number of vertices up to which.
     """
 
-    mesh: Source
-    selection: Source | None
+    mesh: InputFile
+    selection: InputFile | None
     motion: tuple[str, ...]
     unit: str
     steps: int
@@ -101,16 +101,16 @@ class StudyCase:
         return not isinstance(dict(self.settings).get("contact", False), bool)
 
     @property
-    def sources(self) -> tuple[Source, ...]:
+    def input_files(self) -> tuple[InputFile, ...]:
         """Files needed by it."""
         return (self.mesh,) if self.selection is None else (self.mesh, self.selection)
 
     @property
-    def said(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Any]:
         """All of it for JSON."""
         return {
-            "mesh": self.mesh.said,
-            "selection": self.selection and self.selection.said,
+            "mesh": self.mesh.to_json,
+            "selection": self.selection and self.selection.to_json,
             "motion": list(self.motion),
             "unit": self.unit,
             "steps": self.steps,
@@ -118,7 +118,7 @@ class StudyCase:
         }
 
     @classmethod
-    def of(cls, said: dict[str, Any], inputs: Path) -> StudyCase:
+    def from_json(cls, fields: dict[str, Any], inputs: Path) -> StudyCase:
         """The case again, with its files in a folder of inputs.
 
         Raises
@@ -126,12 +126,12 @@ class StudyCase:
         ValueError, TypeError, KeyError, AttributeError
             If it says something else.
         """
-        selection = said["selection"] and Source.of(said["selection"], inputs)
-        mesh, settings = Source.of(said["mesh"], inputs), tuple(said["settings"].items())
-        return cls(mesh, selection, tuple(said["motion"]), said["unit"], said["steps"], settings)
+        selection = fields["selection"] and InputFile.from_json(fields["selection"], inputs)
+        mesh, settings = InputFile.from_json(fields["mesh"], inputs), tuple(fields["settings"].items())
+        return cls(mesh, selection, tuple(fields["motion"]), fields["unit"], fields["steps"], settings)
 
 
-def copy_of(inputs: Path, digest: str, name: str) -> Path:
+def input_path(inputs: Path, digest: str, name: str) -> Path:
     """Path of the copy of a file in a folder of inputs."""
     return inputs / digest[:_FOLDER] / name
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.session.posing.motion_text import WORDS
-from apd_viewer.studies.plans.plan_columns import COLUMNS, COUNTS, NOTE
-from apd_viewer.studies.plans.plan_row import value_of
+from apd_viewer.session.posing.motion_text import MOTION_WORDS
+from apd_viewer.studies.plans.plan_columns import COLUMNS, COUNT_COLUMNS, NOTE_PREFIX
+from apd_viewer.studies.plans.plan_row import parse_cell
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,11 +29,11 @@ _RANGE = re.compile(
 )
 _AMOUNT = re.compile(rf"{_NUMBER}\s*(?P<unit>[a-zA-Z%]*)")
 _DIGITS = 6  # significant ones of a sampled number
-_ONE_NUMBER = tuple(word for word in WORDS if word not in ("move", "turn"))
+_ONE_NUMBER = tuple(word for word in MOTION_WORDS if word not in ("move", "turn"))
 
 
 @dataclass(frozen=True)
-class Varied:
+class DesignVariable:
     """Quantity varied by a study.
 
     Attributes
@@ -46,7 +46,7 @@ class Varied:
         Ends of a range.
     unit : str
         Written behind each number of it.
-    by_factors : bool
+    is_logarithmic : bool
         Whether equal shares of the range are equal factors.
     """
 
@@ -55,23 +55,23 @@ class Varied:
     low: float = 0.0
     high: float = 0.0
     unit: str = ""
-    by_factors: bool = False
+    is_logarithmic: bool = False
 
     @property
     def is_whole(self) -> bool:
         """True for a range of counts, such as that of steps."""
-        return self.name in COUNTS and self.low.is_integer() and self.high.is_integer()
+        return self.name in COUNT_COLUMNS and self.low.is_integer() and self.high.is_integer()
 
     @property
     def ends(self) -> tuple[str, ...]:
         """All choices, or both ends of the range."""
-        return self.choices or (self.at(0.0), self.at(1.0))
+        return self.choices or (self.text_at(0.0), self.text_at(1.0))
 
-    def at(self, share: float) -> str:
+    def text_at(self, share: float) -> str:
         """Text at a share of the range or among the choices, 0 to 1."""
         if self.choices:
             return self.choices[min(int(share * len(self.choices)), len(self.choices) - 1)]
-        if self.by_factors:
+        if self.is_logarithmic:
             value = self.low * (self.high / self.low) ** share
         else:
             value = self.low + (self.high - self.low) * share
@@ -79,7 +79,7 @@ class Varied:
             value = round(value)
         return f"{float(f'{value:.{_DIGITS}g}'):.{_DIGITS}g}{self.unit}"
 
-    def number_of(self, text: str) -> str:
+    def without_unit(self, text: str) -> str:
         """Such a text without its unit."""
         return text.removesuffix(self.unit).rstrip()
 
@@ -88,10 +88,10 @@ class Varied:
         if self.choices:
             return list(self.choices)
         shares = np.linspace(0.0, 1.0, count) if count > 1 else [0.5]
-        return list(dict.fromkeys(self.at(share) for share in shares))
+        return list(dict.fromkeys(self.text_at(share) for share in shares))
 
 
-def varied(text: str) -> Varied:
+def parse_variable(text: str) -> DesignVariable:
     """Quantity from ``NAME=LOW..HIGH``, ``NAME=LOW..HIGH:log`` or ``NAME=A,B,C``.
 
     Raises
@@ -109,7 +109,7 @@ def varied(text: str) -> Varied:
     found = _RANGE.fullmatch(said)
     if found is None:
         choices = tuple(each.strip() for each in said.split(",") if each.strip())
-        return Varied(name, choices, unit=_unit(choices))
+        return DesignVariable(name, choices, unit=_unit(choices))
     low, high = float(found["low"]), float(found["high"])
     if not low < high:
         raise InputError(
@@ -119,7 +119,7 @@ def varied(text: str) -> Varied:
         raise InputError(
             tr("A range by factors needs ends above 0; change that of {name}.").format(name=name)
         )
-    return Varied(name, (), low, high, found["unit"], bool(found["scale"]))
+    return DesignVariable(name, (), low, high, found["unit"], bool(found["scale"]))
 
 
 def _unit(choices: Sequence[str]) -> str:
@@ -129,8 +129,8 @@ def _unit(choices: Sequence[str]) -> str:
     return units.pop() if len(units) == 1 else ""
 
 
-def designed(
-    given: dict[str, str], vary: Sequence[Varied], design: str, samples: int, seed: int
+def design_table(
+    constants: dict[str, str], variables: Sequence[DesignVariable], design: str, samples: int, seed: int
 ) -> tuple[list[str], list[list[str]]]:
     """Columns and rows of a plan.
 
@@ -138,9 +138,9 @@ def designed(
 
     Parameters
     ----------
-    given : dict
+    constants : dict
         Cells that are the same in all rows, by column.
-    vary : sequence of Varied
+    variables : sequence of DesignVariable
     design : str
         LATIN, SOBOL (of as many as the next power of 2 is best), or GRID: all combinations.
     samples : int
@@ -152,22 +152,22 @@ def designed(
     InputError
         If a name stands for nothing, a column cannot say such a thing, or there are too many rows.
     """
-    _check(given, vary)
-    own = [each for each in vary if each.name in COLUMNS]
-    names = [*given, *(each.name for each in own)]
-    names += [] if "motion" in names or len(own) == len(vary) else ["motion"]
-    noted = [each for each in vary if each.name not in COLUMNS or each.unit]
+    _check(constants, variables)
+    own = [each for each in variables if each.name in COLUMNS]
+    names = [*constants, *(each.name for each in own)]
+    names += [] if "motion" in names or len(own) == len(variables) else ["motion"]
+    noted = [each for each in variables if each.name not in COLUMNS or each.unit]
     rows = []
-    for texts in _combinations(vary, design, samples, seed):
-        said = dict(zip((each.name for each in vary), texts, strict=True))
-        cells = {**given, **{each.name: said[each.name] for each in own}}
-        if len(own) < len(vary):
+    for texts in _combinations(variables, design, samples, seed):
+        said = dict(zip((each.name for each in variables), texts, strict=True))
+        cells = {**constants, **{each.name: said[each.name] for each in own}}
+        if len(own) < len(variables):
             cells["motion"] = _motion(
                 cells.get("motion", ""), {k: v for k, v in said.items() if k not in COLUMNS}
             )
-        notes = [each.number_of(said[each.name]) for each in noted]
+        notes = [each.without_unit(said[each.name]) for each in noted]
         rows.append([*(cells[name] for name in names), *notes])
-    return [*names, *(NOTE + each.name for each in noted)], rows
+    return [*names, *(NOTE_PREFIX + each.name for each in noted)], rows
 
 
 def _motion(template: str, said: dict[str, str]) -> str:
@@ -179,13 +179,17 @@ def _motion(template: str, said: dict[str, str]) -> str:
     return "; ".join(filter(None, [template, *behind]))
 
 
-def _check(given: dict[str, str], vary: Sequence[Varied]) -> None:
+def _check(constants: dict[str, str], variables: Sequence[DesignVariable]) -> None:
     """Raise InputError for names without meaning and impossible cells."""
-    names, motion = [each.name for each in vary], given.get("motion", "")
+    names, motion = [each.name for each in variables], constants.get("motion", "")
     if not names:
         raise InputError(tr("Nothing varies; give --vary, such as --vary twist=0..180deg."))
     for name in names:
-        if names.count(name) > 1 or NOTE + name in given or (name in COLUMNS and name in given):
+        if (
+            names.count(name) > 1
+            or NOTE_PREFIX + name in constants
+            or (name in COLUMNS and name in constants)
+        ):
             raise InputError(tr("“{name}” is given twice; omit one.").format(name=name))
         if name not in COLUMNS and f"{{{name}}}" not in motion and name not in _ONE_NUMBER:
             raise InputError(
@@ -193,16 +197,18 @@ def _check(given: dict[str, str], vary: Sequence[Varied]) -> None:
                     name=name, words=", ".join(_ONE_NUMBER)
                 )
             )
-    for name, text in [*given.items(), *((each.name, end) for each in vary for end in each.ends)]:
+    for name, text in [*constants.items(), *((each.name, end) for each in variables for end in each.ends)]:
         if name in COLUMNS and text:
-            value_of(name, text)
+            parse_cell(name, text)
 
 
-def _combinations(vary: Sequence[Varied], design: str, samples: int, seed: int) -> Iterator[tuple[str, ...]]:
+def _combinations(
+    variables: Sequence[DesignVariable], design: str, samples: int, seed: int
+) -> Iterator[tuple[str, ...]]:
     if samples < 1 or samples > MOST_SAMPLES:
         raise InputError(tr("A plan has 1 to {most:,} rows; enter another number.").format(most=MOST_SAMPLES))
     if design == GRID:
-        levels = [each.levels(samples) for each in vary]
+        levels = [each.levels(samples) for each in variables]
         if math.prod(map(len, levels)) > MOST_SAMPLES:
             raise InputError(
                 tr("That makes {count:,} rows, and {most:,} are the most; vary less.").format(
@@ -211,8 +217,8 @@ def _combinations(vary: Sequence[Varied], design: str, samples: int, seed: int) 
             )
         yield from itertools.product(*levels)
         return
-    for shares in _shares(len(vary), design, samples, seed):
-        yield tuple(each.at(float(share)) for each, share in zip(vary, shares, strict=True))
+    for shares in _shares(len(variables), design, samples, seed):
+        yield tuple(each.text_at(float(share)) for each, share in zip(variables, shares, strict=True))
 
 
 def _shares(count: int, design: str, samples: int, seed: int) -> np.ndarray:

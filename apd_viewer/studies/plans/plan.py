@@ -10,17 +10,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.reading import content_of
-from apd_viewer.files.tables import text_in
+from apd_viewer.files.storage.regular_files import read_content
+from apd_viewer.files.tables import cell_text
 from apd_viewer.language import tr
 from apd_viewer.studies.plans.case import StudyCase
-from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE
-from apd_viewer.studies.plans.plan_row import case_of
+from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE_PREFIX
+from apd_viewer.studies.plans.plan_row import parse_case
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from apd_viewer.studies.plans.sources import Sources
+    from apd_viewer.studies.plans.input_files import InputFiles
 
 MOST_ROWS = 1_000_000
 _SEPARATORS = ",;\t"
@@ -74,14 +74,14 @@ class Plan:
         return found
 
 
-def read_plan(path: Path, sources: Sources) -> Plan:
+def read_plan(path: Path, sources: InputFiles) -> Plan:
     """Read a plan and check every row.
 
     Parameters
     ----------
     path : Path
         A table with commas, semicolons or tabs; names of files in it are relative to its folder.
-    sources : Sources
+    sources : InputFiles
         For the files that it names.
 
     Raises
@@ -90,7 +90,7 @@ def read_plan(path: Path, sources: Sources) -> Plan:
         If it is no such table: a sentence names the column that is wrong. What is wrong with a row is
         written into the row.
     """
-    content = content_of(path)
+    content = read_content(path)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -131,7 +131,7 @@ def _lines(text: str, path: Path) -> Iterator[tuple[int, tuple[str, ...]]]:
                             name=path.name, most=MOST_ROWS
                         )
                     )
-                yield line, tuple(text_in(cell.strip()) for cell in cells)
+                yield line, tuple(cell_text(cell.strip()) for cell in cells)
     except csv.Error as error:
         raise InputError(
             tr("{name} is no table: line {line} cannot be read ({reason}).").format(
@@ -147,7 +147,7 @@ def _columns(cells: Sequence[str], path: Path) -> tuple[str, ...]:
         names.pop()  # spreadsheets leave empty columns at the end
     where = {"name": path.name}
     for column in names:
-        if not column.startswith(NOTE) and column not in COLUMNS:
+        if not column.startswith(NOTE_PREFIX) and column not in COLUMNS:
             raise InputError(
                 tr("{name} has an unknown column “{column}”; use {known}, or # before a note.").format(
                     column=column[:40], known=", ".join(COLUMNS), **where
@@ -166,7 +166,7 @@ def _columns(cells: Sequence[str], path: Path) -> tuple[str, ...]:
 
 
 def _checked(
-    line: int, cells: tuple[str, ...], columns: tuple[str, ...], folder: Path, sources: Sources
+    line: int, cells: tuple[str, ...], columns: tuple[str, ...], folder: Path, sources: InputFiles
 ) -> PlanRow:
     """A row with its case, or with its mistake."""
     whole = (*cells, *[""] * (len(columns) - len(cells)))[: len(columns)]
@@ -177,7 +177,9 @@ def _checked(
                     "It has {cells} cells in {columns} columns; put text with commas in quotation marks."
                 ).format(cells=len(cells), columns=len(columns))
             )
-        said = {name: cell for name, cell in zip(columns, whole, strict=True) if cell and name[0] != NOTE}
-        return PlanRow(line, whole, case_of(said, folder, sources))
+        said = {
+            name: cell for name, cell in zip(columns, whole, strict=True) if cell and name[0] != NOTE_PREFIX
+        }
+        return PlanRow(line, whole, parse_case(said, folder, sources))
     except InputError as error:
         return PlanRow(line, whole, None, str(error))

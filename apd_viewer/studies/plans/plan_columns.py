@@ -7,16 +7,16 @@ from typing import NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA
-from apd_viewer.geometry.goals.percentage import SIGN, check_no_factor
+from apd_viewer.geometry.goals.percentage import PERCENT_SIGN, check_no_factor
 from apd_viewer.geometry.solver.convergence import LARGEST_TOLERANCE, MOST_ITERATIONS
-from apd_viewer.geometry.solver.methods import MOST_IN_CONTACT, method_named
+from apd_viewer.geometry.solver.methods import MOST_VERTICES_IN_CONTACT, method_named
 from apd_viewer.language import tr
-from apd_viewer.session.quantities.expressions import number
+from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.units import SYMBOLS
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS
 from apd_viewer.studies.plans.case import Setting
 
-NOTE = "#"
+NOTE_PREFIX = "#"
 AUTO = "auto"
 _YES, _NO = ("yes", "on", "true", "1"), ("no", "off", "false", "0")
 _LARGEST = 1e6
@@ -29,19 +29,19 @@ class PlanColumn(NamedTuple):
 
     Attributes
     ----------
-    read : callable
+    parse : callable
         Makes a setting of what a cell says; raises InputError.
-    about : str
+    description : str
         What it is, for the help of the command.
     """
 
-    read: Callable[[str], Setting]
-    about: str
+    parse: Callable[[str], Setting]
+    description: str
 
 
 def _number(least: float, most: float) -> Callable[[str], float]:
     def read(text: str) -> float:
-        value = number(text, {})
+        value = parse_number(text, {})
         if not least <= value <= most:
             raise InputError(
                 tr("{value:g} is out of range; enter {least:g} to {most:g}.").format(
@@ -54,22 +54,22 @@ def _number(least: float, most: float) -> Callable[[str], float]:
 
 
 def _percent(text: str) -> float:
-    value = _number(LEAST_AREA, MOST_AREA)(text.removesuffix(SIGN))
-    if not text.endswith(SIGN):
+    value = _number(LEAST_AREA, MOST_AREA)(text.removesuffix(PERCENT_SIGN))
+    if not text.endswith(PERCENT_SIGN):
         check_no_factor(value)
     return value
 
 
 def _part(text: str) -> float:
-    value = _number(0.01, 10_000.0)(text.removesuffix(SIGN))
-    if not text.endswith(SIGN):
+    value = _number(0.01, 10_000.0)(text.removesuffix(PERCENT_SIGN))
+    if not text.endswith(PERCENT_SIGN):
         check_no_factor(value, _FACTORS_OF_MOTION)
     return value / 100.0
 
 
 def _count(most: int) -> Callable[[str], int]:
     def read(text: str) -> int:
-        value = number(text, {})
+        value = parse_number(text, {})
         if not 1 <= value <= most or value != int(value):
             raise InputError(
                 tr("“{text}” is no whole number from 1 to {most:,}.").format(text=text[:_SHOWN], most=most)
@@ -88,7 +88,7 @@ def _switch(text: str) -> bool:
 def _contact(text: str) -> bool | int:
     """Yes, no, or the number of vertices up to which contact is on."""
     if text.lower() == AUTO:
-        return MOST_IN_CONTACT
+        return MOST_VERTICES_IN_CONTACT
     if text.lower() not in (*_YES, *_NO):
         raise InputError(tr("“{text}” is none of yes, no and auto.").format(text=text[:_SHOWN]))
     return _switch(text)
@@ -99,7 +99,7 @@ def _method(text: str) -> str:
     return text
 
 
-def unit_of(text: str) -> str:
+def parse_unit(text: str) -> str:
     """Symbol of a unit of length; raises InputError."""
     if text not in SYMBOLS:
         raise InputError(
@@ -119,7 +119,7 @@ CASE_COLUMNS = {
     "unit": tr("of the mesh: mm, cm, m, in or ft"),
     "steps": tr("of the motion; default: 10"),
 }
-SETTINGS = {
+SETTING_COLUMNS = {
     "method": PlanColumn(_method, tr("arap, paper, exact, local or sr-arap; default: exact")),
     "to": PlanColumn(_part, tr("percent of the motion at the last step; default: 100")),
     "iterations": PlanColumn(_count(MOST_ITERATIONS), tr("at most so many a step; default: as sweep")),
@@ -140,14 +140,14 @@ SETTINGS = {
         tr(
             "keep walls from passing through each other: yes, no, or auto (up to {most:,} vertices, by "
             "methods that can); empty: no; of a session auto and empty are what it says"
-        ).format(most=MOST_IN_CONTACT),
+        ).format(most=MOST_VERTICES_IN_CONTACT),
     ),
     "thickness": PlanColumn(str, tr("length: distance that walls in contact keep")),
 }
-COLUMNS = (*CASE_COLUMNS, *SETTINGS)
-COUNTS = ("steps", "iterations")  # whole numbers
+COLUMNS = (*CASE_COLUMNS, *SETTING_COLUMNS)
+COUNT_COLUMNS = ("steps", "iterations")  # whole numbers
 
 
-def steps_of(text: str) -> int:
+def parse_steps(text: str) -> int:
     """Number of steps; raises InputError."""
     return _count(MOST_STEPS)(text)

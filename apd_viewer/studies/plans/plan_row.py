@@ -8,61 +8,61 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, MOST_IN_CONTACT
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, MOST_VERTICES_IN_CONTACT
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.view import SUFFIX
+from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.posing.motion_step import check_amounts
-from apd_viewer.session.posing.motion_text import parsed_motion
-from apd_viewer.session.quantities.expressions import length
+from apd_viewer.session.posing.motion_text import parse_motion
+from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import NoUnitError, Unit
 from apd_viewer.studies.plans.case import Setting, StudyCase
-from apd_viewer.studies.plans.plan_columns import SETTINGS, steps_of, unit_of
+from apd_viewer.studies.plans.plan_columns import SETTING_COLUMNS, parse_steps, parse_unit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from apd_viewer.studies.plans.sources import Sources
+    from apd_viewer.studies.plans.input_files import InputFiles
 
 T = TypeVar("T")
 
 DEFAULT_STEPS = 10
 _NAMES = dict.fromkeys("XYZLD", 1.0)
 _READERS: dict[str, Callable[[str], Setting]] = {
-    "unit": unit_of,
-    "steps": steps_of,
-    **{name: column.read for name, column in SETTINGS.items()},
+    "unit": parse_unit,
+    "steps": parse_steps,
+    **{name: column.parse for name, column in SETTING_COLUMNS.items()},
 }
 # Of a mesh: who writes down what is usual asks for the same as who does not. Whether walls are kept apart is
 # always written down, since new work and plans without that column differ.
-_USUAL = {each.name: each.default for each in fields(Document) if each.name in SETTINGS}
+_USUAL = {each.name: each.default for each in fields(Document) if each.name in SETTING_COLUMNS}
 _OLD = {"contact": False}
 # A session says its own unit; which, is of no account for what can be said in one.
 _SOME = Unit.MILLIMETRE
 
 
-def case_of(said: Mapping[str, str], folder: Path, sources: Sources) -> StudyCase:
+def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> StudyCase:
     """Case of a row; raises InputError.
 
     Parameters
     ----------
-    said : mapping of str to str
+    cells : mapping of str to str
         Cells that are not empty, by their columns.
     folder : Path
         Where the files are that it names.
-    sources : Sources
+    sources : InputFiles
     """
-    settings = _settings(said)
-    unit = str(value_of("unit", said["unit"])) if "unit" in said else ""
-    steps = int(value_of("steps", said["steps"])) if "steps" in said else DEFAULT_STEPS
-    name = said.get("mesh") or said.get("session")
-    if not name or ("mesh" in said and "session" in said):
+    settings = _settings(cells)
+    unit = str(parse_cell("unit", cells["unit"])) if "unit" in cells else ""
+    steps = int(parse_cell("steps", cells["steps"])) if "steps" in cells else DEFAULT_STEPS
+    name = cells.get("mesh") or cells.get("session")
+    if not name or ("mesh" in cells and "session" in cells):
         raise InputError(tr("Give either a mesh or a session."))
-    whole = name.lower().endswith(SUFFIX)
-    if "session" in said and not whole:
+    whole = name.lower().endswith(SESSION_SUFFIX)
+    if "session" in cells and not whole:
         raise InputError(tr("“{name}” is no session (.apd); give it as the mesh.").format(name=name))
-    if whole == ("selection" in said):
+    if whole == ("selection" in cells):
         raise InputError(
             tr("A session has its own paint; leave “selection” empty.")
             if whole
@@ -70,48 +70,48 @@ def case_of(said: Mapping[str, str], folder: Path, sources: Sources) -> StudyCas
         )
     if whole and unit:
         raise InputError(tr("A session has its own unit; leave “unit” empty."))
-    if not whole and "motion" not in said:
+    if not whole and "motion" not in cells:
         raise InputError(tr("Nothing moves; fill in “motion”, such as twist 120deg."))
     typed = _SOME if whole else Unit(unit)
     motion = (
-        _in_column("motion", lambda text: _motion(text, typed), said["motion"]) if "motion" in said else ()
+        _in_column("motion", lambda text: _motion(text, typed), cells["motion"]) if "motion" in cells else ()
     )
-    if "thickness" in said:
-        _in_column("thickness", lambda text: _thickness(text, typed), said["thickness"])
+    if "thickness" in cells:
+        _in_column("thickness", lambda text: _thickness(text, typed), cells["thickness"])
     mesh = sources.mesh(folder / name)
     if not whole:
         own = {name: value for name, value in settings.items() if name in _OLD or value != _USUAL.get(name)}
         settings = _OLD | own
-    elif settings.get("contact") == MOST_IN_CONTACT:
+    elif settings.get("contact") == MOST_VERTICES_IN_CONTACT:
         del settings["contact"]  # the session says it
-    selection = None if whole else sources.selection(folder / said["selection"])
+    selection = None if whole else sources.selection(folder / cells["selection"])
     return StudyCase(mesh, selection, motion, unit, steps, tuple(settings.items()))
 
 
-def value_of(name: str, text: str) -> Setting:
+def parse_cell(name: str, text: str) -> Setting:
     """Value of a cell on its own; raises InputError."""
     return _in_column(name, _READERS.get(name, str), text)
 
 
-def _settings(said: Mapping[str, str]) -> dict[str, Setting]:
-    found = {name: value_of(name, said[name]) for name in SETTINGS if name in said}
+def _settings(cells: Mapping[str, str]) -> dict[str, Setting]:
+    found = {name: parse_cell(name, cells[name]) for name in SETTING_COLUMNS if name in cells}
     method = str(found.get("method", DEFAULT_METHOD))
-    if found.get("contact") is True and not METHODS[method].may_touch:
+    if found.get("contact") is True and not METHODS[method].may_use_contact:
         raise InputError(tr("“{method}” knows no contact; choose another method.").format(method=method))
-    if "thickness" in found and not found.get("contact", "session" in said):
+    if "thickness" in found and not found.get("contact", "session" in cells):
         raise InputError(tr("“thickness” is the distance of walls in contact; set “contact” to yes."))
     return found
 
 
 @lru_cache(maxsize=4096)
 def _motion(text: str, unit: Unit) -> tuple[str, ...]:
-    steps = parsed_motion(text)
+    steps = parse_motion(text)
     check_amounts(steps, unit)
     return tuple(step.text for step in steps)
 
 
 def _thickness(text: str, unit: Unit) -> float:
-    value = length(text, unit, _NAMES)
+    value = parse_length(text, unit, _NAMES)
     if not value > 0.0:
         raise InputError(tr("A distance must be greater than 0; enter another one."))
     return value

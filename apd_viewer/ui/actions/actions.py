@@ -10,8 +10,8 @@ from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.language import tr
-from apd_viewer.ui.actions.action_factory import ActionMaker, plain
-from apd_viewer.ui.actions.display_actions import LookActions
+from apd_viewer.ui.actions.action_maker import ActionMaker, without_mnemonic
+from apd_viewer.ui.actions.display_actions import DisplayActions
 from apd_viewer.ui.actions.file_actions import FileActions
 from apd_viewer.ui.actions.help_actions import help_actions
 from apd_viewer.ui.actions.measure_actions import MeasureActions
@@ -22,13 +22,13 @@ from apd_viewer.ui.actions.tool_bar import add_tool_bar
 from apd_viewer.ui.actions.view_actions import ViewActions
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.tools.toolbox import Tool
-from apd_viewer.ui.widgets.names import in_menu
+from apd_viewer.ui.widgets.display_names import menu_text
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
     from apd_viewer.ui.actions.commands import Commands
-    from apd_viewer.ui.actions.edit_commands import Editing
+    from apd_viewer.ui.actions.edit_controller import EditController
 
 _KEYS = QKeySequence.StandardKey
 
@@ -47,12 +47,12 @@ class Actions:
     file : FileActions
     undo, redo, reset, bake, settings : QAction
     tools : dict of Tool to QAction
-    measure : MeasureActions
+    measurements : MeasureActions
     select : SelectActions
     pose : PoseActions
     obstacles : ObstacleActions
     view : ViewActions
-    looks : LookActions
+    display : DisplayActions
     help : dict of str to QAction
         By their names.
     bar : QToolBar
@@ -62,14 +62,14 @@ class Actions:
         self._window = window
         self._maker = ActionMaker(window)
         self.file = FileActions(self._maker, commands)
-        self._make_edit(commands.editing, commands.open_settings)
-        self._make_tools(commands.take)
-        self.measure = MeasureActions(self._maker, commands.measure)
+        self._make_edit(commands.edits, commands.open_settings)
+        self._make_tools(commands.choose_tool)
+        self.measurements = MeasureActions(self._maker, commands.measurements)
         self.select = SelectActions(self._maker, commands)
         self.pose = PoseActions(self._maker, commands)
         self.obstacles = ObstacleActions(self._maker, commands.obstacles)
         self.view = ViewActions(self._maker, commands)
-        self.looks = LookActions(self._maker, commands.looks)
+        self.display = DisplayActions(self._maker, commands.display_options)
         self.help = help_actions(self._maker, commands)
         self._fill_menus()
         groups = (
@@ -80,7 +80,7 @@ class Actions:
         )
         self.bar = add_tool_bar(window, groups)
 
-    def _make_edit(self, editing: Editing, open_settings: Callable[[], object]) -> None:
+    def _make_edit(self, editing: EditController, open_settings: Callable[[], object]) -> None:
         make = self._maker.make
         self.undo = make("undo", tr("&Undo"), "undo", tr("Undo the last step"), _KEYS.Undo, editing.undo)
         self.redo = make("redo", tr("&Redo"), "redo", tr("Redo the last step"), _KEYS.Redo, editing.redo)
@@ -90,7 +90,7 @@ class Actions:
             "reset",
             tr("Reset all handles and return the mesh to its rest shape"),
             "Ctrl+R",
-            editing.reset,
+            editing.reset_all,
         )
         self.bake = make(
             "bake",
@@ -111,7 +111,7 @@ class Actions:
             self.tools[tool] = self._maker.make(
                 name, words.title, words.icon, words.tip, words.key, partial(take, tool)
             )
-        self._maker.one_of(self.tools.values())
+        self._maker.make_exclusive(self.tools.values())
 
     def _fill_menus(self) -> None:
         bar = self._window.menuBar()
@@ -124,16 +124,16 @@ class Actions:
         edit.addAction(self.settings)
         tools = bar.addMenu(tr("&Tools"))
         tools.addActions(list(self.tools.values()))
-        self.measure.fill(tools)
+        self.measurements.fill(tools)
         self.select.fill(bar.addMenu(tr("&Select")))
         self.pose.fill(bar.addMenu(tr("H&andle")), self.obstacles)
-        self.view.fill(bar.addMenu(tr("&View")), self.looks)
+        self.view.fill(bar.addMenu(tr("&View")), self.display)
         bar.addMenu(tr("&Help")).addActions(list(self.help.values()))
 
-    def offer(self, is_open: bool, is_at_rest: bool) -> None:
+    def set_available(self, is_open: bool, is_at_rest: bool) -> None:
         """Enable the actions allowed by an open mesh, at rest or not."""
         studies = [self.pose.compare, self.pose.sweep, self.pose.study, self.pose.press]
-        own = [*self.file.of_a_mesh, *studies, self.pose.symmetric, *self.obstacles.of_a_mesh]
+        own = [*self.file.needing_mesh, *studies, self.pose.symmetric, *self.obstacles.needing_mesh]
         for action in (*own, *self.select.files, *self.select.changes):
             action.setEnabled(is_open)
         for action in (self.reset, self.bake):
@@ -142,12 +142,12 @@ class Actions:
     def follow(self, document: Document) -> None:
         """Offer what a document and the file of its mesh have."""
         self.file.follow(document)
-        self.looks.follow(document)
+        self.display.follow(document)
 
     def add_panels(self, actions: list[QAction]) -> None:
         """Add the switches of the panels to the View menu."""
         for action in actions:
-            tip = tr("Show or hide the panel “{title}”").format(title=plain(action.text()))
+            tip = tr("Show or hide the panel “{title}”").format(title=without_mnemonic(action.text()))
             name = f"panel:{action.objectName()}"
             self._maker.adopt(name, action, "panel", tip, tuple(action.shortcuts()))
         self.view.add_panels(actions)
@@ -163,7 +163,7 @@ class Actions:
             (self.undo, tr("&Undo"), tr("&Undo “{gesture}”"), undo),
             (self.redo, tr("&Redo"), tr("&Redo “{gesture}”"), redo),
         ):
-            action.setText(verb.format(gesture=in_menu(gesture)) if gesture else bare)
+            action.setText(verb.format(gesture=menu_text(gesture)) if gesture else bare)
             action.setEnabled(gesture is not None)
 
     def set_theme(self, theme: Theme) -> None:

@@ -11,7 +11,7 @@ from apd_viewer.session.model.up_axis import UpAxis
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QMenu
 
-    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.action_maker import ActionMaker
     from apd_viewer.ui.tools.canvas import Canvas
 
 _VIEWS = (
@@ -36,38 +36,40 @@ class CameraActions:
     ----------
     directions : dict of str to QAction
         By the direction, as in Look.along.
-    orthographic, upright : QAction
+    orthographic, stand_upright : QAction
     up_axes : dict of UpAxis to QAction
     """
 
     def __init__(self, maker: ActionMaker, canvas: Canvas) -> None:
-        self._look = canvas.viewport.look
+        self._look = canvas.viewport.camera_controller
         self.directions = {}
         for title, tip, key, axis in _VIEWS:
             command = partial(canvas.look_along, axis)
             self.directions[axis] = maker.make(f"look:{axis}", title, "view", tip, key, command)
         tip = tr("View the mesh without perspective")
-        project = canvas.viewport.look.project
-        self.orthographic = maker.switch("orthographic", tr("Ortho&graphic"), "view", tip, "5", project)
+        project = canvas.viewport.camera_controller.set_orthographic
+        self.orthographic = maker.make_switch("orthographic", tr("Ortho&graphic"), "view", tip, "5", project)
         self.up_axes = {}
         for up_axis in UpAxis:
             name, tip = up_axis.value, tr("Show the mesh with {axis} up").format(axis=up_axis.value)
             self.up_axes[up_axis] = maker.make(
-                f"up:{name}", name, "axes", tip, None, partial(canvas.stand, up_axis)
+                f"up:{name}", name, "axes", tip, None, partial(canvas.set_up_axis, up_axis)
             )
-        maker.one_of(self.up_axes.values())
+        maker.make_exclusive(self.up_axes.values())
         tip = tr("Make the axis that points up in the view the up axis")
-        self.upright = maker.make("upright", tr("&Stand upright"), "axes", tip, None, self._stand_upright)
+        self.stand_upright = maker.make(
+            "upright", tr("&Stand upright"), "axes", tip, None, self._stand_upright
+        )
         self._canvas = canvas
-        self.follow()
+        self.refresh()
 
     def _stand_upright(self) -> None:
-        self._canvas.stand(UpAxis.nearest(self._look.eye.axes[1]))
-        self.follow()
+        self._canvas.set_up_axis(UpAxis.nearest(self._look.camera.axes[1]))
+        self.refresh()
 
-    def follow(self) -> None:
+    def refresh(self) -> None:
         """Check the actions of the camera's projection and up axis."""
-        eye = self._look.eye
+        eye = self._look.camera
         self.up_axes[eye.up_axis].setChecked(True)
         self.orthographic.setChecked(eye.is_orthographic)
 
@@ -78,4 +80,4 @@ class CameraActions:
         up = menu.addMenu(tr("&Up axis"))
         up.addActions(list(self.up_axes.values()))
         up.addSeparator()
-        up.addAction(self.upright)
+        up.addAction(self.stand_upright)

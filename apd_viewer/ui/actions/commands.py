@@ -10,23 +10,23 @@ if TYPE_CHECKING:
 
     from PySide6.QtCore import Qt
 
-    from apd_viewer.ui.actions.edit_commands import Editing
-    from apd_viewer.ui.actions.part_commands import PartCommands
-    from apd_viewer.ui.case_studies.case_studies import CaseStudies
-    from apd_viewer.ui.compare.compare_controller import Comparing
-    from apd_viewer.ui.filing.file_commands import Filing
+    from apd_viewer.ui.actions.edit_controller import EditController
+    from apd_viewer.ui.actions.part_controller import PartController
+    from apd_viewer.ui.case_studies.case_study_controller import CaseStudyController
+    from apd_viewer.ui.compare.compare_controller import CompareController
+    from apd_viewer.ui.filing.file_controller import FileController
     from apd_viewer.ui.filing.file_requests import FileRequests
     from apd_viewer.ui.measuring.measure_controller import MeasureController
     from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
-    from apd_viewer.ui.overlays.display_options import Looks
-    from apd_viewer.ui.overlays.findings_controller import Health
-    from apd_viewer.ui.panel.target_controller import Targeting
+    from apd_viewer.ui.overlays.display_options import DisplayOptions
+    from apd_viewer.ui.overlays.findings_controller import FindingsController
+    from apd_viewer.ui.panel.target_controller import TargetController
     from apd_viewer.ui.posing.pose_controller import PoseController
     from apd_viewer.ui.posing.symmetry_controller import SymmetryController
-    from apd_viewer.ui.sharing.report_controller import Reporting
-    from apd_viewer.ui.studies.studies import Studies
+    from apd_viewer.ui.sharing.report_controller import ReportController
+    from apd_viewer.ui.studies.run_controller import RunController
     from apd_viewer.ui.tools.canvas import Canvas
-    from apd_viewer.ui.tools.toolbox import Tool, Way
+    from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 
 class HelpCommands(Protocol):
@@ -35,7 +35,7 @@ class HelpCommands(Protocol):
     def open_manual(self) -> None:
         """Open the first page of the manual."""
 
-    def ask(self) -> None:
+    def explain_next_click(self) -> None:
         """Explain the next click."""
 
     def open_search(self) -> None:
@@ -54,26 +54,26 @@ class Commands:
 
     canvas: Canvas
     requests: FileRequests
-    filing: Filing
-    editing: Editing
-    parts: PartCommands
+    files: FileController
+    edits: EditController
+    parts: PartController
     symmetry: SymmetryController
     poses: PoseController
-    looks: Looks
-    measure: MeasureController
+    display_options: DisplayOptions
+    measurements: MeasureController
     obstacles: ObstacleController
-    findings: Health
-    studies: Studies
-    case_studies: CaseStudies
-    comparing: Comparing
-    reporting: Reporting
-    targeting: Targeting
-    take: Callable[[Tool], object]
-    choose_way: Callable[[Way], object]
+    findings: FindingsController
+    runs: RunController
+    case_studies: CaseStudyController
+    comparison: CompareController
+    reports: ReportController
+    target: TargetController
+    choose_tool: Callable[[Tool], object]
+    choose_mode: Callable[[SelectionMode], object]
     type_motion: Callable[[], object]
-    pause: Callable[[], object]
+    pause_or_resume: Callable[[], object]
     set_scheme: Callable[[Qt.ColorScheme], object]
     open_settings: Callable[[], object]
     help: Callable[[], HelpCommands]
-    tell_about: Callable[[], object]
+    show_about_box: Callable[[], object]
     quit: Callable[[], object]

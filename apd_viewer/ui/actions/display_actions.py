@@ -9,12 +9,12 @@ from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.ui.preferences.shortcut_hints import name_keys
+from apd_viewer.ui.preferences.shortcut_hints import show_keys_in_tip
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
-    from apd_viewer.ui.actions.action_factory import ActionMaker
-    from apd_viewer.ui.overlays.display_options import Looks
+    from apd_viewer.ui.actions.action_maker import ActionMaker
+    from apd_viewer.ui.overlays.display_options import DisplayOptions
 
 
 _COLORS = tr("Show the vertex colours of the file under the paint")
@@ -22,54 +22,54 @@ _TEXTURES = tr("Show the textures of the file under the paint")
 _TARGET = tr("Show the target shape as a transparent ghost")
 
 
-class LookActions:
+class DisplayActions:
     """Actions of the display of the shape.
 
     Parameters
     ----------
     maker : ActionMaker
-    looks : Looks
+    display_options : DisplayOptions
 
     Attributes
     ----------
-    off : QAction
+    no_overlay : QAction
     measures : dict of Measure to QAction
-    worst : list of QAction
+    extremes : list of QAction
     switches : dict of str to QAction
         What is on or off, by name.
     """
 
-    def __init__(self, maker: ActionMaker, looks: Looks) -> None:
-        self._looks = looks
+    def __init__(self, maker: ActionMaker, display_options: DisplayOptions) -> None:
+        self._looks = display_options
         self._make_measures(maker)
         self._make_switches(maker)
         self._follow()
 
     def _make_measures(self, maker: ActionMaker) -> None:
-        heat = self._looks.heat
-        self.off = maker.make(
+        heat = self._looks.overlay
+        self.no_overlay = maker.make(
             "no_measure",
             tr("&No overlay"),
             "overlay-off",
             tr("Show the paint without an overlay"),
             "Alt+0",
-            partial(heat.choose, None),
+            partial(heat.choose_measure, None),
         )
         self.measures = {}
         for measure in Measure:
-            name, words = f"measure:{measure.name}", measure.words
+            name, words = f"measure:{measure.name}", measure.traits
             self.measures[measure] = maker.make(
-                name, words.title, "overlay", words.tip, words.key, partial(heat.choose, measure)
+                name, words.title, "overlay", words.tip, words.key, partial(heat.choose_measure, measure)
             )
-        maker.one_of([self.off, *self.measures.values()])
-        self.worst = [
+        maker.make_exclusive([self.no_overlay, *self.measures.values()])
+        self.extremes = [
             maker.make(
                 "worst:1",
                 tr("Ne&xt extreme"),
                 "worst",
                 tr("Go to the next extreme value of the overlay"),
                 "C",
-                partial(heat.next_worst, 1),
+                partial(heat.show_next_extreme, 1),
             ),
             maker.make(
                 "worst:-1",
@@ -77,7 +77,7 @@ class LookActions:
                 "worst",
                 tr("Go to the previous extreme value of the overlay"),
                 "Shift+C",
-                partial(heat.next_worst, -1),
+                partial(heat.show_next_extreme, -1),
             ),
         ]
 
@@ -89,36 +89,36 @@ class LookActions:
         ground = tr("Show the axes and a ground grid in the unit of length")
         turntable = tr("Rotate the camera around the mesh until you use the mouse")
         self.switches = {
-            name: maker.switch(name, title, name, tip, key, command, on)
+            name: maker.make_switch(name, title, name, tip, key, command, on)
             for name, title, tip, key, command, on in (
-                ("ghost", tr("&Rest shape"), ghost, "A", looks.show_ghost, looks.ghost.on),
+                ("ghost", tr("&Rest shape"), ghost, "A", looks.show_ghost, looks.ghost.visible),
                 (
                     "target_ghost",
                     tr("Target s&hape"),
                     _TARGET,
                     None,
                     looks.show_target,
-                    looks.target_ghost.on,
+                    looks.target_ghost.visible,
                 ),
                 ("compare", tr("&Before and after"), compare, "Shift+A", looks.before_after.show_card, False),
-                ("cut", tr("Se&ction"), cut, "S", looks.cut.show_card, False),
-                ("ground", tr("&Axes and grid"), ground, "I", looks.show_ground, looks.ground.on),
+                ("cut", tr("Se&ction"), cut, "S", looks.cutting_plane.show_card, False),
+                ("ground", tr("&Axes and grid"), ground, "I", looks.show_ground, looks.ground.visible),
                 (
                     "file_colors",
                     tr("Co&lours of the file"),
                     _COLORS,
                     None,
                     looks.show_file_colors,
-                    looks.file_colors,
+                    looks.shows_file_colors,
                 ),
-                ("textures", tr("Te&xtures"), _TEXTURES, None, looks.show_textures, looks.textures),
-                ("turntable", tr("&Turntable"), turntable, "Shift+T", looks.turn, False),
+                ("textures", tr("Te&xtures"), _TEXTURES, None, looks.show_textures, looks.shows_textures),
+                ("turntable", tr("&Turntable"), turntable, "Shift+T", looks.set_turning, False),
             )
         }
 
     def follow(self, document: Document) -> None:
         """Offer what a document and the file of its mesh have."""
-        mesh, compares = document.mesh, document.target is not None
+        mesh, compares = document.mesh, document.target_shape is not None
         for name, has, tip, lack in (
             ("file_colors", mesh.colors is not None, _COLORS, tr("The file has no vertex colours")),
             ("textures", mesh.texture[0] is not None, _TEXTURES, tr("The file has no texture")),
@@ -132,26 +132,26 @@ class LookActions:
     def _follow(self) -> None:
         """Check the action of the overlay shown, and name equivalent keys."""
         looks, switches = self._looks, self.switches
-        looks.heat.changed.connect(self._check_measure)
+        looks.overlay.changed.connect(self._check_measure)
         looks.before_after.dismissed.connect(partial(switches["compare"].setChecked, False))
-        looks.cut.dismissed.connect(partial(switches["cut"].setChecked, False))
+        looks.cutting_plane.dismissed.connect(partial(switches["cut"].setChecked, False))
         looks.turntable.stopped.connect(partial(switches["turntable"].setChecked, False))
-        name_keys(looks.legend.close_button, self.off)
-        name_keys(looks.legend.worst, self.worst[0])
-        name_keys(looks.cut.close_button, switches["cut"])
+        show_keys_in_tip(looks.legend.close_button, self.no_overlay)
+        show_keys_in_tip(looks.legend.next_extreme, self.extremes[0])
+        show_keys_in_tip(looks.cutting_plane.close_button, switches["cut"])
         self._check_measure()
 
     def _check_measure(self) -> None:
-        measure, offered = self._looks.heat.measure, self._looks.heat.offered
+        measure, offered = self._looks.overlay.measure, self._looks.overlay.offered_measures
         for each, action in self.measures.items():
             action.setEnabled(each in offered)
-        (self.off if measure is None else self.measures[measure]).setChecked(True)
+        (self.no_overlay if measure is None else self.measures[measure]).setChecked(True)
 
     def fill(self, menu: QMenu) -> None:
         """Put all of them into a menu."""
         self.overlay = menu.addMenu(tr("&Overlay"))
-        self.overlay.addActions([self.off, *self.measures.values()])
+        self.overlay.addActions([self.no_overlay, *self.measures.values()])
         self.overlay.addSeparator()
-        self.overlay.addActions(self.worst)
+        self.overlay.addActions(self.extremes)
         menu.addSeparator()
         menu.addActions(list(self.switches.values()))

@@ -12,11 +12,11 @@ from PySide6.QtWidgets import QMenu
 
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
-from apd_viewer.ui.widgets.names import in_menu, told_apart
+from apd_viewer.ui.widgets.display_names import distinct_names, menu_text
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
-    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.action_maker import ActionMaker
     from apd_viewer.ui.actions.commands import Commands
 
 _KEYS = QKeySequence.StandardKey
@@ -32,7 +32,7 @@ class FileActions:
 
     Attributes
     ----------
-    open, open_study, target, clear_target, save, save_as, export, scalars, deck, animation : QAction
+    open, open_study, load_target, clear_target, save, save_as, export, scalars, deck, animation : QAction
     report, picture, copy_picture, copy_python, quit : QAction
     samples : list of QAction
     recent : QMenu
@@ -40,11 +40,11 @@ class FileActions:
     """
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
-        make, filing, reporting = maker.make, commands.filing, commands.reporting
+        make, filing, reporting = maker.make, commands.files, commands.reports
         requests = commands.requests
         self._open_path = requests.open_path
         self.open = make(
-            "open", tr("&Open…"), "open", tr("Open a mesh or a session"), _KEYS.Open, requests.ask
+            "open", tr("&Open…"), "open", tr("Open a mesh or a session"), _KEYS.Open, requests.ask_for_file
         )
         self.open_study = make(
             "open_study",
@@ -52,7 +52,7 @@ class FileActions:
             "study",
             tr("Open the results of a study from their folder, also while it runs elsewhere"),
             None,
-            commands.case_studies.ask,
+            commands.case_studies.ask_for_folder,
         )
         self._make_target(maker, commands)
         self.export = make(
@@ -61,7 +61,7 @@ class FileActions:
             "export",
             tr("Export the deformed mesh to a file"),
             "Ctrl+E",
-            filing.ask_for_target,
+            filing.export_mesh,
         )
         self.scalars = make(
             "export_scalars",
@@ -69,7 +69,7 @@ class FileActions:
             "tables",
             tr("Export area change, strain, displacement and labels as CSV or PLY"),
             None,
-            filing.ask_for_scalars,
+            filing.export_scalars,
         )
         self.deck = make(
             "export_deck",
@@ -77,7 +77,7 @@ class FileActions:
             "export",
             tr("Export shells and boundary conditions for CalculiX or Abaqus"),
             None,
-            filing.ask_for_deck,
+            filing.export_deck,
         )
         self.animation = make(
             "export_animation",
@@ -85,7 +85,7 @@ class FileActions:
             "sweep",
             tr("Export the motion of the handles for Blender, glTF or ParaView"),
             None,
-            commands.studies.animate,
+            commands.runs.open_animation,
         )
         self.save = make(
             "save",
@@ -109,7 +109,7 @@ class FileActions:
             "report",
             tr("Save pictures, measurements and settings as an HTML page"),
             "Ctrl+Shift+E",
-            reporting.ask,
+            reporting.ask_for_report,
         )
         self.picture = make(
             "save_picture",
@@ -144,13 +144,13 @@ class FileActions:
             )
 
     def _make_target(self, maker: ActionMaker, commands: Commands) -> None:
-        self.target = maker.make(
+        self.load_target = maker.make(
             "load_target",
             tr("Load tar&get shape…"),
             "target_ghost",
             tr("Compare the shape with another mesh: distances in colours and in numbers"),
             None,
-            commands.targeting.ask,
+            commands.target.ask_for_target_shape,
         )
         self.clear_target = maker.make(
             "clear_target",
@@ -158,7 +158,7 @@ class FileActions:
             "remove",
             tr("Stop comparing with the target shape"),
             None,
-            commands.targeting.clear,
+            commands.target.clear_target_shape,
         )
         self.clear_target.setEnabled(False)
 
@@ -169,7 +169,7 @@ class FileActions:
         menu.addMenu(tr("Open sa&mple")).addActions(self.samples)
         menu.addAction(self.open_study)
         menu.addSeparator()
-        menu.addActions([self.target, self.clear_target])
+        menu.addActions([self.load_target, self.clear_target])
         menu.addSeparator()
         menu.addActions([self.save, self.save_as, self.export, self.scalars, self.animation, self.deck])
         menu.addSeparator()
@@ -179,21 +179,21 @@ class FileActions:
 
     def follow(self, document: Document) -> None:
         """Offer to clear the target shape where there is one."""
-        compares = document.target is not None or document.missing_target is not None
+        compares = document.target_shape is not None or document.missing_target_shape is not None
         self.clear_target.setEnabled(compares)
 
     def fill_recent(self, paths: Sequence[Path]) -> None:
         """List recent files."""
         self.recent.clear()
-        for path, name in zip(paths, told_apart(paths), strict=True):
-            action = self.recent.addAction(in_menu(name))
+        for path, name in zip(paths, distinct_names(paths), strict=True):
+            action = self.recent.addAction(menu_text(name))
             action.setStatusTip(str(path))
             action.triggered.connect(lambda _checked=False, path=path: self._open_path(path))
         self.recent.setEnabled(bool(paths))
 
     @property
-    def of_a_mesh(self) -> list[QAction]:
+    def needing_mesh(self) -> list[QAction]:
         """Actions available only for an open mesh."""
         made = self.report, self.picture, self.copy_picture, self.copy_python
         exports = self.export, self.scalars, self.animation, self.deck
-        return [self.target, self.save, self.save_as, *exports, *made]
+        return [self.load_target, self.save, self.save_as, *exports, *made]

@@ -11,7 +11,7 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.action_maker import ActionMaker
     from apd_viewer.ui.actions.commands import Commands
 
 # Name, title, icon, tip, keys and command.
@@ -33,7 +33,7 @@ def _of_the_manual(commands: Commands) -> list[_Row]:
     help_key, find_keys = QKeySequence.StandardKey.HelpContents, ("Ctrl+F", "F3")
     return [
         ("manual", tr("&Manual"), "manual", manual, None, lambda: helps().open_manual()),
-        ("help", tr("&What is this?"), "help", ask, help_key, lambda: helps().ask()),
+        ("help", tr("&What is this?"), "help", ask, help_key, lambda: helps().explain_next_click()),
         ("find_command", tr("&Find a command…"), "find", find, find_keys, lambda: helps().open_search()),
         ("shortcuts", tr("&Shortcuts…"), "keyboard", keys, ("Shift+F1", "?"), lambda: helps().open_sheet()),
         ("tour", tr("&Tour"), "tour", tour, None, lambda: helps().begin_tour()),
@@ -44,9 +44,9 @@ def _others(commands: Commands) -> list[_Row]:
     tables = tr("Reproduce the tables of Li and Hui, with figures")
     copied = tr("Copy versions, graphics driver and the end of the log, for a bug report")
     about = tr("Version, licence and source of the method")
-    copy = commands.reporting.copy_diagnostics
+    copy = commands.reports.copy_diagnostics
     return [
-        ("paper", tr("The &paper's tables…"), "tables", tables, None, commands.studies.paper),
+        ("paper", tr("The &paper's tables…"), "tables", tables, None, commands.runs.open_paper),
         ("copy_diagnostics", tr("&Copy diagnostics"), "copy", copied, None, copy),
-        ("about", tr("&About APD Viewer"), "about", about, None, commands.tell_about),
+        ("about", tr("&About APD Viewer"), "about", about, None, commands.show_about_box),
     ]

@@ -29,7 +29,7 @@ class InertChrome:
     ----------
     window : QMainWindow
     requests : FileRequests
-    take : callable
+    choose_tool : callable
         Use a tool.
     frame : callable
         Zoom to the mesh.
@@ -41,15 +41,15 @@ class InertChrome:
         self,
         window: QMainWindow,
         requests: FileRequests,
-        take: Callable[[Tool], object],
+        choose_tool: Callable[[Tool], object],
         frame: Callable[[], object],
         panels: Sequence[QAction],
     ) -> None:
         self._window = window
         self._buttons = {name: QAction(window, enabled=False) for name in _NEED_A_MESH}
-        self._add("open", tr("&Open…"), QKeySequence.StandardKey.Open, requests.ask)
+        self._add("open", tr("&Open…"), QKeySequence.StandardKey.Open, requests.ask_for_file)
         self._add("frame", tr("&Frame mesh"), "F", frame)
-        self._add_tools(take)
+        self._add_tools(choose_tool)
         self._quit = QAction(tr("&Quit"), window, shortcut=QKeySequence.StandardKey.Quit)
         self._quit.triggered.connect(window.close)
         self._loading = QAction(tr("Loading…"), window, enabled=False)

@@ -11,7 +11,7 @@ from apd_viewer.ui.measuring.kind_words import KIND_WORDS
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QMenu
 
-    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.action_maker import ActionMaker
     from apd_viewer.ui.measuring.measure_controller import MeasureController
 
 
@@ -21,15 +21,15 @@ class MeasureActions:
     Parameters
     ----------
     maker : ActionMaker
-    measure : MeasureController
+    measurements : MeasureController
 
     Attributes
     ----------
-    kinds : dict of Kind to QAction
+    kinds : dict of MeasurementKind to QAction
     copy, clear : QAction
     """
 
-    def __init__(self, maker: ActionMaker, measure: MeasureController) -> None:
+    def __init__(self, maker: ActionMaker, measurements: MeasureController) -> None:
         self.kinds = {
             kind: maker.make(
                 f"measure_kind:{kind.name}",
@@ -37,18 +37,20 @@ class MeasureActions:
                 words.icon,
                 words.tip,
                 None,
-                partial(measure.choose_kind, kind),
+                partial(measurements.choose_kind, kind),
             )
             for kind, words in KIND_WORDS.items()
         }
-        maker.one_of(self.kinds.values())
-        self.kinds[measure.tool.kind].setChecked(True)
-        measure.kind_chosen.connect(lambda kind: self.kinds[kind].setChecked(True))
+        maker.make_exclusive(self.kinds.values())
+        self.kinds[measurements.tool.kind].setChecked(True)
+        measurements.kind_chosen.connect(lambda kind: self.kinds[kind].setChecked(True))
         tip = tr("Copy the values of all measurements as text, for a spreadsheet")
-        self.copy = maker.make("copy_measurements", tr("&Copy measurements"), "copy", tip, None, measure.copy)
+        self.copy = maker.make(
+            "copy_measurements", tr("&Copy measurements"), "copy", tip, None, measurements.copy
+        )
         tip = tr("Remove all measurements")
         title = tr("&Remove all measurements")
-        self.clear = maker.make("clear_measurements", title, "remove", tip, None, measure.clear)
+        self.clear = maker.make("clear_measurements", title, "remove", tip, None, measurements.clear)
 
     def fill(self, menu: QMenu) -> None:
         """Put all of them into the menu of the tools."""

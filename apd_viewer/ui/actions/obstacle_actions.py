@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from PySide6.QtGui import QAction
     from PySide6.QtWidgets import QMenu
 
-    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.action_maker import ActionMaker
     from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
 
 _KINDS = {
@@ -35,28 +35,33 @@ class ObstacleActions:
     ----------
     kinds : dict of ObstacleKind to QAction
     floor, reset, remove : QAction
-    sides : list of QAction
+    side_plates : list of QAction
     """
 
     def __init__(self, maker: ActionMaker, obstacles: ObstacleController) -> None:
         make = maker.make
         self.kinds = {
             kind: make(
-                f"add_obstacle:{kind.name}", title, image, TIPS[kind], None, partial(obstacles.ask, kind)
+                f"add_obstacle:{kind.name}",
+                title,
+                image,
+                TIPS[kind],
+                None,
+                partial(obstacles.begin_placing, kind),
             )
             for kind, (title, image) in _KINDS.items()
         }
         self.floor = make(
-            "add_floor", tr("Add &floor"), "obstacle-floor", FLOOR_TIP, None, obstacles.put_floor
+            "add_floor", tr("Add &floor"), "obstacle-floor", FLOOR_TIP, None, obstacles.add_floor
         )
-        self.sides = [
+        self.side_plates = [
             make(
                 f"plates:{letter}",
                 tr("Plates on both sides along &{axis}").format(axis=letter),
                 "press",
                 SIDES_TIP,
                 None,
-                partial(obstacles.put_plates, axis),
+                partial(obstacles.add_plates, axis),
             )
             for axis, letter in enumerate("XYZ")
         ]
@@ -76,24 +81,24 @@ class ObstacleActions:
             None,
             obstacles.remove,
         )
-        self.follow(False, False)
-        obstacles.offered.connect(self.follow)
+        self.set_available(False, False)
+        obstacles.availability_changed.connect(self.set_available)
 
     @property
-    def of_a_mesh(self) -> list[QAction]:
+    def needing_mesh(self) -> list[QAction]:
         """Those that need an open mesh."""
-        return [*self.kinds.values(), self.floor, *self.sides]
+        return [*self.kinds.values(), self.floor, *self.side_plates]
 
     def fill(self, menu: QMenu) -> None:
         """Put all of them into a menu of their own."""
         own = menu.addMenu(tr("Obstac&les"))
         own.addActions([*self.kinds.values(), self.floor])
         own.addSeparator()
-        own.addActions(self.sides)
+        own.addActions(self.side_plates)
         own.addSeparator()
         own.addActions([self.reset, self.remove])
 
-    def follow(self, in_hand: bool, moved: bool) -> None:
+    def set_available(self, in_hand: bool, moved: bool) -> None:
         """Offer what can be done with the obstacle in the hand."""
         self.reset.setEnabled(in_hand and moved)
         self.remove.setEnabled(in_hand)

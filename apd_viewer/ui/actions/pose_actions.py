@@ -9,10 +9,10 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
-from apd_viewer.ui.tools.gizmo_layout import Along
+from apd_viewer.ui.tools.gizmo_layout import GizmoOrientation
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.action_maker import ActionMaker
     from apd_viewer.ui.actions.commands import Commands
     from apd_viewer.ui.actions.obstacle_actions import ObstacleActions
 
@@ -26,9 +26,9 @@ _NUDGES = (
     (tr("Nudge farther"), tr("Move the active handle a little farther"), "farther", "PgUp", (0, 0, -1)),
 )
 _ALONG = {
-    Along.WORLD: (tr("&World axes"), tr("Align gizmo to the axes of the mesh"), "Shift+W"),
-    Along.HANDLE: (tr("&Handle axes"), tr("Align gizmo to the handle"), "L"),
-    Along.VIEW: (tr("&View axes"), tr("Align gizmo to view"), "Shift+V"),
+    GizmoOrientation.WORLD: (tr("&World axes"), tr("Align gizmo to the axes of the mesh"), "Shift+W"),
+    GizmoOrientation.HANDLE: (tr("&Handle axes"), tr("Align gizmo to the handle"), "L"),
+    GizmoOrientation.VIEW: (tr("&View axes"), tr("Align gizmo to view"), "Shift+V"),
 }
 
 
@@ -42,15 +42,15 @@ class PoseActions:
 
     Attributes
     ----------
-    parts, pivots, nudges, named : list of QAction
-    along : dict of Along to QAction
-    typed, put_back, symmetric, pause, compare, sweep, study, press : QAction
+    part_actions, pivots, nudges, named_poses : list of QAction
+    orientations : dict of GizmoOrientation to QAction
+    enter_motion, reset_handle, symmetric, pause, compare, sweep, study, press : QAction
     """
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
-        make, editing = maker.make, commands.editing
+        make, editing = maker.make, commands.edits
         self._gizmo = commands.canvas.gizmo
-        self.parts = [
+        self.part_actions = [
             make(
                 "add_handle",
                 tr("&Add handle"),
@@ -76,7 +76,7 @@ class PoseActions:
                 editing.add_region,
             ),
         ]
-        self.typed = make(
+        self.enter_motion = make(
             "type_motion",
             tr("&Enter motion"),
             "type",
@@ -84,30 +84,30 @@ class PoseActions:
             "Ctrl+M",
             commands.type_motion,
         )
-        self.put_back = make(
+        self.reset_handle = make(
             "put_back",
             tr("Rese&t handle"),
             "reset",
             tr("Return the active handle to its rest position"),
             "Shift+M",
-            editing.put_back,
+            editing.reset_handle,
         )
-        self.symmetric = maker.switch(
+        self.symmetric = maker.make_switch(
             "symmetric",
             tr("Sy&mmetric"),
             "mirror",
             tr("Move each handle together with its mirror image"),
             "Shift+S",
-            commands.symmetry.switch,
+            commands.symmetry.set_symmetric,
         )
-        self.named = [
+        self.named_poses = [
             make(
                 "keep_pose",
                 tr("&Keep pose"),
                 "add",
                 tr("Keep the present places of all handles under a name"),
                 "Ctrl+K",
-                commands.poses.keep,
+                commands.poses.keep_pose,
             ),
             make(
                 "next_pose",
@@ -115,7 +115,7 @@ class PoseActions:
                 "redo",
                 tr("Move the handles to the next pose kept"),
                 ".",
-                partial(commands.poses.step, 1),
+                partial(commands.poses.step_pose, 1),
             ),
             make(
                 "previous_pose",
@@ -123,7 +123,7 @@ class PoseActions:
                 "undo",
                 tr("Move the handles to the previous pose kept"),
                 ",",
-                partial(commands.poses.step, -1),
+                partial(commands.poses.step_pose, -1),
             ),
         ]
         self.compare = make(
@@ -132,7 +132,7 @@ class PoseActions:
             "methods",
             tr("Compare the methods side by side in this pose, with a table of measurements"),
             "Ctrl+Shift+M",
-            commands.comparing.open,
+            commands.comparison.open,
         )
         self.pivots = [
             make(
@@ -149,7 +149,7 @@ class PoseActions:
                 "pivot",
                 tr("Enter the coordinates of the point to rotate the handle about"),
                 "Ctrl+Shift+V",
-                editing.type_pivot,
+                editing.open_pivot_entry,
             ),
             make(
                 "centre_pivot",
@@ -166,7 +166,7 @@ class PoseActions:
             "sweep",
             tr("Plot area, volume and energy along the motion"),
             None,
-            commands.studies.sweep,
+            commands.runs.open_sweep,
         )
         self.study = make(
             "study",
@@ -174,7 +174,7 @@ class PoseActions:
             "study",
             tr("Compute many variants of this deformation, and compare what comes of them"),
             None,
-            commands.case_studies.design,
+            commands.case_studies.design_study,
         )
         self.press = make(
             "press",
@@ -182,7 +182,7 @@ class PoseActions:
             "press",
             tr("Press the mesh at rest between two plates, and plot load and volume"),
             None,
-            commands.studies.press,
+            commands.runs.open_press,
         )
         self.pause = make(
             "pause",
@@ -190,7 +190,7 @@ class PoseActions:
             "pause",
             tr("Pause the solver, or let it continue"),
             "Space",
-            commands.pause,
+            commands.pause_or_resume,
         )
         self.pause.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)  # Space presses buttons too
         commands.canvas.viewport.addAction(self.pause)
@@ -201,15 +201,15 @@ class PoseActions:
             nudge.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)  # arrows move sliders and cursors too
             commands.canvas.viewport.addAction(nudge)
             self.nudges.append(nudge)
-        self.along = {}
+        self.orientations = {}
         for along, (title, tip, key) in _ALONG.items():
             command = partial(self._align, along)
-            self.along[along] = make(f"along:{along.name}", title, "axes", tip, key, command)
-        maker.one_of(self.along.values())
-        self.along[Along.WORLD].setChecked(True)
+            self.orientations[along] = make(f"along:{along.name}", title, "axes", tip, key, command)
+        maker.make_exclusive(self.orientations.values())
+        self.orientations[GizmoOrientation.WORLD].setChecked(True)
 
-    def _align(self, along: Along) -> None:
-        self._gizmo.along = along
+    def _align(self, along: GizmoOrientation) -> None:
+        self._gizmo.orientation = along
 
     def show_symmetry(self, on: bool) -> None:
         """Show whether handles are moved symmetrically."""
@@ -219,15 +219,15 @@ class PoseActions:
 
     def fill(self, menu: QMenu, obstacles: ObstacleActions) -> None:
         """Put all of them into a menu, and those of the obstacles."""
-        menu.addActions(self.parts)
+        menu.addActions(self.part_actions)
         menu.addSeparator()
-        menu.addActions([self.typed, self.put_back, self.symmetric, *self.pivots])
+        menu.addActions([self.enter_motion, self.reset_handle, self.symmetric, *self.pivots])
         self.nudge = menu.addMenu(tr("N&udge"))
         self.nudge.addActions(self.nudges)
         self.poses = menu.addMenu(tr("Name&d poses"))
-        self.poses.addActions(self.named)
+        self.poses.addActions(self.named_poses)
         obstacles.fill(menu)
         menu.addSeparator()
-        menu.addActions(list(self.along.values()))
+        menu.addActions(list(self.orientations.values()))
         menu.addSeparator()
         menu.addActions([self.pause, self.compare, self.sweep, self.study, self.press])

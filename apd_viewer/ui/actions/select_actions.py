@@ -9,15 +9,15 @@ from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.session.selecting.part_operation import PartOperation
-from apd_viewer.ui.tools.toolbox import Way
+from apd_viewer.ui.tools.toolbox import SelectionMode
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QAction
 
-    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.action_maker import ActionMaker
     from apd_viewer.ui.actions.commands import Commands
-    from apd_viewer.ui.actions.part_commands import PartCommands
-    from apd_viewer.ui.filing.file_commands import Filing
+    from apd_viewer.ui.actions.part_controller import PartController
+    from apd_viewer.ui.filing.file_controller import FileController
 
 _LARGER, _SMALLER = 1.25, 0.8
 # Title, icon, tip, keys and operation on the active part.
@@ -74,17 +74,17 @@ class SelectActions:
 
     Attributes
     ----------
-    ways : dict of Way to QAction
-    through, numbers : QAction
+    modes : dict of SelectionMode to QAction
+    select_hidden, by_expression : QAction
     sizes, files, changes, mirrors, clears, flags : list of QAction
     """
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
-        self._make_ways(maker, commands)
+        self._make_modes(maker, commands)
         self._make_sizes(maker, commands)
-        self._make_files(maker, commands.filing)
+        self._make_files(maker, commands.files)
         self._make_parts(maker, commands.parts)
-        editing = commands.editing
+        editing = commands.edits
         self.changes, self.mirrors = (
             [
                 maker.make(
@@ -95,23 +95,23 @@ class SelectActions:
             for changes in (_CHANGES, _MIRRORS)
         )
 
-    def _make_ways(self, maker: ActionMaker, commands: Commands) -> None:
-        self.ways = {}
-        for way in Way:
-            name, words, command = f"way:{way.name}", way.words, partial(commands.choose_way, way)
-            self.ways[way] = maker.make(name, words.title, words.icon, words.tip, words.key, command)
-        maker.one_of(self.ways.values())
-        self.through = maker.switch(
+    def _make_modes(self, maker: ActionMaker, commands: Commands) -> None:
+        self.modes = {}
+        for way in SelectionMode:
+            name, words, command = f"way:{way.name}", way.words, partial(commands.choose_mode, way)
+            self.modes[way] = maker.make(name, words.title, words.icon, words.tip, words.key, command)
+        maker.make_exclusive(self.modes.values())
+        self.select_hidden = maker.make_switch(
             "through",
             tr("&X-ray (select hidden)"),
             "through",
             tr("Let box, lasso and polygon also select hidden vertices"),
             "T",
-            commands.canvas.select_through,
+            commands.canvas.set_selects_hidden,
         )
 
     def _make_sizes(self, maker: ActionMaker, commands: Commands) -> None:
-        make, brush, editing = maker.make, commands.canvas.painter.size, commands.editing
+        make, brush, editing = maker.make, commands.canvas.brush.size, commands.edits
         larger, smaller = partial(brush.scale, _LARGER), partial(brush.scale, _SMALLER)
         self.sizes = [
             make("larger", tr("&Larger brush"), "grow", tr("Make the brush larger"), "]", larger),
@@ -122,19 +122,19 @@ class SelectActions:
                 "way-brush",
                 tr("Enter the brush radius, in pixels or as a length on the mesh"),
                 "Shift+D",
-                editing.type_brush,
+                editing.open_brush_entry,
             ),
         ]
-        self.numbers = make(
+        self.by_expression = make(
             "choose_by_numbers",
             tr("Select by ID or expressio&n…"),
             "type",
             tr("Select vertices by ID or by conditions on their coordinates"),
             "Ctrl+L",
-            editing.choose_by_numbers,
+            editing.open_vertex_entry,
         )
 
-    def _make_parts(self, maker: ActionMaker, parts: PartCommands) -> None:
+    def _make_parts(self, maker: ActionMaker, parts: PartController) -> None:
         self.clears = [
             maker.make(f"clear:{name}", title, "erase", tip, None, command)
             for name, title, tip, command in (
@@ -146,11 +146,11 @@ class SelectActions:
         ]
         lock, hide = tr("Lock the active part against painting"), tr("Hide the colour of the active part")
         self.flags = [
-            maker.make("lock_part", tr("Loc&k or unlock part"), "locked", lock, "K", parts.lock),
-            maker.make("hide_part", tr("Hi&de or show part"), "hidden", hide, "Ctrl+H", parts.hide),
+            maker.make("lock_part", tr("Loc&k or unlock part"), "locked", lock, "K", parts.toggle_lock),
+            maker.make("hide_part", tr("Hi&de or show part"), "hidden", hide, "Ctrl+H", parts.toggle_hidden),
         ]
 
-    def _make_files(self, maker: ActionMaker, filing: Filing) -> None:
+    def _make_files(self, maker: ActionMaker, filing: FileController) -> None:
         self.files = [
             maker.make(
                 "load_selection",
@@ -173,13 +173,13 @@ class SelectActions:
     @property
     def groups(self) -> list[list[QAction]]:
         """The actions at hand while a tool paints."""
-        return [list(self.ways.values()), [self.through], self.changes]
+        return [list(self.modes.values()), [self.select_hidden], self.changes]
 
     def fill(self, menu: QMenu) -> None:
         """Put all of them into a menu."""
-        menu.addActions(list(self.ways.values()))
+        menu.addActions(list(self.modes.values()))
         menu.addSeparator()
-        menu.addActions([self.numbers, self.through, *self.sizes])
+        menu.addActions([self.by_expression, self.select_hidden, *self.sizes])
         menu.addSeparator()
         menu.addActions(self.changes)
         self.mirror = menu.addMenu(tr("&Mirror"))

@@ -9,13 +9,13 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMainWindow, QToolBar
 
 from apd_viewer.language import tr
-from apd_viewer.ui.widgets.icons import SIZE
+from apd_viewer.ui.widgets.icons import ICON_SIZE
 
 
 def add_tool_bar(window: QMainWindow, groups: Sequence[Sequence[QAction]]) -> QToolBar:
     """Add groups of actions, with lines between them, at the left of a window."""
     bar = QToolBar(tr("Tools"), window, objectName="tools", movable=False)
-    bar.setIconSize(SIZE)
+    bar.setIconSize(ICON_SIZE)
     bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
     for group in groups:
         if bar.actions():

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from PySide6.QtGui import QAction
     from PySide6.QtWidgets import QMenu
 
-    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.action_maker import ActionMaker
     from apd_viewer.ui.actions.commands import Commands
-    from apd_viewer.ui.actions.display_actions import LookActions
+    from apd_viewer.ui.actions.display_actions import DisplayActions
 
 _SCHEMES = (
     (tr("&System default"), Qt.ColorScheme.Unknown, tr("Follow the light or dark mode of the system")),
@@ -60,46 +60,46 @@ class ViewActions:
             "warning",
             tr("List the issues found in the mesh and show where they are"),
             "Ctrl+I",
-            commands.findings.open,
+            commands.findings.toggle_list,
         )
-        commands.findings.badge.name_keys(self.findings)
+        commands.findings.badge.show_keys_in_tip(self.findings)
         self.camera = CameraActions(maker, canvas)
-        commands.comparing.lend_keys(self.camera.directions, self.frame)
+        commands.comparison.set_shortcuts(self.camera.directions, self.frame)
         tip = tr("Show the triangle edges")
-        self.edges = maker.switch("edges", tr("&Edges"), "edges", tip, "W", self._show_edges)
+        self.edges = maker.make_switch("edges", tr("&Edges"), "edges", tip, "W", self._show_edges)
         self.shadings = {}
         for name, title, tip, shading in _SHADINGS:
             self.shadings[shading] = maker.make(
                 name, title, "smooth", tip, None, partial(self._shade, shading)
             )
-        maker.one_of(self.shadings.values())
-        self.follow()
+        maker.make_exclusive(self.shadings.values())
+        self.refresh()
         self.schemes = {}
         for title, scheme, tip in _SCHEMES:
             name, choose = f"scheme:{scheme.name}", partial(commands.set_scheme, scheme)
             self.schemes[scheme] = maker.make(name, title, "scheme", tip, None, choose)
-        maker.one_of(self.schemes.values())
+        maker.make_exclusive(self.schemes.values())
 
     def _show_edges(self, on: bool) -> None:
-        self._surface.edges = on
+        self._surface.shows_edges = on
 
     def _shade(self, shading: Shading) -> None:
         self._surface.shading = shading
 
-    def follow(self) -> None:
+    def refresh(self) -> None:
         """Offer the shadings that the mesh on screen has, and check the present one."""
         of_file, has = self.shadings[Shading.FILE], self._surface.has_normals
         of_file.setEnabled(has)
         of_file.setToolTip("" if has else tr("The file has no normals"))
         self.shadings[self._surface.shading].setChecked(True)
-        self.camera.follow()
+        self.camera.refresh()
 
-    def fill(self, menu: QMenu, looks: LookActions) -> None:
+    def fill(self, menu: QMenu, display: DisplayActions) -> None:
         """Put all of them into a menu, with those of the overlays between."""
         menu.addAction(self.frame)
         self.camera.fill(menu)
         menu.addSeparator()
-        looks.fill(menu)
+        display.fill(menu)
         menu.addSeparator()
         menu.addAction(self.edges)
         shading = menu.addMenu(tr("&Shading"))

@@ -9,9 +9,17 @@ from PySide6.QtCore import QTimer
 if TYPE_CHECKING:
     from pyvistaqt import QtInteractor
 
-SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "gdi generic", "basic render")
-SAMPLES = 8  # on a GPU; each sample costs a software renderer as much as a frame
-STILL = 120  # ms without a draw, after which a software renderer draws once more, with smooth edges
+SOFTWARE_RENDERERS = (
+    "llvmpipe",
+    "softpipe",
+    "swrast",
+    "swiftshader",
+    "software",
+    "gdi generic",
+    "basic render",
+)
+MULTISAMPLES = 8  # on a GPU; each sample costs a software renderer as much as a frame
+IDLE_DELAY = 120  # ms without a draw, after which a software renderer draws once more, with smooth edges
 
 
 class Antialiasing:
@@ -23,35 +31,35 @@ class Antialiasing:
 
     Attributes
     ----------
-    software : bool
+    is_software : bool
         Whether OpenGL runs on the processor.
-    next : bool
+    smooths_next_draw : bool
         Whether a software renderer smooths edges in the next draw.
-    still : QTimer
+    idle_timer : QTimer
         Running between a draw without smooth edges and the one with them.
     """
 
     def __init__(self, viewport: QtInteractor) -> None:
         self._viewport = viewport
-        self.software = self.next = False
-        self.still = QTimer(viewport, singleShot=True, interval=STILL)
-        self.still.timeout.connect(self._smooth)
+        self.is_software = self.smooths_next_draw = False
+        self.idle_timer = QTimer(viewport, singleShot=True, interval=IDLE_DELAY)
+        self.idle_timer.timeout.connect(self._smooth)
 
-    def choose(self, renderer: str) -> None:
+    def choose_samples(self, renderer: str) -> None:
         """Choose the samples by the name of the OpenGL renderer."""
-        self.software = any(word in renderer.lower() for word in SOFTWARE)
-        self._viewport.ren_win.SetMultiSamples(0 if self.software else SAMPLES)
+        self.is_software = any(word in renderer.lower() for word in SOFTWARE_RENDERERS)
+        self._viewport.ren_win.SetMultiSamples(0 if self.is_software else MULTISAMPLES)
 
     def begin_draw(self) -> None:
         """Set up the scene for a draw."""
-        self._viewport.renderer.SetUseFXAA(self.next)
+        self._viewport.renderer.SetUseFXAA(self.smooths_next_draw)
 
     def end_draw(self) -> None:
         """Plan the draw with smooth edges if this one was without."""
-        if self.software and not self.next:
-            self.still.start()
-        self.next = False
+        if self.is_software and not self.smooths_next_draw:
+            self.idle_timer.start()
+        self.smooths_next_draw = False
 
     def _smooth(self) -> None:
-        self.next = True
+        self.smooths_next_draw = True
         self._viewport.update()

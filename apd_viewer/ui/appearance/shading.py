@@ -76,26 +76,28 @@ _TEXTURE = """
 _LINE = "clamp(dot(diffuseColor, vec3(1.0)) / max(dot(paint, vec3(1.0)), 0.01), 0.0, 1.0)"
 
 # Seen through from the front, and at its outline.
-GLASS = """
+GLASS_SHADER = """
   float facing = clamp(dot(normalize(normalVCVSOutput), normalize(-vertexVC.xyz)), 0.0, 1.0);
   float rim = pow(1.0 - facing, 2.5);
   gl_FragData[0] = vec4(mix(vec3(0.16, 0.22, 0.33), vec3(0.80, 0.87, 1.0), onDark), 0.07 + 0.63 * rim);
 """
 
 # The same in the colour of the vertices, denser.
-TINTED_GLASS = """
+TINTED_GLASS_SHADER = """
   float facing = abs(dot(normalize(normalVCVSOutput), normalize(-vertexVC.xyz)));
   float rim = 1.0 - facing;
   gl_FragData[0] = vec4(diffuseColor * (0.75 + 0.35 * facing), 0.45 + 0.35 * rim * rim);
 """
 # The same in amber, to tell a target shape from the rest shape.
-AMBER = GLASS.replace("0.16, 0.22, 0.33", "0.52, 0.30, 0.02").replace("0.80, 0.87, 1.0", "1.0, 0.80, 0.48")
+AMBER_GLASS_SHADER = GLASS_SHADER.replace("0.16, 0.22, 0.33", "0.52, 0.30, 0.02").replace(
+    "0.80, 0.87, 1.0", "1.0, 0.80, 0.48"
+)
 
 # Of obstacles, in their colour: plates are as clear all over, round ones denser at their outline.
-PANE = """
+PLATE_SHADER = """
   gl_FragData[0] = vec4(diffuseColor, opacity);
 """
-BUBBLE = """
+ROUND_OBSTACLE_SHADER = """
   vec3 n = normalize(normalVCVSOutput);
   vec3 v = normalize(-vertexVC.xyz);
   vec3 key = normalize(vec3(-0.50, 0.62, 0.80));
@@ -112,18 +114,19 @@ _INSIDE = """
 """
 
 
-def shade(actor: vtkActor, heat: ColorMap | None = None, inside: bool = False) -> None:
+def shade(actor: vtkActor, color_map: ColorMap | None = None, inside: bool = False) -> None:
     """Give ``actor`` its shader, for the given heat colours, its edges and texture.
 
-    With ``heat`` the opacities of its vertices are values on a scale; with ``inside`` its back is darker.
+    With ``color_map`` the opacities of its vertices are values on a scale; with ``inside`` its back
+    is darker.
     """
-    code = _SHADING.replace("OPACITY", "opacity" if heat is None else "1.0")
+    code = _SHADING.replace("OPACITY", "opacity" if color_map is None else "1.0")
     if inside:
         code = _INSIDE + code
     textured = actor.GetTexture() is not None
-    code = (_HEAT if heat is not None else _TEXTURE if textured else "") + code
+    code = (_HEAT if color_map is not None else _TEXTURE if textured else "") + code
     values = {
-        "COLORS": "" if heat is None else heat.glsl("place"),
+        "COLORS": "" if color_map is None else color_map.glsl("place"),
         "FREE": "vec3({:.5f}, {:.5f}, {:.5f})".format(*(c / 255.0 for c in FREE_COLOR)),
         "LINE": _LINE if actor.GetProperty().GetEdgeVisibility() else "1.0",
     }
@@ -151,7 +154,7 @@ def texture_of(image: np.ndarray) -> vtkTexture:
     return texture
 
 
-def scale_heat(actor: vtkActor, neutral: float) -> None:
+def set_neutral_band(actor: vtkActor, neutral: float) -> None:
     """Show ``neutral`` of a scale, around its middle, as no change."""
     actor.GetShaderProperty().GetFragmentCustomUniforms().SetUniformf("heatNeutral", neutral)
 

@@ -9,7 +9,7 @@ import pyvista as pv
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.texture import Texture
-    from apd_viewer.geometry.picking.preview_surface import Sketch
+    from apd_viewer.geometry.picking.preview_surface import PreviewSurface
     from apd_viewer.geometry.picking.render_mesh import RenderMesh
 
 
@@ -21,7 +21,7 @@ class SurfaceArrays:
 
     Parameters
     ----------
-    rendered : RenderMesh or Sketch
+    rendered : RenderMesh or PreviewSurface
     rgba : (n, 4) uint8 array
         Of the vertices; see :meth:`Surface.wear` for the opacities.
     texture : Texture, optional
@@ -29,10 +29,10 @@ class SurfaceArrays:
     """
 
     def __init__(
-        self, rendered: RenderMesh | Sketch, rgba: np.ndarray, texture: Texture | None = None
+        self, rendered: RenderMesh | PreviewSurface, rgba: np.ndarray, texture: Texture | None = None
     ) -> None:
         self._rendered, self._count = rendered, len(rgba)
-        copied = rendered.copied
+        copied = rendered.repeated_vertices
         points = np.zeros((self._count + len(copied), 3), dtype=np.float32)
         self.data = pv.PolyData.from_regular_faces(points, rendered.F)
         self.data.point_data["Normals"] = np.zeros_like(self.data.points)
@@ -44,7 +44,7 @@ class SurfaceArrays:
             self.data.point_data["uv"] = uv
             self.data.GetPointData().SetActiveTCoords("uv")
 
-    def drape(self, U: np.ndarray, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def set_points(self, U: np.ndarray, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Follow the shape ``U`` (n, 3); see :meth:`RenderMesh.drape`."""
         points, normals = self.data.points, self.data.point_data["Normals"]
         box = self._rendered.drape(U, origin, np.asarray(points), np.asarray(normals))
@@ -60,15 +60,15 @@ class SurfaceArrays:
     def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None) -> None:
         """Colour the vertices ``ids``, or all, and keep their opacities."""
         self.rgba[slice(None) if ids is None else ids, :3] = rgba[:, :3]
-        self.colors_changed()
+        self.update_colors()
 
-    def colors_changed(self) -> None:
+    def update_colors(self) -> None:
         """Draw the edited ``rgba`` from the next frame on."""
         colors = self.data.point_data["rgba"]
-        np.asarray(colors)[self._count :] = self.rgba[self._rendered.copied]
+        np.asarray(colors)[self._count :] = self.rgba[self._rendered.repeated_vertices]
         colors.VTKObject.Modified()
 
-    def normal(self, face: int, weights: np.ndarray) -> np.ndarray:
+    def normal_at(self, face: int, weights: np.ndarray) -> np.ndarray:
         """Normal (3,) as drawn at a point of a face with barycentric ``weights``."""
         normal: np.ndarray = weights @ np.asarray(self.data.point_data["Normals"])[self._rendered.F[face]]
         return normal

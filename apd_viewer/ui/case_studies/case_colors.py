@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.presentation.axis import Axis, magnitudes, rounded
+from apd_viewer.presentation.axis import Axis, magnitude_axis, rounded_axis
 from apd_viewer.presentation.color_maps import SEQUENTIAL
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class CaseColors:
     def __init__(self) -> None:
         self._given: dict[int, str] = {}
 
-    def of(self, rows: Sequence[int]) -> dict[int, str]:
+    def colors_of(self, rows: Sequence[int]) -> dict[int, str]:
         """Colours of the first rows of the plan."""
         rows = rows[:MOST_CHOSEN]
         kept = {row: color for row, color in self._given.items() if row in rows}
@@ -50,11 +50,11 @@ def axis_of(column: ResultColumn) -> tuple[Axis, np.ndarray]:
     crowded = float(np.median(known)) < low + _CROWDED * (high - low)
     if low > 0.0 and high > _MANY * low and crowded:
         with np.errstate(invalid="ignore"):
-            return magnitudes(low, high, column.suffix), np.log10(column.values)
-    return rounded(low, high, column.suffix), column.values
+            return magnitude_axis(low, high, column.suffix), np.log10(column.values)
+    return rounded_axis(low, high, column.suffix), column.values
 
 
-def ramp_colors() -> tuple[str, ...]:
+def color_bar_colors() -> tuple[str, ...]:
     """Colours of the scale, from its lower end to its upper."""
     return tuple(_hex(color) for color in SEQUENTIAL.knots)
 
@@ -67,7 +67,7 @@ def dot_colors(axis: Axis, places: np.ndarray) -> tuple[str, ...]:
     return tuple(shades[k] for k in chosen.astype(int).tolist())
 
 
-def plain_colors(count: int) -> tuple[str, ...]:
+def uniform_colors(count: int) -> tuple[str, ...]:
     """One colour for all dots."""
     return (_hex(SEQUENTIAL.knots[3]),) * count
 

@@ -12,10 +12,10 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.presentation.axis import linear, rounded
+from apd_viewer.presentation.axis import linear_axis, rounded_axis
 from apd_viewer.studies.case_file import DONE, read_case
 from apd_viewer.ui.case_studies.column_choice import ColumnChoice
-from apd_viewer.ui.case_studies.result_columns import ResultColumn, words_of
+from apd_viewer.ui.case_studies.result_columns import ResultColumn, reading_words
 from apd_viewer.ui.plots.chart import Chart, Curve
 from apd_viewer.ui.plots.plots import ChartView, ChartWords
 
@@ -60,9 +60,10 @@ class CaseCurves(QWidget):
         self.reading = ColumnChoice(tr("Measurement along the motion"))
         nothing = np.empty(0)
         offered = [
-            ResultColumn(name, words_of(name).title, words_of(name).tip, nothing, ()) for name in _OFFERED
+            ResultColumn(name, reading_words(name).title, reading_words(name).tip, nothing, ())
+            for name in _OFFERED
         ]
-        self.reading.offer(offered, offered)
+        self.reading.set_columns(offered, offered)
         self.reading.chosen.connect(self._redraw)
         self.view = ChartView(ChartWords(tr("Curves of the chosen cases"), ""), self._chart)
         self.view.setMinimumSize(_LOWEST)
@@ -76,7 +77,7 @@ class CaseCurves(QWidget):
         column.addLayout(head)
         column.addWidget(self.view, 1)
 
-    def begin(self, folder: Path) -> None:
+    def show_study(self, folder: Path) -> None:
         """Show cases of another study."""
         self._folder, self._kept, self._shown = folder, {}, {}
         self._redraw()
@@ -103,7 +104,7 @@ class CaseCurves(QWidget):
 
     def _chart(self) -> Chart:
         name = self.reading.name
-        scale = 100.0 if words_of(name).percent else 1.0
+        scale = 100.0 if reading_words(name).percent else 1.0
         curves, legend = [], []
         for row, color in self._shown.items():
             found = self._curves(row)
@@ -112,8 +113,8 @@ class CaseCurves(QWidget):
                 curves.append(Curve(100.0 * np.array(found[_ABSCISSA], dtype=float), y, color))
                 legend += [("━", color), (f"{self._model.rows[row].line}", "quiet")]
         if not curves:
-            return Chart("", empty=tr("Choose finished cases to see their curves; Ctrl adds one."))
+            return Chart("", empty_text=tr("Choose finished cases to see their curves; Ctrl adds one."))
         every = np.concatenate([curve.y for curve in curves])
         end = max(float(curve.x[-1]) for curve in curves)
-        y_axis = rounded(float(np.nanmin(every)), float(np.nanmax(every)), " %" if scale > 1.0 else "")
-        return Chart("", tuple(legend), linear(0.0, end, " %"), y_axis, tuple(curves))
+        y_axis = rounded_axis(float(np.nanmin(every)), float(np.nanmax(every)), " %" if scale > 1.0 else "")
+        return Chart("", tuple(legend), linear_axis(0.0, end, " %"), y_axis, tuple(curves))

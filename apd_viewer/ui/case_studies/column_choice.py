@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QSize, Qt, Signal
 
 from apd_viewer.language import tr
-from apd_viewer.ui.widgets.fields import Choice
+from apd_viewer.ui.widgets.fields import ComboBox
 
 if TYPE_CHECKING:
     from apd_viewer.ui.case_studies.result_columns import ResultColumn
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 _NARROWEST, _AROUND = 72, 44  # px, of a choice and around its title
 
 
-class ColumnChoice(Choice):
+class ColumnChoice(ComboBox):
     """Combo box of columns; it keeps its choice while there is such a column.
 
     Parameters
@@ -54,8 +54,8 @@ class ColumnChoice(Choice):
         """Name of the column; empty for none."""
         return str(self.currentData() or "")
 
-    def offer(self, columns: Sequence[ResultColumn], first: Sequence[ResultColumn]) -> None:
-        """Offer other columns; as long as nobody has chosen, it is the first of ``first``."""
+    def set_columns(self, columns: Sequence[ResultColumn], preferred: Sequence[ResultColumn]) -> None:
+        """Offer other columns; the first of ``preferred`` until one is chosen."""
         names = [column.name for column in columns]
         before = self.currentData() if self._own else None
         offered = [self.itemData(k) for k in range(self.count())]
@@ -67,7 +67,7 @@ class ColumnChoice(Choice):
         for column in columns:
             self.addItem(column.title, column.name)
             self.setItemData(self.count() - 1, column.tip, Qt.ItemDataRole.ToolTipRole)
-        wanted = before if before in names or before == "" else first[0].name if first else ""
+        wanted = before if before in names or before == "" else preferred[0].name if preferred else ""
         self.setCurrentIndex(max(0, self.findData(wanted)))
         widest = self.view().sizeHintForColumn(0) if self.count() else 0
         self.view().setMinimumWidth(widest + 24)

@@ -26,22 +26,22 @@ class EndPreview:
         self._before: State | None = None
 
     @property
-    def shows(self) -> bool:
+    def is_showing(self) -> bool:
         """True while it shows anything."""
-        return self._before is not None and self._session.gestures.before is self._before
+        return self._before is not None and self._session.gestures.state_before is self._before
 
     def show(self, document: Document) -> None:
         """Show a document, if its mesh is open and no other gesture is under way."""
         gestures, state = self._session.gestures, self._session.store.state
         if state is None or state.document.mesh is not document.mesh:
             return
-        if not self.shows:
-            if gestures.before is not None:
+        if not self.is_showing:
+            if gestures.state_before is not None:
                 return
             gestures.begin()
-            self._before = gestures.before
-        self._ghost.show_asked(document)
-        self._session.handles.advance(document)
+            self._before = gestures.state_before
+        self._ghost.show_handles(document)
+        self._session.handles.solve_poses(document)
 
     def hide(self) -> None:
         """Return to the state before."""
@@ -49,7 +49,9 @@ class EndPreview:
         gestures, before, self._before = self._session.gestures, self._before, None
         if before is None:
             return
-        if gestures.before is before:
+        if gestures.state_before is before:
             gestures.cancel()
-        elif gestures.before is not None and gestures.before.document.mesh is before.document.mesh:
-            gestures.before = before  # a drag that began on what was shown is undone to what was before
+        elif (
+            gestures.state_before is not None and gestures.state_before.document.mesh is before.document.mesh
+        ):
+            gestures.state_before = before  # a drag that began on what was shown is undone to what was before

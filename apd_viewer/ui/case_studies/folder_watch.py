@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from apd_viewer.errors import InputError
-from apd_viewer.studies.database import DATABASE
+from apd_viewer.studies.database import DATABASE_NAME
 from apd_viewer.studies.results import read_results
 from apd_viewer.ui.case_studies.result_columns import ResultColumn, shown_columns
 from apd_viewer.ui.widgets.background_task import BackgroundTask
@@ -36,14 +36,14 @@ class FolderWatch(QObject):
 
     Attributes
     ----------
-    read : Signal(object)
+    results_read : Signal(object)
         :class:`ReadResults`.
     failed : Signal(str)
         Why they cannot be read, once.
     folder : Path or None
     """
 
-    read = Signal(object)
+    results_read = Signal(object)
     failed = Signal(str)
 
     def __init__(self, parent: QObject) -> None:
@@ -55,29 +55,29 @@ class FolderWatch(QObject):
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
         self._timer = QTimer(self, interval=_EVERY)
-        self._timer.timeout.connect(self.look)
+        self._timer.timeout.connect(self.check_folder)
 
-    def watch(self, folder: Path) -> None:
+    def watch_folder(self, folder: Path) -> None:
         """Read the results of a folder from now on; it need not hold any yet."""
         self.folder, self._seen, self._next, self._said = folder, None, 0.0, ""
-        self.show(self._shown)
+        self.set_enabled(self._shown)
 
-    def show(self, on: bool) -> None:
+    def set_enabled(self, on: bool) -> None:
         """Look at the folder from now on, or leave it alone, as nobody sees it."""
         self._shown = on
         if on and self.folder is not None:
             self._timer.start()
-            self.look()
+            self.check_folder()
         else:
             self._timer.stop()
 
-    def look(self) -> None:
+    def check_folder(self) -> None:
         """Read the results if they have changed."""
         folder = self.folder
         if folder is None or self._task.busy or time.monotonic() < self._next:
             return
         try:
-            found = (folder / DATABASE).stat()
+            found = (folder / DATABASE_NAME).stat()
         except OSError:
             return
         stamp = found.st_mtime_ns, found.st_size
@@ -92,7 +92,7 @@ class FolderWatch(QObject):
         self._next = time.monotonic() + _TIMES * took
         if isinstance(results, ReadResults):
             self._said = ""
-            self.read.emit(results)
+            self.results_read.emit(results)
         else:
             self._seen = None  # try again
             if results != self._said:

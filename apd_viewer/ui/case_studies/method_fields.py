@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QHBoxLayout
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
-from apd_viewer.ui.studies.study_dialog import row_of
-from apd_viewer.ui.widgets.fields import Check
+from apd_viewer.ui.studies.run_dialog import widget_row
+from apd_viewer.ui.widgets.fields import CheckBox
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -27,7 +27,7 @@ class MethodFields(QObject):
     Attributes
     ----------
     changed : Signal()
-    checks : dict of str to Check
+    checks : dict of str to CheckBox
         By the names of methods.
     layout_ : QHBoxLayout
         The row of the boxes.
@@ -37,23 +37,23 @@ class MethodFields(QObject):
 
     def __init__(self, document: Document) -> None:
         super().__init__()
-        self.checks = {name: Check(method.short_title) for name, method in METHODS.items()}
+        self.checks = {name: CheckBox(method.short_title) for name, method in METHODS.items()}
         for name, check in self.checks.items():
             method = METHODS[name]
             slow = tr("Takes several times as long as the others")
-            check.setToolTip(f"{method.about}\n{slow}" if method.slow else method.about)
+            check.setToolTip(f"{method.description}\n{slow}" if method.is_slow else method.description)
             # Obstacles push by contact only.
-            check.setEnabled(method.may_touch or not document.has_obstacles)
+            check.setEnabled(method.may_use_contact or not document.has_active_obstacles)
             check.setChecked(name == document.method)
             check.toggled.connect(self.changed)
-        self.layout_: QHBoxLayout = row_of(*self.checks.values())
+        self.layout_: QHBoxLayout = widget_row(*self.checks.values())
 
     @property
-    def count(self) -> int:
+    def chosen_count(self) -> int:
         """Number of ticked methods."""
         return sum(check.isChecked() for check in self.checks.values())
 
-    def chosen(self) -> tuple[str, ...]:
+    def chosen_methods(self) -> tuple[str, ...]:
         """Names of the ticked methods; raises InputError if there is none."""
         found = tuple(name for name, check in self.checks.items() if check.isChecked())
         if not found:

@@ -27,13 +27,19 @@ from apd_viewer.studies.plans.design import GRID, LATIN, MOST_SAMPLES, SOBOL
 from apd_viewer.ui.case_studies.end_preview import EndPreview
 from apd_viewer.ui.case_studies.engine_fields import EngineFields
 from apd_viewer.ui.case_studies.method_fields import MethodFields
-from apd_viewer.ui.case_studies.study_files import Design, Rows, document_of, typed_path, write_study
-from apd_viewer.ui.case_studies.varied_fields import HEADS, VariedFields
-from apd_viewer.ui.studies.study_dialog import count_field, row_of
-from apd_viewer.ui.widgets.fields import Choice, Entry
+from apd_viewer.ui.case_studies.study_files import (
+    PlanRows,
+    StudyDesign,
+    document_with_values,
+    path_from_text,
+    write_study,
+)
+from apd_viewer.ui.case_studies.varied_fields import TITLE_COLUMN_WIDTH, VariedFields
+from apd_viewer.ui.studies.run_dialog import count_field, widget_row
+from apd_viewer.ui.widgets.display_names import window_title_text
+from apd_viewer.ui.widgets.fields import ComboBox, TextField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
-from apd_viewer.ui.widgets.names import in_title
 
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QLayout, QWidget
@@ -58,17 +64,17 @@ class PlanDialog(QDialog):
     handle : int
         That typed motions move.
     view : View
-    memory : Preferences
+    preferences : Preferences
     ghost : MotionGhost
         Shows handles at once where the mesh follows.
 
     Attributes
     ----------
-    begun : Signal(object, object)
+    study_designed : Signal(object, object)
         The folder with its plan, and the options of the command that runs it.
     """
 
-    begun = Signal(object, object)
+    study_designed = Signal(object, object)
 
     def __init__(
         self,
@@ -76,25 +82,30 @@ class PlanDialog(QDialog):
         session: Session,
         handle: int,
         view: View,
-        memory: Preferences,
+        preferences: Preferences,
         ghost: MotionGhost,
     ) -> None:
         super().__init__(window, objectName="study")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self._state, self._handle, self._view, self._memory = session.store.required(), handle, view, memory
+        self._state, self._handle, self._view, self._memory = (
+            session.store.required_state(),
+            handle,
+            view,
+            preferences,
+        )
         self._preview = EndPreview(session, ghost)
         mesh = self._state.document.mesh
-        self.setWindowTitle(tr("Study – {name}").format(name=in_title(mesh.name)))
+        self.setWindowTitle(tr("Study – {name}").format(name=window_title_text(mesh.name)))
         self.varied = VariedFields(self._state, Unit(view.unit))
         self.varied.changed.connect(self._count)
-        self.varied.looked_at.connect(self._look)
-        self.varied.left.connect(self._preview.hide)
+        self.varied.end_focused.connect(self._look)
+        self.varied.focus_lost.connect(self._preview.hide)
         self.methods = MethodFields(self._state.document)
         self.methods.changed.connect(self._count)
         self.engine = EngineFields()
-        self.engine.reached.connect(self._begin)
+        self.engine.engine_ready.connect(self._begin)
         self.engine.check.failed.connect(self._say_unreached)
-        self._lay_out(unused_folder(memory.folder, f"{mesh.stem}-study"))
+        self._lay_out(unused_folder(preferences.last_folder, f"{mesh.stem}-study"))
         self._count()
         self._move_aside(window)
 
@@ -139,14 +150,14 @@ class PlanDialog(QDialog):
         )
         grid = QGridLayout(horizontalSpacing=16, verticalSpacing=8)
         grid.setColumnStretch(1, 1)
-        grid.setColumnMinimumWidth(0, HEADS - 16)
+        grid.setColumnMinimumWidth(0, TITLE_COLUMN_WIDTH - 16)
         for number, (title, row) in enumerate(rows):
             grid.addWidget(QLabel(title, objectName="heading"), number, 0)
             grid.addLayout(row, number, 1)
         return grid
 
     def _make_design(self) -> QHBoxLayout:
-        self.design = Choice(accessibleName=tr("Design"))
+        self.design = ComboBox(accessibleName=tr("Design"))
         for method, title, tip in (
             (LATIN, tr("Latin hypercube"), tr("Each range is covered evenly, by any number of cases")),
             (SOBOL, tr("Sobol sequence"), tr("Covers the ranges most evenly with 64, 128, 256 … cases")),
@@ -161,10 +172,12 @@ class PlanDialog(QDialog):
         self.count = QLabel(objectName="quiet")
         self._of_samples = QLabel()
         each = QLabel(tr("steps each"))
-        return row_of(self.samples, self._of_samples, self.design, self.count, self.steps, each, spacing=8)
+        return widget_row(
+            self.samples, self._of_samples, self.design, self.count, self.steps, each, spacing=8
+        )
 
     def _make_folder(self, folder: Path) -> QHBoxLayout:
-        self.folder = Entry(toolTip=tr("New folder of the plan and the results"))
+        self.folder = TextField(toolTip=tr("New folder of the plan and the results"))
         self.folder.setAccessibleName(tr("Folder"))
         self.folder.setText(str(folder))
         self.browse = QPushButton(tr("Choose…"), clicked=self._browse, autoDefault=False)
@@ -199,8 +212,8 @@ class PlanDialog(QDialog):
         """Say how many cases there will be."""
         grid = self.design.currentData() == GRID
         self._of_samples.setText(tr("values of each,") if grid else tr("cases,"))
-        varying = sum(row.on and row.has_two_ends for row in self.varied.rows.values())
-        total = self.methods.count * math.pow(self.samples.value(), varying) if grid else 0.0
+        varying = sum(row.is_checked and row.has_two_ends for row in self.varied.rows.values())
+        total = self.methods.chosen_count * math.pow(self.samples.value(), varying) if grid else 0.0
         self.count.setText(tr("= {n:,.0f} cases,").format(n=total) if grid else "")
         self.count.setVisible(grid)
         self.words.setText("")
@@ -208,8 +221,8 @@ class PlanDialog(QDialog):
     def _look(self, name: str, upper: bool) -> None:
         """Show an end of a range on the mesh."""
         try:
-            said = self.varied.ends(name, upper)
-            document = document_of(self._state, Unit(self._view.unit), self._handle, said)
+            said = self.varied.values_at_end(name, upper)
+            document = document_with_values(self._state, Unit(self._view.unit), self._handle, said)
         except InputError as error:
             self.words.setText(str(error))
             self._preview.hide()
@@ -232,10 +245,10 @@ class PlanDialog(QDialog):
         try:
             self._asked = self._designed()
             self.words.setText("")
-            self.engine.reach()
+            self.engine.check_engine()
         except InputError as error:
             self.words.setText(str(error))
-        if self.engine.check.waits:
+        if self.engine.check.is_waiting:
             self.start.setEnabled(False)
             self.words.setText(tr("Connecting to the scheduler …"))
 
@@ -243,19 +256,19 @@ class PlanDialog(QDialog):
         self.start.setEnabled(True)
         self.words.setText(sentence)
 
-    def _designed(self) -> tuple[Path, Rows, list[str]]:
+    def _designed(self) -> tuple[Path, PlanRows, list[str]]:
         """Folder, rows of the plan and options of the command; raises InputError."""
-        folder = typed_path(self.folder.text())
+        folder = path_from_text(self.folder.text())
         options = self.engine.options()
-        design = Design(
-            self.varied.spans(),
-            self.methods.chosen(),
+        design = StudyDesign(
+            self.varied.ranges(),
+            self.methods.chosen_methods(),
             self.design.currentData(),
             round(self.samples.value()),
             round(self.steps.value()),
             self._handle,
         )
-        rows = design.rows(self._state.document.method)
+        rows = design.plan_rows(self._state.document.method)
         self._check(folder, design)
         return folder, rows, options
 
@@ -268,16 +281,16 @@ class PlanDialog(QDialog):
         except InputError as error:
             self.words.setText(str(error))
             return
-        self.begun.emit(folder, options)
+        self.study_designed.emit(folder, options)
         self.accept()
 
-    def _check(self, folder: Path, design: Design) -> None:
+    def _check(self, folder: Path, design: StudyDesign) -> None:
         """Raise InputError without a folder, for one in use, or where nothing would move."""
         if not self.folder.text().strip():
             raise InputError(tr("Enter a new folder for the plan and the results."))
         if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
             raise InputError(tr("This folder is in use; enter a new one."))
-        if not design.moves and not self._state.document.from_rest.posed:
+        if not design.has_motion and not self._state.document.relative_to_rest.is_posed:
             raise InputError(tr("No handle moves; tick a motion as well, with one end or with both."))
 
     def done(self, result: int) -> None:

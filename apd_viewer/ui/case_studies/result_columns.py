@@ -13,18 +13,18 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import grouped, short, significant
-from apd_viewer.session.posing.motion_text import parsed_motion
+from apd_viewer.presentation.number_format import format_grouped, format_short, format_significant
+from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.studies.case_file import DONE, FAILED
-from apd_viewer.studies.plans.plan_columns import NOTE
-from apd_viewer.studies.results import DUPLICATE, READINGS, WAITING, WRONG, status_words
+from apd_viewer.studies.plans.plan_columns import NOTE_PREFIX
+from apd_viewer.studies.results import DUPLICATE, READINGS, WAITING, WRONG, status_text
 
 if TYPE_CHECKING:
     from apd_viewer.studies.results import ResultTable
 
-LINE, MOTION, STATUS, SENTENCE = "line", "motion", "status", "sentence"
+LINE_COLUMN, MOTION_COLUMN, STATUS_COLUMN, REMARK_COLUMN = "line", "motion", "status", "sentence"
 _ASKED_FOR = "plan "  # before the name of a column of the plan
-_NOTE = f"{_ASKED_FOR}{NOTE}"
+_NOTE = f"{_ASKED_FOR}{NOTE_PREFIX}"
 _ORDER = (DONE, FAILED, WRONG, DUPLICATE, WAITING)
 _AMOUNT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z%°]*)\s*")
 _MOST_KINDS = 12  # of motions: more columns would hide the rest
@@ -118,7 +118,7 @@ class ResultColumn:
     texts : tuple of str
     suffix : str
         Behind a number on an axis.
-    asked : bool
+    is_from_plan : bool
         Whether it comes from the plan.
     ranks : (n,) float array or None
         By which its texts are sorted, if not by the alphabet.
@@ -130,18 +130,18 @@ class ResultColumn:
     values: np.ndarray
     texts: tuple[str, ...]
     suffix: str = ""
-    asked: bool = False
+    is_from_plan: bool = False
     ranks: np.ndarray | None = None
 
     @cached_property
-    def numeric(self) -> bool:
+    def is_numeric(self) -> bool:
         """True if it has any number."""
         return bool(np.isfinite(self.values).any())
 
     @cached_property
-    def keys(self) -> np.ndarray:
+    def sort_keys(self) -> np.ndarray:
         """Numbers (n,) to sort by; NaN where there is none."""
-        if self.numeric:
+        if self.is_numeric:
             return self.values
         if self.ranks is not None:
             return self.ranks
@@ -149,7 +149,7 @@ class ResultColumn:
         return np.array([places[text] for text in self.texts])
 
     @cached_property
-    def longest(self) -> list[str]:
+    def longest_texts(self) -> list[str]:
         """Its texts with most letters, of which one is the widest."""
         return nlargest(_LONGEST, set(self.texts), key=len)
 
@@ -161,24 +161,24 @@ class ResultColumn:
 
 def shown_columns(table: ResultTable) -> list[ResultColumn]:
     """Columns of the table in the window, ready to be sorted and laid out."""
-    line, *found = columns_of(table)
-    asked = [column for column in found if column.asked]
-    readings = [column for column in found if not column.asked]
+    line, *found = result_columns(table)
+    asked = [column for column in found if column.is_from_plan]
+    readings = [column for column in found if not column.is_from_plan]
     shown = [line, *asked, _statuses(table), *readings, _sentences(table)]
     for column in shown:
-        _ = column.keys, column.longest
+        _ = column.sort_keys, column.longest_texts
     return shown
 
 
-def columns_of(table: ResultTable) -> list[ResultColumn]:
+def result_columns(table: ResultTable) -> list[ResultColumn]:
     """The line, what varies of the plan, and all readings with a number."""
-    found = [_plain(LINE, tr("Line"), tr("Of the plan"), [float(row.line) for row in table.rows])]
-    for k in sorted(range(len(table.columns)), key=lambda k: table.columns[k] != MOTION):
+    found = [_plain(LINE_COLUMN, tr("Line"), tr("Of the plan"), [float(row.line) for row in table.rows])]
+    for k in sorted(range(len(table.columns)), key=lambda k: table.columns[k] != MOTION_COLUMN):
         cells = [row.cells[k] for row in table.rows]
-        found += _motions(cells) if table.columns[k] == MOTION else [_asked(table.columns[k], cells)]
+        found += _motions(cells) if table.columns[k] == MOTION_COLUMN else [_asked(table.columns[k], cells)]
     readings = [_reading(table, name) for name in sorted(READINGS, key=_place)]
     asked = [each for each in _told_once(found[1:]) if each.varies]
-    return [found[0], *asked, *(each for each in readings if each.numeric)]
+    return [found[0], *asked, *(each for each in readings if each.is_numeric)]
 
 
 def _told_once(columns: Sequence[ResultColumn]) -> list[ResultColumn]:
@@ -200,7 +200,7 @@ def _place(name: str) -> int:
     return list(READING_WORDS).index(name) if name in READING_WORDS else len(READING_WORDS)
 
 
-def words_of(name: str) -> ReadingWords:
+def reading_words(name: str) -> ReadingWords:
     """Words of a reading; its name where there are none."""
     return READING_WORDS.get(name, ReadingWords(name, ""))
 
@@ -211,7 +211,7 @@ def _plain(name: str, title: str, tip: str, values: Sequence[float]) -> ResultCo
 
 def _asked(name: str, cells: Sequence[str]) -> ResultColumn:
     """Column of a plan; numbers with one unit, or texts."""
-    title = PLAN_TITLES.get(name, name.lstrip(NOTE).replace("_", " ").strip().capitalize())
+    title = PLAN_TITLES.get(name, name.lstrip(NOTE_PREFIX).replace("_", " ").strip().capitalize())
     tip = tr("Column “{name}” of the plan").format(name=name)
     return _amounts(f"{_ASKED_FOR}{name}", title, tip, cells)
 
@@ -224,7 +224,7 @@ def _amounts(name: str, title: str, tip: str, cells: Sequence[str]) -> ResultCol
     unit = units.pop()
     suffix = _DEGREES.get(unit, f" {unit}" if unit else "")
     values = np.array([float(match[1]) if match else np.nan for match in found])
-    texts = tuple(f"{short(v)}{suffix}".replace("-", "−") if np.isfinite(v) else "" for v in values)
+    texts = tuple(f"{format_short(v)}{suffix}".replace("-", "−") if np.isfinite(v) else "" for v in values)
     return ResultColumn(name, title, tip, values, texts, suffix, True)
 
 
@@ -232,11 +232,11 @@ def _motions(cells: Sequence[str]) -> list[ResultColumn]:
     """A column for each amount; the texts if a row has the same motion twice."""
     tip = tr("Motion of the plan")
     nothing = np.full(len(cells), np.nan)
-    as_text = [ResultColumn(MOTION, tr("Motion"), tip, nothing, tuple(cells), "", True)]
+    as_text = [ResultColumn(MOTION_COLUMN, tr("Motion"), tip, nothing, tuple(cells), "", True)]
     found: list[dict[_Amount, str]] = []
     for cell in cells:
         try:
-            steps = parsed_motion(cell) if cell else ()
+            steps = parse_motion(cell) if cell else ()
         except InputError:  # the row is wrong
             steps = ()
         amounts = {
@@ -253,7 +253,7 @@ def _motions(cells: Sequence[str]) -> list[ResultColumn]:
     several = len({handle for handle, *_ in kinds}) > 1
     return [
         _amounts(
-            f"{MOTION} {' '.join(map(str, kind))}",
+            f"{MOTION_COLUMN} {' '.join(map(str, kind))}",
             _motion_title(kind, several),
             tip,
             [amounts.get(kind, "") for amounts in found],
@@ -278,7 +278,7 @@ def _motion_title(kind: _Amount, several: bool) -> str:
 
 
 def _reading(table: ResultTable, name: str) -> ResultColumn:
-    words = words_of(name)
+    words = reading_words(name)
     numbers = [row.readings.get(name) for row in table.rows]
     values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
     values = 100.0 * values if words.percent else values
@@ -289,22 +289,22 @@ def _reading(table: ResultTable, name: str) -> ResultColumn:
 
 def _writer(words: ReadingWords) -> Callable[[float], str]:
     if words.percent:
-        return lambda value: f"{grouped(value, 2)} %"
+        return lambda value: f"{format_grouped(value, 2)} %"
     if words.whole:
-        return lambda value: grouped(value, 0)
-    return lambda value: significant(value, 4)
+        return lambda value: format_grouped(value, 0)
+    return lambda value: format_significant(value, 4)
 
 
 def _statuses(table: ResultTable) -> ResultColumn:
     ranks = np.array([_ORDER.index(row.status) for row in table.rows], dtype=float)
-    texts = tuple(status_words(row.status) for row in table.rows)
-    return ResultColumn(STATUS, tr("State"), tr("Of the case"), _no_numbers(texts), texts, ranks=ranks)
+    texts = tuple(status_text(row.status) for row in table.rows)
+    return ResultColumn(STATUS_COLUMN, tr("State"), tr("Of the case"), _no_numbers(texts), texts, ranks=ranks)
 
 
 def _sentences(table: ResultTable) -> ResultColumn:
     texts = tuple(row.sentence for row in table.rows)
     tip = tr("Why it failed, or what to know of it")
-    return ResultColumn(SENTENCE, tr("Remark"), tip, _no_numbers(texts), texts)
+    return ResultColumn(REMARK_COLUMN, tr("Remark"), tip, _no_numbers(texts), texts)
 
 
 def _no_numbers(texts: Sequence[str]) -> np.ndarray:

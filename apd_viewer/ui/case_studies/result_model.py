@@ -11,7 +11,7 @@ from PySide6.QtGui import QBrush, QColor
 
 from apd_viewer.studies.case_file import FAILED
 from apd_viewer.studies.results import DUPLICATE, WAITING, WRONG
-from apd_viewer.ui.case_studies.result_columns import LINE, SENTENCE, STATUS, ResultColumn
+from apd_viewer.ui.case_studies.result_columns import LINE_COLUMN, REMARK_COLUMN, STATUS_COLUMN, ResultColumn
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class ResultModel(QAbstractTableModel):
         self.rows: tuple[ResultRow, ...] = ()
         self.order = np.empty(0, dtype=int)
         self.theme: Theme = LIGHT
-        self._sorted_by = LINE, Qt.SortOrder.AscendingOrder
+        self._sorted_by = LINE_COLUMN, Qt.SortOrder.AscendingOrder
 
     def show_results(self, table: ResultTable, columns: list[ResultColumn]) -> None:
         """Show other results; order, selection and widths stay where the columns do."""
@@ -79,9 +79,9 @@ class ResultModel(QAbstractTableModel):
         self.rows_moved.emit()
 
     @property
-    def numeric(self) -> list[ResultColumn]:
+    def numeric_columns(self) -> list[ResultColumn]:
         """Columns with numbers, but for the line."""
-        return [column for column in self.columns[1:] if column.numeric]
+        return [column for column in self.columns[1:] if column.is_numeric]
 
     def _arrange(self) -> None:
         name, way = self._sorted_by
@@ -89,7 +89,7 @@ class ResultModel(QAbstractTableModel):
         self.order = np.arange(len(self.rows))
         if column is None:
             return
-        keys = column.keys if way is Qt.SortOrder.AscendingOrder else -column.keys
+        keys = column.sort_keys if way is Qt.SortOrder.AscendingOrder else -column.sort_keys
         self.order = np.argsort(keys, kind="stable")  # what has no number comes last
 
     # Qt's
@@ -108,7 +108,7 @@ class ResultModel(QAbstractTableModel):
         if role == _ROLES.DisplayRole:
             return column.texts[k]
         if role == _ROLES.TextAlignmentRole:
-            return _RIGHT if column.numeric else _LEFT
+            return _RIGHT if column.is_numeric else _LEFT
         if role == _ROLES.ToolTipRole:
             return self.rows[k].sentence or None
         if role == _ROLES.ForegroundRole:
@@ -116,7 +116,7 @@ class ResultModel(QAbstractTableModel):
         return None
 
     def _ink(self, status: str, column: str) -> QBrush | None:
-        if status in (FAILED, WRONG) and column in (STATUS, SENTENCE):
+        if status in (FAILED, WRONG) and column in (STATUS_COLUMN, REMARK_COLUMN):
             return QBrush(QColor(self.theme.warm))
         return QBrush(QColor(self.theme.quiet)) if status in (WAITING, DUPLICATE) else None
 
@@ -126,7 +126,7 @@ class ResultModel(QAbstractTableModel):
             return None
         column = self.columns[section]
         if role == _ROLES.TextAlignmentRole:
-            return _RIGHT if column.numeric else _LEFT
+            return _RIGHT if column.is_numeric else _LEFT
         return {_ROLES.DisplayRole: self._titled(column), _ROLES.ToolTipRole: column.tip}.get(_ROLES(role))
 
     def _titled(self, column: ResultColumn) -> str:

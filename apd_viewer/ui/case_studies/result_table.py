@@ -19,7 +19,7 @@ from PySide6.QtGui import QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QAbstractItemView, QFrame, QHeaderView, QTableView
 
 from apd_viewer.language import tr
-from apd_viewer.ui.plots.chart_drawing import tabular
+from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
 
 if TYPE_CHECKING:
     from apd_viewer.ui.case_studies.result_model import ResultModel
@@ -41,14 +41,14 @@ class ResultsView(QTableView):
 
     Attributes
     ----------
-    opened : Signal(int)
+    case_opened : Signal(int)
         A row of the plan, from 0.
-    chosen : Signal()
+    choice_changed : Signal()
         Other rows are chosen.
     """
 
-    opened = Signal(int)
-    chosen = Signal()
+    case_opened = Signal(int)
+    choice_changed = Signal()
 
     def __init__(self, model: ResultModel) -> None:
         super().__init__(objectName="results", accessibleName=tr("Results of the study"))
@@ -63,7 +63,7 @@ class ResultsView(QTableView):
         self.setShowGrid(False)
         self.setWordWrap(False)
         self.setTabKeyNavigation(False)
-        self.setFont(tabular(self.font()))
+        self.setFont(with_tabular_figures(self.font()))
         self.setSortingEnabled(True)
         across, down = self.horizontalHeader(), self.verticalHeader()
         across.setSortIndicator(0, Qt.SortOrder.AscendingOrder)
@@ -84,12 +84,12 @@ class ResultsView(QTableView):
         """Give each column the width of its title and its texts."""
         metrics, head = self.fontMetrics(), self.horizontalHeader()
         for k, column in enumerate(self._results.columns):
-            widest = max(map(metrics.horizontalAdvance, column.longest), default=0) + _PAD
+            widest = max(map(metrics.horizontalAdvance, column.longest_texts), default=0) + _PAD
             self.setColumnWidth(k, min(max(widest, head.sectionSizeHint(k)) + 8, _WIDEST))
 
     def _hold(self) -> None:
         """Remember the chosen rows: Qt would take seconds to move 5,000 of them."""
-        self._held = self.rows
+        self._held = self.chosen_rows
         with QSignalBlocker(self.selectionModel()):
             self.selectionModel().clearSelection()
 
@@ -108,7 +108,7 @@ class ResultsView(QTableView):
             self._open(index)
 
     def _open(self, index: QModelIndex) -> None:
-        self.opened.emit(int(self._results.order[index.row()]))
+        self.case_opened.emit(int(self._results.order[index.row()]))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Open the current row on Enter."""
@@ -120,10 +120,10 @@ class ResultsView(QTableView):
     def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
         """Announce other rows."""
         super().selectionChanged(selected, deselected)
-        self.chosen.emit()
+        self.choice_changed.emit()
 
     @property
-    def rows(self) -> list[int]:
+    def chosen_rows(self) -> list[int]:
         """Chosen rows of the plan, from 0, in the order of the table."""
         # By ranges: an index for each of 10,000 rows takes half a second.
         selection, order = self.selectionModel().selection(), self._results.order

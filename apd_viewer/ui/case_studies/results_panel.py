@@ -23,8 +23,8 @@ from apd_viewer.ui.case_studies.result_model import ResultModel
 from apd_viewer.ui.case_studies.result_table import ResultsView
 from apd_viewer.ui.case_studies.scatter_plot import ScatterPlot
 from apd_viewer.ui.case_studies.study_status import StudyStatus
-from apd_viewer.ui.panel.statusbar import Hint
-from apd_viewer.ui.widgets.side_by_side import ShownPart, SideBySide
+from apd_viewer.ui.panel.status_bar import ElidedLabel
+from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
 
 if TYPE_CHECKING:
     from apd_viewer.ui.case_studies.folder_watch import ReadResults
@@ -41,9 +41,9 @@ class ResultsPanel(QWidget):
 
     Attributes
     ----------
-    case_asked : Signal(int)
+    case_requested : Signal(int)
         A row of the plan whose shape is to be opened.
-    go_on_asked, retry_asked, stop_asked, open_asked : Signal()
+    continue_requested, retry_requested, stop_requested, open_requested : Signal()
     model : ResultModel
     table : ResultsView
     scatter : ScatterPlot
@@ -51,11 +51,11 @@ class ResultsPanel(QWidget):
     folder : Path or None
     """
 
-    case_asked = Signal(int)
-    go_on_asked = Signal()
-    retry_asked = Signal()
-    stop_asked = Signal()
-    open_asked = Signal()
+    case_requested = Signal(int)
+    continue_requested = Signal()
+    retry_requested = Signal()
+    stop_requested = Signal()
+    open_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__(objectName="casestudy")
@@ -68,38 +68,38 @@ class ResultsPanel(QWidget):
         self.table = ResultsView(self.model)
         self.scatter = ScatterPlot(self.model)
         self.curves = CaseCurves(self.model)
-        self.parts = SideBySide(
+        self.panes = SideBySide(
             (
-                ShownPart(tr("Table"), self.table, 34),
-                ShownPart(tr("Plot"), self.scatter, 42),
-                ShownPart(tr("Curves"), self.curves, 24),
+                Pane(tr("Table"), self.table, 34),
+                Pane(tr("Plot"), self.scatter, 42),
+                Pane(tr("Curves"), self.curves, 24),
             )
         )
-        self.table.chosen.connect(self._choose)
-        self.table.opened.connect(self.case_asked)
-        self.scatter.view.picked.connect(self._pick)
+        self.table.choice_changed.connect(self._choose)
+        self.table.case_opened.connect(self.case_requested)
+        self.scatter.view.dot_picked.connect(self._pick)
         self._lay_out()
         self._follow_status()
 
     def _lay_out(self) -> None:
         self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
-        self.name = Hint(objectName="heading", margin=8, minimumWidth=_NARROWEST)
-        self.words = Hint(objectName="quiet")
+        self.name = ElidedLabel(objectName="heading", margin=8, minimumWidth=_NARROWEST)
+        self.words = ElidedLabel(objectName="quiet")
         self.words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.go_on = QPushButton(tr("Continue"), toolTip=tr("Compute the cases that are missing"))
         self.retry = QPushButton(tr("Run failed again"), toolTip=tr("Run failed cases once more"))
         self.stop = QPushButton(tr("Stop"))
         self.show_folder = QPushButton(tr("Show folder"), toolTip=tr("Plan, tables and cases as files"))
         self.open = QPushButton(tr("Open study…"))
-        self.go_on.clicked.connect(self.go_on_asked)
-        self.retry.clicked.connect(self.retry_asked)
-        self.stop.clicked.connect(self.stop_asked)
-        self.open.clicked.connect(self.open_asked)
+        self.go_on.clicked.connect(self.continue_requested)
+        self.retry.clicked.connect(self.retry_requested)
+        self.stop.clicked.connect(self.stop_requested)
+        self.open.clicked.connect(self.open_requested)
         self.show_folder.clicked.connect(self._show_folder)
         head = QHBoxLayout(spacing=8)
         head.setContentsMargins(4, 4, 8, 4)
         head.addWidget(self.name)
-        head.addWidget(self.parts.tabs)
+        head.addWidget(self.panes.tabs)
         head.addWidget(self.words, 1)
         for button in (self.go_on, self.retry, self.stop, self.show_folder, self.open):
             head.addWidget(button)
@@ -107,50 +107,50 @@ class ResultsPanel(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(head)
         column.addWidget(self.bar)
-        column.addWidget(self.parts, 1)
+        column.addWidget(self.panes, 1)
 
     # What is shown
 
-    def begin(self, folder: Path) -> None:
+    def show_study(self, folder: Path) -> None:
         """Show another study, of which nothing is read yet."""
         self.folder = folder
-        self.status.begin(folder)
+        self.status.reset_for(folder)
         self.name.setText(folder.name)
         self.name.setToolTip(str(folder))
-        self.curves.begin(folder)
+        self.curves.show_study(folder)
         self._follow_status()
 
-    def show_results(self, found: ReadResults) -> None:
+    def show_results(self, results: ReadResults) -> None:
         """Show the results of the study as they were read."""
-        self.model.show_results(found.table, found.columns)
-        self.status.count(found.table)
-        self.scatter.follow()
+        self.model.show_results(results.table, results.columns)
+        self.status.set_results(results.table)
+        self.scatter.refresh()
         self._choose()
         self._follow_status()
 
-    def show_progress(self, said: dict[str, Any]) -> None:
+    def show_progress(self, progress: dict[str, Any]) -> None:
         """Show the progress told by the command that runs it."""
-        self.status.report(said)
+        self.status.set_progress(progress)
         self._follow_status()
 
-    def show_running(self, runs: bool, stopping: bool = False, sentence: str = "") -> None:
+    def show_running(self, is_running: bool, stopping: bool = False, sentence: str = "") -> None:
         """Show whether it runs here, and how it has ended."""
-        self.status.run(runs, stopping, sentence)
+        self.status.set_running(is_running, stopping, sentence)
         self._follow_status()
 
     def _follow_status(self) -> None:
         status = self.status
-        self.words.setText(status.words)
+        self.words.setText(status.text)
         self.bar.setMaximum(0 if status.share is None else _SCALE)  # of unknown length
         self.bar.setValue(round(_SCALE * (status.share or 0.0)))
-        self.bar.setVisible(status.unfinished)
-        self.go_on.setVisible(status.may_go_on)
+        self.bar.setVisible(status.is_unfinished)
+        self.go_on.setVisible(status.may_continue)
         self.retry.setVisible(status.may_retry)
-        self.stop.setVisible(status.runs)
-        self.stop.setText(tr("Stop now") if status.stopping else tr("Stop"))
+        self.stop.setVisible(status.is_running)
+        self.stop.setText(tr("Stop now") if status.is_stopping else tr("Stop"))
         self.stop.setToolTip(
             tr("End the running cases too; they are computed again")
-            if status.stopping
+            if status.is_stopping
             else tr("Finish the running cases, and start no more; Continue goes on")
         )
         self.show_folder.setVisible(self.folder is not None)
@@ -159,8 +159,8 @@ class ResultsPanel(QWidget):
     # Choosing cases
 
     def _choose(self) -> None:
-        colors = self._colors.of(self.table.rows)
-        self.scatter.mark(colors)
+        colors = self._colors.colors_of(self.table.chosen_rows)
+        self.scatter.mark_rows(colors)
         self.curves.show_cases(colors)
 
     def _pick(self, row: int, more: bool) -> None:
@@ -169,7 +169,7 @@ class ResultsPanel(QWidget):
             self.table.toggle(row)
         else:
             self.table.choose([row])
-            self.case_asked.emit(row)
+            self.case_requested.emit(row)
 
     def _show_folder(self) -> None:
         if self.folder is not None:
@@ -196,4 +196,4 @@ class ResultsPanel(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Arrange the parts by the aspect of the dock."""
         super().resizeEvent(event)
-        self.parts.arrange(self.size())
+        self.panes.arrange(self.size())

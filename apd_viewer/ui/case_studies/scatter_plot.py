@@ -9,9 +9,9 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.studies.case_file import FAILED
-from apd_viewer.ui.case_studies.case_colors import axis_of, dot_colors, plain_colors, ramp_colors
+from apd_viewer.ui.case_studies.case_colors import axis_of, color_bar_colors, dot_colors, uniform_colors
 from apd_viewer.ui.case_studies.column_choice import ColumnChoice
-from apd_viewer.ui.plots.chart import Chart, Dots, Ramp
+from apd_viewer.ui.plots.chart import Chart, ColorBar, Dots
 from apd_viewer.ui.plots.scatter_view import ScatterView
 
 if TYPE_CHECKING:
@@ -62,19 +62,19 @@ class ScatterPlot(QWidget):
         column.addLayout(head)
         column.addWidget(self.view, 1)
 
-    def follow(self) -> None:
+    def refresh(self) -> None:
         """Offer the columns of the model, and draw them."""
-        columns = self._model.numeric
-        asked = [column for column in columns if column.asked]
-        found = [column for column in columns if not column.asked]
+        columns = self._model.numeric_columns
+        asked = [column for column in columns if column.is_from_plan]
+        found = [column for column in columns if not column.is_from_plan]
         volume, energy = ([c for c in found if c.name == name] for name in ("volume_error", "energy"))
-        self.across.offer(columns, [*asked, *found])
-        self.upright.offer(columns, [*volume, *found, *asked[1:], *asked])
+        self.across.set_columns(columns, [*asked, *found])
+        self.upright.set_columns(columns, [*volume, *found, *asked[1:], *asked])
         # The area is the same in all cases, as a rule; the energy is not.
-        self.color.offer(columns, [*asked[1:2], *energy, *found[:1]])
+        self.color.set_columns(columns, [*asked[1:2], *energy, *found[:1]])
         self.redraw()
 
-    def mark(self, rings: Mapping[int, str]) -> None:
+    def mark_rows(self, rings: Mapping[int, str]) -> None:
         """Mark rows of the plan by rings of these colours."""
         self.view.rings = rings
         self.view.update()
@@ -92,14 +92,14 @@ class ScatterPlot(QWidget):
     def _made(self) -> Chart:
         columns = {column.name: column for column in self._model.columns}
         x, y = columns.get(self.across.name), columns.get(self.upright.name)
-        if x is None or y is None or not (x.numeric and y.numeric):
-            return Chart("", empty=tr("Finished cases appear here."))
+        if x is None or y is None or not (x.is_numeric and y.is_numeric):
+            return Chart("", empty_text=tr("Finished cases appear here."))
         (across, at_x), (upright, at_y) = axis_of(x), axis_of(y)
         color = columns.get(self.color.name)
-        ramp, colors = None, plain_colors(len(at_x))
-        if color is not None and color.numeric:
+        ramp, colors = None, uniform_colors(len(at_x))
+        if color is not None and color.is_numeric:
             axis, places = axis_of(color)
-            ramp, colors = Ramp(axis, ramp_colors()), dot_colors(axis, places)
+            ramp, colors = ColorBar(axis, color_bar_colors()), dot_colors(axis, places)
         failed = np.array([row.status == FAILED for row in self._model.rows], dtype=bool)
         crosses = np.column_stack([at_x, np.where(np.isfinite(at_y), at_y, upright.low)])[failed]
         dots = Dots(
@@ -108,7 +108,7 @@ class ScatterPlot(QWidget):
             colors,
             crosses[np.isfinite(crosses).all(axis=1)],
         )
-        return Chart("", x=across, y=upright, dots=dots, ramp=ramp)
+        return Chart("", x=across, y=upright, dots=dots, color_bar=ramp)
 
     def _about(self, row: int) -> str:
         """Line of the plan and the values of the axes."""

@@ -10,14 +10,14 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtNetwork import QAbstractSocket, QNetworkProxy, QTcpSocket
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.reading import content_of
+from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.language import tr
-from apd_viewer.ui.case_studies.study_files import typed_path
+from apd_viewer.ui.case_studies.study_files import path_from_text
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-FILE = ".json"
+SCHEDULER_FILE_SUFFIX = ".json"
 _PATIENCE = 5000  # ms
 _BY_TCP = ("tcp", "tls", "ws", "wss")
 
@@ -49,13 +49,13 @@ class SchedulerCheck(QObject):
         self.timer.timeout.connect(lambda: self._fail(tr("no answer within 5 seconds")))
 
     @property
-    def waits(self) -> bool:
+    def is_waiting(self) -> bool:
         """True while nobody has answered yet."""
         return self.timer.isActive()
 
     def begin(self, address: str) -> None:
         """Connect to an address, or to that in a file; raises InputError if it is none."""
-        host, port = place_of(address)
+        host, port = host_and_port(address)
         self.stop()
         self._address = address
         self.timer.start()
@@ -72,7 +72,7 @@ class SchedulerCheck(QObject):
         self.answered.emit()
 
     def _fail(self, reason: str) -> None:
-        if not self.waits:
+        if not self.is_waiting:
             return
         self.stop()
         self.failed.emit(
@@ -82,7 +82,7 @@ class SchedulerCheck(QObject):
         )
 
 
-def place_of(address: str) -> tuple[str, int]:
+def host_and_port(address: str) -> tuple[str, int]:
     """Host and port of an address such as tcp://host:8786, or of that in a file.
 
     Raises
@@ -91,7 +91,7 @@ def place_of(address: str) -> tuple[str, int]:
         If it is no address, or there is no such file.
     """
     try:
-        said = _in_file(typed_path(address)) if address.endswith(FILE) else address
+        said = _in_file(path_from_text(address)) if address.endswith(SCHEDULER_FILE_SUFFIX) else address
         parts = urlsplit(said if "://" in said else f"tcp://{said}")
         if parts.scheme not in _BY_TCP or not parts.hostname or not parts.port:
             raise ValueError
@@ -117,6 +117,6 @@ def _in_file(path: Path) -> str:
         If there is no address in it.
     """
     try:
-        return str(json.loads(content_of(path))["address"])
+        return str(json.loads(read_content(path))["address"])
     except (KeyError, TypeError) as error:
         raise ValueError from error

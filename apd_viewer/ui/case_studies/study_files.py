@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, NamedTuple
 from apd_viewer.errors import InputError
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
-from apd_viewer.session.model.handle_paths import document_at, paths_of
-from apd_viewer.session.posing.motion_path import motion_paths, posed_along
-from apd_viewer.session.posing.motion_step import motion_of
-from apd_viewer.session.posing.motion_text import parsed_motion
-from apd_viewer.session.posing.typed_motion import names_of
+from apd_viewer.session.model.handle_paths import document_at, handle_paths
+from apd_viewer.session.posing.motion_path import document_along, motion_paths
+from apd_viewer.session.posing.motion_step import motion_steps
+from apd_viewer.session.posing.motion_text import parse_motion
+from apd_viewer.session.posing.typed_motion import named_lengths
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.studies.plans.design import Varied, designed
-from apd_viewer.studies.plans.plan_columns import SETTINGS
-from apd_viewer.ui.case_studies.quantities import TO
+from apd_viewer.studies.plans.design import DesignVariable, design_table
+from apd_viewer.studies.plans.plan_columns import SETTING_COLUMNS
+from apd_viewer.ui.case_studies.varied_quantity import SHARE_COLUMN
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,18 +27,18 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
     from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.ui.case_studies.quantities import Span
+    from apd_viewer.ui.case_studies.varied_quantity import QuantityRange
 
-PLAN, SESSION = "plan.csv", "session.apd"
-Rows = tuple[list[str], list[list[str]]]
+PLAN_FILE, SESSION_FILE = "plan.csv", "session.apd"
+PlanRows = tuple[list[str], list[list[str]]]
 
 
-class Design(NamedTuple):
+class StudyDesign(NamedTuple):
     """Choice of the cases within the ranges.
 
     Attributes
     ----------
-    spans : tuple of Span
+    spans : tuple of QuantityRange
     methods : tuple of str
         Of deformation; at least one.
     method : str
@@ -51,7 +51,7 @@ class Design(NamedTuple):
         That typed motions move.
     """
 
-    spans: tuple[Span, ...]
+    spans: tuple[QuantityRange, ...]
     methods: tuple[str, ...]
     method: str
     samples: int
@@ -59,16 +59,16 @@ class Design(NamedTuple):
     handle: int
 
     @property
-    def moves(self) -> bool:
+    def has_motion(self) -> bool:
         """True if a motion is typed, instead of that of the session."""
         return any(span.quantity.is_motion for span in self.spans)
 
-    def rows(self, usual: str) -> Rows:
+    def plan_rows(self, default_method: str) -> PlanRows:
         """Columns and rows of the plan, each row once.
 
         Parameters
         ----------
-        usual : str
+        default_method : str
             Method of the session, for which no column is needed.
 
         Raises
@@ -77,10 +77,10 @@ class Design(NamedTuple):
             If nothing varies.
         """
         vary = [span.varied for span in self.spans if span.high is not None]
-        vary += [Varied("method", self.methods)] if len(self.methods) > 1 else []
+        vary += [DesignVariable("method", self.methods)] if len(self.methods) > 1 else []
         if not vary:
             raise InputError(tr("Nothing varies; give both ends of a range, or tick several methods."))
-        columns, rows = designed(self._given(usual), vary, self.method, self.samples, 0)
+        columns, rows = design_table(self._given(default_method), vary, self.method, self.samples, 0)
         # With choices alone there are fewer different cases than samples.
         return columns, [list(row) for row in dict.fromkeys(map(tuple, rows))]
 
@@ -88,8 +88,8 @@ class Design(NamedTuple):
         """Cells common to all rows, by column."""
         fixed = {s.quantity.name: s.low for s in self.spans if s.high is None and not s.quantity.is_motion}
         fixed |= {"method": self.methods[0]} if len(self.methods) == 1 and self.methods[0] != usual else {}
-        given = {"session": SESSION, "steps": str(self.steps), **fixed}
-        if self.moves:
+        given = {"session": SESSION_FILE, "steps": str(self.steps), **fixed}
+        if self.has_motion:
             words = [
                 f"{s.quantity.name} {s.low}" for s in self.spans if s.high is None and s.quantity.is_motion
             ]
@@ -98,7 +98,7 @@ class Design(NamedTuple):
         return given
 
 
-def typed_path(text: str) -> Path:
+def path_from_text(text: str) -> Path:
     """Absolute path from a field, where ~ is the folder of a user.
 
     That of a user who is not there stays as it is, instead of raising RuntimeError.
@@ -106,7 +106,7 @@ def typed_path(text: str) -> Path:
     return Path(os.path.expanduser(text.strip())).absolute()  # noqa: PTH111
 
 
-def write_study(folder: Path, rows: Rows, state: State, view: View) -> None:
+def write_study(folder: Path, rows: PlanRows, state: State, view: View) -> None:
     """Write plan and session of a new study.
 
     Parameters
@@ -131,11 +131,11 @@ def write_study(folder: Path, rows: Rows, state: State, view: View) -> None:
                 folder=folder, reason=error.strerror or error
             )
         ) from error
-    save_session(folder / SESSION, state, view, embed=True)
-    write_table(folder / PLAN, *rows)
+    save_session(folder / SESSION_FILE, state, view, embed=True)
+    write_table(folder / PLAN_FILE, *rows)
 
 
-def document_of(state: State, unit: Unit, handle: int, said: Mapping[str, str]) -> Document:
+def document_with_values(state: State, unit: Unit, handle: int, values: Mapping[str, str]) -> Document:
     """The document with its handles and settings at some values of quantities.
 
     Parameters
@@ -144,7 +144,7 @@ def document_of(state: State, unit: Unit, handle: int, said: Mapping[str, str]) 
     unit : Unit
     handle : int
         That typed motions move.
-    said : mapping of str to str
+    values : mapping of str to str
         Values by the names of quantities, as a plan has them.
 
     Raises
@@ -152,13 +152,15 @@ def document_of(state: State, unit: Unit, handle: int, said: Mapping[str, str]) 
     InputError
         If there is no such value or no such motion.
     """
-    settings = {name: SETTINGS[name].read(text) for name, text in said.items() if name in SETTINGS}
-    part = float(settings.pop(TO, 1.0))
-    document = replace(state.document.from_rest, **settings)  # type: ignore[arg-type]
-    words = [f"{name} {text}" for name, text in said.items() if name not in SETTINGS]
+    settings = {
+        name: SETTING_COLUMNS[name].parse(text) for name, text in values.items() if name in SETTING_COLUMNS
+    }
+    part = float(settings.pop(SHARE_COLUMN, 1.0))
+    document = replace(state.document.relative_to_rest, **settings)  # type: ignore[arg-type]
+    words = [f"{name} {text}" for name, text in values.items() if name not in SETTING_COLUMNS]
     if words:
-        typed = parsed_motion(f"handle {handle + 1}: " + "; ".join(words))
-        steps = motion_of(document, typed, names_of(state), unit)
-        return posed_along(document, motion_paths(document, steps))
-    paths = paths_of(document)
-    return posed_along(document_at(document, paths, part), paths, part)
+        typed = parse_motion(f"handle {handle + 1}: " + "; ".join(words))
+        steps = motion_steps(document, typed, named_lengths(state), unit)
+        return document_along(document, motion_paths(document, steps))
+    paths = handle_paths(document)
+    return document_along(document_at(document, paths, part), paths, part)

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, Signal
 
-from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.files.storage.reading import bytes_of
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.language import tr
-from apd_viewer.studies.local_pool import cores
-from apd_viewer.ui.case_studies.study_files import PLAN
+from apd_viewer.studies.local_pool import core_count
+from apd_viewer.ui.case_studies.study_files import PLAN_FILE
 from apd_viewer.ui.studies.command_process import CommandProcess
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-RUN = "run.json"
+RUN_FILE = "run.json"
 _SCHEDULERS = "--scheduler", "--scheduler-file"
 _PROCESSES = "--processes"
 # Each with a value. A folder may come from anybody: nothing else reaches the command.
@@ -75,11 +75,11 @@ class StudyRun(QObject):
             If the folder cannot be written.
         """
         if options is None:
-            options = kept_options(folder)
+            options = stored_options(folder)
         else:
             _keep_options(folder, options)
         self.folder, self.stopping = folder, False
-        words = ["study", str(folder / PLAN), "-o", str(folder), *options, "--progress-lines"]
+        words = ["study", str(folder / PLAN_FILE), "-o", str(folder), *options, "--progress-lines"]
         words += ["--retry-failed"] if retry_failed else []
         self.command.start(words)
 
@@ -88,11 +88,11 @@ class StudyRun(QObject):
         if not self.running:
             return
         if self.stopping or not self.command.interrupt():
-            self.end_at_once()
+            self.kill()
         else:
             self.stopping = True
 
-    def end_at_once(self) -> None:
+    def kill(self) -> None:
         """End it; what runs is computed again when it goes on."""
         if self.running:
             self.command.cancel()
@@ -111,14 +111,14 @@ def _stopped() -> str:
 
 
 def _keep_options(folder: Path, options: Sequence[str]) -> None:
-    with replacing(folder / RUN) as scratch:
+    with replacing_file(folder / RUN_FILE) as scratch:
         scratch.write_text(json.dumps({"options": list(options)}), encoding="utf-8")
 
 
-def kept_options(folder: Path) -> list[str]:
+def stored_options(folder: Path) -> list[str]:
     """Options of the command of the last time, as the folder has them."""
     try:
-        said: Any = json.loads(bytes_of(folder / RUN))
+        said: Any = json.loads(read_bytes(folder / RUN_FILE))
         words = [str(word) for word in said["options"]]
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return []  # begun elsewhere, or edited: it runs here
@@ -126,16 +126,16 @@ def kept_options(folder: Path) -> list[str]:
         return []
     said = dict(zip(words[::2], words[1::2], strict=True))
     if said.get(_PROCESSES, "").isdecimal():  # perhaps of a larger machine
-        said[_PROCESSES] = str(min(int(said[_PROCESSES][:4]), cores()))
+        said[_PROCESSES] = str(min(int(said[_PROCESSES][:4]), core_count()))
     return [word for pair in said.items() for word in pair]
 
 
-def scheduler_in(options: Sequence[str]) -> str:
+def scheduler_option(options: Sequence[str]) -> str:
     """Address or file of a scheduler among the options; empty without one."""
     values = dict(zip(options[::2], options[1::2], strict=True))
     return next((values[name] for name in _SCHEDULERS if name in values), "")
 
 
-def may_go_on(folder: Path) -> bool:
+def may_continue(folder: Path) -> bool:
     """True if the plan of a study lies in its folder."""
-    return (folder / PLAN).is_file()
+    return (folder / PLAN_FILE).is_file()

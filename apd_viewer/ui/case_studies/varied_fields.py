@@ -10,15 +10,21 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.ui.case_studies.quantities import TO, Span, VariedQuantity, offered, span_of
-from apd_viewer.ui.widgets.fields import Check, Entry
+from apd_viewer.ui.case_studies.varied_quantity import (
+    SHARE_COLUMN,
+    QuantityRange,
+    VariedQuantity,
+    quantity_range,
+    varied_quantities,
+)
+from apd_viewer.ui.widgets.fields import CheckBox, TextField
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
 _WIDTH = 104  # px, of an end
-HEADS = 140  # px, of the column of titles with its gap
+TITLE_COLUMN_WIDTH = 140  # px, of the column of titles with its gap
 
 
 class VariedRow:
@@ -26,14 +32,14 @@ class VariedRow:
 
     def __init__(self, quantity: VariedQuantity) -> None:
         self.quantity = quantity
-        self.check = Check(quantity.title, toolTip=quantity.tip)
+        self.check = CheckBox(quantity.title, toolTip=quantity.tip)
         self.low = _end(tr("{name} from").format(name=quantity.title), quantity.low, quantity.tip)
         self.high = _end(tr("{name} to").format(name=quantity.title), quantity.high, quantity.tip)
         self.high.setPlaceholderText(tr("fixed"))
         self.note = QLabel(quantity.note, objectName="quiet", wordWrap=True)
 
     @property
-    def on(self) -> bool:
+    def is_checked(self) -> bool:
         """True if it is ticked."""
         return self.check.isChecked()
 
@@ -42,7 +48,7 @@ class VariedRow:
         """True if its ends differ; with one of them it has a single value."""
         return self.high.text().strip() not in ("", self.low.text().strip())
 
-    def tick(self, on: bool) -> None:
+    def set_enabled(self, on: bool) -> None:
         """Let its ends be typed, or not."""
         for field in (self.low, self.high):
             field.setEnabled(on)
@@ -62,29 +68,29 @@ class VariedFields(QWidget):
     rows : dict of str to VariedRow
     changed : Signal()
         Another quantity, or another end.
-    looked_at : Signal(str, bool)
+    end_focused : Signal(str, bool)
         The end of which quantity has the keys; True for the upper one.
-    left : Signal()
+    focus_lost : Signal()
         No end has the keys any more.
     """
 
     changed = Signal()
-    looked_at = Signal(str, bool)
-    left = Signal()
+    end_focused = Signal(str, bool)
+    focus_lost = Signal()
 
     def __init__(self, state: State, unit: Unit) -> None:
         super().__init__()
         self._state, self._unit = state, unit
-        self.rows = {quantity.name: VariedRow(quantity) for quantity in offered(state)}
+        self.rows = {quantity.name: VariedRow(quantity) for quantity in varied_quantities(state)}
         self._lay_out()
         for name, row in self.rows.items():
             row.check.toggled.connect(partial(self._choose, name))
             for field, upper in ((row.low, False), (row.high, True)):
                 field.textChanged.connect(self._edit)
-                field.entered.connect(partial(self.looked_at.emit, name, upper))
-                field.left.connect(self.left)
-            row.tick(False)
-        first = TO if TO in self.rows else "twist"
+                field.focus_gained.connect(partial(self.end_focused.emit, name, upper))
+                field.focus_lost.connect(self.focus_lost)
+            row.set_enabled(False)
+        first = SHARE_COLUMN if SHARE_COLUMN in self.rows else "twist"
         if first in self.rows:
             self.rows[first].check.setChecked(True)
 
@@ -98,15 +104,17 @@ class VariedFields(QWidget):
             grid.addWidget(QLabel("–", objectName="quiet"), number, 2)
             grid.addWidget(row.high, number, 3)
             grid.addWidget(row.note, number, 4)
-        grid.setColumnMinimumWidth(0, HEADS - 8)
+        grid.setColumnMinimumWidth(0, TITLE_COLUMN_WIDTH - 8)
 
     def _choose(self, name: str, on: bool) -> None:
         """Tick a quantity; a typed motion stands in place of the current one."""
-        self.rows[name].tick(on)
+        self.rows[name].set_enabled(on)
         if on:
             typed = self.rows[name].quantity.is_motion
             for row in self.rows.values():
-                if (typed and row.quantity.name == TO) or (name == TO and row.quantity.is_motion):
+                if (typed and row.quantity.name == SHARE_COLUMN) or (
+                    name == SHARE_COLUMN and row.quantity.is_motion
+                ):
                     row.check.setChecked(False)
         self.changed.emit()
 
@@ -115,17 +123,17 @@ class VariedFields(QWidget):
         for name, row in self.rows.items():
             for field, upper in ((row.low, False), (row.high, True)):
                 if field.hasFocus():
-                    self.looked_at.emit(name, upper)
+                    self.end_focused.emit(name, upper)
 
-    def spans(self) -> tuple[Span, ...]:
+    def ranges(self) -> tuple[QuantityRange, ...]:
         """Ranges of the ticked quantities; raises InputError."""
         return tuple(
-            span_of(row.quantity, row.low.text(), row.high.text(), self._state, self._unit)
+            quantity_range(row.quantity, row.low.text(), row.high.text(), self._state, self._unit)
             for row in self.rows.values()
-            if row.on
+            if row.is_checked
         )
 
-    def ends(self, name: str, upper: bool) -> dict[str, str]:
+    def values_at_end(self, name: str, upper: bool) -> dict[str, str]:
         """Values of all ticked quantities at an end of one of them.
 
         Motions go along to the same end, so that the corners of the ranges are seen; an end of a setting
@@ -139,25 +147,25 @@ class VariedFields(QWidget):
         looked, found = self.rows[name].quantity, {}
         for row in self.rows.values():
             other = row.quantity
-            if not row.on or not (other is looked or other.is_motion or other.name == TO):
+            if not row.is_checked or not (other is looked or other.is_motion or other.name == SHARE_COLUMN):
                 continue
-            moves = looked.is_motion or looked.name == TO
+            moves = looked.is_motion or looked.name == SHARE_COLUMN
             span = self._span_or_none(row)
             if span is not None:
                 found[other.name] = span.end(upper if moves or other is looked else True)
         return found
 
-    def _span_or_none(self, row: VariedRow) -> Span | None:
+    def _span_or_none(self, row: VariedRow) -> QuantityRange | None:
         try:
-            return span_of(row.quantity, row.low.text(), row.high.text(), self._state, self._unit)
+            return quantity_range(row.quantity, row.low.text(), row.high.text(), self._state, self._unit)
         except InputError:
             if row.low.hasFocus() or row.high.hasFocus():
                 raise
             return None
 
 
-def _end(name: str, text: str, tip: str) -> Entry:
-    field = Entry(toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight)
+def _end(name: str, text: str, tip: str) -> TextField:
+    field = TextField(toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight)
     field.setAccessibleName(name)
     field.setText(text)
     field.setFixedWidth(_WIDTH)

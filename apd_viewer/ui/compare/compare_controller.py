@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
-from apd_viewer.presentation.scales import Measure, usual
+from apd_viewer.presentation.scales import Measure, default_scale
 from apd_viewer.ui.compare.comparison_window import ComparisonWindow
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.session.store import Store
-    from apd_viewer.ui.overlays.display_options import Looks
+    from apd_viewer.session.state_store import StateStore
+    from apd_viewer.ui.overlays.display_options import DisplayOptions
     from apd_viewer.ui.overlays.notice import Notice
     from apd_viewer.ui.preferences.preferences import Preferences
     from apd_viewer.ui.tools.canvas import Canvas
@@ -25,19 +25,19 @@ if TYPE_CHECKING:
 _AT_REST = tr("All methods agree on a mesh at rest; move a handle first, then compare.")
 
 
-class Comparing:
+class CompareController:
     """The single comparison window, on the document at its opening.
 
     Parameters
     ----------
     canvas : Canvas
         From where it is looked at.
-    looks : Looks
+    display_options : DisplayOptions
         Whose scale is used.
-    memory : Preferences
+    preferences : Preferences
     notice : Notice
         Where to say why there is nothing to compare.
-    store : Store
+    store : StateStore
 
     Attributes
     ----------
@@ -45,16 +45,21 @@ class Comparing:
     """
 
     def __init__(
-        self, canvas: Canvas, looks: Looks, memory: Preferences, notice: Notice, store: Store
+        self,
+        canvas: Canvas,
+        display_options: DisplayOptions,
+        preferences: Preferences,
+        notice: Notice,
+        store: StateStore,
     ) -> None:
-        self._canvas, self._looks, self._memory, self._notice = canvas, looks, memory, notice
+        self._canvas, self._looks, self._memory, self._notice = canvas, display_options, preferences, notice
         self._store = store
         self._views: Mapping[str, QAction] = {}
         self._frame: QAction | None = None
         self._theme = LIGHT
         self.window: ComparisonWindow | None = None
 
-    def lend_keys(self, views: Mapping[str, QAction], frame: QAction) -> None:
+    def set_shortcuts(self, views: Mapping[str, QAction], frame: QAction) -> None:
         """Give the window, once open, the shortcuts for turning and framing.
 
         Parameters
@@ -70,7 +75,7 @@ class Comparing:
         if (state := self._store.state) is None:
             return
         if sentence := _why_not(state):
-            self._notice.fail(sentence)
+            self._notice.show_failure(sentence)
             return
         if self.window is None:
             self.window = self._made()
@@ -82,22 +87,22 @@ class Comparing:
         window.activateWindow()
 
     def _made(self) -> ComparisonWindow:
-        scale = self._looks.heat.scales.get(Measure.AREA) or usual(Measure.AREA, 1.0)
-        window = ComparisonWindow(self._memory, scale, self._canvas.viewport.look.eye)
+        scale = self._looks.overlay.scales.get(Measure.AREA) or default_scale(Measure.AREA, 1.0)
+        window = ComparisonWindow(self._memory, scale, self._canvas.viewport.camera_controller.camera)
         window.set_theme(self._theme)
-        window.again_asked.connect(self._again)
+        window.repeat_requested.connect(self._again)
         window.closed.connect(self._forget)
         for axis, action in self._views.items():
-            window.give_keys(action.shortcuts(), partial(window.linked.look_along, axis))
+            window.add_shortcuts(action.shortcuts(), partial(window.linked.look_along, axis))
         if self._frame is not None:
-            window.give_keys(self._frame.shortcuts(), window.linked.frame)
+            window.add_shortcuts(self._frame.shortcuts(), window.linked.frame_shapes)
         return window
 
     def _again(self) -> None:
         if (state := self._store.state) is None or self.window is None:
             return
         if sentence := _why_not(state):
-            self.window.refuse(sentence)
+            self.window.show_refusal(sentence)
         else:
             self.window.compare(state, self._store.unit)
 
@@ -106,11 +111,11 @@ class Comparing:
         if window is not None:
             window.deleteLater()
 
-    def measure_in(self, unit: Unit) -> None:
+    def set_unit(self, unit: Unit) -> None:
         """Write lengths in another unit, if the current mesh is compared."""
         state = self._store.state
-        if state is not None and self.window is not None and self.window.is_of(state.document.mesh):
-            self.window.measure_in(unit)
+        if state is not None and self.window is not None and self.window.is_comparing(state.document.mesh):
+            self.window.set_unit(unit)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the parts beyond the style sheet's reach."""
@@ -126,4 +131,4 @@ class Comparing:
 
 def _why_not(state: State) -> str | None:
     """Missing step before a comparison, as a sentence; None if none."""
-    return state.document.problem or (_AT_REST if state.is_at_rest else None)
+    return state.document.paint_problem or (_AT_REST if state.is_at_rest else None)

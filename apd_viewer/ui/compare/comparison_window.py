@@ -13,24 +13,24 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.deviation import Deviation
-from apd_viewer.geometry.solver.methods import COMPARED, METHODS
+from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS
 from apd_viewer.geometry.warmup import warm_up
-from apd_viewer.language import listed, tr
-from apd_viewer.presentation.method_readings import columns, readings, write_outcomes
+from apd_viewer.language import comma_separated, tr
+from apd_viewer.presentation.method_readings import method_readings, reading_columns, write_outcomes
 from apd_viewer.session.studies.comparison import Comparison, MethodOutcome
-from apd_viewer.ui.compare.comparison_picture import SHARPNESS, Shown, write_comparison
+from apd_viewer.ui.compare.comparison_picture import PIXEL_RATIO, ComparisonShape, write_comparison
 from apd_viewer.ui.compare.linked_views import LinkedViews
-from apd_viewer.ui.compare.method_table import OutcomeTable
+from apd_viewer.ui.compare.method_table import MethodTable
 from apd_viewer.ui.compare.shared_scale import SharedScale
 from apd_viewer.ui.filing import file_dialogs
-from apd_viewer.ui.panel.statusbar import Hint
+from apd_viewer.ui.panel.status_bar import ElidedLabel
 from apd_viewer.ui.widgets.background_task import BackgroundTask
-from apd_viewer.ui.widgets.fields import Check
+from apd_viewer.ui.widgets.display_names import window_title_text
+from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 from apd_viewer.ui.widgets.icons import application_icon
-from apd_viewer.ui.widgets.names import in_title
-from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -50,69 +50,69 @@ class ComparisonWindow(QWidget):
 
     Parameters
     ----------
-    memory : Preferences
+    preferences : Preferences
     scale : Scale
         Of the local area change, to begin with.
-    eye : Camera
+    camera : Camera
         From where to look, to begin with.
 
     Attributes
     ----------
-    again_asked, closed : Signal()
+    repeat_requested, closed : Signal()
     linked : LinkedViews
     views : dict of str to MethodView
-    checks : dict of str to Check
-    table : OutcomeTable
+    checks : dict of str to CheckBox
+    table : MethodTable
     legend : SharedScale
     comparison : Comparison or None
     """
 
-    again_asked = Signal()
+    repeat_requested = Signal()
     closed = Signal()
     _woken = Signal()
 
-    def __init__(self, memory: Preferences, scale: Scale, eye: Camera) -> None:
+    def __init__(self, preferences: Preferences, scale: Scale, camera: Camera) -> None:
         super().__init__(None, Qt.WindowType.Window, objectName="comparison")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.setWindowIcon(application_icon())
         self.setMinimumSize(960, 600)
         resize_on_screen(self, _SIZE)
-        self._memory, self._eye, self._theme = memory, eye, LIGHT
+        self._memory, self._eye, self._theme = preferences, camera, LIGHT
         self.comparison: Comparison | None = None
         self._state: State | None = None
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
         self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
-        self.linked = LinkedViews({method: METHODS[method].title for method in COMPARED})
+        self.linked = LinkedViews({method: METHODS[method].title for method in COMPARED_METHODS})
         self.views = self.linked.views
-        chosen = [method for method in COMPARED if method in memory.compared]
-        self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(COMPARED))
+        chosen = [method for method in COMPARED_METHODS if method in preferences.compared_methods]
+        self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(COMPARED_METHODS))
         self.legend = SharedScale(scale)
         self.legend.changed.connect(self._rescale)
-        self.linked.read.connect(self.legend.show_span)
-        self.table = OutcomeTable()
+        self.linked.span_measured.connect(self.legend.show_span)
+        self.table = MethodTable()
         self._lay_out()
 
     # Building
 
-    def _make_checks(self, chosen: list[str]) -> dict[str, Check]:
+    def _make_checks(self, chosen: list[str]) -> dict[str, CheckBox]:
         checks = {}
-        for method in COMPARED:
-            check = Check(METHODS[method].title, toolTip=METHODS[method].about)
+        for method in COMPARED_METHODS:
+            check = CheckBox(METHODS[method].title, toolTip=METHODS[method].description)
             check.setChecked(method in chosen)
             check.toggled.connect(self._choose)
             checks[method] = check
         return checks
 
     def _lay_out(self) -> None:
-        self.status = Hint(objectName="quiet")
+        self.status = ElidedLabel(objectName="quiet")
         self.status.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.stop = QPushButton(tr("Stop"), toolTip=tr("Stop the solver and keep the results so far (Esc)"))
         self.stop.clicked.connect(self._stop)
         self.again = QPushButton(
             tr("Compare again"), toolTip=tr("Compare again, with the current shape of the main window")
         )
-        self.again.clicked.connect(self.again_asked)
+        self.again.clicked.connect(self.repeat_requested)
         self.save_table = QPushButton(tr("Save table…"), toolTip=tr("Save the measurements as CSV"))
         self.save_table.clicked.connect(partial(self._ask, ".csv"))
         self.save_picture = QPushButton(
@@ -139,15 +139,15 @@ class ComparisonWindow(QWidget):
         column.addWidget(self.linked, 1)
         column.addLayout(foot)
 
-    def give_keys(self, keys: list[QKeySequence], do: Callable[[], object]) -> None:
+    def add_shortcuts(self, keys: list[QKeySequence], command: Callable[[], object]) -> None:
         """Add shortcuts of the main window."""
         for sequence in keys:
-            QShortcut(sequence, self, do)
+            QShortcut(sequence, self, command)
 
     # Comparing
 
     @property
-    def chosen(self) -> list[str]:
+    def chosen_methods(self) -> list[str]:
         """Methods compared."""
         return [method for method, check in self.checks.items() if check.isChecked()]
 
@@ -156,35 +156,35 @@ class ComparisonWindow(QWidget):
         if self.comparison is not None:
             self.comparison.stop()
         name = state.document.mesh.name
-        self.setWindowTitle(tr("Compare methods – {name}").format(name=in_title(name)))
+        self.setWindowTitle(tr("Compare methods – {name}").format(name=window_title_text(name)))
         first = self._state is None or self._state.document.mesh is not state.document.mesh
         self._state = state
         self.comparison = Comparison(state.document, self._woken.emit)
-        self.table.begin(columns(state, unit))
+        self.table.set_columns(reading_columns(state, unit))
         try:
-            self.linked.begin(state, unit)
+            self.linked.show_rest_shape(state, unit)
         except MemoryError:
             self._say(_NO_ROOM, warn=True)
             return
         if first:
-            self.linked.look(state, self._eye)
+            self.linked.set_camera(state, self._eye)
         self._prepare(state)
         self._choose()
-        self.views[self.chosen[0]].viewport.setFocus()
+        self.views[self.chosen_methods[0]].viewport.setFocus()
 
-    def is_of(self, mesh: Mesh) -> bool:
+    def is_comparing(self, mesh: Mesh) -> bool:
         """True if this mesh is compared."""
         return self._state is not None and self._state.document.mesh is mesh
 
-    def measure_in(self, unit: Unit) -> None:
+    def set_unit(self, unit: Unit) -> None:
         """Write lengths in another unit."""
         if self._state is not None:
-            self.table.begin(columns(self._state, unit))
+            self.table.set_columns(reading_columns(self._state, unit))
             self._show()
 
     def _prepare(self, state: State) -> None:
         """Compile the measurements in the background."""
-        mesh, skin = state.document.mesh, state.skin
+        mesh, skin = state.document.mesh, state.surface_index
 
         def work(_: Callable[[], bool]) -> object:
             warm_up("overlays")
@@ -196,21 +196,21 @@ class ComparisonWindow(QWidget):
         if not isinstance(result, Deviation):
             self._say(_NO_ROOM, warn=True)
             return
-        self.linked.measure_by(result, self.legend.scale)
+        self.linked.set_deviation(result, self.legend.scale)
 
     def _choose(self) -> None:
         """Compare the checked methods, at least two."""
-        chosen = self.chosen
-        self._memory.compared = chosen
+        chosen = self.chosen_methods
+        self._memory.compared_methods = chosen
         for method, check in self.checks.items():
             needed = len(chosen) <= _FEWEST and method in chosen
             check.setEnabled(not needed)
-            about = tr("At least two methods must be selected.") if needed else METHODS[method].about
+            about = tr("At least two methods must be selected.") if needed else METHODS[method].description
             check.setToolTip(about)
         self.linked.show_views(chosen)
         self.table.show_methods([METHODS[method].title for method in chosen])
         if self.comparison is not None:
-            self.comparison.want(chosen)
+            self.comparison.set_methods(chosen)
         self._show()
 
     def _stop(self) -> None:
@@ -230,24 +230,26 @@ class ComparisonWindow(QWidget):
         comparison, state = self.comparison, self._state
         if comparison is None or state is None:
             return
-        for row, method in enumerate(self.chosen):
+        for row, method in enumerate(self.chosen_methods):
             outcome = comparison.outcomes.get(method, MethodOutcome())
             if outcome.frame is not None:
                 self.views[method].show_shape(outcome.frame.U)
-            self.views[method].say(*_how_far(method, comparison))
-            self.table.show_readings(row, readings(state, outcome))
-        under_way = comparison.under_way
+            self.views[method].show_status(*_how_far(method, comparison))
+            self.table.show_readings(row, method_readings(state, outcome))
+        under_way = comparison.current_method
         self.stop.setEnabled(under_way is not None)
-        there = any(comparison.outcomes[m].frame is not None for m in self.chosen if m in comparison.outcomes)
+        there = any(
+            comparison.outcomes[m].frame is not None for m in self.chosen_methods if m in comparison.outcomes
+        )
         self.save_table.setEnabled(there)
-        self._say(comparison.news if under_way is None else _progress(comparison, self.chosen))
+        self._say(comparison.news if under_way is None else _progress(comparison, self.chosen_methods))
 
     def _say(self, sentence: str, warn: bool = False) -> None:
         self.status.setText(sentence)
         self.status.setToolTip(sentence)
-        mark(self.status, "warn", warn)
+        set_style_property(self.status, "warn", warn)
 
-    def refuse(self, sentence: str) -> None:
+    def show_refusal(self, sentence: str) -> None:
         """Show the reason for a refusal."""
         self._say(sentence, warn=True)
 
@@ -263,8 +265,8 @@ class ComparisonWindow(QWidget):
 
     def _ask(self, suffix: str) -> None:
         assert self._state is not None
-        proposed = self._memory.folder / f"{self._state.document.mesh.stem}-methods{suffix}"
-        path = file_dialogs.ask_where(self, tr("Save comparison"), proposed)
+        proposed = self._memory.last_folder / f"{self._state.document.mesh.stem}-methods{suffix}"
+        path = file_dialogs.ask_where_to_save(self, tr("Save comparison"), proposed)
         if path is None:
             return
         try:
@@ -276,7 +278,9 @@ class ComparisonWindow(QWidget):
 
     def _outcomes(self) -> list[tuple[str, MethodOutcome]]:
         assert self.comparison is not None
-        return [(method, self.comparison.outcomes.get(method, MethodOutcome())) for method in self.chosen]
+        return [
+            (method, self.comparison.outcomes.get(method, MethodOutcome())) for method in self.chosen_methods
+        ]
 
     def write_table(self, path: Path) -> None:
         """Write the readings as CSV; raises InputError."""
@@ -289,13 +293,13 @@ class ComparisonWindow(QWidget):
         shown = []
         for method, outcome in self._outcomes():
             view = self.views[method]
-            found = readings(self._state, outcome)
-            brief = [] if outcome.finished and found else [view.said[0]]
+            found = method_readings(self._state, outcome)
+            brief = [] if outcome.finished and found else [view.status_texts[0]]
             for column in (self.table.columns[k] for k in (0, 2)):
-                brief += [f"{column.title} {column.written(found)}"] if found else []
-            shown.append(Shown(view.title, listed(brief), view.picture(SHARPNESS)))
+                brief += [f"{column.title} {column.cell_text(found)}"] if found else []
+            shown.append(ComparisonShape(view.title, comma_separated(brief), view.picture(PIXEL_RATIO)))
         self.set_theme(self._theme)
-        write_comparison(path, shown, self.linked.across, self.legend.scale, self.font())
+        write_comparison(path, shown, self.linked.column_count, self.legend.scale, self.font())
 
     # Events
 
@@ -324,21 +328,21 @@ def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
     """Progress of a method, details, and its failure."""
     outcome = comparison.outcomes.get(method)
     if outcome is None:
-        return (tr("queued") if method in comparison.waiting else tr("not started")), "", ""
+        return (tr("queued") if method in comparison.queued_methods else tr("not started")), "", ""
     frame = outcome.frame
     if outcome.failure:
         return tr("failed"), outcome.failure, outcome.failure
     if outcome.finished and frame is not None:
         said = tr("converged") if frame.converged else tr("did not converge")
         return said, frame.unreached or "", ""
-    if method == comparison.under_way:
+    if method == comparison.current_method:
         return (tr("iteration {n:,}").format(n=frame.iteration) if frame else tr("preparing")), "", ""
     return (tr("stopped at iteration {n:,}").format(n=frame.iteration) if frame else tr("stopped")), "", ""
 
 
 def _progress(comparison: Comparison, chosen: list[str]) -> str:
     """Progress in a line."""
-    method = comparison.under_way or ""
+    method = comparison.current_method or ""
     name, count = METHODS[method].title, len(chosen)
     number = chosen.index(method) + 1
     frame = comparison.outcomes[method].frame

@@ -12,15 +12,15 @@ from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QGridLayout, QWidget
 
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.compare.method_view import HEAD, MethodView
-from apd_viewer.ui.scene.look import link
+from apd_viewer.ui.compare.method_view import HEAD_HEIGHT, MethodView
+from apd_viewer.ui.scene.camera_controller import link_cameras
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.deviation import Deviation
     from apd_viewer.presentation.scales import Scale
     from apd_viewer.session.model.state import State
     from apd_viewer.ui.scene.camera import Camera
-    from apd_viewer.ui.scene.surface_probe import Place
+    from apd_viewer.ui.scene.surface_probe import ProbedPoint
     from apd_viewer.ui.widgets.theme import Theme
 
 _READ = 250  # ms between two readings while shapes move
@@ -36,57 +36,61 @@ class LinkedViews(QWidget):
 
     Attributes
     ----------
-    read : Signal(object)
+    span_measured : Signal(object)
         The least and the largest change of all shapes that are shown, or None.
     views : dict of str to MethodView
-    across : int
+    column_count : int
         How many stand beside each other.
     """
 
-    read = Signal(object)
+    span_measured = Signal(object)
 
     def __init__(self, titles: dict[str, str]) -> None:
         super().__init__(objectName="room")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.views = {name: MethodView(title) for name, title in titles.items()}
-        self.across = len(titles)
+        self.column_count = len(titles)
         self._shown: Sequence[str] = list(titles)
         self._aspect = 1.0
         self._unit = Unit.NONE
-        self._place: Place | None = None
+        self._place: ProbedPoint | None = None
         self._grid = QGridLayout(self, spacing=1)
         self._grid.setContentsMargins(0, 1, 0, 1)
         self._reading = QTimer(self, singleShot=True, interval=_READ)
         self._reading.timeout.connect(self._read)
-        link([view.viewport.look for view in self.views.values()])
+        link_cameras([view.viewport.camera_controller for view in self.views.values()])
         for view in self.views.values():
-            view.pointer.hovered.connect(self.point_at)
-            view.measured.connect(self._measured)
+            view.probe.hovered.connect(self.mark_point)
+            view.values_changed.connect(self._measured)
 
-    def begin(self, state: State, unit: Unit) -> None:
+    def show_rest_shape(self, state: State, unit: Unit) -> None:
         """Show the rest shape of a document in all views."""
         self._unit = unit
         for view in self.views.values():
-            view.begin(state)
+            view.show_rest_shape(state)
 
-    def look(self, state: State, eye: Camera) -> None:
+    def set_camera(self, state: State, camera: Camera) -> None:
         """Use another camera, with all shapes so far in view."""
-        look = self._first.viewport.look
-        own = look.eye
-        look.eye = replace(
-            eye, position=eye.position - eye.focal, focal=np.zeros(3), width=own.width, height=own.height
+        look = self._first.viewport.camera_controller
+        own = look.camera
+        look.camera = replace(
+            camera,
+            position=camera.position - camera.focal,
+            focal=np.zeros(3),
+            width=own.width,
+            height=own.height,
         )
-        right, up, _ = look.eye.axes
+        right, up, _ = look.camera.axes
         both = np.vstack([state.document.mesh.V, state.frame.U])
         self._aspect = float(np.ptp(both @ right) / max(np.ptp(both @ up), 1e-300))
         self._frame(both)
 
     def look_along(self, axis: str) -> None:
-        """Show all of every shape from an axis: see :meth:`Look.along`."""
-        self._first.viewport.look.along(axis)
-        self.frame()
+        """Show all of every shape from an axis: see :meth:`CameraController.along`."""
+        self._first.viewport.camera_controller.look_along(axis)
+        self.frame_shapes()
 
-    def frame(self) -> None:
+    def frame_shapes(self) -> None:
         """Frame all shapes."""
         self._frame(np.vstack([self.views[name].surface.U for name in self._shown]))
 
@@ -97,27 +101,27 @@ class LinkedViews(QWidget):
 
     def _frame(self, points: np.ndarray) -> None:
         for view in self.views.values():
-            view.viewport.look.frame(points)
+            view.viewport.camera_controller.frame(points)
 
     # Colours
 
-    def measure_by(self, change: Deviation, scale: Scale) -> None:
+    def set_deviation(self, deviation: Deviation, scale: Scale) -> None:
         """Show how the shapes differ from rest, from now on."""
         for view in self.views.values():
             view.show_scale(scale)
-            view.measure_by(change)
+            view.set_deviation(deviation)
 
     def show_scale(self, scale: Scale) -> None:
         """Show the changes on another scale."""
         for view in self.views.values():
             view.show_scale(scale)
-        self.point_at(self._place)
+        self.mark_point(self._place)
 
-    def point_at(self, place: Place | None) -> None:
+    def mark_point(self, point: ProbedPoint | None) -> None:
         """Mark a place on all shapes, and read all of them there."""
-        self._place = place
+        self._place = point
         for view in self.views.values():
-            view.point_at(place, self._unit)
+            view.mark_point(point, self._unit)
 
     def _measured(self) -> None:
         if not self._reading.isActive():
@@ -126,8 +130,8 @@ class LinkedViews(QWidget):
     def _read(self) -> None:
         spans = [span for name in self._shown if (span := self.views[name].span) is not None]
         low, high = zip(*spans, strict=True) if spans else ((), ())
-        self.read.emit((min(low), max(high)) if spans else None)
-        self.point_at(self._place)
+        self.span_measured.emit((min(low), max(high)) if spans else None)
+        self.mark_point(self._place)
 
     # Places
 
@@ -139,11 +143,11 @@ class LinkedViews(QWidget):
 
     def _arrange(self) -> None:
         names = self._shown
-        self.across = _across(len(names), self.width(), self.height(), self._aspect)
-        places = {name: divmod(k, self.across) for k, name in enumerate(names)}
+        self.column_count = _across(len(names), self.width(), self.height(), self._aspect)
+        places = {name: divmod(k, self.column_count) for k, name in enumerate(names)}
         for k in range(len(self.views)):
-            self._grid.setRowStretch(k, int(k * self.across < len(names)))
-            self._grid.setColumnStretch(k, int(k < self.across))
+            self._grid.setRowStretch(k, int(k * self.column_count < len(names)))
+            self._grid.setColumnStretch(k, int(k < self.column_count))
         for name, view in self.views.items():
             if name in places:
                 self._grid.addWidget(view, *places[name])
@@ -170,6 +174,6 @@ def _across(count: int, width: int, height: int, aspect: float) -> int:
     """Columns for ``count`` views with the largest shapes of an aspect."""
 
     def size(across: int) -> float:
-        return min(width / across / aspect, height * across / count - HEAD)
+        return min(width / across / aspect, height * across / count - HEAD_HEIGHT)
 
     return max((across for across in range(1, count + 1) if count % across == 0), key=size)

@@ -16,16 +16,16 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.ui.plots.chart_drawing import tabular
+from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
 
 if TYPE_CHECKING:
-    from apd_viewer.presentation.method_readings import Column, Readings
+    from apd_viewer.presentation.method_readings import ReadingColumn, ReadingsByName
 
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _ROW, _COLUMN = 28, 96  # px
 
 
-class OutcomeTable(QTableWidget):
+class MethodTable(QTableWidget):
     """Rows of methods and columns of readings, with aligned figures."""
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class OutcomeTable(QTableWidget):
         self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setHorizontalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        self.setFont(tabular(self.font()))
+        self.setFont(with_tabular_figures(self.font()))
         across, down = self.horizontalHeader(), self.verticalHeader()
         across.setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
         across.setMinimumSectionSize(_COLUMN)
@@ -47,9 +47,9 @@ class OutcomeTable(QTableWidget):
         down.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
         down.setDefaultSectionSize(_ROW)
         down.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
-        self.columns: list[Column] = []
+        self.columns: list[ReadingColumn] = []
 
-    def begin(self, columns: list[Column]) -> None:
+    def set_columns(self, columns: list[ReadingColumn]) -> None:
         """Set the columns."""
         self.columns = columns
         self.setColumnCount(len(columns))
@@ -66,10 +66,10 @@ class OutcomeTable(QTableWidget):
         self.setVerticalHeaderLabels(list(titles))
         self.updateGeometry()
 
-    def show_readings(self, row: int, found: Readings) -> None:
+    def show_readings(self, row: int, readings: ReadingsByName) -> None:
         """Write a row; unknown values stay empty."""
         for k, column in enumerate(self.columns):
-            text = column.written(found) if found else ""
+            text = column.cell_text(readings) if readings else ""
             item = self.item(row, k)
             if item is None:
                 item = QTableWidgetItem()

@@ -9,20 +9,20 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.analysis.deviation import Deviation
-from apd_viewer.geometry.analysis.extremes import write_shades
+from apd_viewer.geometry.analysis.deviation_extremes import write_shades
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of
-from apd_viewer.ui.overlays.notice import Invitation
+from apd_viewer.ui.overlays.notice import CanvasHint
 from apd_viewer.ui.scene.coloring import colors_of
 from apd_viewer.ui.scene.surface import Surface
-from apd_viewer.ui.scene.surface_probe import Place, Pointer
+from apd_viewer.ui.scene.surface_probe import ProbedPoint, SurfaceProbe
 from apd_viewer.ui.scene.viewport import Viewport
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
-HEAD = 32  # px
+HEAD_HEIGHT = 32  # px
 
 
 class MethodView(QWidget):
@@ -36,14 +36,14 @@ class MethodView(QWidget):
     ----------
     viewport : Viewport
     surface : Surface
-    pointer : Pointer
-    measured : Signal()
+    probe : SurfaceProbe
+    values_changed : Signal()
         There are other values.
     values : (n,) float array or None
         The local change that is drawn.
     """
 
-    measured = Signal()
+    values_changed = Signal()
 
     def __init__(self, title: str) -> None:
         super().__init__(accessibleName=title)
@@ -53,7 +53,7 @@ class MethodView(QWidget):
         self._value.setToolTip(tr("Local area change at the ring"))
         self._value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         head = QWidget(objectName="head")
-        head.setFixedHeight(HEAD)
+        head.setFixedHeight(HEAD_HEIGHT)
         row = QHBoxLayout(head, spacing=12)
         row.setContentsMargins(12, 0, 12, 0)
         row.addWidget(QLabel(title, objectName="title"))
@@ -61,7 +61,7 @@ class MethodView(QWidget):
         row.addWidget(self._value)
         self.viewport = Viewport(self)
         self.surface = Surface(self.viewport)
-        self._note = Invitation(self.viewport)
+        self._note = CanvasHint(self.viewport)
         column = QVBoxLayout(self, spacing=0)
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(head)
@@ -70,27 +70,27 @@ class MethodView(QWidget):
         self._change: Deviation | None = None
         self._measured = -1
         self._scale = Scale(Measure.AREA, 0.1, 0.001)
-        self.pointer = Pointer(self.viewport, self.surface)
-        self.viewport.tools.insert(0, self.pointer)
+        self.probe = SurfaceProbe(self.viewport, self.surface)
+        self.viewport.tools.insert(0, self.probe)
         self.viewport.pre_draw.append(self._refresh)
 
     # Showing
 
-    def begin(self, state: State) -> None:
+    def show_rest_shape(self, state: State) -> None:
         """Show the rest shape of a document, until there is another."""
         document = state.document
         self.values, self._change = None, None
-        self.surface.wear(None)
-        self.surface.set_mesh(state.skin, document.mesh.V, colors_of(document))
+        self.surface.set_color_map(None)
+        self.surface.set_mesh(state.surface_index, document.mesh.V, colors_of(document))
 
     def show_shape(self, U: np.ndarray) -> None:
         """Show another shape (n, 3)."""
         if U is not self.surface.shape:
             self.surface.set_points(U)
 
-    def measure_by(self, change: Deviation) -> None:
+    def set_deviation(self, deviation: Deviation) -> None:
         """Show how the shape differs from rest, from now on."""
-        self._change, self._measured = change, -1
+        self._change, self._measured = deviation, -1
         self.viewport.update()
 
     def show_scale(self, scale: Scale) -> None:
@@ -98,25 +98,25 @@ class MethodView(QWidget):
         self._scale, self._measured = scale, -1
         self.viewport.update()
 
-    def say(self, state: str, tip: str = "", note: str = "") -> None:
+    def show_status(self, state: str, tip: str = "", note: str = "") -> None:
         """Show the progress, details and failure."""
         if state != self._state.text():
             self._state.setText(state)
         self._state.setToolTip(tip)
         if note != self._note.text():
-            self._note.say(note)
+            self._note.show_text(note)
 
     @property
-    def said(self) -> tuple[str, str]:
+    def status_texts(self) -> tuple[str, str]:
         """Progress and failure."""
         return self._state.text(), self._note.text()
 
-    def picture(self, sharpness: int) -> np.ndarray:
+    def picture(self, pixel_ratio: int) -> np.ndarray:
         """Shape on white at a pixel ratio, (h, w, 3) uint8."""
         view = self.viewport
         wide, high = view.ren_win.GetSize()
         view.set_theme("#ffffff")
-        view.ren_win.GetInteractor().UpdateSize(sharpness * wide, sharpness * high)
+        view.ren_win.GetInteractor().UpdateSize(pixel_ratio * wide, pixel_ratio * high)
         pixels: np.ndarray = view.screenshot(return_img=True)
         view.ren_win.GetInteractor().UpdateSize(wide, high)
         return pixels
@@ -127,31 +127,31 @@ class MethodView(QWidget):
         if self._change is None or surface.shape_revision == self._measured:
             return
         self._measured = surface.shape_revision
-        self.values = self._change.area(surface.shape)
+        self.values = self._change.area_change(surface.shape)
         write_shades(self.values, True, self._scale.end, surface.shades)
-        surface.shades_changed()
-        surface.wear(self._scale.measure.colors, self._scale.neutral_share)
-        self.measured.emit()
+        surface.update_shades()
+        surface.set_color_map(self._scale.measure.colors, self._scale.neutral_share)
+        self.values_changed.emit()
 
     @property
     def span(self) -> tuple[float, float] | None:
         """Least and largest value, or None."""
         return span_of(self.values)
 
-    def point_at(self, place: Place | None, unit: Unit) -> None:
+    def mark_point(self, point: ProbedPoint | None, unit: Unit) -> None:
         """Mark a place, and read the change there."""
-        self.pointer.place = place
-        value = "" if place is None else self._scale.written(self._read(place), unit)
+        self.probe.marked_point = point
+        value = "" if point is None else self._scale.format_value(self._read(point), unit)
         if value != self._value.text():
             self._value.setText(value)
-        self.viewport.overlay.update()
+        self.viewport.tool_layer.update()
 
     @property
-    def read(self) -> str:
+    def marked_value(self) -> str:
         """Change at the marked place, as text."""
         return self._value.text()
 
-    def _read(self, place: Place) -> float:
-        if self.values is None or self.surface.skin is None:
+    def _read(self, place: ProbedPoint) -> float:
+        if self.values is None or self.surface.surface_index is None:
             return np.nan
-        return float(place.shares @ self.values[self.surface.skin.F[place.face]])
+        return float(place.weights @ self.values[self.surface.surface_index.F[place.face]])

@@ -11,7 +11,7 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.scale_bar import ScaleBar
-from apd_viewer.ui.widgets.fields import Number
+from apd_viewer.ui.widgets.fields import NumberField
 
 _WIDTH = 248
 
@@ -42,7 +42,9 @@ class SharedScale(QWidget):
         self.setFixedWidth(_WIDTH)
         self._bar = ScaleBar()
         tip = tr("Change at the ends of the scale, where the colours are strongest")
-        self.reach = Number(brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=9, suffix="\u00a0%")
+        self.reach = NumberField(
+            brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=9, suffix="\u00a0%"
+        )
         self.reach.setRange(1e-7, 1e9)
         self.reach.valueChanged.connect(lambda percent: self._rescale(percent / 100.0))
         tip = tr("Fit the scale to the largest change of all shapes")
@@ -50,7 +52,7 @@ class SharedScale(QWidget):
         self.fit.clicked.connect(self._fit)
         grid = QGridLayout(self, horizontalSpacing=8, verticalSpacing=6)
         grid.setContentsMargins(0, 0, 0, 0)
-        title = QLabel(scale.measure.words.title, objectName="title", toolTip=scale.measure.words.tip)
+        title = QLabel(scale.measure.traits.title, objectName="title", toolTip=scale.measure.traits.tip)
         grid.addWidget(title, 0, 0, 1, 3)
         grid.addWidget(self._bar, 1, 0, 1, 3)
         grid.addWidget(QLabel(tr("Range"), objectName="quiet"), 2, 0)
@@ -68,7 +70,7 @@ class SharedScale(QWidget):
 
     def _fit(self) -> None:
         if self.span is not None:
-            self._rescale(self.scale.fitted(self.span).reach)
+            self._rescale(self.scale.fitted_to(self.span).reach)
 
     def _rescale(self, reach: float) -> None:
         if reach != self.scale.reach:

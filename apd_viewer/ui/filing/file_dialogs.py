@@ -8,14 +8,14 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
-from apd_viewer.files.mesh_writing import dropped
-from apd_viewer.files.meshes import FORMATS, WRITTEN
-from apd_viewer.files.scalar_files import Rows
+from apd_viewer.files.mesh_writing import dropped_contents
+from apd_viewer.files.meshes import MESH_FORMATS, WRITABLE_FORMATS
+from apd_viewer.files.scalar_files import ScalarRows
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.language import listed, tr
-from apd_viewer.session.model.view import SUFFIX
+from apd_viewer.language import comma_separated, tr
+from apd_viewer.session.model.view import SESSION_SUFFIX
 
-_MESHES = " ".join("*" + suffix for suffix in FORMATS)
+_MESHES = " ".join("*" + suffix for suffix in MESH_FORMATS)
 _OPEN_FILTER = tr("Meshes and sessions ({endings})").format(endings=f"{_MESHES} *.apd")
 _MESH_FILTER = tr("Meshes ({endings})").format(endings=_MESHES)
 _WITHOUT, _WITH = tr("Session (*.apd)"), tr("Session including the mesh (*.apd)")
@@ -38,14 +38,14 @@ def ask_for_target_shape(parent: QWidget, folder: Path) -> Path | None:
     return Path(path) if path else None
 
 
-def ask_for_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bool] | None:
+def ask_where_to_put_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bool] | None:
     """Choose a target for the session, with or without a copy of the mesh."""
     path, chosen = QFileDialog.getSaveFileName(
         parent, tr("Save session"), str(folder / f"{mesh.stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
     )
     if not path:
         return None
-    target = Path(path) if path.lower().endswith(SUFFIX) else _ended(parent, path, SUFFIX)
+    target = Path(path) if path.lower().endswith(SESSION_SUFFIX) else _ended(parent, path, SESSION_SUFFIX)
     return None if target is None else (target, chosen == _WITH)
 
 
@@ -69,10 +69,10 @@ def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Pat
     return _ended(parent, path, next(kind for kind, name in filters.items() if name == chosen))
 
 
-def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_put_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Choose a target for the deformed mesh, asking before an overwrite."""
     suffix = mesh.origin.suffix if mesh.origin else ".obj"
-    filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in dict.fromkeys([suffix, *WRITTEN])}
+    filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in dict.fromkeys([suffix, *WRITABLE_FORMATS])}
     path, chosen = QFileDialog.getSaveFileName(
         parent,
         tr("Export deformed mesh"),
@@ -83,36 +83,36 @@ def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     if not path:
         return None
     target: Path | None = Path(path)
-    if Path(path).suffix.lower() not in FORMATS:
+    if Path(path).suffix.lower() not in MESH_FORMATS:
         target = _ended(parent, path, next(kind for kind, name in filters.items() if name == chosen))
     return target if target and _agreed(parent, mesh, target) else None
 
 
-def ask_for_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, Rows] | None:
+def ask_where_to_put_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, ScalarRows] | None:
     """Choose a target for the scalars, and the rows of a table."""
     filters = {
-        tr("PLY with scalars of vertices and faces (*.ply)"): (".ply", Rows.VERTICES),
-        tr("CSV with a row per vertex (*.csv)"): (".csv", Rows.VERTICES),
-        tr("CSV with a row per triangle (*.csv)"): (".csv", Rows.TRIANGLES),
+        tr("PLY with scalars of vertices and faces (*.ply)"): (".ply", ScalarRows.VERTICES),
+        tr("CSV with a row per vertex (*.csv)"): (".csv", ScalarRows.VERTICES),
+        tr("CSV with a row per triangle (*.csv)"): (".csv", ScalarRows.TRIANGLES),
     }
     path, chosen = QFileDialog.getSaveFileName(
         parent, tr("Export scalars"), str(folder / f"{mesh.stem}-scalars.ply"), ";;".join(filters)
     )
     if not path:
         return None
-    suffix, rows = filters.get(chosen, (".ply", Rows.VERTICES))
+    suffix, rows = filters.get(chosen, (".ply", ScalarRows.VERTICES))
     target = Path(path) if path.lower().endswith((".ply", ".csv")) else _ended(parent, path, suffix)
     return None if target is None else (target, rows)
 
 
 def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
     """Confirm the losses of a poorer format; True if there are none."""
-    lost = dropped(mesh, target)
+    lost = dropped_contents(mesh, target)
     if not lost:
         return True
     named = lost[0]
     if len(lost) > 1:
-        named = tr("{several} and {last}").format(several=listed(lost[:-1]), last=lost[-1])
+        named = tr("{several} and {last}").format(several=comma_separated(lost[:-1]), last=lost[-1])
     kind, own = target.suffix[1:].upper(), mesh.origin.suffix[1:].upper() if mesh.origin else ""
     buttons = QMessageBox.StandardButton
     answer = QMessageBox.question(
@@ -138,22 +138,22 @@ def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
     return target if answer == buttons.Yes else None
 
 
-def ask_where_to_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_put_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Choose a target for a report."""
-    return ask_where(parent, tr("Save report"), folder / f"{mesh.stem}-report.html")
+    return ask_where_to_save(parent, tr("Save report"), folder / f"{mesh.stem}-report.html")
 
 
 def ask_where_to_put_deck(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Choose a target for an FE deck."""
-    return ask_where(parent, tr("Export FE deck"), folder / f"{mesh.stem}.inp")
+    return ask_where_to_save(parent, tr("Export FE deck"), folder / f"{mesh.stem}.inp")
 
 
 def ask_where_to_put_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Choose a target for a picture."""
-    return ask_where(parent, tr("Save picture"), folder / f"{mesh.stem}.png")
+    return ask_where_to_save(parent, tr("Save picture"), folder / f"{mesh.stem}.png")
 
 
-def ask_where(parent: QWidget, title: str, proposed: Path) -> Path | None:
+def ask_where_to_save(parent: QWidget, title: str, proposed: Path) -> Path | None:
     """Choose a target of the kind of ``proposed``; None if cancelled."""
     suffix = proposed.suffix
     path, _ = QFileDialog.getSaveFileName(parent, title, str(proposed), f"{suffix[1:].upper()} (*{suffix})")
@@ -162,7 +162,7 @@ def ask_where(parent: QWidget, title: str, proposed: Path) -> Path | None:
     return _ended(parent, path, suffix)
 
 
-def about(parent: QWidget) -> None:
+def show_about_box(parent: QWidget) -> None:
     """Describe the program and its libraries."""
     box = QMessageBox(parent, windowTitle=tr("About APD Viewer"), textFormat=Qt.TextFormat.RichText)
     box.setIconPixmap(parent.windowIcon().pixmap(_ICON))

@@ -33,17 +33,17 @@ class FileRequests:
     ----------
     window : QWidget
         Parent of the file dialog.
-    memory : Preferences
+    preferences : Preferences
     """
 
-    def __init__(self, window: QWidget, memory: Preferences) -> None:
-        self._window, self._memory = window, memory
+    def __init__(self, window: QWidget, preferences: Preferences) -> None:
+        self._window, self._memory = window, preferences
         self._opener: Opener | None = None
         self._waiting: Callable[[Opener], None] | None = None
 
-    def ask(self) -> None:
+    def ask_for_file(self) -> None:
         """Let the user choose a file to open."""
-        path = file_dialogs.ask_for_mesh(self._window, self._memory.folder)
+        path = file_dialogs.ask_for_mesh(self._window, self._memory.last_folder)
         if path is not None:
             self.open_path(path)
 
@@ -59,7 +59,7 @@ class FileRequests:
         """Show a mesh in memory."""
         self._request(lambda opener: opener.show_mesh(mesh))
 
-    def serve(self, opener: Opener) -> None:
+    def set_opener(self, opener: Opener) -> None:
         """Hand this and all later requests to ``opener``."""
         self._opener = opener
         waiting, self._waiting = self._waiting, None

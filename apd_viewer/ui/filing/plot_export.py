@@ -10,7 +10,7 @@ from PySide6.QtGui import QColor, QImage, QPaintDevice, QPainter
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QWidget
 
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import tr
 from apd_viewer.ui.filing import file_dialogs
 
@@ -18,12 +18,12 @@ _SCALE = 3  # pixels of a picture for each on the screen
 _PAPER = "#ffffff"
 
 
-def ask_where(parent: QWidget, folder: Path, name: str, suffix: str) -> Path | None:
+def ask_where_to_save_plots(parent: QWidget, folder: Path, name: str, suffix: str) -> Path | None:
     """Choose a target for plots; None if cancelled."""
-    return file_dialogs.ask_where(parent, tr("Save plots"), folder / f"{name}{suffix}")
+    return file_dialogs.ask_where_to_save(parent, tr("Save plots"), folder / f"{name}{suffix}")
 
 
-def write_picture(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> None:
+def write_drawing(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> None:
     """Write a drawing as SVG or PNG on white, by the suffix.
 
     Raises
@@ -31,7 +31,7 @@ def write_picture(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> 
     InputError
         If the file cannot be written.
     """
-    with replacing(path) as scratch:
+    with replacing_file(path) as scratch:
         if path.suffix.lower() == ".svg":
             sheet = QSvgGenerator()
             sheet.setFileName(str(scratch))
@@ -47,7 +47,7 @@ def write_picture(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> 
                 raise OSError(tr("the picture could not be encoded"))
 
 
-def svg_of(size: QSize, draw: Callable[[QPainter], None]) -> str:
+def svg_element(size: QSize, draw: Callable[[QPainter], None]) -> str:
     """SVG element of a drawing, without background."""
     content = QByteArray()
     buffer = QBuffer(content)

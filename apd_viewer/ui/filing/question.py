@@ -25,17 +25,17 @@ class Question(NamedTuple):
         The question, with ``{name}`` where the file is named.
     name : str
         Of the file; a long one is shortened.
-    about : str
+    details : str
         What to know before it is answered, with ``{name}`` likewise.
     """
 
     title: str
     text: str
     name: str
-    about: str
+    details: str
 
 
-def ask(
+def ask_question(
     parent: QWidget, question: Question, roles: Mapping[E, QMessageBox.ButtonRole], default: E, escape: E
 ) -> E:
     """Ask; ``Enter`` gives the answer ``default``, ``Esc`` the answer ``escape``."""
@@ -46,7 +46,7 @@ def ask(
     elide = box.fontMetrics().elidedText
     name = elide(question.name, Qt.TextElideMode.ElideMiddle, _LONGEST_NAME)
     box.setText(question.text.format(name=name))
-    box.setInformativeText(question.about.format(name=name))
+    box.setInformativeText(question.details.format(name=name))
     buttons = {answer: box.addButton(answer.value, role) for answer, role in roles.items()}
     box.setDefaultButton(buttons[default])
     box.setEscapeButton(buttons[escape])

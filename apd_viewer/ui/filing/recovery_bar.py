@@ -8,12 +8,12 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QToolButton
 
 from apd_viewer.language import tr, trc
-from apd_viewer.session.storage.recovery import Leftover, ago
+from apd_viewer.session.storage.recovery_file import RecoveryFile, age_text
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
-from apd_viewer.ui.widgets.icons import SIZE, icon
+from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
-from apd_viewer.ui.widgets.wrapping_row import arrange
+from apd_viewer.ui.widgets.wrapping_row import arrange_row
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,16 +36,16 @@ class RecoveryBar(QFrame):
 
     Attributes
     ----------
-    restore_asked : Signal(Leftover)
+    restore_requested : Signal(Leftover)
     """
 
-    restore_asked = Signal(object)
+    restore_requested = Signal(object)
 
     def __init__(self, canvas: Viewport) -> None:
         super().__init__(canvas)
         shield(self)
         self._canvas = canvas
-        self._waiting: list[Leftover] = []
+        self._waiting: list[RecoveryFile] = []
         self._at = 0  # in them
         self.setObjectName("notice")
         self._symbol = QLabel()
@@ -58,13 +58,13 @@ class RecoveryBar(QFrame):
         self.next = QToolButton(
             accessibleName=trc("unsaved work", "Next"),
             toolTip=tr("Show the next unsaved work"),
-            iconSize=SIZE,
+            iconSize=ICON_SIZE,
         )
         self.next.clicked.connect(self._show_next)
         self.later = QToolButton(
-            accessibleName=tr("Not now"), toolTip=tr("Ask at the next start"), iconSize=SIZE
+            accessibleName=tr("Not now"), toolTip=tr("Ask at the next start"), iconSize=ICON_SIZE
         )
-        self.later.clicked.connect(self.close_all)
+        self.later.clicked.connect(self.postpone_all)
         self._buttons = self.restore, self.discard, self.next, self.later
         words, answers = QHBoxLayout(spacing=8), QHBoxLayout(spacing=8)
         for part in (self._symbol, self._text):
@@ -93,20 +93,20 @@ class RecoveryBar(QFrame):
         """Text of the offer; empty if there is none."""
         return self._text.text() if not self.isHidden() else ""
 
-    def offer(self, leftovers: list[Leftover]) -> None:
+    def offer(self, recovery_files: list[RecoveryFile]) -> None:
         """Offer recovered sessions locked for this window."""
-        self._waiting = leftovers
+        self._waiting = recovery_files
         self._show(0)
 
     def follow(self, session: Session) -> None:
         """Go once the offer has been taken; while a file is being opened nothing can be."""
         for button in self._buttons:
             button.setEnabled(session.jobs.current is None)
-        if self._waiting and self._waiting[self._at].taken:
+        if self._waiting and self._waiting[self._at].is_restored:
             del self._waiting[self._at]
-            self.close_all()
+            self.postpone_all()
 
-    def close_all(self) -> None:
+    def postpone_all(self) -> None:
         """Keep unanswered offers for the next start."""
         for left in self._waiting:
             left.release()
@@ -117,10 +117,10 @@ class RecoveryBar(QFrame):
         """Redraw the icons."""
         self.later.setIcon(icon("cancel", theme))
         self.next.setIcon(icon("folded", theme))
-        self._symbol.setPixmap(icon("history", theme).pixmap(SIZE, self.devicePixelRatioF()))
+        self._symbol.setPixmap(icon("history", theme).pixmap(ICON_SIZE, self.devicePixelRatioF()))
 
     def _restore(self) -> None:
-        self.restore_asked.emit(self._waiting[self._at])
+        self.restore_requested.emit(self._waiting[self._at])
 
     def _discard(self) -> None:
         self._waiting.pop(self._at).discard()
@@ -139,7 +139,7 @@ class RecoveryBar(QFrame):
             said = (
                 tr("Unsaved work {k} of {n}: {name}, {when}") if n > 1 else tr("Unsaved work: {name}, {when}")
             )
-            self._text.setText(said.format(k=self._at + 1, n=n, name=name, when=ago(left.time)))
+            self._text.setText(said.format(k=self._at + 1, n=n, name=name, when=age_text(left.time)))
             self.next.setVisible(n > 1)
             self.raise_()
             self._place()
@@ -150,7 +150,7 @@ class RecoveryBar(QFrame):
         canvas, text = self._canvas, self._text
         text.setFixedWidth(_NARROWEST)
         room = canvas.width() - 2 * _MARGIN
-        beside = arrange(self._row, room - 2)
+        beside = arrange_row(self._row, room - 2)
         words = max(_NARROWEST, room - (self.sizeHint().width() - _NARROWEST if beside else _BESIDE_WORDS))
         text.setFixedWidth(min(words, text.fontMetrics().horizontalAdvance(text.text()) + 4))
         self._row.activate()

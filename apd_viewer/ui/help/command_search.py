@@ -11,9 +11,9 @@ from PySide6.QtWidgets import QFrame, QLabel, QVBoxLayout
 
 from apd_viewer.language import tr
 from apd_viewer.ui.help.found_list import FoundList
+from apd_viewer.ui.help.search_query import SearchQuery, match_score
 from apd_viewer.ui.help.search_row import SearchRow
 from apd_viewer.ui.help.searchable import Searchable
-from apd_viewer.ui.help.word_match import Query, score
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.theme import Theme
@@ -68,7 +68,7 @@ class CommandSearch(QFrame):
 
     def _make_head(self) -> SearchRow:
         head = SearchRow(tr("Find a command"), tr("What do you want to do?"), tr("Close the search"))
-        head.cross.clicked.connect(self.dismissed)
+        head.close_button.clicked.connect(self.dismissed)
         self.search, self._head = head.field, head
         self.search.setToolTip(tr("Type what you want to do, such as: mirror, brush smaller, wall thickness"))
         self.search.textChanged.connect(self._show_found)
@@ -95,12 +95,12 @@ class CommandSearch(QFrame):
     # Finding
 
     def _show_found(self, text: str) -> None:
-        wish = Query.of(text)
-        ranked = [(score(wish, each.texts), each) for each in self._known]
+        wish = SearchQuery.from_text(text)
+        ranked = [(match_score(wish, each.texts), each) for each in self._known]
         ranked = [pair for pair in ranked if pair[0] > 0.0]
-        ranked.sort(key=lambda pair: _LATER * bool(pair[1].why_not) - pair[0])
+        ranked.sort(key=lambda pair: _LATER * bool(pair[1].disabled_reason) - pair[0])
         self._found = [each for _, each in ranked[:_MOST]]
-        self.list.show_found(self._found, text.strip())
+        self.list.show_entries(self._found, text.strip())
         self._place()
 
     def _run(self) -> None:
@@ -109,7 +109,7 @@ class CommandSearch(QFrame):
         if row < 0:
             return
         found = self._found[row] if row < len(self._found) else None
-        if found is not None and found.why_not:
+        if found is not None and found.disabled_reason:
             return
         text = self.search.text().strip()
         self.dismissed.emit()
@@ -145,6 +145,6 @@ class CommandSearch(QFrame):
             super().keyPressEvent(event)
 
     @property
-    def marked(self) -> Searchable | None:
+    def marked_entry(self) -> Searchable | None:
         """Marked entry, for Enter."""
         return self._found[self.list.row] if 0 <= self.list.row < len(self._found) else None

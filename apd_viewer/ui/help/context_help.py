@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QMessageBox, QWh
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.ui.help import manual, places
-from apd_viewer.ui.help.places import ManualPlace
+from apd_viewer.ui.help import manual, manual_places
+from apd_viewer.ui.help.manual_places import ManualPlace
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.help_button import HelpButton
 
@@ -35,28 +35,32 @@ class ContextHelp(QObject):
     canvas : Canvas
     action : QAction
         Its key opens the manual at once; chosen from the menu, it waits for a click.
-    marked : callable
+    marked_place : callable
         Place of what is marked in a list of places, if that has the focus.
     """
 
     def __init__(
-        self, shell: QMainWindow, canvas: Canvas, action: QAction, marked: Callable[[], ManualPlace | None]
+        self,
+        shell: QMainWindow,
+        canvas: Canvas,
+        action: QAction,
+        marked_place: Callable[[], ManualPlace | None],
     ) -> None:
         super().__init__(shell)
-        self._shell, self._canvas, self._action, self._marked = shell, canvas, action, marked
+        self._shell, self._canvas, self._action, self._marked = shell, canvas, action, marked_place
         self._mouse = QPoint()
         action.installEventFilter(self)
         for menu in shell.menuBar().findChildren(QMenu):
             menu.installEventFilter(self)
-        application().focusChanged.connect(self._remember_mouse)
-        HelpButton.explain = staticmethod(explain)
+        running_application().focusChanged.connect(self._remember_mouse)
+        HelpButton.explain_widget = staticmethod(explain_widget)
 
-    def explain_here(self) -> None:
+    def explain_target(self) -> None:
         """Open the manual at the meant place."""
-        show(self.meant)
+        show_manual(self.target_place)
 
     @property
-    def meant(self) -> ManualPlace:
+    def target_place(self) -> ManualPlace:
         """Place of the control under the mouse or in use."""
         if (marked := self._marked()) is not None:
             return marked
@@ -66,9 +70,9 @@ class ContextHelp(QObject):
         used = self._place(focused, None) if focused is not None else None
         return pointed or used or self._tool
 
-    def ask(self) -> None:
+    def explain_next_click(self) -> None:
         """Explain the next click."""
-        application().installEventFilter(self)
+        running_application().installEventFilter(self)
         QWhatsThis.enterWhatsThisMode()
 
     def _remember_mouse(self, _: object, now: object) -> None:
@@ -79,11 +83,11 @@ class ContextHelp(QObject):
         """Place of a widget of this window; the view itself has none."""
         if widget.window() is not self._shell or isinstance(widget, Viewport):
             return None
-        return places.place_of(widget, at)
+        return manual_places.widget_place(widget, at)
 
     @property
     def _tool(self) -> ManualPlace:
-        return places.of_action(f"take:{self._canvas.tool.name}")
+        return manual_places.action_place(f"take:{self._canvas.tool.name}")
 
     # Events
 
@@ -91,11 +95,11 @@ class ContextHelp(QObject):
         """Explain instead of doing: on the key, also in a menu, and on a click."""
         kind = event.type()
         if watched is self._action:
-            return kind == QEvent.Type.Shortcut and self._done(self.explain_here)
+            return kind == QEvent.Type.Shortcut and self._done(self.explain_target)
         if kind == QEvent.Type.KeyPress and isinstance(watched, QMenu):
             return self._explain_entry(watched, cast(QKeyEvent, event))
         if kind == QEvent.Type.LeaveWhatsThisMode:
-            application().removeEventFilter(self)
+            running_application().removeEventFilter(self)
         elif isinstance(watched, QWidget) and isinstance(event, QHelpEvent):
             if kind == QEvent.Type.QueryWhatsThis:
                 event.accept()
@@ -103,11 +107,13 @@ class ContextHelp(QObject):
             if kind == QEvent.Type.WhatsThis:
                 at = event.globalPos()
                 QWhatsThis.leaveWhatsThisMode()
-                return self._done(lambda: show(self._clicked(watched, at)))
+                return self._done(lambda: show_manual(self._clicked(watched, at)))
         return False
 
     def _clicked(self, widget: QWidget, at: QPoint) -> ManualPlace:
-        return self._tool if isinstance(widget, Viewport) else places.place_of(widget, at) or _WINDOW
+        return (
+            self._tool if isinstance(widget, Viewport) else manual_places.widget_place(widget, at) or _WINDOW
+        )
 
     def _explain_entry(self, menu: QMenu, event: QKeyEvent) -> bool:
         """Explain the marked entry on the key of the action."""
@@ -115,10 +121,10 @@ class ContextHelp(QObject):
         if not any(key in self._action.shortcuts() for key in keys):
             return False
         action = menu.activeAction() or menu.actionAt(menu.mapFromGlobal(QCursor.pos()))
-        place = places.place_of_action(action) if action is not None else None
+        place = manual_places.menu_entry_place(action) if action is not None else None
         while (popup := QApplication.activePopupWidget()) is not None:
             popup.close()
-        return self._done(lambda: show(place or ManualPlace("reference/keys")))
+        return self._done(lambda: show_manual(place or ManualPlace("reference/keys")))
 
     @staticmethod
     def _done(command: Callable[[], object]) -> bool:
@@ -126,22 +132,22 @@ class ContextHelp(QObject):
         return True
 
 
-def explain(widget: QWidget) -> None:
+def explain_widget(widget: QWidget) -> None:
     """Open the manual at a widget, or at its owner."""
-    show(places.place_of(widget) or _WINDOW)
+    show_manual(manual_places.widget_place(widget) or _WINDOW)
 
 
-def show(place: ManualPlace) -> None:
+def show_manual(place: ManualPlace) -> None:
     """Open the manual at a place, or report a missing manual."""
-    attempt(lambda: manual.open_manual(place))
+    run_manual_command(lambda: manual.open_manual(place))
 
 
-def look_up(words: str) -> None:
+def look_up_in_manual(words: str) -> None:
     """Search the manual for words, or report a missing manual."""
-    attempt(lambda: manual.search_manual(words))
+    run_manual_command(lambda: manual.search_manual(words))
 
 
-def attempt(command: Callable[[], object]) -> None:
+def run_manual_command(command: Callable[[], object]) -> None:
     """Run a command of the manual, or report its failure."""
     try:
         command()
@@ -154,7 +160,7 @@ def attempt(command: Callable[[], object]) -> None:
         box.open()
 
 
-def application() -> QApplication:
+def running_application() -> QApplication:
     """The running application."""
     found = QApplication.instance()
     assert isinstance(found, QApplication)

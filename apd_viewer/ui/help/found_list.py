@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QHeaderView, QTreeWidget, QTreeWidgetItem
 
 from apd_viewer.language import tr
 from apd_viewer.ui.help.searchable import Searchable
-from apd_viewer.ui.widgets.icons import SIZE, icon
+from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 _ROWS = 10  # shown without scrolling
@@ -20,7 +20,7 @@ class FoundList(QTreeWidget):
     """Rows of found entries, and a last one for the manual."""
 
     def __init__(self) -> None:
-        super().__init__(columnCount=3, headerHidden=True, rootIsDecorated=False, iconSize=SIZE)
+        super().__init__(columnCount=3, headerHidden=True, rootIsDecorated=False, iconSize=ICON_SIZE)
         self.theme = LIGHT
         self.setUniformRowHeights(True)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # the keys stay in the field
@@ -33,10 +33,10 @@ class FoundList(QTreeWidget):
         for column in (1, 2):
             header.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
 
-    def show_found(self, found: Sequence[Searchable], text: str) -> None:
+    def show_entries(self, entries: Sequence[Searchable], text: str) -> None:
         """Show entries for a text, the first one marked."""
         self.clear()
-        self.addTopLevelItems([_item(each, self.theme) for each in found])
+        self.addTopLevelItems([_item(each, self.theme) for each in entries])
         if text:
             pages = QTreeWidgetItem([tr("Search the manual for “{text}”").format(text=text)])
             pages.setIcon(0, icon("manual", self.theme))
@@ -56,8 +56,8 @@ class FoundList(QTreeWidget):
 
 def _item(found: Searchable, theme: Theme) -> QTreeWidgetItem:
     """Row of an entry, grey with its reason if it is disabled."""
-    item = QTreeWidgetItem([found.texts.title, found.why_not or found.where, found.keys])
-    item.setDisabled(bool(found.why_not))
+    item = QTreeWidgetItem([found.texts.title, found.disabled_reason or found.location, found.keys])
+    item.setDisabled(bool(found.disabled_reason))
     item.setToolTip(0, found.texts.tip)
     item.setIcon(0, icon(found.image, theme))
     item.setForeground(1, QColor(theme.quiet))

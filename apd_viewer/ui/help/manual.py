@@ -11,10 +11,10 @@ from PySide6.QtGui import QDesktopServices
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.ui.help.places import ManualPlace
+from apd_viewer.ui.help.manual_places import ManualPlace
 
 _PACKAGE = Path(__file__).resolve().parents[2]
-FIRST = ManualPlace("index")
+FIRST_PAGE = ManualPlace("index")
 _SEARCH = "search"
 _FORWARD = """<!doctype html>
 <meta charset="utf-8">
@@ -41,7 +41,7 @@ def manual_folder(package: Path = _PACKAGE) -> Path:
     raise InputError(tr("This installation has no manual; install the program from its wheel."))
 
 
-def open_manual(place: ManualPlace = FIRST) -> None:
+def open_manual(place: ManualPlace = FIRST_PAGE) -> None:
     """Show a place of the manual; raises InputError if there is no manual."""
     page = manual_folder() / f"{place.page}.html"
     url = QUrl.fromLocalFile(str(page))

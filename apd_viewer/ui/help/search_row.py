@@ -23,16 +23,16 @@ class SearchRow(QHBoxLayout):
     Attributes
     ----------
     field : QLineEdit
-    cross : QToolButton
+    close_button : QToolButton
     """
 
     def __init__(self, name: str, prompt: str, closing: str) -> None:
         super().__init__(spacing=8)
         self.field = QLineEdit(accessibleName=name, placeholderText=prompt, clearButtonEnabled=True)
-        self.cross = small_button(closing, tr("Close (Esc)"))
+        self.close_button = small_button(closing, tr("Close (Esc)"))
         self.addWidget(self.field, 1)
-        self.addWidget(self.cross)
+        self.addWidget(self.close_button)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the cross."""
-        self.cross.setIcon(icon("cancel", theme))
+        self.close_button.setIcon(icon("cancel", theme))

@@ -11,19 +11,19 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QScrollArea, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.ui.help import places
+from apd_viewer.ui.help import manual_places
 from apd_viewer.ui.help.control_texts import texts_of
+from apd_viewer.ui.help.manual_places import ManualPlace
 from apd_viewer.ui.help.menu_entries import menu_entries
-from apd_viewer.ui.help.places import ManualPlace
-from apd_viewer.ui.help.synonyms import ALSO
-from apd_viewer.ui.help.word_match import Texts
-from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, keys_of, native
+from apd_viewer.ui.help.search_query import SearchTexts
+from apd_viewer.ui.help.synonyms import SYNONYMS
+from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, keys_of, native_keys
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.widgets.folding_section import Heading, Section
-from apd_viewer.ui.widgets.slider_field import Dial
+from apd_viewer.ui.widgets.slider_field import SliderField
 
 if TYPE_CHECKING:
-    from apd_viewer.session.store import Store
+    from apd_viewer.session.state_store import StateStore
     from apd_viewer.ui.panel.panel import Panel
 
 
@@ -33,43 +33,45 @@ class Searchable:
 
     Attributes
     ----------
-    texts : Texts
-    where : str
+    texts : SearchTexts
+    location : str
         The menu, the section of the panel, or the settings.
     run : callable
     place : ManualPlace
         In the manual.
     keys : str
-    why_not : str
+    disabled_reason : str
         Why it cannot be run now; empty if it can.
     image : str
         Name of its icon.
     """
 
-    texts: Texts
-    where: str
+    texts: SearchTexts
+    location: str
     run: Callable[[], object]
     place: ManualPlace
     keys: str = ""
-    why_not: str = ""
+    disabled_reason: str = ""
     image: str = "panel"
 
 
-def everything(
+def searchable_entries(
     shell: QMainWindow,
     entries: list[ShortcutEntry],
     panel: Panel,
-    store: Store,
+    store: StateStore,
     open_settings: Callable[[str], object],
 ) -> list[Searchable]:
     """Commands, settings, and controls with other titles than commands."""
-    found = list(commands(shell, entries, store))
+    found = list(command_entries(shell, entries, store))
     named = {each.texts.title for each in found}
-    found += [each for each in controls(panel) if each.texts.title not in named]
-    return [*found, *settings(open_settings)]
+    found += [each for each in control_entries(panel) if each.texts.title not in named]
+    return [*found, *setting_entries(open_settings)]
 
 
-def commands(shell: QMainWindow, entries: list[ShortcutEntry], store: Store) -> Iterator[Searchable]:
+def command_entries(
+    shell: QMainWindow, entries: list[ShortcutEntry], store: StateStore
+) -> Iterator[Searchable]:
     """All menu entries."""
     by_action = {entry.action: entry for entry in entries}
     for found in menu_entries(shell.menuBar()):
@@ -78,14 +80,14 @@ def commands(shell: QMainWindow, entries: list[ShortcutEntry], store: Store) -> 
         if entry is not None:
             where = tr("{menu} > {entry}").format(menu=menu, entry=within) if within else menu
             why_not = "" if action.isEnabled() else _why_not(entry, store)
-            title = found.full(entry.title)
-            texts = Texts(title, entry.tip, ALSO.get(entry.name, ""))
-            keys = native(keys_of(action))
-            place = places.of_action(entry.name)
+            title = found.full_title(entry.title)
+            texts = SearchTexts(title, entry.tip, SYNONYMS.get(entry.name, ""))
+            keys = native_keys(keys_of(action))
+            place = manual_places.action_place(entry.name)
             yield Searchable(texts, where, action.trigger, place, keys, why_not, entry.image)
 
 
-def _why_not(entry: ShortcutEntry, store: Store) -> str:
+def _why_not(entry: ShortcutEntry, store: StateStore) -> str:
     """Reason against choosing an entry."""
     name = entry.name
     if store.state is None:
@@ -99,25 +101,25 @@ def _why_not(entry: ShortcutEntry, store: Store) -> str:
     if name.endswith("_obstacle"):
         return tr("click an obstacle first")
     said = entry.action.toolTip()  # such as: the file has no texture
-    return said if said and said != entry.whole_tip else tr("not with what is open")
+    return said if said and said != entry.full_tip else tr("not with what is open")
 
 
-def controls(panel: Panel) -> Iterator[Searchable]:
+def control_entries(panel: Panel) -> Iterator[Searchable]:
     """Controls of the panel, each path once."""
     known = set()
     for section in (panel.area, *panel.sections):
         heading = section.title if isinstance(section, Section) else tr("Area")
         for widget in section.findChildren(QWidget):
-            path = places.path_of(widget) if places.is_named(widget) else ()
+            path = manual_places.control_path(widget) if manual_places.is_named(widget) else ()
             title, tip = texts_of(widget)
             if len(path) > 2 and "rows" not in path and title and path not in known:
                 known.add(path)
                 yield Searchable(
-                    Texts(title, tip, f"{ALSO.get('/'.join(path), '')} {heading}"),
+                    SearchTexts(title, tip, f"{SYNONYMS.get('/'.join(path), '')} {heading}"),
                     tr("{menu} > {entry}").format(menu=tr("Panel"), entry=heading),
-                    partial(reveal, widget),
-                    places.of_control(path),
-                    why_not="" if _is_offered(widget, panel) else tr("not with what is open"),
+                    partial(reveal_control, widget),
+                    manual_places.control_place(path),
+                    disabled_reason="" if _is_offered(widget, panel) else tr("not with what is open"),
                 )
 
 
@@ -134,7 +136,7 @@ def _is_offered(widget: QWidget, panel: Panel) -> bool:
     return widget.isEnabled()
 
 
-def reveal(widget: QWidget) -> None:
+def reveal_control(widget: QWidget) -> None:
     """Show a control of the panel and give it the keys."""
     node = widget.parentWidget()
     while node is not None:
@@ -146,18 +148,20 @@ def reveal(widget: QWidget) -> None:
         elif isinstance(node, QScrollArea):
             QTimer.singleShot(0, node, partial(node.ensureWidgetVisible, widget))  # once it has its place
         node = node.parentWidget()
-    field = widget.field if isinstance(widget, Dial) else widget
+    field = widget.field if isinstance(widget, SliderField) else widget
     field.setFocus(Qt.FocusReason.TabFocusReason)
 
 
-def settings(open_settings: Callable[[str], object]) -> Iterator[Searchable]:
+def setting_entries(open_settings: Callable[[str], object]) -> Iterator[Searchable]:
     """All preferences."""
     for group in GROUPS:
         for preference in group.rows:
             yield Searchable(
-                Texts(preference.title, f"{preference.tip} {preference.note}", ALSO.get(preference.name, "")),
+                SearchTexts(
+                    preference.title, f"{preference.tip} {preference.note}", SYNONYMS.get(preference.name, "")
+                ),
                 tr("{menu} > {entry}").format(menu=tr("Settings"), entry=group.title),
                 partial(open_settings, preference.name),
-                places.of_setting(preference.name),
+                manual_places.setting_place(preference.name),
                 image="settings",
             )

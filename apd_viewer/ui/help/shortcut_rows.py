@@ -6,11 +6,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.language import tr, trc
-from apd_viewer.ui.help.mouse_help import Gesture
-from apd_viewer.ui.preferences.shortcut_editor import KeyField
-from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native
+from apd_viewer.ui.help.mouse_help import MouseGesture
+from apd_viewer.ui.preferences.shortcut_editor import ShortcutEditor
+from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native_keys
 from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import SIZE, icon
+from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 _EDGES = (8, 1, 4, 1)
@@ -27,7 +27,7 @@ class ActionRow(QFrame):
 
     Attributes
     ----------
-    keys : KeyField
+    keys : ShortcutEditor
     back : QToolButton
         Gives it its standard keys; there while it has others.
     symbol : QLabel
@@ -40,9 +40,9 @@ class ActionRow(QFrame):
         self.title = title
         self.setToolTip(entry.tip)
         self.symbol = QLabel()
-        self.symbol.setFixedSize(SIZE)
-        self.keys = KeyField(entry)
-        standard = native(entry.standard) or trc("keys", "none")
+        self.symbol.setFixedSize(ICON_SIZE)
+        self.keys = ShortcutEditor(entry)
+        standard = native_keys(entry.default_keys) or trc("keys", "none")
         self.back = small_button(
             tr("Restore the default keys of {title}: {standard}").format(
                 title=entry.title, standard=standard
@@ -64,14 +64,14 @@ class ActionRow(QFrame):
         self._draw_back()
 
     @property
-    def said(self) -> str:
+    def search_text(self) -> str:
         """Text for the search."""
-        return f"{self.title} {self.entry.tip} {self.entry.keys} {native(self.entry.keys)}"
+        return f"{self.title} {self.entry.tip} {self.entry.keys} {native_keys(self.entry.keys)}"
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons; the action's own is already redrawn."""
         self._theme = theme
-        self.symbol.setPixmap(self.entry.action.icon().pixmap(SIZE, self.devicePixelRatioF()))
+        self.symbol.setPixmap(self.entry.action.icon().pixmap(ICON_SIZE, self.devicePixelRatioF()))
         self._draw_back()
 
     def _draw_back(self) -> None:
@@ -82,33 +82,33 @@ class ActionRow(QFrame):
 class GestureRow(QFrame):
     """Icon and title of a tool, with its mouse gestures below."""
 
-    def __init__(self, gesture: Gesture) -> None:
+    def __init__(self, gesture: MouseGesture) -> None:
         super().__init__(objectName="gesture")
         self._gesture = gesture
-        self.setAccessibleName(tr("{title}: {words}").format(title=gesture.title, words=gesture.words))
+        self.setAccessibleName(tr("{title}: {words}").format(title=gesture.title, words=gesture.text))
         self.symbol = QLabel()
-        self.symbol.setFixedSize(SIZE)
+        self.symbol.setFixedSize(ICON_SIZE)
         grid = QGridLayout(self, horizontalSpacing=8, verticalSpacing=1)
         grid.setContentsMargins(8, 4, 4, 4)
         grid.setColumnStretch(1, 1)
         grid.addWidget(self.symbol, 0, 0, Qt.AlignmentFlag.AlignTop)
         grid.addWidget(QLabel(gesture.title), 0, 1)
-        grid.addWidget(QLabel(gesture.words, objectName="quiet", wordWrap=True), 1, 1)
+        grid.addWidget(QLabel(gesture.text, objectName="quiet", wordWrap=True), 1, 1)
 
     @property
-    def said(self) -> str:
+    def search_text(self) -> str:
         """Text for the search."""
-        return " ".join([self._gesture.title, self._gesture.words, tr("mouse")])
+        return " ".join([self._gesture.title, self._gesture.text, tr("mouse")])
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""
-        self.symbol.setPixmap(icon(self._gesture.image, theme).pixmap(SIZE, self.devicePixelRatioF()))
+        self.symbol.setPixmap(icon(self._gesture.image, theme).pixmap(ICON_SIZE, self.devicePixelRatioF()))
 
 
-Row = ActionRow | GestureRow
+ShortcutRow = ActionRow | GestureRow
 
 
-class Group(QWidget):
+class ShortcutGroup(QWidget):
     """Rows under a heading, hidden if all of them are.
 
     Attributes
@@ -116,7 +116,7 @@ class Group(QWidget):
     rows : list of ActionRow or GestureRow
     """
 
-    def __init__(self, title: str, rows: list[Row], column: QWidget) -> None:
+    def __init__(self, title: str, rows: list[ShortcutRow], column: QWidget) -> None:
         super().__init__(column)
         self.rows = rows
         self._title = title
@@ -128,11 +128,11 @@ class Group(QWidget):
         for row in rows:
             grid.addWidget(row)
 
-    def show_found(self, words: list[str]) -> int:
+    def filter_rows(self, words: list[str]) -> int:
         """Show the rows matching all words; their number."""
         found = 0
         for row in self.rows:
-            said = f"{self._title} {row.said}".replace(":", " ").casefold().split()
+            said = f"{self._title} {row.search_text}".replace(":", " ").casefold().split()
             fits = all(any(other.startswith(word) for other in said) for word in words)
             row.setVisible(fits)
             found += fits

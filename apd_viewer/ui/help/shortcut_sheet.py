@@ -19,12 +19,12 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.language import tr
 from apd_viewer.ui.help.search_row import SearchRow
-from apd_viewer.ui.help.shortcut_rows import ActionRow, Group
-from apd_viewer.ui.preferences.shortcuts import Shortcuts, native, split
+from apd_viewer.ui.help.shortcut_rows import ActionRow, ShortcutGroup
+from apd_viewer.ui.preferences.shortcuts import Shortcuts, native_keys, split_keys
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
-from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
-from apd_viewer.ui.widgets.wrapping_row import arrange
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
+from apd_viewer.ui.widgets.wrapping_row import arrange_row
 
 _MARGIN, _WIDEST, _NARROWEST = 12, 560, 160
 _HINT = tr("Click a shortcut to change it.")
@@ -49,22 +49,22 @@ class ShortcutSheet(QFrame):
     rows : dict of str to ActionRow
         By the names of the entries, while it is open.
     head : SearchRow
-    groups : list of Group
-    nothing : QLabel
+    groups : list of ShortcutGroup
+    no_results : QLabel
         Said where nothing is found.
     """
 
     dismissed = Signal()
 
     def __init__(
-        self, canvas: Viewport, shortcuts: Shortcuts, groups: Callable[[QWidget], list[Group]]
+        self, canvas: Viewport, shortcuts: Shortcuts, groups: Callable[[QWidget], list[ShortcutGroup]]
     ) -> None:
         super().__init__(canvas, objectName="sheet", accessibleName=tr("Shortcuts"))
         shield(self)
         self._canvas = canvas
         self._shortcuts = shortcuts
         self._make_groups = groups
-        self.groups: list[Group] = []
+        self.groups: list[ShortcutGroup] = []
         self._theme = LIGHT
         self._wish: tuple[ActionRow, str] | None = None
         self.rows: dict[str, ActionRow] = {}
@@ -79,7 +79,7 @@ class ShortcutSheet(QFrame):
     def _make_head(self) -> SearchRow:
         prompt = tr("Search for an action, a shortcut or a gesture")
         head = SearchRow(tr("Search shortcuts"), prompt, tr("Close shortcuts"))
-        head.cross.clicked.connect(self.dismissed)
+        head.close_button.clicked.connect(self.dismissed)
         self.search, self.head = head.field, head
         self.search.textChanged.connect(self._filter)
         return head
@@ -90,18 +90,18 @@ class ShortcutSheet(QFrame):
         return self._scroll
 
     def _make_foot(self) -> QHBoxLayout:
-        self.line = QLabel(wordWrap=True, accessibleName=tr("Status"))
-        self.line.setMinimumHeight(2 * self.line.fontMetrics().lineSpacing())
+        self.status = QLabel(wordWrap=True, accessibleName=tr("Status"))
+        self.status.setMinimumHeight(2 * self.status.fontMetrics().lineSpacing())
         self.swap = QPushButton(tr("Swap"), objectName="primary")
         self.swap.clicked.connect(self._swap)
-        self.back = QPushButton(tr("Restore all defaults"))
-        self.back.setToolTip(tr("Restore the default keys of all actions"))
-        self.back.clicked.connect(self._reset_all)
+        self.restore_all = QPushButton(tr("Restore all defaults"))
+        self.restore_all.setToolTip(tr("Restore the default keys of all actions"))
+        self.restore_all.clicked.connect(self._reset_all)
         row = self._foot = QHBoxLayout(spacing=8)
         row.setContentsMargins(8, 0, 4, 0)
-        row.addWidget(self.line, 1)
+        row.addWidget(self.status, 1)
         row.addWidget(self.swap)
-        row.addWidget(self.back)
+        row.addWidget(self.restore_all)
         return row
 
     def open(self) -> None:
@@ -112,8 +112,8 @@ class ShortcutSheet(QFrame):
         self.groups = self._make_groups(body)
         for group in self.groups:
             column.addWidget(group)
-        self.nothing = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True, objectName="quiet")
-        column.addWidget(self.nothing)
+        self.no_results = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True, objectName="quiet")
+        column.addWidget(self.no_results)
         column.addStretch(1)
         rows = [row for group in self.groups for row in group.rows if isinstance(row, ActionRow)]
         self.rows = {row.entry.name: row for row in rows}
@@ -123,7 +123,7 @@ class ShortcutSheet(QFrame):
         self.search.clear()
         self._filter("")
         self._say(_HINT)
-        self.back.setEnabled(self._shortcuts.are_changed)
+        self.restore_all.setEnabled(self._shortcuts.has_changes)
         self.set_theme(self._theme)
         self.show()
         self.raise_()
@@ -131,10 +131,10 @@ class ShortcutSheet(QFrame):
         self.search.setFocus(Qt.FocusReason.PopupFocusReason)
 
     def _connect(self, row: ActionRow) -> None:
-        row.keys.chosen.connect(partial(self._ask, row))
-        row.keys.waiting_changed.connect(self._say_waiting)
-        row.keys.stepped.connect(partial(self._step, row))
-        row.back.clicked.connect(lambda: self._ask(row, row.entry.standard))
+        row.keys.keys_chosen.connect(partial(self._ask, row))
+        row.keys.recording_changed.connect(self._say_waiting)
+        row.keys.step_requested.connect(partial(self._step, row))
+        row.back.clicked.connect(lambda: self._ask(row, row.entry.default_keys))
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -147,10 +147,10 @@ class ShortcutSheet(QFrame):
     # Searching
 
     def _filter(self, text: str) -> None:
-        found = sum(group.show_found(text.casefold().split()) for group in self.groups)
+        found = sum(group.filter_rows(text.casefold().split()) for group in self.groups)
         if self.groups:
-            self.nothing.setVisible(not found)
-            self.nothing.setText(tr("No results for “{text}”.").format(text=text.strip()))
+            self.no_results.setVisible(not found)
+            self.no_results.setText(tr("No results for “{text}”.").format(text=text.strip()))
 
     @property
     def _shown(self) -> list[ActionRow]:
@@ -170,7 +170,7 @@ class ShortcutSheet(QFrame):
 
     def _ask(self, row: ActionRow, keys: str) -> None:
         """Give keys to an action, if nothing is against it."""
-        other = self._shortcuts.holder(keys, row.entry)
+        other = self._shortcuts.conflicting_entry(keys, row.entry)
         if reason := self._shortcuts.refusal(row.entry, keys):
             self._say(reason, warn=True)
         elif other is not None:
@@ -179,19 +179,20 @@ class ShortcutSheet(QFrame):
             self._give(row, keys)
 
     def _offer_swap(self, row: ActionRow, keys: str, other: str) -> None:
-        taken = next(key for key in split(keys) if self._shortcuts.holder(key, row.entry))
+        taken = next(key for key in split_keys(keys) if self._shortcuts.conflicting_entry(key, row.entry))
         self._say(
-            tr("{keys} is already used by “{action}”.").format(keys=native(taken), action=other), warn=True
+            tr("{keys} is already used by “{action}”.").format(keys=native_keys(taken), action=other),
+            warn=True,
         )
         self._wish = row, keys
         self.swap.setText(tr("Swap") if row.entry.keys else tr("Reassign"))
-        instead = native(row.entry.keys) or tr("no keys")
+        instead = native_keys(row.entry.keys) or tr("no keys")
         self.swap.setToolTip(
             tr("“{action}” gets {keys} instead (Esc cancels)").format(action=other, keys=instead)
         )
-        self.swap.setAccessibleDescription(self.line.text())
+        self.swap.setAccessibleDescription(self.status.text())
         self.swap.show()
-        self.back.hide()
+        self.restore_all.hide()
         self.swap.setFocus()
 
     def _swap(self) -> None:
@@ -199,10 +200,10 @@ class ShortcutSheet(QFrame):
             self._give(*self._wish)
 
     def _give(self, row: ActionRow, keys: str) -> None:
-        self._shortcuts.give(row.entry, keys)
+        self._shortcuts.assign_keys(row.entry, keys)
         self._say(
             tr("“{action}” now has {keys}.").format(
-                action=row.entry.title, keys=native(keys) or tr("no keys")
+                action=row.entry.title, keys=native_keys(keys) or tr("no keys")
             )
         )
         self._show_keys()
@@ -217,7 +218,7 @@ class ShortcutSheet(QFrame):
     def _show_keys(self) -> None:
         for row in self.rows.values():
             row.show_keys()
-        self.back.setEnabled(self._shortcuts.are_changed)
+        self.restore_all.setEnabled(self._shortcuts.has_changes)
 
     def _say_waiting(self, waits: bool) -> None:
         self._say(_WAITING if waits else _HINT)
@@ -226,9 +227,9 @@ class ShortcutSheet(QFrame):
         """Show a status and withdraw earlier offers."""
         self._wish = None
         self.swap.hide()
-        self.back.show()
-        self.line.setText(sentence)
-        mark(self.line, "warn", warn)
+        self.restore_all.show()
+        self.status.setText(sentence)
+        set_style_property(self.status, "warn", warn)
 
     # Place and events
 
@@ -236,8 +237,8 @@ class ShortcutSheet(QFrame):
         if not self.isHidden():
             width = min(_WIDEST, self._canvas.width() - 2 * _MARGIN)
             left = (self._canvas.width() - width) // 2
-            self.line.setMinimumWidth(_NARROWEST)
-            arrange(self._foot, width - 24)
+            self.status.setMinimumWidth(_NARROWEST)
+            arrange_row(self._foot, width - 24)
             self.setGeometry(left, _MARGIN, width, self._canvas.height() - 2 * _MARGIN)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from apd_viewer.language import tr
 
 # By the name of an action or a setting, or the path of a control; beside the words of title and tip.
-ALSO = {
+SYNONYMS = {
     "open": tr("load import file read"),
     "export": tr("save mesh file write stl obj ply"),
     "save": tr("store project keep work"),

@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.help.tour_card import TourCard
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.help.tour_targets import Places
+    from apd_viewer.ui.help.tour_targets import TourTargets
     from apd_viewer.ui.tools.canvas import Canvas
 
 _LOOK = 33  # ms from a change on screen to the update of the target's place
@@ -32,18 +32,18 @@ class TourStep(NamedTuple):
     Parameters
     ----------
     sentence : str
-    place : callable
+    target : callable
         Where the card points; None where the thing cannot be seen.
-    otherwise : str
+    hidden_sentence : str
         What is said then.
     """
 
     sentence: str
-    place: Callable[[], QRect | None]
-    otherwise: str = ""
+    target: Callable[[], QRect | None]
+    hidden_sentence: str = ""
 
 
-def steps(places: Places) -> tuple[TourStep, ...]:
+def tour_steps(targets: TourTargets) -> tuple[TourStep, ...]:
     """Steps of the tour: texts and targets."""
     return (
         TourStep(
@@ -51,16 +51,16 @@ def steps(places: Places) -> tuple[TourStep, ...]:
                 "The blue base of this bottle stays in place; the orange top is the handle to move. "
                 "Drag beside the bottle to look around."
             ),
-            places.mesh,
+            targets.mesh,
         ),
         TourStep(
             tr("Drag the green ring around the handle to twist the bottle."),
-            places.rings,
+            targets.rings,
             tr("The ring is out of view: choose “Move handle”, then “Frame mesh”."),
         ),
         TourStep(
             tr("This is the total area. Drag the ring again: the shape changes, the area does not."),
-            places.area,
+            targets.area,
             tr("The area is out of view: open Measurements in the View menu and scroll up."),
         ),
         TourStep(
@@ -68,11 +68,11 @@ def steps(places: Places) -> tuple[TourStep, ...]:
                 "Paint your own base, handle and region with these tools; Erase makes painted vertices "
                 "free again."
             ),
-            places.brushes,
+            targets.brushes,
         ),
         TourStep(
             tr("Export saves the shape to a file. Now open your own mesh, or drop it on the window."),
-            places.export,
+            targets.export,
         ),
     )
 
@@ -84,32 +84,32 @@ class Tour(QObject):
     ----------
     window : QMainWindow
     canvas : Canvas
-    places : Places
+    targets : TourTargets
 
     Attributes
     ----------
     began, ended : Signal()
-    ring_wanted : Signal()
+    ring_requested : Signal()
         The ring should be there to be dragged.
-    area_wanted : Signal()
+    area_requested : Signal()
         The area should be there to be read.
     card : TourCard
-    places : Places
+    targets : TourTargets
     """
 
     began = Signal()
     ended = Signal()
-    ring_wanted = Signal()
-    area_wanted = Signal()
+    ring_requested = Signal()
+    area_requested = Signal()
 
-    def __init__(self, window: QMainWindow, canvas: Canvas, places: Places) -> None:
+    def __init__(self, window: QMainWindow, canvas: Canvas, targets: TourTargets) -> None:
         super().__init__(window)
         self._window = window
         self._canvas = canvas
-        self.places = places
-        self._steps = steps(places)
+        self.targets = targets
+        self._steps = tour_steps(targets)
         self.card = TourCard(window)
-        self.card.stepped.connect(self._step)
+        self.card.step_requested.connect(self._step)
         self.card.skipped.connect(self.end)
         self._step_now = -1
         self._rests: Callable[[], bool] = lambda: True
@@ -117,35 +117,36 @@ class Tour(QObject):
         self._turned = False
         self._pose: np.ndarray = np.eye(4)
         self._looking = QTimer(self, singleShot=True, interval=_LOOK)
-        self._looking.timeout.connect(self.look)
+        self._looking.timeout.connect(self.update_target)
         self._reading = QTimer(self, singleShot=True, interval=_READING_TIME)
         self._reading.timeout.connect(self._followed)
         canvas.drag_began.connect(self._begin_drag)
         canvas.drag_ended.connect(self._end_drag)
 
     @property
-    def number(self) -> int:
+    def step_number(self) -> int:
         """Number of the current step, from 0; -1 without a tour."""
         return self._step_now
 
     @property
-    def active(self) -> bool:
+    def is_active(self) -> bool:
         """True during the tour."""
         return self._step_now >= 0
 
-    def begin(self, rests: Callable[[], bool], holds: Callable[[], bool]) -> None:
+    def begin(self, is_settled: Callable[[], bool], keeps_area: Callable[[], bool]) -> None:
         """Show the first step.
 
-        ``rests`` says whether the shape on screen has settled, ``holds`` whether its method holds the area.
+        ``is_settled`` says whether the shape on screen has settled, ``keeps_area`` whether its method holds
+        the area.
         """
-        self._rests, self._holds = rests, holds
+        self._rests, self._holds = is_settled, keeps_area
         self._window.installEventFilter(self)
         self._show(0)
         self.began.emit()
 
     def end(self) -> bool:
         """Show nothing any more; True if there was a tour."""
-        if not self.active:
+        if not self.is_active:
             return False
         self._step_now = -1
         self._window.removeEventFilter(self)
@@ -168,7 +169,7 @@ class Tour(QObject):
 
     def _step(self, by: int) -> None:
         number = self._step_now + by
-        if not self.active or number >= len(self._steps):
+        if not self.is_active or number >= len(self._steps):
             self.end()
         else:
             self._show(number)
@@ -178,20 +179,22 @@ class Tour(QObject):
         self._turned = False
         self._reading.stop()
         if number == _RING:
-            self.ring_wanted.emit()
+            self.ring_requested.emit()
         elif number == _AREA:
-            self.area_wanted.emit()
+            self.area_requested.emit()
         self.card.show_step(number, len(self._steps), self._sentence)
-        self.look()
+        self.update_target()
 
-    def look(self) -> None:
+    def update_target(self) -> None:
         """Point at the target's place, and advance after a completed step."""
-        if not self.active:
+        if not self.is_active:
             return
         step = self._steps[self._step_now]
-        target = step.place()
-        self.card.say(self._sentence if target is not None else step.otherwise or self._sentence)
-        gizmo = self.places.gizmo() if self._step_now <= _AREA else None
+        target = step.target()
+        self.card.show_sentence(
+            self._sentence if target is not None else step.hidden_sentence or self._sentence
+        )
+        gizmo = self.targets.gizmo() if self._step_now <= _AREA else None
         self.card.point_at(target, gizmo or QRect())
         if self._step_now == _AREA and self._turned and self._rests() and not self._reading.isActive():
             self._reading.start()

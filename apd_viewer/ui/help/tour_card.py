@@ -18,7 +18,7 @@ _CORNER = 20  # least distance of the tip from a corner of the card
 SIDES = {"left": (-1, 0), "right": (1, 0), "below": (0, 1), "above": (0, -1)}
 
 
-def placed(size: QSize, target: QRect, room: QRect, free: QRect) -> tuple[QRect, str]:
+def card_placement(size: QSize, target: QRect, available: QRect, uncovered: QRect) -> tuple[QRect, str]:
     """Place of the card with the least overlap, and the side of its tip."""
     found = []
     for side, (dx, dy) in SIDES.items():
@@ -28,8 +28,8 @@ def placed(size: QSize, target: QRect, room: QRect, free: QRect) -> tuple[QRect,
         )
         rect = QRect(QPoint(), size)
         rect.moveCenter(target.center() + away)
-        found.append((_within(rect, room), side))
-    return min(found, key=lambda place: _hidden(place[0], target) + _hidden(place[0], free))
+        found.append((_within(rect, available), side))
+    return min(found, key=lambda place: _hidden(place[0], target) + _hidden(place[0], uncovered))
 
 
 def _within(rect: QRect, room: QRect) -> QRect:
@@ -95,7 +95,7 @@ class TourCard(QFrame):
 
     Attributes
     ----------
-    stepped : Signal(int)
+    step_requested : Signal(int)
         1 asks for the next step, -1 for the one before.
     skipped : Signal()
         Skip, or Esc.
@@ -104,7 +104,7 @@ class TourCard(QFrame):
     tip : QWidget
     """
 
-    stepped = Signal(int)
+    step_requested = Signal(int)
     skipped = Signal()
 
     def __init__(self, window: QMainWindow) -> None:
@@ -117,8 +117,8 @@ class TourCard(QFrame):
         self.back = QPushButton(trc("button", "Back"))
         self.next = QPushButton(tr("Next"), objectName="primary")
         self.skip.clicked.connect(self.skipped)
-        self.back.clicked.connect(lambda: self.stepped.emit(-1))
-        self.next.clicked.connect(lambda: self.stepped.emit(1))
+        self.back.clicked.connect(lambda: self.step_requested.emit(-1))
+        self.next.clicked.connect(lambda: self.step_requested.emit(1))
         row = QHBoxLayout(spacing=_BETWEEN)
         row.addWidget(self._number)
         row.addStretch(1)
@@ -138,7 +138,7 @@ class TourCard(QFrame):
         self.skip.setVisible(number < count - 1)
         self.next.setText(tr("Next") if number < count - 1 else tr("Done"))
         self.setFixedWidth(self._room_for_all())
-        self.say(sentence)
+        self.show_sentence(sentence)
         self.show()
         self.raise_()
 
@@ -151,7 +151,7 @@ class TourCard(QFrame):
             width += part.sizeHint().width() + _BETWEEN
         return max(_WIDTH, width)
 
-    def say(self, sentence: str) -> None:
+    def show_sentence(self, sentence: str) -> None:
         """Show another sentence."""
         if sentence != self.sentence.text():
             self.sentence.setText(sentence)
@@ -161,17 +161,17 @@ class TourCard(QFrame):
             self._column.activate()
             self.setFixedHeight(self._column.sizeHint().height())
 
-    def point_at(self, target: QRect | None, free: QRect) -> None:
-        """Stand beside a target or at the bottom, leaving ``free`` uncovered."""
+    def point_at(self, target: QRect | None, uncovered: QRect) -> None:
+        """Stand beside a target or at the bottom, leaving ``uncovered`` uncovered."""
         bars = self._window.menuBar().height(), self._window.statusBar().height()
         room = self._window.rect().adjusted(0, bars[0], 0, -bars[1])
         room.adjust(_MARGIN, _MARGIN, -_MARGIN, -_MARGIN)
         if target is None:
             target = QRect(room.center().x(), room.bottom(), 1, 1)
-            self.setGeometry(placed(self.size(), target, room, free)[0])
+            self.setGeometry(card_placement(self.size(), target, room, uncovered)[0])
             self.tip.hide()
             return
-        rect, side = placed(self.size(), target, room, free)
+        rect, side = card_placement(self.size(), target, room, uncovered)
         if rect != self.geometry() or self.tip.isHidden():
             self.move(rect.topLeft())
         self.tip.attach(rect, target, side)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _MOST_POINTS = 500  # sample of a mesh's vertices
 
 
-class Places:
+class TourTargets:
     """Rectangles in a window, each None if out of sight.
 
     Parameters
@@ -41,7 +41,9 @@ class Places:
     def mesh(self) -> QRect | None:
         """The mesh."""
         U = self._canvas.surface.U
-        return self._around(self._canvas.viewport.look.eye.project(U[:: 1 + len(U) // _MOST_POINTS]))
+        return self._around(
+            self._canvas.viewport.camera_controller.camera.project(U[:: 1 + len(U) // _MOST_POINTS])
+        )
 
     def rings(self) -> QRect | None:
         """The rings of the gizmo."""
@@ -66,7 +68,7 @@ class Places:
 
     def _gizmo(self, points: Callable[[GizmoFrame, int], np.ndarray]) -> QRect | None:
         gizmo = self._canvas.gizmo
-        if not gizmo.visible or not gizmo.frame.visible:
+        if not gizmo.visible or not gizmo.frame.is_visible:
             return None
         return self._around(np.vstack([points(gizmo.frame, axis) for axis in range(3)]))
 

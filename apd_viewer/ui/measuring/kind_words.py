@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.language import tr
 
 
@@ -18,25 +18,25 @@ class KindWords(NamedTuple):
 
 
 KIND_WORDS = {
-    Kind.DISTANCE: KindWords(
+    MeasurementKind.DISTANCE: KindWords(
         tr("&Distance"),
         "measure-distance",
         tr("Measure the straight distance between two points"),
         tr("Measure distance: click two points on the mesh; Esc cancels"),
     ),
-    Kind.ANGLE: KindWords(
+    MeasurementKind.ANGLE: KindWords(
         tr("&Angle"),
         "measure-angle",
         tr("Measure the angle of three points, at the second one"),
         tr("Measure angle: click three points on the mesh, the vertex second; Esc cancels"),
     ),
-    Kind.GEODESIC: KindWords(
+    MeasurementKind.GEODESIC: KindWords(
         tr("&Geodesic"),
         "measure-geodesic",
         tr("Measure the shortest path over the surface between two points"),
         tr("Measure geodesic: click two points on the mesh; Esc cancels"),
     ),
-    Kind.SECTION: KindWords(
+    MeasurementKind.SECTION: KindWords(
         tr("&Section"),
         "measure-section",
         tr("Measure the contour in which a plane cuts the mesh, and the area in it"),

@@ -8,10 +8,10 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QGuiApplication
 
-from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.language import tr
-from apd_viewer.presentation import measurement_words as words
+from apd_viewer.presentation import measurement_text as words
 from apd_viewer.ui.measuring.kind_words import KIND_WORDS
 from apd_viewer.ui.measuring.measure_tool import MeasureTool
 from apd_viewer.ui.measuring.measure_view import MeasureView
@@ -35,9 +35,9 @@ class MeasureController(QObject):
     section : MeasureSection
         Of the panel.
     session : Session
-    take : callable
+    choose_tool : callable
         Puts a tool into the hand.
-    tell : callable
+    show_message : callable
         Says a sentence to the user.
 
     Attributes
@@ -55,11 +55,11 @@ class MeasureController(QObject):
         canvas: Canvas,
         section: MeasureSection,
         session: Session,
-        take: Callable[[Tool], object],
-        tell: Callable[[str], object],
+        choose_tool: Callable[[Tool], object],
+        show_message: Callable[[str], object],
     ) -> None:
         super().__init__(canvas)
-        self._section, self._session, self._take, self._tell = section, session, take, tell
+        self._section, self._session, self._take, self._tell = section, session, choose_tool, show_message
         self._chosen = 0
         self._F: np.ndarray | None = None
         self.tool = MeasureTool(canvas.viewport, canvas.surface)
@@ -78,13 +78,13 @@ class MeasureController(QObject):
         """Hint for the status line."""
         return KIND_WORDS[self.tool.kind].hint
 
-    def choose_kind(self, kind: Kind) -> None:
+    def choose_kind(self, kind: MeasurementKind) -> None:
         """Measure another kind, with the tool Measure."""
         self.tool.kind = kind
         self.kind_chosen.emit(kind)
         self._take(Tool.MEASURE)
 
-    def follow(self) -> None:
+    def refresh(self) -> None:
         """Show the measurements of the session's state."""
         state = self._session.store.state
         if state is None:
@@ -94,7 +94,7 @@ class MeasureController(QObject):
             self.tool.cancel()  # points clicked on another mesh
         if not state.document.measurements and not self._section.list.rows:
             return
-        unit, readings = self._session.store.unit, self._session.measuring.readings(state)
+        unit, readings = self._session.store.unit, self._session.measurement_readings.readings(state)
         self._chosen = max(0, min(self._chosen, len(readings) - 1))
         self._section.show_readings(readings, unit, self._chosen)
         self.view.show_readings(readings, unit, self._chosen)
@@ -105,8 +105,8 @@ class MeasureController(QObject):
         if state is None or not state.document.measurements:
             self._tell(tr("There are no measurements to copy; choose the tool Measure and click the mesh."))
             return
-        readings = self._session.measuring.readings(state)
-        QGuiApplication.clipboard().setText(words.table(readings, self._session.store.unit))
+        readings = self._session.measurement_readings.readings(state)
+        QGuiApplication.clipboard().setText(words.value_table(readings, self._session.store.unit))
         self._tell(tr("Measurements copied; paste them into a text or a spreadsheet."))
 
     def clear(self) -> None:
@@ -117,9 +117,9 @@ class MeasureController(QObject):
     def add_section(self, point: np.ndarray, normal: np.ndarray) -> None:
         """Measure the section in the plane through a point (3,) with a unit normal (3,)."""
         x, y, z = normal.tolist()
-        self._add((), Plane((x, y, z), float(point @ normal)), Kind.SECTION)
+        self._add((), Plane((x, y, z), float(point @ normal)), MeasurementKind.SECTION)
 
-    def _add(self, points: tuple[SurfacePoint, ...], plane: Plane | None, kind: Kind) -> None:
+    def _add(self, points: tuple[SurfacePoint, ...], plane: Plane | None, kind: MeasurementKind) -> None:
         state = self._session.store.state
         if state is not None:
             self._chosen = len(state.document.measurements)
@@ -128,7 +128,7 @@ class MeasureController(QObject):
 
     def _choose(self, k: int) -> None:
         self._chosen = k
-        self.follow()
+        self.refresh()
 
     def _remove(self, k: int) -> None:
         if k < self._chosen:
@@ -136,4 +136,4 @@ class MeasureController(QObject):
         self._session.measurements.remove(k)
 
     def _show_in_view(self, on: bool) -> None:
-        self.view.shown = on
+        self.view.visible = on

@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPen
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from apd_viewer.geometry.measuring.measurement import Measured
+    from apd_viewer.geometry.measuring.measurement import MeasurementResult
     from apd_viewer.ui.scene.camera import Camera
 
 # Dark on a white halo: seen on any paint, overlay and background.
@@ -22,15 +22,15 @@ _BACK = 0.3  # opacity on the side of the surface that looks away
 _DOT, _ROOM, _GAP = 3.5, 6.0, 8.0
 
 
-def draw_lines(painter: QPainter, eye: Camera, measured: Measured, chosen: bool) -> None:
+def draw_lines(painter: QPainter, camera: Camera, measured: MeasurementResult, chosen: bool) -> None:
     """Draw the lines of a measurement, faint where the surface hides them."""
-    if not len(measured.segments) or (eye.depth(measured.segments.reshape(-1, 3)) <= 0.0).any():
+    if not len(measured.segments) or (camera.depth(measured.segments.reshape(-1, 3)) <= 0.0).any():
         return
     front = np.ones(len(measured.segments), dtype=bool)
     if measured.normals is not None:
-        towards = eye.position - measured.segments[:, 0]
+        towards = camera.position - measured.segments[:, 0]
         front = np.einsum("ij,ij->i", measured.normals, towards) >= 0.0
-    ends = eye.project(measured.segments.reshape(-1, 3)).reshape(-1, 2, 2)
+    ends = camera.project(measured.segments.reshape(-1, 3)).reshape(-1, 2, 2)
     for side, opacity in ((~front, _BACK), (front, 1.0)):
         painter.setOpacity(opacity)
         lines = [QLineF(*p, *q) for p, q in ends[side].tolist()]
@@ -44,16 +44,16 @@ def draw_lines(painter: QPainter, eye: Camera, measured: Measured, chosen: bool)
     painter.setOpacity(1.0)
 
 
-def draw_points(painter: QPainter, eye: Camera, points: np.ndarray, chosen: bool = False) -> None:
+def draw_points(painter: QPainter, camera: Camera, points: np.ndarray, chosen: bool = False) -> None:
     """Draw a dot at each point (k, 3)."""
     painter.setBrush(_CHOSEN if chosen else _INK)
     painter.setPen(QPen(_HALO, 1.6))
-    for point in points[eye.depth(points) > 0.0] if len(points) else ():
-        painter.drawEllipse(QPointF(*eye.project(point[None])[0]), _DOT, _DOT)
+    for point in points[camera.depth(points) > 0.0] if len(points) else ():
+        painter.drawEllipse(QPointF(*camera.project(point[None])[0]), _DOT, _DOT)
 
 
 def draw_labels(
-    painter: QPainter, eye: Camera, labels: Sequence[tuple[Measured, Sequence[str], bool]]
+    painter: QPainter, camera: Camera, labels: Sequence[tuple[MeasurementResult, Sequence[str], bool]]
 ) -> None:
     """Write lines of text beside measurements, none over another.
 
@@ -68,19 +68,19 @@ def draw_labels(
     painter.setFont(font)
     taken: list[QRectF] = []
     for measured, lines, chosen in labels:
-        if measured.at is not None and eye.depth(measured.at[None])[0] > 0.0:
-            room = _free(_beside(painter, eye, measured, lines), taken)
+        if measured.label_position is not None and camera.depth(measured.label_position[None])[0] > 0.0:
+            room = _free(_beside(painter, camera, measured, lines), taken)
             taken.append(room)
             _write(painter, room, lines, chosen)
 
 
-def _beside(painter: QPainter, eye: Camera, measured: Measured, lines: Sequence[str]) -> QRectF:
+def _beside(painter: QPainter, eye: Camera, measured: MeasurementResult, lines: Sequence[str]) -> QRectF:
     """Rectangle of a label that covers as little of its measurement as possible."""
     metrics = painter.fontMetrics()
     wide = max(metrics.horizontalAdvance(line) for line in lines) + 2 * _ROOM
     tall = len(lines) * metrics.height() + _ROOM
-    assert measured.at is not None
-    at = eye.project(measured.at[None])[0]
+    assert measured.label_position is not None
+    at = eye.project(measured.label_position[None])[0]
     aside = np.array(_aside(eye, measured, at))
     # Its nearest corner, or side, is beside the point: so no slanted line runs under it.
     middle = at + _GAP * aside + np.clip(4.0 * aside, -1.0, 1.0) * [wide / 2, tall / 2]
@@ -88,10 +88,10 @@ def _beside(painter: QPainter, eye: Camera, measured: Measured, lines: Sequence[
     return QRectF(left, middle[1] - tall / 2, wide, tall)
 
 
-def _aside(eye: Camera, measured: Measured, at: np.ndarray) -> tuple[float, float]:
+def _aside(eye: Camera, measured: MeasurementResult, at: np.ndarray) -> tuple[float, float]:
     """Unit vector on the screen from a measurement to its label."""
-    if measured.within is not None:
-        way = at - eye.project(measured.within[None])[0]
+    if measured.label_away_from is not None:
+        way = at - eye.project(measured.label_away_from[None])[0]
     else:
         p, q = eye.project(measured.segments[len(measured.segments) // 2])
         way = np.array([p[1] - q[1], q[0] - p[0]])

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 
-from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Plane
-from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
 from apd_viewer.ui.scene.mouse_tool import MouseTool
-from apd_viewer.ui.tools.selection_tool import begins
+from apd_viewer.ui.tools.selection_tool import may_begin_stroke
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QWheelEvent
@@ -44,19 +44,19 @@ class MeasureTool(MouseTool, QObject):
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         super().__init__(viewport)
         self._viewport, self._surface = viewport, surface
-        self._kind = Kind.DISTANCE
+        self._kind = MeasurementKind.DISTANCE
         self._enabled = False
         self._points: list[SurfacePoint] = []
         self._under: SurfacePoint | None = None  # the cursor
         self.axis = 1
 
     @property
-    def kind(self) -> Kind:
+    def kind(self) -> MeasurementKind:
         """Kind of the next measurement."""
         return self._kind
 
     @kind.setter
-    def kind(self, kind: Kind) -> None:
+    def kind(self, kind: MeasurementKind) -> None:
         self.cancel()
         self._kind = kind
 
@@ -73,24 +73,24 @@ class MeasureTool(MouseTool, QObject):
     @property
     def points(self) -> np.ndarray:
         """Positions (k, 3) of the clicked points, and of that under the cursor."""
-        skin = self._surface.touchable
+        skin = self._surface.picking_index
         places = [*self._points, *([] if self._under is None else [self._under])]
         if skin is None or not places or not self._enabled:
             return np.empty((0, 3))
-        return positions(places, self._surface.U, skin.F)
+        return point_positions(places, self._surface.U, skin.F)
 
     @property
     def plane(self) -> Plane | None:
         """Plane through the point under the cursor, if a section is to be measured."""
         points = self.points
-        if self._kind is not Kind.SECTION or not len(points):
+        if self._kind is not MeasurementKind.SECTION or not len(points):
             return None
         x, y, z = np.eye(3)[self.axis].tolist()
         return Plane((x, y, z), float(points[-1, self.axis]))
 
     def press(self, event: QMouseEvent) -> bool:
         """Show the point, which may still be dragged to its place."""
-        if not self._enabled or not begins(event):
+        if not self._enabled or not may_begin_stroke(event):
             return False
         self._look(event.position())
         return self._under is not None
@@ -119,13 +119,13 @@ class MeasureTool(MouseTool, QObject):
 
     def wheel(self, event: QWheelEvent) -> bool:
         """Take another axis for the plane."""
-        if not self._enabled or self._kind is not Kind.SECTION:
+        if not self._enabled or self._kind is not MeasurementKind.SECTION:
             return False
         if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return False
         if event.angleDelta().y() or event.angleDelta().x():
             self.axis = (self.axis + (1 if event.angleDelta().y() < 0 else 2)) % 3
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()
             self.axis_changed.emit(self.axis)
         return True
 
@@ -133,19 +133,19 @@ class MeasureTool(MouseTool, QObject):
         """Show no point under the cursor any more."""
         if self._under is not None:
             self._under = None
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()
 
     def cancel(self) -> bool:
         """Forget the points clicked so far; True if there were any."""
         there, self._points = bool(self._points), []
         self._under = None
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
         return there
 
     def _look(self, position: QPointF) -> None:
         hit = self._surface.hit(position)
         self._under = None
         if hit is not None:
-            a, b, c = self._surface.shares(hit).tolist()
+            a, b, c = self._surface.barycentric_weights(hit).tolist()
             self._under = SurfacePoint(hit.face, (a, b, c))
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()

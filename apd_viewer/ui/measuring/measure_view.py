@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtGui import QColor
 
-from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Measurement, measure
-from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
-from apd_viewer.presentation import measurement_words as words
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
+from apd_viewer.presentation import measurement_text as words
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.measuring.measure_drawing import draw_labels, draw_lines, draw_points
 from apd_viewer.ui.scene.mouse_tool import MouseTool
-from apd_viewer.ui.tools.polylines import axis_plane, draw_plane
+from apd_viewer.ui.tools.polylines import axis_rectangle, draw_plane
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -47,7 +47,7 @@ class MeasureView(MouseTool):
 
     Attributes
     ----------
-    shown : bool
+    visible : bool
         Whether measurements are drawn.
     """
 
@@ -59,19 +59,19 @@ class MeasureView(MouseTool):
         self._shown = True
 
     @property
-    def shown(self) -> bool:
+    def visible(self) -> bool:
         """True if measurements are drawn."""
         return self._shown
 
-    @shown.setter
-    def shown(self, on: bool) -> None:
+    @visible.setter
+    def visible(self, on: bool) -> None:
         self._shown = on
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
 
     def show_readings(self, readings: Sequence[MeasurementReading], unit: Unit, chosen: int) -> None:
         """Draw other measurements, or others of the same."""
         self._readings, self._unit, self._chosen = readings, unit, chosen
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
 
     def paint(self, painter: QPainter) -> None:
         """Draw the measurements of the shape, unless a blend is on screen."""
@@ -81,38 +81,40 @@ class MeasureView(MouseTool):
         self._draw_picking(painter)
 
     def _draw_measurements(self, painter: QPainter) -> None:
-        skin, eye, labels = self._surface.touchable, self._viewport.look.eye, []
+        skin, eye, labels = self._surface.picking_index, self._viewport.camera_controller.camera, []
         if skin is None:
             return
         for k, reading in enumerate(self._readings):
             chosen = k == self._chosen
             draw_lines(painter, eye, reading.now, chosen)
-            draw_points(painter, eye, positions(reading.measurement.points, self._surface.U, skin.F), chosen)
+            draw_points(
+                painter, eye, point_positions(reading.measurement.points, self._surface.U, skin.F), chosen
+            )
             labels.append((reading.now, self._label(reading), chosen))
         draw_labels(painter, eye, labels)
 
     def _label(self, reading: MeasurementReading) -> list[str]:
-        pairs = zip(words.now(reading, self._unit), words.changed(reading), strict=True)
+        pairs = zip(words.current_texts(reading, self._unit), words.change_texts(reading), strict=True)
         return ["  ".join(filter(None, pair)) for pair in pairs]
 
     def _draw_plane(self, painter: QPainter) -> None:
         if (plane := self._tool.plane) is not None:
-            corners = axis_plane(self._surface.U, self._tool.axis, plane.offset)
-            draw_plane(painter, self._viewport.look.eye, corners, _PLANE, _HALO)
+            corners = axis_rectangle(self._surface.U, self._tool.axis, plane.offset)
+            draw_plane(painter, self._viewport.camera_controller.camera, corners, _PLANE, _HALO)
 
     def _draw_picking(self, painter: QPainter) -> None:
-        tool, eye = self._tool, self._viewport.look.eye
+        tool, eye = self._tool, self._viewport.camera_controller.camera
         points = tool.points
-        if tool.kind is Kind.SECTION:
+        if tool.kind is MeasurementKind.SECTION:
             return
         draw_points(painter, eye, points, chosen=True)
         if len(points) < 2:
             return
-        kind = Kind.ANGLE if len(points) == 3 else Kind.DISTANCE
+        kind = MeasurementKind.ANGLE if len(points) == 3 else MeasurementKind.DISTANCE
         measured = measure(
             Measurement("", kind, _CORNERS[: len(points)]), np.vstack([points, points[:1]])[:3], _TRIANGLE
         )
         draw_lines(painter, eye, measured, chosen=True)
         if tool.kind is kind:
-            said = words.value(measured.values[0], kind.powers[0], self._unit)
+            said = words.value_text(measured.values[0], kind.powers[0], self._unit)
             draw_labels(painter, eye, [(measured, [said], True)])

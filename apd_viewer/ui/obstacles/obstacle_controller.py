@@ -9,15 +9,15 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import direction
+from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
+from apd_viewer.ui.obstacles.obstacle_picker import ObstaclePicker
 from apd_viewer.ui.obstacles.obstacle_placer import ObstaclePlacer
 from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle, ObstacleScene
-from apd_viewer.ui.obstacles.obstacle_shapes import Extent, anchor, axes_of
-from apd_viewer.ui.obstacles.obstacle_tool import ObstaclePicker
+from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent, axes_along, drawing_anchor
 from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.tools.gizmo_drag import nice_step
-from apd_viewer.ui.tools.gizmo_layout import ARROWS, SQUARES, Along
+from apd_viewer.ui.tools.gizmo_layout import ARROWS, SQUARES, GizmoOrientation
 from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:
@@ -47,11 +47,11 @@ class ObstacleController(QObject):
     session : Session
     parts : ActiveParts
         Say which obstacle is in the hand.
-    take : callable
+    choose_tool : callable
         Puts a tool into the hand.
-    give_up : callable
+    cancel_drag : callable
         Cancels the drag under way.
-    thickness : callable
+    wall_thickness : callable
         Thickness of the walls as typed, mesh units, or None.
 
     Attributes
@@ -60,14 +60,14 @@ class ObstacleController(QObject):
     picker : ObstaclePicker
     placer : ObstaclePlacer
     scene : ObstacleScene
-    moved : Signal()
+    drag_moved : Signal()
         An obstacle is being dragged.
-    offered : Signal(bool, bool)
+    availability_changed : Signal(bool, bool)
         Whether there is an obstacle in the hand, and whether it was moved.
     """
 
-    moved = Signal()
-    offered = Signal(bool, bool)
+    drag_moved = Signal()
+    availability_changed = Signal(bool, bool)
 
     def __init__(
         self,
@@ -75,16 +75,16 @@ class ObstacleController(QObject):
         section: ObstacleSection,
         session: Session,
         parts: ActiveParts,
-        take: Callable[[Tool], object],
-        give_up: Callable[[], bool],
-        thickness: Callable[[], float | None],
+        choose_tool: Callable[[Tool], object],
+        cancel_drag: Callable[[], bool],
+        wall_thickness: Callable[[], float | None],
     ) -> None:
         super().__init__(canvas)
         self._canvas, self._section, self._session, self._parts = canvas, section, session, parts
-        self._take, self._give_up, self._thickness = take, give_up, thickness
+        self._take, self._give_up, self._thickness = choose_tool, cancel_drag, wall_thickness
         self._hot: int | None = None
         self._preview: NamedObstacle | None = None
-        self._extent_of: tuple[np.ndarray, Extent] | None = None
+        self._extent_of: tuple[np.ndarray, ShapeExtent] | None = None
         viewport, surface = canvas.viewport, canvas.surface
         self.scene = ObstacleScene(viewport)
         self.gizmo = Gizmo(viewport)
@@ -92,13 +92,13 @@ class ObstacleController(QObject):
         self.placer = ObstaclePlacer(viewport, surface, self._propose)
         # Behind the gizmo and the dots of the handles, which are drawn on top.
         viewport.tools[:1] = [self.placer, viewport.tools[0], self.gizmo]
-        viewport.tools.insert(viewport.tools.index(canvas.pivots) + 1, self.picker)
-        canvas.covered = self._covers
+        viewport.tools.insert(viewport.tools.index(canvas.inactive_handles) + 1, self.picker)
+        canvas.is_covered = self._covers
         self._connect()
 
     def _connect(self) -> None:
         self.gizmo.began.connect(self._session.gestures.begin)
-        self.gizmo.began.connect(self.moved)
+        self.gizmo.began.connect(self.drag_moved)
         self.gizmo.moved.connect(self._drag)
         self.gizmo.ended.connect(self._release)
         self.gizmo.cancelled.connect(self._session.gestures.cancel)
@@ -110,35 +110,35 @@ class ObstacleController(QObject):
         section.list.chosen.connect(self._choose)
         section.list.renamed.connect(obstacles.rename)
         section.list.removed.connect(self.remove)
-        section.fields.typed.connect(self._replace)
-        section.fields.distance_typed.connect(self._move_by)
-        section.fields.reset_asked.connect(self.reset)
+        section.fields.obstacle_entered.connect(self._replace)
+        section.fields.distance_entered.connect(self._move_by)
+        section.fields.reset_requested.connect(self.reset)
         for kind, button in section.kinds.items():
-            button.clicked.connect(partial(self.ask, kind))
-        section.floor.clicked.connect(self.put_floor)
-        section.sides_asked.connect(self.put_plates)
-        section.contact_asked.connect(lambda: self._session.settings.keep_apart(True, self._thickness()))
-        self._parts.changed.connect(self.follow)
+            button.clicked.connect(partial(self.begin_placing, kind))
+        section.floor.clicked.connect(self.add_floor)
+        section.sides_requested.connect(self.add_plates)
+        section.contact_requested.connect(lambda: self._session.settings.set_contact(True, self._thickness()))
+        self._parts.changed.connect(self.refresh)
 
     # Commands
 
-    def ask(self, kind: ObstacleKind) -> None:
+    def begin_placing(self, kind: ObstacleKind) -> None:
         """Have the next click on the surface place an obstacle."""
         if self._may_begin():
             self._take(Tool.MOVE)
             self._canvas.viewport.setFocus()  # where Esc cancels it
-            self.placer.ask(kind)
+            self.placer.begin_placing(kind)
 
-    def put_floor(self) -> None:
+    def add_floor(self) -> None:
         """Put a plate under the shape."""
         if self._may_begin():
-            up = self._canvas.viewport.look.eye.up_axis.direction
-            self._taken(self._session.obstacles.put_floor(up, self._thickness()))
+            up = self._canvas.viewport.camera_controller.camera.up_axis.direction
+            self._taken(self._session.obstacles.add_floor(up, self._thickness()))
 
-    def put_plates(self, axis: int) -> None:
+    def add_plates(self, axis: int) -> None:
         """Put plates on both sides of the shape, along axis 0, 1 or 2."""
         if self._may_begin():
-            self._taken(self._session.obstacles.put_plates(np.eye(3)[axis], self._thickness()))
+            self._taken(self._session.obstacles.add_plates(np.eye(3)[axis], self._thickness()))
 
     def remove(self, k: int | None = None) -> None:
         """Remove obstacle ``k``, or the one in the hand."""
@@ -156,13 +156,13 @@ class ObstacleController(QObject):
         k, state = self._parts.obstacle, self._session.store.state
         if k is None or state is None or self._canvas.tool is not Tool.MOVE:
             return False
-        eye, obstacle = self._canvas.viewport.look.eye, state.document.obstacles[k]
+        eye, obstacle = self._canvas.viewport.camera_controller.camera, state.document.obstacles[k]
         way = (np.array(step) * [1, 1, -1]) @ eye.axes
         if obstacle.kind is ObstacleKind.PLATE:  # aside it would change nothing
             along = float(way @ obstacle.axis)
             way = np.sign(along) * obstacle.axis if abs(along) > 0.3 else np.zeros(3)
         length = nice_step(_NUDGE * eye.world_per_pixel(obstacle.centre))
-        self._session.obstacles.move(k, length * way, repeats=True)
+        self._session.obstacles.move(k, length * way, is_repeat=True)
         return True
 
     def _may_begin(self) -> bool:
@@ -174,7 +174,7 @@ class ObstacleController(QObject):
     def _propose(
         self, kind: ObstacleKind, point: np.ndarray, outwards: np.ndarray, at_once: bool
     ) -> NamedObstacle:
-        return self._session.obstacles.proposed(kind, point, outwards, self._thickness(), at_once)
+        return self._session.obstacles.proposed_obstacle(kind, point, outwards, self._thickness(), at_once)
 
     def _add(self, obstacle: NamedObstacle) -> None:
         self._taken(self._session.obstacles.add(obstacle, self._thickness()))
@@ -189,20 +189,20 @@ class ObstacleController(QObject):
 
     def _show_preview(self, obstacle: NamedObstacle | None) -> None:
         self._preview = obstacle
-        self.follow()
+        self.refresh()
 
     # Moving
 
     def _drag(self, pose: np.ndarray) -> None:
         k, state = self._parts.obstacle, self._session.store.state
         if k is not None and state is not None and k < len(state.document.obstacles):
-            start = anchor(state.document.obstacles[k], np.zeros(3), self._extent(state))
+            start = drawing_anchor(state.document.obstacles[k], np.zeros(3), self._extent(state))
             self._session.obstacles.drag(k, pose[:3, 3] - start)
 
     def _release(self) -> None:
         if self._parts.obstacle is not None:
-            self._session.obstacles.release(self._parts.obstacle)
-        self.follow()
+            self._session.obstacles.end_drag(self._parts.obstacle)
+        self.refresh()
 
     def _choose(self, k: int) -> None:
         if self._canvas.tool is not Tool.MOVE:
@@ -215,55 +215,59 @@ class ObstacleController(QObject):
         try:
             self._session.obstacles.replace(self._parts.obstacle, obstacle)
         except InputError as error:
-            self._section.fields.refuse(str(error))
+            self._section.fields.show_error(str(error))
 
     def _move_by(self, along: int | None, text: str) -> None:
         k, state = self._parts.obstacle, self._session.store.state
         if k is None or state is None or not self._may_begin():
             return
         try:
-            distance = self._session.typed.length(text)
+            distance = self._session.typed_values.parse_length(text)
         except InputError as error:
-            self._section.fields.refuse_distance(str(error))
+            self._section.fields.show_distance_error(str(error))
             return
-        way = direction(state.document.obstacles[k].axis) if along is None else np.eye(3)[along]
+        way = checked_direction(state.document.obstacles[k].axis) if along is None else np.eye(3)[along]
         self._session.obstacles.move(k, distance * way)
-        self._section.fields.done()
+        self._section.fields.finish_entry()
 
     # Showing
 
-    def take(self, _tool: Tool) -> None:
+    def follow_tool(self, _tool: Tool) -> None:
         """Follow another tool in the hand."""
         self.placer.cancel()
-        self.follow()
+        self.refresh()
 
-    def follow(self, *_: object) -> None:
+    def refresh(self, *_: object) -> None:
         """Show the obstacles of the session's state."""
         state = self._session.store.state
         if state is None:
             return
         active, obstacles = self._parts.obstacle, state.document.obstacles
-        if not (obstacles or self.scene.shown or self._preview):
+        if not (obstacles or self.scene.drawn_obstacles or self._preview):
             return
         in_hand = active is not None and self._canvas.tool is Tool.MOVE
-        self._canvas.handle_rests = in_hand
+        self._canvas.is_handle_inactive = in_hand
         self.picker.enabled = self._canvas.tool is Tool.MOVE and self.placer.kind is None
         shown = [self._shown(state, k, in_hand) for k in range(len(obstacles))]
-        self.picker.place(shown, self._extent(state))
+        self.picker.set_obstacles(shown, self._extent(state))
         if self._preview is not None:
-            shown.append(DrawnObstacle(self._preview, np.zeros(3), chosen=True))
-        self.scene.show(shown, self._extent(state))
+            shown.append(DrawnObstacle(self._preview, np.zeros(3), is_chosen=True))
+        self.scene.show_obstacles(shown, self._extent(state))
         self._place_gizmo(state, active if in_hand else None)
-        self.offered.emit(active is not None, active is not None and bool(obstacles[active].shift.any()))
-        self._section.show_state(state, self._session.store.unit, active, self._session.typed)
+        self.availability_changed.emit(
+            active is not None, active is not None and bool(obstacles[active].shift.any())
+        )
+        self._section.show_state(state, self._session.store.unit, active, self._session.typed_values)
 
     def _shown(self, state: State, k: int, in_hand: bool) -> DrawnObstacle:
-        obstacle, shift = state.document.obstacles[k], state.shifts[k]
+        obstacle, shift = state.document.obstacles[k], state.obstacle_shifts[k]
         behind = float(np.linalg.norm(obstacle.shift - shift))
-        pixel = self._canvas.viewport.look.eye.world_per_pixel(obstacle.centre)
-        asked = obstacle.shift if behind > _LATE * pixel and state.keeps_apart else None
+        pixel = self._canvas.viewport.camera_controller.camera.world_per_pixel(obstacle.centre)
+        asked = obstacle.shift if behind > _LATE * pixel and state.is_contact_active else None
         chosen = in_hand and k == self._parts.obstacle
-        return DrawnObstacle(obstacle, shift, asked, chosen, k == self._hot, idle=not state.keeps_apart)
+        return DrawnObstacle(
+            obstacle, shift, asked, chosen, k == self._hot, is_idle=not state.is_contact_active
+        )
 
     def _place_gizmo(self, state: State, k: int | None) -> None:
         if k is not None:
@@ -271,25 +275,25 @@ class ObstacleController(QObject):
             flat = obstacle.kind is ObstacleKind.PLATE
             pose = np.eye(4)
             if obstacle.kind is not ObstacleKind.SPHERE:
-                pose[:3, :3] = axes_of(obstacle.axis).T
-            pose[:3, 3] = anchor(obstacle, obstacle.shift, self._extent(state))
-            self.gizmo.offered = _ALONG_NORMAL if flat else _FREELY
-            self.gizmo.along = Along.HANDLE if flat else self._canvas.gizmo.along
+                pose[:3, :3] = axes_along(obstacle.axis).T
+            pose[:3, 3] = drawing_anchor(obstacle, obstacle.shift, self._extent(state))
+            self.gizmo.offered_handles = _ALONG_NORMAL if flat else _FREELY
+            self.gizmo.orientation = GizmoOrientation.HANDLE if flat else self._canvas.gizmo.orientation
             self.gizmo.place(pose, np.zeros(3))
         if (k is not None) != self.gizmo.visible:
             self.gizmo.visible = k is not None
 
     def _hover(self, k: int | None) -> None:
         self._hot = k
-        self.follow()
+        self.refresh()
 
     def _covers(self, position: QPointF) -> bool:
         """True if a round obstacle is seen before the surface."""
-        return self.picker.at(position, solid_only=True) is not None
+        return self.picker.obstacle_at(position, solid_only=True) is not None
 
-    def _extent(self, state: State) -> Extent:
+    def _extent(self, state: State) -> ShapeExtent:
         """Extent of the mesh at rest."""
         mesh = state.document.mesh
         if self._extent_of is None or self._extent_of[0] is not mesh.V:
-            self._extent_of = mesh.V, Extent.of(mesh.V[np.unique(mesh.F)])
+            self._extent_of = mesh.V, ShapeExtent.from_points(mesh.V[np.unique(mesh.F)])
         return self._extent_of[1]

@@ -10,15 +10,15 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import direction, frozen
+from apd_viewer.geometry.mesh.arrays import checked_direction, frozen
 from apd_viewer.language import tr, trc
-from apd_viewer.notation import typed
-from apd_viewer.presentation.number_format import to_type
-from apd_viewer.presentation.obstacle_readings import coordinates
+from apd_viewer.notation import editable_number
+from apd_viewer.presentation.number_format import format_editable
+from apd_viewer.presentation.obstacle_readings import coordinates_text
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.ui.obstacles.typed_field import TypedField
 from apd_viewer.ui.widgets.error_bubble import ErrorBubble
-from apd_viewer.ui.widgets.fields import Choice, Entry, return_keys, small_button
+from apd_viewer.ui.widgets.fields import ComboBox, TextField, return_focus, small_button
 from apd_viewer.ui.widgets.icons import icon
 
 if TYPE_CHECKING:
@@ -42,21 +42,21 @@ class ObstacleFields(QWidget):
     Attributes
     ----------
     place, axis, radius, length : TypedField
-    distance : Entry
-    along : Choice
+    distance : TextField
+    along : ComboBox
         What the distance is along: its axis, or one of the mesh.
-    typed : Signal(NamedObstacle)
+    obstacle_entered : Signal(NamedObstacle)
         The obstacle as typed, to be placed anew.
-    distance_typed : Signal(object, str)
+    distance_entered : Signal(object, str)
         The axis of the mesh to move along, or None for its own, and the distance.
-    reset_asked : Signal()
+    reset_requested : Signal()
     problem : ErrorBubble
         Why it cannot be moved as typed.
     """
 
-    typed = Signal(object)
-    distance_typed = Signal(object, str)
-    reset_asked = Signal()
+    obstacle_entered = Signal(object)
+    distance_entered = Signal(object, str)
+    reset_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -70,13 +70,13 @@ class ObstacleFields(QWidget):
         )
         self._fields = self.place, self.axis, self.radius, self.length
         for field in self._fields:
-            field.typed.connect(self._type)
+            field.value_entered.connect(self._type)
         self._labels = [
             QLabel(text, objectName="quiet") for text in (tr("Place"), "", tr("Radius"), tr("Length"))
         ]
         self._make_distance()
         self.reset = small_button(tr("Reset obstacle"), tr("Move the obstacle back to where it was put"))
-        self.reset.clicked.connect(self.reset_asked)
+        self.reset.clicked.connect(self.reset_requested)
         grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         for row, (label, field) in enumerate(zip(self._labels, self._fields, strict=True)):
             grid.addWidget(label, row, 0)
@@ -92,12 +92,14 @@ class ObstacleFields(QWidget):
         self.setLayout(grid)
 
     def _make_distance(self) -> None:
-        self.distance = Entry(accessibleName=tr("Distance"), placeholderText=typed("0.1") + "L", toolTip=_BY)
+        self.distance = TextField(
+            accessibleName=tr("Distance"), placeholderText=editable_number("0.1") + "L", toolTip=_BY
+        )
         self.problem = ErrorBubble(self.distance)
         self.distance.textChanged.connect(self.problem.hide)  # Esc restores the text too
-        self.distance.left.connect(self.problem.leave)
+        self.distance.focus_lost.connect(self.problem.hide_later)
         self.distance.returnPressed.connect(self._move)
-        self.along = Choice(accessibleName=tr("Direction of the distance"), toolTip=_BY)
+        self.along = ComboBox(accessibleName=tr("Direction of the distance"), toolTip=_BY)
         self.along.addItem("", None)
         for axis, letter in enumerate("XYZ"):
             self.along.addItem(tr("along {axis}").format(axis=letter), axis)
@@ -106,7 +108,7 @@ class ObstacleFields(QWidget):
         """Show obstacle ``k`` of a state; ``values`` read what is typed."""
         obstacle, size = state.document.obstacles[k], float(max(state.inspection.size))
         self._values = values
-        self._shown = obstacle.settled(state.shifts[k])
+        self._shown = obstacle.with_shift_applied(state.obstacle_shifts[k])
         kind = obstacle.kind
         title, tip = _AXIS[kind]
         self._labels[1].setText(title)
@@ -114,30 +116,30 @@ class ObstacleFields(QWidget):
         self.along.setItemText(0, tr("along normal") if kind is ObstacleKind.PLATE else tr("along axis"))
         if kind is ObstacleKind.SPHERE:
             self.along.setItemText(0, tr("in direction"))
-        self.place.show_text(coordinates(self._shown.place, size, _DIGITS))
-        self.axis.show_text(coordinates(obstacle.axis, digits=_DIGITS - 1))
-        self.radius.show_text(to_type(obstacle.radius, _DIGITS))
-        self.length.show_text(to_type(obstacle.length, _DIGITS))
+        self.place.show_text(coordinates_text(self._shown.place, size, _DIGITS))
+        self.axis.show_text(coordinates_text(obstacle.axis, digits=_DIGITS - 1))
+        self.radius.show_text(format_editable(obstacle.radius, _DIGITS))
+        self.length.show_text(format_editable(obstacle.length, _DIGITS))
         for part in (self._labels[2], self.radius):
             part.setVisible(kind is not ObstacleKind.PLATE)
         for part in (self._labels[3], self.length):
             part.setVisible(kind is ObstacleKind.CYLINDER)
         self.reset.setEnabled(bool(obstacle.shift.any()))
 
-    def refuse(self, sentence: str) -> None:
+    def show_error(self, sentence: str) -> None:
         """Say what is wrong with the numbers typed."""
-        field = next((field for field in self._fields if field.changed), self.place)
-        field.refuse(sentence)
+        field = next((field for field in self._fields if field.is_changed), self.place)
+        field.show_error(sentence)
 
-    def refuse_distance(self, sentence: str) -> None:
+    def show_distance_error(self, sentence: str) -> None:
         """Say what is wrong with the distance typed."""
-        self.problem.say(sentence)
+        self.problem.show_message(sentence)
         self.distance.selectAll()
 
-    def done(self) -> None:
+    def finish_entry(self) -> None:
         """The motion was made, and the keys are the document's: Ctrl+Z takes it back."""
         self.problem.hide()
-        return_keys(self.distance)
+        return_focus(self.distance)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""
@@ -149,27 +151,29 @@ class ObstacleFields(QWidget):
         try:
             obstacle = self._as_typed()
         except InputError as error:
-            field.refuse(str(error))
+            field.show_error(str(error))
         else:
-            self.typed.emit(obstacle)
+            self.obstacle_entered.emit(obstacle)
 
     def _as_typed(self) -> NamedObstacle:
         """The obstacle with what was typed; what was not is as it is, to the last digit."""
         assert self._shown is not None
         assert self._values is not None
         obstacle, values = self._shown, self._values
-        if self.place.changed:
-            obstacle = replace(obstacle, place=frozen(values.point(self.place.text())))
-        if self.axis.changed:
-            obstacle = replace(obstacle, axis=frozen(direction(values.vector(self.axis.text()))))
-        if self.radius.changed:
-            obstacle = replace(obstacle, radius=_positive(values.length(self.radius.text())))
-        if self.length.changed:
-            obstacle = replace(obstacle, length=_positive(values.length(self.length.text())))
+        if self.place.is_changed:
+            obstacle = replace(obstacle, place=frozen(values.parse_point(self.place.text())))
+        if self.axis.is_changed:
+            obstacle = replace(
+                obstacle, axis=frozen(checked_direction(values.parse_vector(self.axis.text())))
+            )
+        if self.radius.is_changed:
+            obstacle = replace(obstacle, radius=_positive(values.parse_length(self.radius.text())))
+        if self.length.is_changed:
+            obstacle = replace(obstacle, length=_positive(values.parse_length(self.length.text())))
         return obstacle
 
     def _move(self) -> None:
-        self.distance_typed.emit(self.along.currentData(), self.distance.text())
+        self.distance_entered.emit(self.along.currentData(), self.distance.text())
 
 
 def _positive(length: float) -> float:

@@ -42,7 +42,7 @@ class ObstaclePlacer(MouseTool, QObject):
     ----------
     kind : ObstacleKind or None
         What is being placed.
-    asks : Signal(str)
+    prompt_changed : Signal(str)
         What the user is to do; empty once that is done or cancelled.
     previewed : Signal(object)
         The NamedObstacle under the cursor, or None.
@@ -50,7 +50,7 @@ class ObstaclePlacer(MouseTool, QObject):
         The NamedObstacle where it was clicked.
     """
 
-    asks = Signal(str)
+    prompt_changed = Signal(str)
     previewed = Signal(object)
     placed = Signal(object)
 
@@ -65,10 +65,10 @@ class ObstaclePlacer(MouseTool, QObject):
         self.kind: ObstacleKind | None = None
         self._there = False  # a preview is shown
 
-    def ask(self, kind: ObstacleKind) -> None:
+    def begin_placing(self, kind: ObstacleKind) -> None:
         """Wait for a click."""
         self.kind = kind
-        self.asks.emit(HINTS[kind])
+        self.prompt_changed.emit(HINTS[kind])
 
     def press(self, event: QMouseEvent) -> bool:
         """Hold the mouse over the surface, so that the place can still be changed."""
@@ -100,7 +100,7 @@ class ObstaclePlacer(MouseTool, QObject):
         """Stop waiting for a click; True if it did."""
         waited, self.kind = self.kind is not None, None
         if waited:
-            self.asks.emit("")
+            self.prompt_changed.emit("")
         self.leave()
         return waited
 

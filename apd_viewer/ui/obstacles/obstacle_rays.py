@@ -7,23 +7,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.session.model.named_obstacle import ObstacleKind
-from apd_viewer.ui.obstacles.obstacle_shapes import anchor, axes_of, half_sides
+from apd_viewer.ui.obstacles.obstacle_shapes import axes_along, drawing_anchor, plate_half_sides
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.named_obstacle import NamedObstacle
-    from apd_viewer.ui.obstacles.obstacle_shapes import Extent
+    from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent
 
 
-def distance_along(
-    obstacle: NamedObstacle, shift: np.ndarray, extent: Extent, origin: np.ndarray, way: np.ndarray
+def ray_distance(
+    obstacle: NamedObstacle, shift: np.ndarray, extent: ShapeExtent, origin: np.ndarray, direction: np.ndarray
 ) -> float:
-    """Distance of a ray from ``origin`` along the unit vector ``way``; or infinite."""
-    at = origin - anchor(obstacle, shift, extent)
-    axes = axes_of(obstacle.axis)
-    start, step = axes @ at, axes @ way
+    """Distance along a ray from ``origin`` in a unit ``direction``; or infinite."""
+    at = origin - drawing_anchor(obstacle, shift, extent)
+    axes = axes_along(obstacle.axis)
+    start, step = axes @ at, axes @ direction
     if obstacle.kind is ObstacleKind.PLATE:
         t = -start[2] / step[2] if step[2] else np.inf
-        within = t > 0.0 and (np.abs(start + t * step)[:2] <= half_sides(axes, extent)).all()
+        within = t > 0.0 and (np.abs(start + t * step)[:2] <= plate_half_sides(axes, extent)).all()
         return float(t) if within else np.inf
     half = 0.5 * obstacle.length if obstacle.kind is ObstacleKind.CYLINDER else 0.0
     return _to_capsule(start, step, half, obstacle.radius)

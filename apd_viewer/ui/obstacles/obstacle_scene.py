@@ -10,10 +10,10 @@ import pyvista as pv
 from PySide6.QtGui import QColor
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-from apd_viewer.presentation.palette import OBSTACLE_COLOR, OBSTACLE_ON_DARK
+from apd_viewer.presentation.palette import OBSTACLE_COLOR, OBSTACLE_COLOR_ON_DARK
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
-from apd_viewer.ui.appearance.shading import BUBBLE, PANE
-from apd_viewer.ui.obstacles.obstacle_shapes import Drawn, Extent, anchor, drawn
+from apd_viewer.ui.appearance.shading import PLATE_SHADER, ROUND_OBSTACLE_SHADER
+from apd_viewer.ui.obstacles.obstacle_shapes import ObstacleShape, ShapeExtent, drawing_anchor, obstacle_shape
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
 if TYPE_CHECKING:
@@ -35,18 +35,18 @@ class DrawnObstacle:
     obstacle : NamedObstacle
     shift : (3,) float array
         How far it has come.
-    asked : (3,) float array or None
+    requested_shift : (3,) float array or None
         How far it should have come, if that is to be seen.
-    chosen, hot, idle : bool
+    is_chosen, is_hovered, is_idle : bool
         Whether it is in the hand, under the cursor, and whether it pushes nothing.
     """
 
     obstacle: NamedObstacle
     shift: np.ndarray
-    asked: np.ndarray | None = None
-    chosen: bool = False
-    hot: bool = False
-    idle: bool = False
+    requested_shift: np.ndarray | None = None
+    is_chosen: bool = False
+    is_hovered: bool = False
+    is_idle: bool = False
 
 
 class ObstacleScene:
@@ -58,32 +58,32 @@ class ObstacleScene:
 
     Attributes
     ----------
-    shown : tuple of DrawnObstacle
+    drawn_obstacles : tuple of DrawnObstacle
     """
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport
         self._figures: list[_Figure] = []
-        self.shown: tuple[DrawnObstacle, ...] = ()
+        self.drawn_obstacles: tuple[DrawnObstacle, ...] = ()
         viewport.pre_draw.append(self._dress)
 
-    def show(self, shown: Sequence[DrawnObstacle], extent: Extent) -> None:
+    def show_obstacles(self, obstacles: Sequence[DrawnObstacle], extent: ShapeExtent) -> None:
         """Draw these obstacles beside a mesh of this extent, and no others."""
-        if not shown and not self.shown:
+        if not obstacles and not self.drawn_obstacles:
             return
-        while len(self._figures) < len(shown):
+        while len(self._figures) < len(obstacles):
             self._figures.append(_Figure(self._viewport))
-        self.shown = tuple(shown)
-        for figure, each in zip(self._figures, self.shown, strict=False):
+        self.drawn_obstacles = tuple(obstacles)
+        for figure, each in zip(self._figures, self.drawn_obstacles, strict=False):
             figure.show(each, extent)
-        for figure in self._figures[len(shown) :]:
+        for figure in self._figures[len(obstacles) :]:
             figure.hide()
         self._viewport.update()
 
     def _dress(self) -> None:
         """Stand out from a dark or a light background, before each draw."""
-        dark, pixel = self._viewport.dark, self._viewport.devicePixelRatioF()
-        for figure, each in zip(self._figures, self.shown, strict=False):
+        dark, pixel = self._viewport.is_dark, self._viewport.devicePixelRatioF()
+        for figure, each in zip(self._figures, self.drawn_obstacles, strict=False):
             figure.dress(each, dark, pixel)
 
 
@@ -100,25 +100,25 @@ class _Figure:
         self._ends = np.zeros((2, 3))
         viewport.more_boxes.append(lambda: self._box)
 
-    def show(self, shown: DrawnObstacle, extent: Extent) -> None:
+    def show(self, shown: DrawnObstacle, extent: ShapeExtent) -> None:
         """Draw an obstacle where it is, and where it should be."""
         obstacle = shown.obstacle
         made = (obstacle.kind, *obstacle.axis, obstacle.radius, obstacle.length, extent)
         if made != self._made:
             self._made = made
-            self._make(obstacle, drawn(obstacle, extent))
-        places = [anchor(obstacle, shown.shift, extent)]
+            self._make(obstacle, obstacle_shape(obstacle, extent))
+        places = [drawing_anchor(obstacle, shown.shift, extent)]
         for actor in (self._fill, self._line):
             actor.SetPosition(*places[0])
             actor.SetVisibility(actor is self._fill or obstacle.kind is ObstacleKind.PLATE)
-        if shown.asked is not None:
-            places.append(anchor(obstacle, shown.asked, extent))
+        if shown.requested_shift is not None:
+            places.append(drawing_anchor(obstacle, shown.requested_shift, extent))
             self._ghost.SetPosition(*places[1])
-        self._ghost.SetVisibility(shown.asked is not None)
+        self._ghost.SetVisibility(shown.requested_shift is not None)
         corners = (np.array(places)[:, None] + self._ends).reshape(-1, 3)
         self._box = tuple(np.column_stack([corners.min(axis=0), corners.max(axis=0)]).ravel())
 
-    def _make(self, obstacle: NamedObstacle, shape: Drawn) -> None:
+    def _make(self, obstacle: NamedObstacle, shape: ObstacleShape) -> None:
         fill = pv.PolyData.from_regular_faces(shape.V.astype(np.float32), shape.F)
         fill.point_data["Normals"] = shape.normals.astype(np.float32)
         fill.GetPointData().SetActiveNormals("Normals")
@@ -129,21 +129,23 @@ class _Figure:
         self._fill.GetProperty().SetBackfaceCulling(not flat)
         shader = self._fill.GetShaderProperty()
         shader.ClearAllFragmentShaderReplacements()
-        shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, PANE if flat else BUBBLE, False)
+        shader.AddFragmentShaderReplacement(
+            "//VTK::Light::Impl", True, PLATE_SHADER if flat else ROUND_OBSTACLE_SHADER, False
+        )
         ends = np.vstack([shape.V, shape.outline.reshape(-1, 3), shape.marks.reshape(-1, 3)])
         self._ends = np.array([ends.min(axis=0), ends.max(axis=0)])
 
     def dress(self, shown: DrawnObstacle, dark: bool, pixel: float) -> None:
         """Give it its colour and strength."""
         accent = QColor((DARK if dark else LIGHT).accent)
-        plain = QColor(*(OBSTACLE_ON_DARK if dark else OBSTACLE_COLOR))
-        color = accent if shown.chosen or shown.hot else plain
+        plain = QColor(*(OBSTACLE_COLOR_ON_DARK if dark else OBSTACLE_COLOR))
+        color = accent if shown.is_chosen or shown.is_hovered else plain
         for actor in (self._fill, self._line, self._ghost):
             actor.GetProperty().SetColor(color.redF(), color.greenF(), color.blueF())
         clear, lit, dim = _PANES if shown.obstacle.kind is ObstacleKind.PLATE else _BUBBLES
-        self._fill.GetProperty().SetOpacity(dim if shown.idle else lit if shown.chosen else clear)
-        self._line.GetProperty().SetOpacity(0.4 if shown.idle else 1.0)
-        self._line.GetProperty().SetLineWidth(pixel * (_THICK if shown.chosen else _THIN))
+        self._fill.GetProperty().SetOpacity(dim if shown.is_idle else lit if shown.is_chosen else clear)
+        self._line.GetProperty().SetOpacity(0.4 if shown.is_idle else 1.0)
+        self._line.GetProperty().SetLineWidth(pixel * (_THICK if shown.is_chosen else _THIN))
         self._ghost.GetProperty().SetLineWidth(pixel * _DASHED)
 
     def hide(self) -> None:
@@ -178,7 +180,7 @@ def _lines(segments: np.ndarray) -> pv.PolyData:
     return data
 
 
-def _with_marks(shape: Drawn) -> pv.PolyData:
+def _with_marks(shape: ObstacleShape) -> pv.PolyData:
     """Outline and marks to draw."""
     data = _lines(shape.outline)
     if len(shape.marks):

@@ -9,13 +9,13 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton
 
 from apd_viewer.language import tr, trc
-from apd_viewer.presentation.obstacle_readings import load, load_excess, motion, why_idle
+from apd_viewer.presentation.obstacle_readings import idle_reason, load_excess_text, load_text, motion_text
 from apd_viewer.presentation.palette import OBSTACLE_COLOR
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.ui.obstacles.obstacle_fields import ObstacleFields
 from apd_viewer.ui.part_lists.part_list import PartList
 from apd_viewer.ui.part_lists.part_row import PartRow
-from apd_viewer.ui.widgets.folding_section import Section, quiet
+from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.icons import icon
 
 if TYPE_CHECKING:
@@ -46,17 +46,17 @@ class ObstacleSection(Section):
         Turns contact on where obstacles push nothing without it.
     note : QLabel
         Why they push nothing.
-    sides_asked : Signal(int)
+    sides_requested : Signal(int)
         Plates on both sides along axis 0, 1 or 2.
-    contact_asked : Signal()
+    contact_requested : Signal()
     """
 
-    sides_asked = Signal(int)
-    contact_asked = Signal()
+    sides_requested = Signal(int)
+    contact_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__(tr("Obstacles"))
-        self.empty = quiet(tr("About obstacles"))
+        self.empty = quiet_label(tr("About obstacles"))
         self.empty.setText(
             tr(
                 "Plates, spheres and cylinders push the surface by contact, without friction; "
@@ -65,18 +65,18 @@ class ObstacleSection(Section):
         )
         self.list = PartList([OBSTACLE_COLOR], self._row)
         self.fields = ObstacleFields()
-        self.excess = quiet(tr("Expected excess of the loads"))
-        self.note = quiet(tr("Why obstacles push nothing"))
+        self.excess = quiet_label(tr("Expected excess of the loads"))
+        self.note = quiet_label(tr("Why obstacles push nothing"))
         self.note.setObjectName("unreached")
         self.contact = QPushButton(tr("Turn contact on"), toolTip=tr("Let the obstacles push the surface"))
-        self.contact.clicked.connect(self.contact_asked)
+        self.contact.clicked.connect(self.contact_requested)
         for part in (self.empty, self.list, self.excess, self.fields, self.note, self.contact):
             self.column.addWidget(part)
         self.column.addSpacing(4)
         self.column.addLayout(self._make_buttons())
         for part in (self.list, self.excess, self.fields, self.note, self.contact):
             part.hide()
-        self.heading.say(trc("obstacles", "none"), only_folded=True)
+        self.heading.show_reading(trc("obstacles", "none"), only_folded=True)
 
     def _make_buttons(self) -> QGridLayout:
         grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
@@ -101,10 +101,10 @@ class ObstacleSection(Section):
         return grid
 
     def _ask_sides(self, axis: int) -> None:
-        self.sides_asked.emit(axis)
+        self.sides_requested.emit(axis)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet(tr("Motion of {name}").format(name=name))
+        details = quiet_label(tr("Motion of {name}").format(name=name))
         details.setIndent(22)
         row = PartRow("obstacle", name, color, details)
         row.buttons.hide()
@@ -115,24 +115,26 @@ class ObstacleSection(Section):
         obstacles = state.document.obstacles
         self.list.show_names([each.name for each in obstacles], active)
         for k, row in enumerate(self.list.rows):
-            row.reading.setText(load(state, k))
+            row.reading.setText(load_text(state, k))
             if k == active and isinstance(row.details, QLabel):
-                row.details.setText(motion(state, k, unit))
+                row.details.setText(motion_text(state, k, unit))
         self.empty.setVisible(not obstacles)
-        self.excess.setText(load_excess(state))
+        self.excess.setText(load_excess_text(state))
         self.excess.setVisible(bool(self.excess.text()))
         self.fields.setVisible(active is not None)
         if active is not None:
             self.fields.show_obstacle(state, active, values)
         self._explain(state)
-        self.heading.say(f"{len(obstacles)}" if obstacles else trc("obstacles", "none"), only_folded=True)
+        self.heading.show_reading(
+            f"{len(obstacles)}" if obstacles else trc("obstacles", "none"), only_folded=True
+        )
 
     def _explain(self, state: State) -> None:
         """Say why obstacles push nothing."""
-        why, there = why_idle(state), bool(state.document.obstacles)
+        why, there = idle_reason(state), bool(state.document.obstacles)
         self.note.setText(why)
         self.note.setVisible(there and bool(why))
-        self.contact.setVisible(there and bool(why) and state.document.traits.may_touch)
+        self.contact.setVisible(there and bool(why) and state.document.method_traits.may_use_contact)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""

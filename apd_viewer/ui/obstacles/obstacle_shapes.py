@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import direction
+from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 
 # A plate is endless; what is drawn of it covers the shadow of the mesh, with a margin in its diagonals.
@@ -18,7 +18,7 @@ _DASHES = 2  # every other piece of an outline is left out
 
 
 @dataclass(frozen=True, eq=False)
-class Extent:
+class ShapeExtent:
     """Bounding box of a mesh, by which plates are drawn.
 
     Attributes
@@ -31,7 +31,7 @@ class Extent:
     half: np.ndarray
 
     @classmethod
-    def of(cls, points: np.ndarray) -> Extent:
+    def from_points(cls, points: np.ndarray) -> ShapeExtent:
         """Extent of points (k, 3)."""
         low, high = points.min(axis=0), points.max(axis=0)
         return cls(0.5 * (low + high), 0.5 * (high - low))
@@ -43,8 +43,8 @@ class Extent:
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
-    """Surface and outline of an obstacle, around its :func:`anchor`.
+class ObstacleShape:
+    """Surface and outline of an obstacle, around its :func:`drawing_anchor`.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Drawn:
         return self.outline[::_DASHES]
 
 
-def anchor(obstacle: NamedObstacle, shift: np.ndarray, extent: Extent) -> np.ndarray:
+def drawing_anchor(obstacle: NamedObstacle, shift: np.ndarray, extent: ShapeExtent) -> np.ndarray:
     """Centre (3,) of the drawing; of a plate the point nearest to the mesh."""
     at = obstacle.place + shift
     if obstacle.kind is not ObstacleKind.PLATE:
@@ -76,31 +76,31 @@ def anchor(obstacle: NamedObstacle, shift: np.ndarray, extent: Extent) -> np.nda
     return foot
 
 
-def axes_of(axis: np.ndarray) -> np.ndarray:
+def axes_along(axis: np.ndarray) -> np.ndarray:
     """Unit axes as rows (3, 3), right-handed; the last is along ``axis``."""
-    normal = direction(axis)
+    normal = checked_direction(axis)
     first = np.eye(3)[np.argmin(np.abs(normal) - [2e-9, 1e-9, 0.0])]  # of equal ones the first
-    across = direction(first - (first @ normal) * normal)
+    across = checked_direction(first - (first @ normal) * normal)
     return np.array([across, np.cross(normal, across), normal])
 
 
-def half_sides(axes: np.ndarray, extent: Extent) -> np.ndarray:
+def plate_half_sides(axes: np.ndarray, extent: ShapeExtent) -> np.ndarray:
     """Half the sides (2,) of what is drawn of a plate with these axes."""
     sides: np.ndarray = np.abs(axes[:2]) @ extent.half + _MARGIN * extent.diagonal
     return sides
 
 
-def drawn(obstacle: NamedObstacle, extent: Extent) -> Drawn:
+def obstacle_shape(obstacle: NamedObstacle, extent: ShapeExtent) -> ObstacleShape:
     """Surface and outline of an obstacle."""
     if obstacle.kind is ObstacleKind.PLATE:
         return _plate(obstacle, extent)
     half = 0.5 * obstacle.length if obstacle.kind is ObstacleKind.CYLINDER else 0.0
-    return _capsule(axes_of(obstacle.axis), half, obstacle.radius)
+    return _capsule(axes_along(obstacle.axis), half, obstacle.radius)
 
 
-def _plate(obstacle: NamedObstacle, extent: Extent) -> Drawn:
-    axes = axes_of(obstacle.axis)
-    a, b = half_sides(axes, extent)
+def _plate(obstacle: NamedObstacle, extent: ShapeExtent) -> ObstacleShape:
+    axes = axes_along(obstacle.axis)
+    a, b = plate_half_sides(axes, extent)
     size = extent.diagonal
     rim = _rounded(a, b, _CORNER * size) @ axes[:2]
     V = np.vstack([np.zeros((1, 3)), rim])
@@ -111,7 +111,7 @@ def _plate(obstacle: NamedObstacle, extent: Extent) -> Drawn:
     tips = feet + _MARK * size * normal
     shafts = np.stack([feet, feet + 0.7 * _MARK * size * normal], axis=1)
     outline = np.concatenate([np.stack([rim, np.roll(rim, -1, axis=0)], axis=1), shafts])
-    return Drawn(V, F, np.tile(normal, (len(V), 1)), outline, _cones(tips, axes, 0.4 * _MARK * size))
+    return ObstacleShape(V, F, np.tile(normal, (len(V), 1)), outline, _cones(tips, axes, 0.4 * _MARK * size))
 
 
 def _rounded(a: float, b: float, corner: float) -> np.ndarray:
@@ -148,7 +148,7 @@ def _cones(tips: np.ndarray, axes: np.ndarray, length: float) -> np.ndarray:
     return (tips[:, None, None] + cone).reshape(-1, 3, 3)
 
 
-def _capsule(axes: np.ndarray, half: float, radius: float) -> Drawn:
+def _capsule(axes: np.ndarray, half: float, radius: float) -> ObstacleShape:
     """Sphere stretched by ``half`` both ways along its last axis."""
     turn = np.linspace(0.0, 2.0 * np.pi, _ROUND + 1)[:-1]
     lift = np.linspace(-0.5 * np.pi, 0.5 * np.pi, _ROUND // 2 + 1)
@@ -159,7 +159,9 @@ def _capsule(axes: np.ndarray, half: float, radius: float) -> Drawn:
         [np.outer(flat, np.cos(turn)), np.outer(flat, np.sin(turn)), np.tile(high[:, None], _ROUND)], axis=2
     ).reshape(-1, 3)
     V = radius * N + np.repeat(up * half, _ROUND)[:, None] * [0.0, 0.0, 1.0]
-    return Drawn(V @ axes, _grid(len(lift)), N @ axes, _profile(axes, half, radius), np.empty((0, 3, 3)))
+    return ObstacleShape(
+        V @ axes, _grid(len(lift)), N @ axes, _profile(axes, half, radius), np.empty((0, 3, 3))
+    )
 
 
 def _grid(rows: int) -> np.ndarray:

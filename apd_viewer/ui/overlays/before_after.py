@@ -20,17 +20,17 @@ if TYPE_CHECKING:
     from apd_viewer.ui.tools.canvas import Canvas
 
 _WHOLE = 200
-_WAY = SliderScale(_WHOLE, lambda step: step / _WHOLE, lambda share: share * _WHOLE, _WHOLE)
+_SCALE = SliderScale(_WHOLE, lambda step: step / _WHOLE, lambda share: share * _WHOLE, _WHOLE)
 
 
 class _Held(Slider):
     """Slider returning to its end on release."""
 
     def __init__(self) -> None:
-        super().__init__(_WAY)
+        super().__init__(_SCALE)
         self.setPageStep(_WHOLE // 4)
         self.go_back()
-        for end in (self.sliderReleased, self.given_up, self.neutral_asked):
+        for end in (self.sliderReleased, self.drag_cancelled, self.neutral_requested):
             end.connect(self.go_back)
 
     def go_back(self) -> None:

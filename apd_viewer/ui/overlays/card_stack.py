@@ -11,9 +11,9 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 from apd_viewer.ui.scene.viewport import Viewport
 
 _MARGIN, _GAP = 12, 8
-WIDTH = 288
+CARD_WIDTH = 288
 _SHARE = 1 / 8  # of the canvas that a card hides, unless it is unfolded
-MOVES = (
+GEOMETRY_EVENTS = (
     QEvent.Type.Move,
     QEvent.Type.Resize,
     # These come to what is in a hidden widget too.
@@ -23,7 +23,7 @@ MOVES = (
 )
 
 
-class Cards(QWidget):
+class CardStack(QWidget):
     """Column of cards beside and above the canvas's other widgets.
 
     Parameters
@@ -43,9 +43,9 @@ class Cards(QWidget):
         self._placing = False
         self._column = QVBoxLayout(self, spacing=_GAP)
         self._column.setContentsMargins(0, 0, 0, 0)
-        canvas.resized.connect(self.place)
+        canvas.resized.connect(self.reposition)
         self.hide()
-        self.stand_above(below)
+        self.keep_above(below)
 
     def add(self, card: QWidget, fit_into: Callable[[int, int], None] | None = None) -> None:
         """Add a card; ``fit_into(least, most)`` fits it into these heights, if it can.
@@ -57,22 +57,22 @@ class Cards(QWidget):
         self._column.addWidget(card)
         card.installEventFilter(self)
 
-    def stand_above(self, others: Sequence[QWidget]) -> None:
+    def keep_above(self, others: Sequence[QWidget]) -> None:
         """Leave room for widgets at the bottom of the canvas."""
         self._below += others
         for other in others:
             other.installEventFilter(self)
 
-    def stand_beside(self, column: QWidget) -> None:
+    def keep_beside(self, column: QWidget) -> None:
         """Leave a column at the left edge of the canvas uncovered too."""
         self._beside.append(column)
         column.installEventFilter(self)
-        self.place()
+        self.reposition()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Make room for other widgets shown; drag the column by its cards."""
-        if event.type() in MOVES and not self._placing:
-            self.place()
+        if event.type() in GEOMETRY_EVENTS and not self._placing:
+            self.reposition()
         return isinstance(event, QMouseEvent) and watched.parent() is self and self._drag(event)
 
     def _drag(self, event: QMouseEvent) -> bool:
@@ -82,15 +82,15 @@ class Cards(QWidget):
             self._grip = at - self.pos()
         elif event.type() == QEvent.Type.MouseMove and self._grip is not None:
             self._corner = at - self._grip
-            self.place()
+            self.reposition()
         elif event.type() == QEvent.Type.MouseButtonRelease and left:
             self._grip = None
         elif event.type() == QEvent.Type.MouseButtonDblClick and left:
             self._corner = None
-            self.place()
+            self.reposition()
         return True
 
-    def place(self) -> None:
+    def reposition(self) -> None:
         """Move to the free place."""
         self._placing = True  # what it does to its cards is no news
         try:
@@ -104,7 +104,7 @@ class Cards(QWidget):
         if shown:
             self._fold(shown)
             widest = max(card.minimumSizeHint().width() for card in shown)
-            self.setFixedWidth(max(widest, min(WIDTH, self._canvas.width() // 3)))
+            self.setFixedWidth(max(widest, min(CARD_WIDTH, self._canvas.width() // 3)))
             # Shown in the size that it had, it would lay out what is in its cards for that one.
             self._column.activate()
             self.adjustSize()
@@ -125,26 +125,26 @@ class Cards(QWidget):
             for other in beside:
                 if _meet(room, other):
                     room.moveLeft(other.geometry().right() + _MARGIN)
-            room = clear_of(room, below)
+            room = moved_above(room, below)
         return room
 
     def _fold(self, shown: Sequence[QWidget]) -> None:
         """Shrink cards if there is no room for all of them."""
         room = self._canvas.height() - 2 * _MARGIN - (len(shown) - 1) * _GAP
         room -= sum(card.sizeHint().height() for card in shown if card not in self._fits)
-        least = int(_SHARE * self._canvas.width() * self._canvas.height() / WIDTH)
+        least = int(_SHARE * self._canvas.width() * self._canvas.height() / CARD_WIDTH)
         for card in shown:
             if fit_into := self._fits.get(card):
                 fit_into(min(least, room), room)
 
 
-def clear_of(room: QRect, below: Sequence[QWidget]) -> QRect:
+def moved_above(rect: QRect, below: Sequence[QWidget]) -> QRect:
     """Rectangle moved up until it covers no visible widget."""
     shown = [other for other in below if not other.isHidden()]
     for other in sorted(shown, key=lambda widget: -widget.geometry().bottom()):
-        if _meet(room, other):
-            room.moveBottom(other.geometry().top() - _MARGIN)
-    return room
+        if _meet(rect, other):
+            rect.moveBottom(other.geometry().top() - _MARGIN)
+    return rect
 
 
 def _meet(room: QRect, other: QWidget) -> bool:

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QButtonGroup, QFrame, QGridLayout, QHBoxLayout, QLabel, QToolButton
 
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import place
+from apd_viewer.presentation.number_format import format_position
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.tools.canvas import Canvas
 
 _STEPS = 400
-_WAY = SliderScale(_STEPS, lambda step: step / _STEPS, lambda share: share * _STEPS, _STEPS // 2)
+_SCALE = SliderScale(_STEPS, lambda step: step / _STEPS, lambda share: share * _STEPS, _STEPS // 2)
 
 
 class CuttingPlane(QFrame):
@@ -35,7 +35,7 @@ class CuttingPlane(QFrame):
     Attributes
     ----------
     dismissed : Signal()
-    measure_asked : Signal(object, object)
+    measure_requested : Signal(object, object)
         Point and normal (3,) of the plane, whose section is to be measured.
     slider : Slider
     axes : tuple of QToolButton
@@ -45,7 +45,7 @@ class CuttingPlane(QFrame):
     """
 
     dismissed = Signal()
-    measure_asked = Signal(object, object)
+    measure_requested = Signal(object, object)
 
     def __init__(self, canvas: Canvas) -> None:
         super().__init__(objectName="card", accessibleName=tr("Section"))
@@ -62,10 +62,10 @@ class CuttingPlane(QFrame):
         self.flip.setCheckable(True)
         self.flip.toggled.connect(self._cut)
         self.measure = small_button(tr("Measure section"), tr("Measure length and area of this section"))
-        self.measure.clicked.connect(lambda: self.measure_asked.emit(*self.plane))
-        self.slider = Slider(_WAY)
+        self.measure.clicked.connect(lambda: self.measure_requested.emit(*self.plane))
+        self.slider = Slider(_SCALE)
         self.slider.setValue(_STEPS // 2)
-        self.slider.neutral_asked.connect(lambda: self.slider.setValue(_STEPS // 2))
+        self.slider.neutral_requested.connect(lambda: self.slider.setValue(_STEPS // 2))
         self.slider.setAccessibleName(tr("Section position"))
         self.slider.valueChanged.connect(self._cut)
         self.place = QLabel()
@@ -113,7 +113,7 @@ class CuttingPlane(QFrame):
             self._low, self._high = low - room, high + room
             self._cut()
 
-    def measure_in(self, unit: Unit) -> None:
+    def set_unit(self, unit: Unit) -> None:
         """Write the place of the plane in another unit."""
         self._unit = unit
         self._cut()
@@ -138,7 +138,7 @@ class CuttingPlane(QFrame):
         point, normal = self.plane
         axis = self._group.checkedId()
         step = float(self._high[axis] - self._low[axis]) / _STEPS
-        self.place.setText(self._unit.length(place(float(point[axis]), step)))
+        self.place.setText(self._unit.format_length(format_position(float(point[axis]), step)))
         if self._mesh is None or self.isHidden():
             self._canvas.surface.cut(None)
         else:

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QObject, QRect, QTimer, Signal
 
 from apd_viewer.geometry.analysis.deviation import Deviation
-from apd_viewer.geometry.analysis.extremes import write_shades
+from apd_viewer.geometry.analysis.deviation_extremes import write_shades
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
-from apd_viewer.presentation.scales import Measure, Scale, measures_of, usual
+from apd_viewer.presentation.scales import Measure, Scale, default_scale, measures_of
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.deviation_reading import DeviationReading
-from apd_viewer.ui.overlays.extremes import Extremes
+from apd_viewer.ui.overlays.extreme_marker import ExtremeMarker
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 
 if TYPE_CHECKING:
@@ -37,21 +37,30 @@ class _OverlayInputs(NamedTuple):
     change: Deviation
 
 
+class _Inputs(NamedTuple):
+    """Inputs of values: the measure, and revisions of the shape and the document."""
+
+    measure: Measure
+    shape: int
+    document: int
+    change: Deviation
+
+
 class _Slow(NamedTuple):
     """Values of a slow measure, None if cancelled, with their inputs."""
 
-    seen: tuple[Any, ...]
+    seen: _Inputs
     values: np.ndarray | None
 
 
-class HeatMap(QObject):
+class DeviationOverlay(QObject):
     """Colours the shape by a deviation and feeds the legend.
 
     Parameters
     ----------
     canvas : Canvas
     legend : Legend
-    covered : callable
+    covered_rect : callable
         What lies over the canvas at its lower left.
     scales : dict of Measure to Scale
         Scales to begin with, where there are any.
@@ -62,27 +71,27 @@ class HeatMap(QObject):
         Another measure is shown, or another scale, or others are offered.
     measure : Measure or None
         What is shown.
-    offered : tuple of Measure
+    offered_measures : tuple of Measure
         What can be shown.
     reading : DeviationReading
-    extremes : Extremes
+    extremes : ExtremeMarker
     mesh : Mesh or None
         Whose rest shape is compared with.
-    resting : QTimer
+    rest_timer : QTimer
         Until the shape rests, for what takes longer.
     """
 
     changed = Signal()
 
     def __init__(
-        self, canvas: Canvas, legend: Legend, covered: Callable[[], QRect], scales: dict[Measure, Scale]
+        self, canvas: Canvas, legend: Legend, covered_rect: Callable[[], QRect], scales: dict[Measure, Scale]
     ) -> None:
         super().__init__(canvas)
         self._canvas, self._legend = canvas, legend
         self.scales = dict(scales)
         self.measure: Measure | None = None
         self.unit = Unit.NONE
-        self.offered = tuple(Measure)
+        self.offered_measures = tuple(Measure)
         self.mesh: Mesh | None = None
         self._target: TargetShape | None = None
         self._change: Deviation | None = None
@@ -90,20 +99,20 @@ class HeatMap(QObject):
         self._document_measures: DocumentMeasures | None = None
         self._document_revision = 0
         self._size = 1.0
-        self._seen: tuple[object, ...] = ()  # what the values belong to
+        self._seen: _Inputs | None = None
         # Without a range of the user's the first values that are seen have one made for them.
         self._fresh = False
         self._fitted: Scale | None = None
-        self.extremes = Extremes(canvas, covered)
+        self.extremes = ExtremeMarker(canvas, covered_rect)
         self.reading = DeviationReading(canvas, legend)
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
-        self.resting = QTimer(self, singleShot=True, interval=_REST)
-        self.resting.timeout.connect(self._measure_slowly)
-        legend.chosen.connect(self.choose)
-        legend.scaled.connect(self._rescale)
-        legend.fit_asked.connect(self._fit)
-        legend.worst_asked.connect(self.next_worst)
+        self.rest_timer = QTimer(self, singleShot=True, interval=_REST)
+        self.rest_timer.timeout.connect(self._measure_slowly)
+        legend.measure_chosen.connect(self.choose_measure)
+        legend.scale_changed.connect(self._rescale)
+        legend.fit_requested.connect(self._fit)
+        legend.extreme_requested.connect(self.show_next_extreme)
         canvas.viewport.pre_draw.append(self._refresh)
 
     # What is shown
@@ -115,30 +124,30 @@ class HeatMap(QObject):
         if mesh is not self.mesh:
             used = mesh.V[mesh.F.ravel()]
             self._size = diagonal(used) or 1.0
-            for measure in [m for m, scale in self.scales.items() if not scale.travels]:
+            for measure in [m for m, scale in self.scales.items() if not scale.fits_any_size]:
                 del self.scales[measure]
         self.mesh, self._target, self._change = mesh, target, None
-        self.offered = measures_of(mesh, target)
-        self._legend.offer(self.offered)
-        self.choose(self.measure)
+        self.offered_measures = measures_of(mesh, target)
+        self._legend.set_measures(self.offered_measures)
+        self.choose_measure(self.measure)
 
     def follow_document(self, labels: np.ndarray, measures: DocumentMeasures) -> None:
         """Show the measures of another painting, or of other settings."""
         known = self._document_measures
-        if labels is self._labels and known is not None and known.given == measures.given:
+        if labels is self._labels and known is not None and known.settings == measures.settings:
             return
         self._labels, self._document_measures = labels, measures
         self._document_revision += 1
         self._canvas.viewport.update()
 
-    def choose(self, measure: Measure | None) -> None:
+    def choose_measure(self, measure: Measure | None) -> None:
         """Show another measure if it is offered; None shows the paint."""
-        self.measure = measure = measure if measure in self.offered else None
+        self.measure = measure = measure if measure in self.offered_measures else None
         self._fresh, self._fitted = True, None
-        self.reading.on = measure is not None
+        self.reading.enabled = measure is not None
         self._forget()
-        self._task.give_up()
-        self._canvas.surface.wear(None)
+        self._task.cancel()
+        self._canvas.surface.set_color_map(None)
         self._canvas.viewport.update()
         if measure is None or self.mesh is None:
             self._legend.hide()
@@ -152,19 +161,19 @@ class HeatMap(QObject):
     def scale(self) -> Scale:
         """Current colour scale."""
         assert self.measure is not None
-        return self.scales.get(self.measure) or self._fitted or usual(self.measure, self._size)
+        return self.scales.get(self.measure) or self._fitted or default_scale(self.measure, self._size)
 
-    def measure_in(self, unit: Unit) -> None:
+    def set_unit(self, unit: Unit) -> None:
         """Write lengths in another unit."""
         self.unit = unit
         if self.measure is not None and self.mesh is not None:
             self._legend.show_scale(self.scale, unit)
-            self.reading.read()
+            self.reading.update_legend()
 
     def close(self) -> None:
         """Cancel pending measurements."""
         self.reading.timer.stop()
-        self.resting.stop()
+        self.rest_timer.stop()
         self._task.close()
 
     def _rescale(self, reach: float, neutral: float) -> None:
@@ -173,37 +182,37 @@ class HeatMap(QObject):
             self._legend.show_scale(self.scale, self.unit)
             self._color()
             self._canvas.viewport.update()
-            self.reading.read()
+            self.reading.update_legend()
             self.changed.emit()
 
     def _fit(self) -> None:
         """Let the scale end at the largest value, up or down."""
         span = self.reading.span
         if span is not None and self.measure is not None:
-            fitted = self.scale.fitted(span, self._size)
+            fitted = self.scale.fitted_to(span, self._size)
             self._rescale(fitted.reach, fitted.neutral)
 
     def _fit_first(self) -> None:
         span, self._fresh = self.reading.span, False
         if span is not None and self.measure is not None and self.measure not in self.scales:
-            self._fitted = self.scale.fitted(span, self._size)
+            self._fitted = self.scale.fitted_to(span, self._size)
             self._legend.show_scale(self._fitted, self.unit)
 
     # Measuring
 
     def _forget(self) -> None:
-        self.reading.values, self._seen = None, ()
-        self.extremes.forget()
-        self.resting.stop()
+        self.reading.values, self._seen = None, None
+        self.extremes.remove_mark()
+        self.rest_timer.stop()
 
     def _prepare(self) -> None:
         """Import and compile the measures in the background."""
-        skin, mesh, target = self._canvas.surface.touchable, self.mesh, self._target
+        skin, mesh, target = self._canvas.surface.picking_index, self.mesh, self._target
         if self._change is not None or mesh is None or skin is None:
-            self._legend.say("")
+            self._legend.show_note("")
             self._canvas.viewport.update()
             return
-        self._legend.say(tr("Preparing to measure…"))
+        self._legend.show_note(tr("Preparing to measure…"))
 
         def work(_: Callable[[], bool]) -> object:
             warm_up("overlays")
@@ -217,64 +226,67 @@ class HeatMap(QObject):
         if measure is None or self._change is None:
             return
         shape = surface.shape_revision if measure.follows_shape else 0
-        now = measure, shape, self._document_revision if measure.follows_document else 0, self._change
+        document = self._document_revision if measure.follows_document else 0
+        now = _Inputs(measure, shape, document, self._change)
         if now == self._seen or len(surface.U) != len(surface.shades):
             return
-        if measure.lags:
+        if measure.is_delayed:
             self._seen = now
             self._measure_soon()
             return
         self._forget()
         self._seen = now
-        if measure.waits:
-            self._task.give_up()
-            self._legend.say(tr("Measured when the shape has converged."))
-            if surface.worn is not None:
-                surface.wear(None)
-            self.resting.start()
+        if measure.waits_for_rest:
+            self._task.cancel()
+            self._legend.show_note(tr("Measured when the shape has converged."))
+            if surface.color_map is not None:
+                surface.set_color_map(None)
+            self.rest_timer.start()
         else:
-            self.reading.values = measure.words.values(self._change, surface.shape, lambda: False)
+            self.reading.values = measure.traits.values(self._change, surface.shape, lambda: False)
             self._color()
-        self.reading.read_soon()
+        self.reading.schedule_update()
 
     def _measure_soon(self) -> None:
         """Measure what is on screen then, unless something is being measured."""
-        if not self._task.busy and not self.resting.isActive():
-            self.resting.start()
+        if not self._task.busy and not self.rest_timer.isActive():
+            self.rest_timer.start()
 
     def _measure_slowly(self) -> None:
         change, U, seen = self._change, self._canvas.surface.shape, self._seen
-        if change is None or self.measure is None:
+        if change is None or seen is None or self.measure is None:
             return
         if self._document_measures is not None:
-            _, change.calmness, change.pressure = self._document_measures
-        values = self.measure.words.values
+            _, change.calmness, change.contact_pressure = self._document_measures
+        values = self.measure.traits.values
         self._task.begin(lambda enough: _Slow(seen, values(change, U, enough)))
 
     def _take(self, result: object) -> None:
         """Receive the thread's result."""
         if result is None:
-            self._legend.say(tr("Not enough memory to measure this mesh."))
+            self._legend.show_note(tr("Not enough memory to measure this mesh."))
         elif isinstance(result, _OverlayInputs):
             if (result.mesh, result.target) != (self.mesh, self._target):
                 return
             self._change = result.change
-            self._legend.say("")
+            self._legend.show_note("")
             self._canvas.viewport.update()
         elif isinstance(result, _Slow) and self._still_wants(result):
             self.reading.values = result.values
-            self._legend.say(result.seen[0].words.said(result.values))
+            self._legend.show_note(result.seen.measure.traits.note_for(result.values))
             self._color()
             self._canvas.viewport.update()
-            self.reading.read()
+            self.reading.update_legend()
             if result.seen != self._seen:
                 self._measure_soon()
 
     def _still_wants(self, result: _Slow) -> bool:
         """True if the values belong to what is on screen, or nearly do and may."""
-        lags = self.measure is not None and self.measure.lags
+        lags = self.measure is not None and self.measure.is_delayed
         now, seen = self._seen, result.seen
-        return seen == now or (lags and bool(now) and (seen[0], seen[-1]) == (now[0], now[-1]))
+        if now is None:
+            return False
+        return seen == now or (lags and (seen.measure, seen.change) == (now.measure, now.change))
 
     def _color(self) -> None:
         """Show the values in the colours of their scale."""
@@ -285,12 +297,12 @@ class HeatMap(QObject):
             self._fit_first()
         surface, scale = self._canvas.surface, self.scale
         write_shades(values, scale.measure.is_signed, scale.end, surface.shades)
-        surface.shades_changed()
+        surface.update_shades()
         neutral = scale.neutral_share if scale.measure.is_signed else -1.0
-        surface.wear(scale.measure.colors, neutral)
+        surface.set_color_map(scale.measure.colors, neutral)
 
-    def next_worst(self, step: int = 1) -> None:
+    def show_next_extreme(self, step: int = 1) -> None:
         """Frame the next or previous extreme; nothing without one."""
         values = self.reading.values
         if values is not None:
-            self.extremes.step(values, self._size, step, self.scale, self.unit)
+            self.extremes.show_extreme(values, self._size, step, self.scale, self.unit)

@@ -30,7 +30,7 @@ class DeviationReading(MouseTool, QObject):
 
     Attributes
     ----------
-    on : bool
+    enabled : bool
         Whether a measure is shown.
     values : (n,) float array or None
         Of the shape on screen, once measured.
@@ -41,11 +41,11 @@ class DeviationReading(MouseTool, QObject):
     def __init__(self, canvas: Canvas, legend: Legend) -> None:
         super().__init__(canvas)
         self._surface, self._legend = canvas.surface, legend
-        self.on = False
+        self.enabled = False
         self.values: np.ndarray | None = None
         self._cursor: QPointF | None = None
         self.timer = QTimer(self, singleShot=True, interval=_READ)
-        self.timer.timeout.connect(self.read)
+        self.timer.timeout.connect(self.update_legend)
         canvas.viewport.tools.insert(0, self)
 
     @property
@@ -56,31 +56,33 @@ class DeviationReading(MouseTool, QObject):
     def value_at(self, position: QPointF) -> float | None:
         """Value under a position in the viewport."""
         hit = None if self.values is None else self._surface.hit(position)
-        if hit is None or self.values is None or self._surface.skin is None:
+        if hit is None or self.values is None or self._surface.surface_index is None:
             return None
-        return float(self._surface.shares(hit) @ self.values[self._surface.skin.F[hit.face]])
+        return float(
+            self._surface.barycentric_weights(hit) @ self.values[self._surface.surface_index.F[hit.face]]
+        )
 
-    def read(self) -> None:
+    def update_legend(self) -> None:
         """Update the legend's extreme and the value under the cursor."""
-        if self.on:
+        if self.enabled:
             value = None if self._cursor is None else self.value_at(self._cursor)
             self._legend.show_values(self.span, value)
 
-    def read_soon(self) -> None:
+    def schedule_update(self) -> None:
         """Read after a moment; several calls make one reading."""
         if not self.timer.isActive():
             self.timer.start()
 
     def move(self, event: QMouseEvent) -> bool:
         """Read the value under the cursor without consuming the event."""
-        if self.on:
+        if self.enabled:
             self._cursor = event.position()
             if not self.timer.isActive():
-                self.read()
+                self.update_legend()
         return False
 
     def leave(self) -> None:
         """Forget the cursor."""
         if self._cursor is not None:
             self._cursor = None
-            self.read()
+            self.update_legend()

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from apd_viewer.presentation.scales import Measure, Scale
-from apd_viewer.ui.appearance.shading import AMBER
+from apd_viewer.ui.appearance.shading import AMBER_GLASS_SHADER
 from apd_viewer.ui.overlays.before_after import BeforeAfter
-from apd_viewer.ui.overlays.card_stack import Cards
+from apd_viewer.ui.overlays.card_stack import CardStack
 from apd_viewer.ui.overlays.cutting_plane import CuttingPlane
-from apd_viewer.ui.overlays.deviation_overlay import HeatMap
+from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
 from apd_viewer.ui.overlays.document_measures import DocumentMeasures
 from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.scene.ghost import Ghost
@@ -28,138 +28,144 @@ if TYPE_CHECKING:
     from apd_viewer.ui.widgets.theme import Theme
 
 
-class Looks:
+class DisplayOptions:
     """Display options of the window, kept from one start to the next.
 
     Parameters
     ----------
     canvas : Canvas
-    memory : Preferences
+    preferences : Preferences
     below : sequence of QWidget
         At the bottom of the canvas, which must not be covered.
 
     Attributes
     ----------
-    cards : Cards
+    cards : CardStack
     legend : Legend
-    heat : HeatMap
+    overlay : DeviationOverlay
     before_after : BeforeAfter
-    cut : CuttingPlane
+    cutting_plane : CuttingPlane
     ghost, target_ghost : Ghost
         The rest shape and the target shape.
     ground : Ground
     turntable : Turntable
-    file_colors : bool
+    shows_file_colors : bool
         Whether the vertex colours of the file are shown.
-    textures : bool
+    shows_textures : bool
         Whether its textures are.
     """
 
-    def __init__(self, canvas: Canvas, memory: Preferences, below: Sequence[QWidget]) -> None:
-        self._canvas, self._memory = canvas, memory
+    def __init__(self, canvas: Canvas, preferences: Preferences, below: Sequence[QWidget]) -> None:
+        self._canvas, self._memory = canvas, preferences
         self._texture: Texture | None = None
-        self.cards = Cards(canvas.viewport, below)
-        self.before_after, self.cut, self.legend = BeforeAfter(canvas), CuttingPlane(canvas), Legend()
+        self.cards = CardStack(canvas.viewport, below)
+        self.before_after, self.cutting_plane, self.legend = (
+            BeforeAfter(canvas),
+            CuttingPlane(canvas),
+            Legend(),
+        )
         self.cards.add(self.before_after)
-        self.cards.add(self.cut)
+        self.cards.add(self.cutting_plane)
         self.cards.add(self.legend, self.legend.fit_into)
         self.ghost, self.ground = Ghost(canvas.viewport), Ground(canvas.viewport)
-        self.target_ghost = Ghost(canvas.viewport, AMBER)
-        self.heat = HeatMap(canvas, self.legend, self.cards.geometry, _recalled(memory.looks))
+        self.target_ghost = Ghost(canvas.viewport, AMBER_GLASS_SHADER)
+        self.overlay = DeviationOverlay(
+            canvas, self.legend, self.cards.geometry, _recalled(preferences.display_options)
+        )
         self.turntable = Turntable(canvas.viewport)
         self._recall()
-        self.heat.changed.connect(self._keep)
+        self.overlay.changed.connect(self._keep)
         self._keep()
 
     def show_ghost(self, on: bool) -> None:
         """Show the rest shape around the mesh, or hide it."""
-        self.ghost.on = on
+        self.ghost.visible = on
         self._keep()
 
     def show_target(self, on: bool) -> None:
         """Show the target shape around the mesh, or hide it."""
-        self.target_ghost.on = on
+        self.target_ghost.visible = on
         self._keep()
 
     def show_ground(self, on: bool) -> None:
         """Show axes and grid, or hide them."""
-        self.ground.on = on
+        self.ground.visible = on
         self._keep()
 
     def show_file_colors(self, on: bool) -> None:
         """Show the vertex colours of the file under the paint, or hide them."""
-        self.file_colors = on
-        self._canvas.coloring.show_file(on)
+        self.shows_file_colors = on
+        self._canvas.coloring.show_file_colors(on)
         self._keep()
 
     def show_textures(self, on: bool) -> None:
         """Show the texture of the file under the paint, or hide it."""
-        self.textures = on
+        self.shows_textures = on
         self._canvas.surface.texture = self._texture if on else None
         self._keep()
 
-    def turn(self, on: bool) -> None:
+    def set_turning(self, on: bool) -> None:
         """Start or stop the turntable."""
-        self.turntable.on = on
+        self.turntable.running = on
 
     def follow(self, state: State) -> None:
         """Look at another mesh, or compare with another target shape."""
-        mesh, target = state.document.mesh, state.document.target
-        for part in (self.ghost, self.ground, self.before_after, self.cut):
+        mesh, target = state.document.mesh, state.document.target_shape
+        for part in (self.ghost, self.ground, self.before_after, self.cutting_plane):
             part.follow(mesh)
-        self.heat.follow(mesh, target)
+        self.overlay.follow(mesh, target)
         self._follow_document(state)
         self._texture = mesh.texture[0]
-        self.show_textures(self.textures)
+        self.show_textures(self.shows_textures)
         self.target_ghost.follow(None if target is None else target.mesh)
 
     def _follow_document(self, state: State) -> None:
         document = state.document
-        measures = DocumentMeasures.of(document, state.keeps_apart)
-        self.heat.follow_document(document.labels, measures)
+        measures = DocumentMeasures.from_document(document, state.is_contact_active)
+        self.overlay.follow_document(document.labels, measures)
 
-    def measure_in(self, unit: Unit) -> None:
+    def set_unit(self, unit: Unit) -> None:
         """Write lengths in another unit."""
-        for part in (self.heat, self.ground, self.cut):
-            part.measure_in(unit)
+        for part in (self.overlay, self.ground, self.cutting_plane):
+            part.set_unit(unit)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the parts beyond the style sheet's reach."""
-        for part in (self.legend, self.before_after, self.cut):
+        for part in (self.legend, self.before_after, self.cutting_plane):
             part.set_theme(theme)
 
     def close(self) -> None:
         """Cancel pending work."""
-        self.turntable.on = False
-        self.heat.close()
+        self.turntable.running = False
+        self.overlay.close()
 
     def _recall(self) -> None:
-        looks = self._memory.looks
+        looks = self._memory.display_options
         if looks.get("overlay") in {measure.value for measure in Measure}:
-            self.heat.choose(Measure(looks["overlay"]))
-        self.ghost.on = looks.get("ghost") == "on"
-        self.target_ghost.on = looks.get("target_ghost", "on") == "on"
-        self.ground.on = looks.get("ground") == "on"
-        self.file_colors = looks.get("file_colors") == "on"
-        self.textures = looks.get("textures") == "on"
-        self._canvas.coloring.show_file(self.file_colors)
+            self.overlay.choose_measure(Measure(looks["overlay"]))
+        self.ghost.visible = looks.get("ghost") == "on"
+        self.target_ghost.visible = looks.get("target_ghost", "on") == "on"
+        self.ground.visible = looks.get("ground") == "on"
+        self.shows_file_colors = looks.get("file_colors") == "on"
+        self.shows_textures = looks.get("textures") == "on"
+        self._canvas.coloring.show_file_colors(self.shows_file_colors)
 
     def _keep(self) -> None:
         """Store the options, except the plane's place on this mesh."""
-        measure = self.heat.measure
-        self._canvas.coloring.cover(measure is not None or self._canvas.surface.texture is not None)
+        measure = self.overlay.measure
+        self._canvas.coloring.set_covered(measure is not None or self._canvas.surface.texture is not None)
         looks = {
             "overlay": "" if measure is None else measure.value,
-            "ghost": "on" if self.ghost.on else "",
-            "target_ghost": "on" if self.target_ghost.on else "",
-            "ground": "on" if self.ground.on else "",
-            "file_colors": "on" if self.file_colors else "",
-            "textures": "on" if self.textures else "",
+            "ghost": "on" if self.ghost.visible else "",
+            "target_ghost": "on" if self.target_ghost.visible else "",
+            "ground": "on" if self.ground.visible else "",
+            "file_colors": "on" if self.shows_file_colors else "",
+            "textures": "on" if self.shows_textures else "",
         }
-        for scale in self.heat.scales.values():
-            if scale.travels:
+        for scale in self.overlay.scales.values():
+            if scale.fits_any_size:
                 looks[scale.measure.value] = f"{scale.reach:g} {scale.neutral:g}"
-        self._memory.looks = looks
+        self._memory.display_options = looks
 
 
 def _recalled(looks: dict[str, str]) -> dict[Measure, Scale]:

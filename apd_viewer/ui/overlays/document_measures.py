@@ -17,17 +17,17 @@ class DocumentMeasures(NamedTuple):
 
     Attributes
     ----------
-    given : tuple
+    settings : tuple
     calmness, pressure : callable
         See :class:`apd_viewer.geometry.analysis.deviation.Deviation`.
     """
 
-    given: tuple[object, ...]
+    settings: tuple[object, ...]
     calmness: Callable[[], np.ndarray]
     pressure: Callable[[np.ndarray], np.ndarray]
 
     @classmethod
-    def of(cls, document: Document, keeps_apart: bool) -> DocumentMeasures:
+    def from_document(cls, document: Document, keeps_apart: bool) -> DocumentMeasures:
         """Measures of a document, with contact or without."""
         falloffs = (handle.falloff for handle in document.handles)
         given = *falloffs, keeps_apart, document.thickness
@@ -38,7 +38,7 @@ def _calmness(document: Document) -> np.ndarray:
     # Here: the window is shown before the solver is loaded.
     from apd_viewer.geometry.goals.calm_parts import calmness
 
-    return calmness(document.mesh, document.labels, document.soft)
+    return calmness(document.mesh, document.labels, document.soft_constraints)
 
 
 def _pressure(document: Document, keeps_apart: bool) -> Callable[[np.ndarray], np.ndarray]:
@@ -49,10 +49,10 @@ def _pressure(document: Document, keeps_apart: bool) -> Callable[[np.ndarray], n
         # Here: the window is shown before the solver is loaded.
         from apd_viewer.geometry.contact.contact_pressure import ContactPressure
 
-        if not keeps_apart or document.problem:
+        if not keeps_apart or document.paint_problem:
             return np.full(len(U), np.nan)
         if not made:
             made.append(ContactPressure(document.mesh, document.labels, document.thickness))
-        return made[0].at(U)
+        return made[0].relative_pressure(U)
 
     return pressure

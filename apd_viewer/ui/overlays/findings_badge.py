@@ -13,10 +13,10 @@ from apd_viewer.ui.preferences.shortcut_hints import with_keys
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
-ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+ENTER_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
-def counted(number: int) -> str:
+def issue_count_text(number: int) -> str:
     """Number of issues in words."""
     return trn("{n} issue", "{n} issues", number).format(n=number)
 
@@ -31,9 +31,9 @@ class Badge(QToolButton):
         self._theme = LIGHT
         self._action: QAction | None = None
         self._number: int | None = None
-        self.count(None)
+        self.show_count(None)
 
-    def count(self, number: int | None) -> None:
+    def show_count(self, number: int | None) -> None:
         """Show the number of findings; None without a mesh."""
         self._number = number
         self.setVisible(number is not None)
@@ -42,16 +42,16 @@ class Badge(QToolButton):
             self.setText(tr("No issues"))
             self.setToolTip(tr("No issues were found when the mesh was opened"))
         else:
-            self.setText(counted(number))
+            self.setText(issue_count_text(number))
             tip = tr("Issues found in the mesh, and where they are")
             self.setToolTip(with_keys(tip, self._action) if self._action else tip)
         self.setAccessibleName(self.text())
         self._draw_symbol()
 
-    def name_keys(self, action: QAction) -> None:
+    def show_keys_in_tip(self, action: QAction) -> None:
         """Show the equivalent action's keys in the tip."""
         self._action = action
-        action.changed.connect(lambda: self.count(self._number))
+        action.changed.connect(lambda: self.show_count(self._number))
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the symbol."""
@@ -67,7 +67,7 @@ class Badge(QToolButton):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Enter presses the button too."""
-        if event.key() in ENTER:
+        if event.key() in ENTER_KEYS:
             self.click()
         else:
             super().keyPressEvent(event)

@@ -7,25 +7,25 @@ from typing import TYPE_CHECKING, NamedTuple
 from PySide6.QtCore import QObject, QPointF, QRectF
 from PySide6.QtWidgets import QApplication, QWidget
 
-from apd_viewer.geometry.analysis.findings import SEPARATE, Finding
+from apd_viewer.geometry.analysis.mesh_findings import SEPARATE_COMPONENTS, Finding
 from apd_viewer.geometry.analysis.shape_findings import SEAMS
-from apd_viewer.session.model.loose_findings import of_loose_parts
-from apd_viewer.ui.overlays.findings import FindingList, FindingRow
-from apd_viewer.ui.overlays.findings_badge import Badge, counted
+from apd_viewer.session.model.loose_findings import loose_component_findings
+from apd_viewer.ui.overlays.finding_list import FindingList, FindingRow
+from apd_viewer.ui.overlays.findings_badge import Badge, issue_count_text
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.tools.canvas import Canvas
 
 
-class Listed(NamedTuple):
+class ListedFinding(NamedTuple):
     """A finding in the list, and the loose parts that it is about."""
 
     finding: Finding
-    parts: tuple[int, ...] = ()
+    components: tuple[int, ...] = ()
 
 
-class Health(QObject):
+class FindingsController(QObject):
     """Keeps badge, list and marks in step.
 
     While the list is open the camera can be moved as ever. It closes, and the marks go, on Esc, on a
@@ -47,24 +47,26 @@ class Health(QObject):
         self._canvas, self._session = canvas, session
         self._of_mesh: tuple[Finding, ...] = ()
         self._findings: tuple[Finding, ...] = ()
-        self._listed: list[Listed] = []
+        self._listed: list[ListedFinding] = []
         self.badge = badge
         self.list = FindingList(canvas.viewport)
         self.badge.toggled.connect(self._toggle)
         self.list.chosen.connect(self._show)
-        self.list.stay_chosen.connect(lambda k, on: session.settings.let_stay(self._listed[k].parts, on))
-        self.list.weld_chosen.connect(session.rest_shape.weld)
+        self.list.stay_toggled.connect(
+            lambda k, on: session.settings.set_staying(self._listed[k].components, on)
+        )
+        self.list.weld_requested.connect(session.rest_shape.weld)
         self.list.dismissed.connect(self._dismiss)
         canvas.viewport.clicked.connect(self._clicked)
         for begun in (canvas.strokes.began, canvas.drag_began):
             begun.connect(self.close)
 
-    def show(self, findings: tuple[Finding, ...]) -> None:
+    def show_mesh_findings(self, findings: tuple[Finding, ...]) -> None:
         """Count the findings of another mesh; those of the one before are no longer shown."""
         self._of_mesh = findings
         self._count(findings)
 
-    def show_shape(self, findings: tuple[Finding, ...]) -> None:
+    def show_shape_findings(self, findings: tuple[Finding, ...]) -> None:
         """Add the findings about the current shape until it changes."""
         if findings or len(self._findings) > len(self._of_mesh):
             self._count(self._of_mesh + findings)
@@ -72,16 +74,16 @@ class Health(QObject):
     def _count(self, findings: tuple[Finding, ...]) -> None:
         self.close()
         self._findings = findings
-        self.badge.count(len(findings))
+        self.badge.show_count(len(findings))
 
-    def open_last(self) -> None:
+    def open_at_last(self) -> None:
         """List the findings and mark the last one."""
         if self._findings and not self.badge.isChecked():
-            self.open()
+            self.toggle_list()
             self._show(len(self._listed) - 1)
             self.list.rows[-1].setFocus()
 
-    def open(self) -> None:
+    def toggle_list(self) -> None:
         """List the findings, if there are any, or close the list."""
         self.badge.click()
 
@@ -97,27 +99,27 @@ class Health(QObject):
         if on:
             self._listed = self._all_listed()
             rows = [FindingRow(each.sentence, parts, each.kind == SEAMS) for each, parts in self._listed]
-            self.list.open(counted(len(self._findings)), rows)
-            self.follow()
+            self.list.open(issue_count_text(len(self._findings)), rows)
+            self.refresh()
             application.focusChanged.connect(self._follow_keys)
         else:
             application.focusChanged.disconnect(self._follow_keys)
             self.list.hide()
             self._canvas.coloring.mark(None)
 
-    def follow(self) -> None:
+    def refresh(self) -> None:
         """Show which loose parts stay."""
         if self.badge.isChecked():
-            self.list.show_staying(self._session.store.required().document.staying)
+            self.list.show_staying(self._session.store.required_state().document.staying_components)
 
-    def _all_listed(self) -> list[Listed]:
+    def _all_listed(self) -> list[ListedFinding]:
         """The findings, with the loose parts below the one about separate parts."""
-        document = self._session.store.required().document
+        document = self._session.store.required_state().document
         listed = []
         for finding in self._findings:
-            listed.append(Listed(finding))
-            if finding.kind == SEPARATE:
-                listed += [Listed(*each) for each in of_loose_parts(document)]
+            listed.append(ListedFinding(finding))
+            if finding.kind == SEPARATE_COMPONENTS:
+                listed += [ListedFinding(*each) for each in loose_component_findings(document)]
         return listed
 
     def _dismiss(self) -> None:
@@ -128,7 +130,7 @@ class Health(QObject):
         self.list.show_marked(number)
         vertices = self._listed[number].finding.vertices
         self._canvas.coloring.mark(vertices)
-        self._canvas.view.show(vertices, QRectF(self.list.geometry()))
+        self._canvas.view.show_vertices(vertices, QRectF(self.list.geometry()))
 
     def _clicked(self, _: QPointF) -> None:
         self.close()

@@ -10,7 +10,7 @@ from apd_viewer.presentation.scales import Measure, Scale
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.scale_bar import ScaleBar
 from apd_viewer.ui.widgets.event_barrier import shield
-from apd_viewer.ui.widgets.fields import Choice, Number, small_button
+from apd_viewer.ui.widgets.fields import ComboBox, NumberField, small_button
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
@@ -23,17 +23,17 @@ class Legend(QFrame):
 
     Attributes
     ----------
-    chosen : Signal(object)
+    measure_chosen : Signal(object)
         A Measure, or None by the cross.
-    scaled : Signal(float, float)
+    scale_changed : Signal(float, float)
         The end of the scale and what counts for no change, as :class:`Scale` has them.
-    fit_asked, worst_asked : Signal()
+    fit_requested, extreme_requested : Signal()
     """
 
-    chosen = Signal(object)
-    scaled = Signal(float, float)
-    fit_asked = Signal()
-    worst_asked = Signal()
+    measure_chosen = Signal(object)
+    scale_changed = Signal(float, float)
+    fit_requested = Signal()
+    extreme_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__(objectName="card", accessibleName=tr("Overlay"))
@@ -50,30 +50,30 @@ class Legend(QFrame):
         self.hide()
 
     def _make_parts(self) -> None:
-        self.choice = Choice(accessibleName=tr("Overlay"), toolTip=tr("Quantity shown in colour"))
-        self.offer(tuple(Measure))
-        self.choice.activated.connect(lambda k: self.chosen.emit(self.choice.itemData(k)))
+        self.choice = ComboBox(accessibleName=tr("Overlay"), toolTip=tr("Quantity shown in colour"))
+        self.set_measures(tuple(Measure))
+        self.choice.activated.connect(lambda k: self.measure_chosen.emit(self.choice.itemData(k)))
         self.close_button = small_button(tr("Hide overlay"), tr("Hide overlay"))
-        self.close_button.clicked.connect(lambda: self.chosen.emit(None))
+        self.close_button.clicked.connect(lambda: self.measure_chosen.emit(None))
         self.fold_button = small_button(tr("Fold legend"), tr("Show fewer or all lines of the legend"))
         self.fold_button.clicked.connect(self._fold)
         self.bar = ScaleBar()
         self.note = QLabel(objectName="quiet", wordWrap=True)
         self.under_cursor, self.largest = QLabel(), QLabel()
-        self.worst = small_button(tr("Next extreme"), tr("Go to the next extreme"))
-        self.worst.clicked.connect(self.worst_asked)
+        self.next_extreme = small_button(tr("Next extreme"), tr("Go to the next extreme"))
+        self.next_extreme.clicked.connect(self.extreme_requested)
         tip = tr("Change at the ends of the scale, where the colours are strongest")
-        self.reach = Number(brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=_DECIMALS)
+        self.reach = NumberField(brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=_DECIMALS)
         tip = tr("Changes up to this value are shown as neutral")
-        self.neutral = Number(brief=True, accessibleName=tr("Neutral"), toolTip=tip, decimals=_DECIMALS)
+        self.neutral = NumberField(brief=True, accessibleName=tr("Neutral"), toolTip=tip, decimals=_DECIMALS)
         for field in (self.reach, self.neutral):
             field.setFixedWidth(100)
             field.valueChanged.connect(self._enter)
         self.fit = QPushButton(
             tr("Fit"), toolTip=tr("Fit the scale to the largest change of the current shape")
         )
-        self.fit.clicked.connect(self.fit_asked)
-        for button in (self.fit, self.worst, self.fold_button, self.close_button):
+        self.fit.clicked.connect(self.fit_requested)
+        for button in (self.fit, self.next_extreme, self.fold_button, self.close_button):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keys to the canvas
 
     def _lay_out(self) -> None:
@@ -90,7 +90,7 @@ class Legend(QFrame):
         for row, (text, value, button) in enumerate(
             (
                 (tr("Under the cursor"), self.under_cursor, None),
-                (tr("Largest"), self.largest, self.worst),
+                (tr("Largest"), self.largest, self.next_extreme),
                 (tr("Range"), self.reach, self.fit),
                 (tr("Neutral up to"), self.neutral, None),
             )
@@ -110,20 +110,20 @@ class Legend(QFrame):
 
     # Showing
 
-    def offer(self, measures: tuple[Measure, ...]) -> None:
+    def set_measures(self, measures: tuple[Measure, ...]) -> None:
         """List the measures that can be chosen."""
         self._offered = measures
         self.choice.clear()
         for measure in measures:
-            self.choice.addItem(measure.words.title, measure)
+            self.choice.addItem(measure.traits.title, measure)
 
     def show_scale(self, scale: Scale, unit: Unit) -> None:
         """Show another scale."""
         self._scale, self._unit = scale, unit
         self.choice.setCurrentIndex(self._offered.index(scale.measure))
-        self.choice.setToolTip(scale.measure.words.tip)
+        self.choice.setToolTip(scale.measure.traits.tip)
         self.bar.show_scale(scale, unit)
-        kind = scale.measure.words.kind
+        kind = scale.measure.traits.kind
         for field, value, least in ((self.reach, scale.reach, _LEAST), (self.neutral, scale.neutral, 0.0)):
             field.blockSignals(True)
             field.setRange(least, 1.0 / _LEAST)
@@ -134,7 +134,7 @@ class Legend(QFrame):
         self.show()
 
     def fit_into(self, least: int, most: int) -> None:
-        """Hide the last lines as needed for a height, see :meth:`Cards.add`."""
+        """Hide the last lines as needed for a height, see :meth:`CardStack.add`."""
         self._least, self._most = least, most
         self._show_lines()
 
@@ -174,15 +174,17 @@ class Legend(QFrame):
     def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
         """Show least, largest and current value; None hides them."""
         self.bar.show_values(span, value)
-        written = "–" if value is None else self._scale.written(value, self._unit)
-        largest = "–" if span is None else self._scale.written(self._scale.largest(span), self._unit)
+        written = "–" if value is None else self._scale.format_value(value, self._unit)
+        largest = (
+            "–" if span is None else self._scale.format_value(self._scale.largest_change(span), self._unit)
+        )
         for label, text in ((self.under_cursor, written), (self.largest, largest)):
             if label.text() != text:
                 label.setText(text)
-        self.worst.setEnabled(span is not None)
+        self.next_extreme.setEnabled(span is not None)
         self.fit.setEnabled(span is not None)
 
-    def say(self, note: str) -> None:
+    def show_note(self, note: str) -> None:
         """Show the reason for missing colours; empty if there are colours."""
         if note != self.note.text() or self.note.isHidden() == bool(note):
             self.note.setText(note)
@@ -193,8 +195,8 @@ class Legend(QFrame):
         self._theme = theme
         self._draw_fold()
         self.close_button.setIcon(icon("cancel", theme))
-        self.worst.setIcon(icon("worst", theme))
+        self.next_extreme.setIcon(icon("worst", theme))
 
     def _enter(self) -> None:
-        factor = self._scale.measure.words.kind.factor
-        self.scaled.emit(self.reach.value() / factor, self.neutral.value() / factor)
+        factor = self._scale.measure.traits.kind.factor
+        self.scale_changed.emit(self.reach.value() / factor, self.neutral.value() / factor)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
-from apd_viewer.ui.overlays.notice import Invitation
+from apd_viewer.ui.overlays.notice import CanvasHint
 from apd_viewer.ui.preferences.shortcut_hints import with_keys
 from apd_viewer.ui.tools.toolbox import Tool
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from PySide6.QtGui import QAction
 
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.store import Store
+    from apd_viewer.session.state_store import StateStore
 
 _TWIST = tr("Drag a ring to rotate, an arrow to move")
 _PUSH = tr("Drag an arrow of the obstacle, or enter a distance, to push the surface")
@@ -30,7 +30,7 @@ class NextStep:
 
     Parameters
     ----------
-    invitation : Invitation
+    invitation : CanvasHint
     tools : mapping of Tool to QAction
         Whose keys are named.
 
@@ -40,7 +40,7 @@ class NextStep:
         Whether something has been dragged since the window was opened.
     """
 
-    def __init__(self, invitation: Invitation, tools: Mapping[Tool, QAction]) -> None:
+    def __init__(self, invitation: CanvasHint, tools: Mapping[Tool, QAction]) -> None:
         self._invitation = invitation
         self._tools = tools
         self.has_moved = False
@@ -49,53 +49,53 @@ class NextStep:
         for action in tools.values():
             action.changed.connect(self._say_again)
 
-    def moved(self) -> None:
+    def note_drag(self) -> None:
         """Note a drag: no more hints are needed."""
         self.has_moved = True
-        self.rest()
+        self.hide_hint()
 
-    def rest(self) -> None:
+    def hide_hint(self) -> None:
         """Show no next step."""
-        self._invitation.say(self._waits)
+        self._invitation.show_text(self._waits)
 
-    def follow(self, store: Store) -> None:
+    def follow(self, store: StateStore) -> None:
         """Say that a preview is shown, as long as it is."""
         waits = ""
-        if store.previews:
-            waits = _WAITS.format(percent=math.floor(100.0 * (store.compiled or 0.0)))
+        if store.is_previewing:
+            waits = _WAITS.format(percent=math.floor(100.0 * (store.compiled_share or 0.0)))
         if waits != self._waits:
             self._waits = waits
-            self.rest()
+            self.hide_hint()
 
-    def say_next(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> None:
+    def show_hint(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> None:
         """Show the next step for ``tool``, the active handle and the obstacle in the hand."""
         self._asked = document, tool, handle, obstacle
-        self._invitation.say(self._waits or self._sentence(*self._asked))
+        self._invitation.show_text(self._waits or self._sentence(*self._asked))
 
     def _say_again(self) -> None:
         """Update the keys named."""
         if self._asked is not None and not self._invitation.isHidden():
-            self._invitation.say(self._waits or self._sentence(*self._asked))
+            self._invitation.show_text(self._waits or self._sentence(*self._asked))
 
     def _sentence(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> str:
-        if document.has_obstacles and not tool.words.is_brush:
-            nothing_held = not document.counts[BASE] and not document.counts[HANDLE:].any()
+        if document.has_active_obstacles and not tool.words.is_brush:
+            nothing_held = not document.label_counts[BASE] and not document.label_counts[HANDLE:].any()
             if obstacle is not None or nothing_held:  # obstacles alone suffice
                 return self._of_obstacles(document, tool, obstacle)
-        if not document.counts[BASE]:
+        if not document.label_counts[BASE]:
             return with_keys(tr("Paint the part that stays in place: the base"), self._tools[Tool.BASE])
-        if not document.counts[HANDLE:].any():
+        if not document.label_counts[HANDLE:].any():
             return with_keys(tr("Now paint the part to move: the handle"), self._tools[Tool.HANDLE])
-        if document.problem:
-            return document.problem
-        if not document.counts[HANDLE + handle]:
+        if document.paint_problem:
+            return document.paint_problem
+        if not document.label_counts[HANDLE + handle]:
             name = document.handles[handle].name
             return with_keys(
                 tr("Paint the part that “{name}” moves").format(name=name), self._tools[Tool.HANDLE]
             )
         if tool is Tool.REGION and not document.member.any():
             return tr("Paint a part to measure its area or keep it")
-        if self.has_moved or document.from_rest.posed:
+        if self.has_moved or document.relative_to_rest.is_posed:
             return ""
         return _TWIST if tool is Tool.MOVE else with_keys(tr("Now move the handle"), self._tools[Tool.MOVE])
 
@@ -107,7 +107,7 @@ class NextStep:
         return _SELECT if obstacle is None else _PUSH
 
 
-def leads_on(before: Document, after: Document) -> bool:
+def may_change_next_step(before: Document, after: Document) -> bool:
     """True if a change may lead to another next step."""
     same = before.labels is after.labels and before.obstacles is after.obstacles
-    return not same or before.from_rest.posed != after.from_rest.posed
+    return not same or before.relative_to_rest.is_posed != after.relative_to_rest.is_posed

@@ -22,11 +22,11 @@ from PySide6.QtWidgets import (
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
 from apd_viewer.ui.filing.file_requests import FileRequests
-from apd_viewer.ui.overlays.card_stack import MOVES, clear_of
+from apd_viewer.ui.overlays.card_stack import GEOMETRY_EVENTS, moved_above
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.widgets.icons import SIZE, icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
-from apd_viewer.ui.widgets.wrapping_row import arrange
+from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
+from apd_viewer.ui.widgets.wrapping_row import arrange_row
 
 _LOGGER = logging.getLogger(__name__)
 _MARGIN = 12
@@ -48,7 +48,7 @@ class Notice(QFrame):
 
     Attributes
     ----------
-    cross : QToolButton
+    close_button : QToolButton
     timer : QTimer
         Hides a message once it can have been read.
     """
@@ -63,11 +63,11 @@ class Notice(QFrame):
         self._text = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
         self._symbol = QLabel()
         # Beside the frame, and not in it, so that it has the mouse.
-        self.cross = QToolButton(
-            canvas, accessibleName=tr("Dismiss message"), toolTip=tr("Dismiss"), iconSize=SIZE
+        self.close_button = QToolButton(
+            canvas, accessibleName=tr("Dismiss message"), toolTip=tr("Dismiss"), iconSize=ICON_SIZE
         )
-        self.cross.setProperty("manualPath", "notice")  # the button is no part of it
-        self.cross.clicked.connect(self.hide)
+        self.close_button.setProperty("manualPath", "notice")  # the button is no part of it
+        self.close_button.clicked.connect(self.hide)
         row = self._row = QHBoxLayout(self)
         row.setContentsMargins(12, 8, 8 + _CLOSE, 8)
         row.setSpacing(8)
@@ -78,10 +78,10 @@ class Notice(QFrame):
         self._kind = "message"
         self._held = ""
         self.hide()
-        self.stand_above(below)
+        self.keep_above(below)
         canvas.resized.connect(self._place)
 
-    def stand_above(self, others: Sequence[QWidget]) -> None:
+    def keep_above(self, others: Sequence[QWidget]) -> None:
         """Leave room for widgets at the bottom of the canvas."""
         self._below += others
         for other in others:
@@ -89,61 +89,61 @@ class Notice(QFrame):
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
         """Make room for other widgets shown."""
-        if event.type() in MOVES:
+        if event.type() in GEOMETRY_EVENTS:
             self._place()
         return False
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Take the button away."""
         super().hideEvent(event)
-        self.cross.hide()
+        self.close_button.hide()
 
     @property
     def text(self) -> str:
         """Current sentence; empty if hidden."""
         return self._text.text() if not self.isHidden() else ""
 
-    def tell(self, sentence: str) -> None:
+    def show_message(self, sentence: str) -> None:
         """Show a message; it disappears by itself."""
         self._show(sentence, "message")
         self.timer.start()
 
-    def fail(self, sentence: str) -> None:
+    def show_failure(self, sentence: str) -> None:
         """Show and log a failure until dismissed or replaced."""
         _LOGGER.warning(sentence)
         self._show(sentence, "failure")
         self.timer.stop()
 
-    def hold(self, sentence: str) -> None:
+    def show_lasting_failure(self, sentence: str) -> None:
         """Show a failure while it lasts: until this is called with nothing."""
         if sentence == self._held:
             return
         before, self._held = self._held, sentence
         if sentence:
-            self.fail(sentence)
+            self.show_failure(sentence)
         elif self.text == before:
             self.hide()
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
         self._theme = theme
-        self.cross.setIcon(icon("cancel", theme))
+        self.close_button.setIcon(icon("cancel", theme))
         self._draw_symbol()
 
     def _show(self, sentence: str, kind: str) -> None:
         self._kind = kind
         self._text.setText(sentence)
-        mark(self, "kind", kind)
+        set_style_property(self, "kind", kind)
         self._draw_symbol()
         self.show()
-        self.cross.show()
+        self.close_button.show()
         self.raise_()
-        self.cross.raise_()
+        self.close_button.raise_()
         self._place()
 
     def _draw_symbol(self) -> None:
         name = "warning" if self._kind == "failure" else "info"
-        self._symbol.setPixmap(icon(name, self._theme).pixmap(SIZE, self.devicePixelRatioF()))
+        self._symbol.setPixmap(icon(name, self._theme).pixmap(ICON_SIZE, self.devicePixelRatioF()))
 
     def _place(self) -> None:
         if self.isHidden():
@@ -159,13 +159,13 @@ class Notice(QFrame):
         self.adjustSize()
         left = (canvas.width() - self.width()) // 2
         room = QRect(QPoint(left, canvas.height() - self.height() - 2 * _MARGIN), self.size())
-        self.setGeometry(clear_of(room, self._below))
-        self.cross.setFixedSize(_CLOSE, _CLOSE)
+        self.setGeometry(moved_above(room, self._below))
+        self.close_button.setFixedSize(_CLOSE, _CLOSE)
         beside = self.geometry().right() - _CLOSE - 4
-        self.cross.move(beside, self.geometry().center().y() - _CLOSE // 2)
+        self.close_button.move(beside, self.geometry().center().y() - _CLOSE // 2)
 
 
-class Invitation(QLabel):
+class CanvasHint(QLabel):
     """Hint at the bottom of the canvas."""
 
     def __init__(self, canvas: Viewport) -> None:
@@ -177,7 +177,7 @@ class Invitation(QLabel):
         self.hide()
         canvas.resized.connect(self._place)
 
-    def say(self, sentence: str) -> None:
+    def show_text(self, sentence: str) -> None:
         """Show ``sentence``; hide if empty."""
         self.setText(sentence)
         self.setVisible(bool(sentence))
@@ -193,7 +193,7 @@ class Invitation(QLabel):
         self.move((canvas.width() - width) // 2, canvas.height() - self.height() - 2 * _MARGIN)
 
 
-class Empty(QWidget):
+class EmptyState(QWidget):
     """Empty state: an invitation to open a mesh."""
 
     def __init__(self, canvas: Viewport, requests: FileRequests) -> None:
@@ -205,7 +205,7 @@ class Empty(QWidget):
         title = QLabel(tr("Drop a mesh here or open one"), alignment=Qt.AlignmentFlag.AlignCenter)
         column.addWidget(title)
         self._row = QHBoxLayout()
-        self.open = QPushButton(tr("Open mesh…"), objectName="primary", clicked=requests.ask)
+        self.open = QPushButton(tr("Open mesh…"), objectName="primary", clicked=requests.ask_for_file)
         self.samples = [
             QPushButton(sample.title, toolTip=sample.tip, clicked=partial(requests.open_sample, name))
             for name, sample in SAMPLES.items()
@@ -224,6 +224,6 @@ class Empty(QWidget):
 
     def _place(self) -> None:
         canvas = self._canvas
-        arrange(self._row, canvas.width() - 2 * _MARGIN)
+        arrange_row(self._row, canvas.width() - 2 * _MARGIN)
         self.adjustSize()
         self.move((canvas.width() - self.width()) // 2, (canvas.height() - self.height()) // 2)

@@ -38,7 +38,7 @@ class ScaleBar(QWidget):
     def show_scale(self, scale: Scale, unit: Unit) -> None:
         """Show the colours of another scale."""
         self._scale, self._unit = scale, unit
-        self._colors = colors_along(scale)
+        self._colors = scale_image(scale)
         self.update()
 
     def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
@@ -51,7 +51,7 @@ class ScaleBar(QWidget):
     def labels(self) -> tuple[tuple[float, str], ...]:
         """Label positions, from 0 to 1, and texts."""
         scale = self._scale
-        return tuple((scale.place(x), scale.written(x, self._unit)) for x in scale.marks)
+        return tuple((scale.position(x), scale.format_value(x, self._unit)) for x in scale.tick_values)
 
     def sizeHint(self) -> QSize:
         """Tick, colours, line and figures."""
@@ -87,7 +87,7 @@ class ScaleBar(QWidget):
             )
 
     def _at(self, value: float, bar: QRectF) -> float:
-        return bar.left() + self._scale.place(value) * bar.width()
+        return bar.left() + self._scale.position(value) * bar.width()
 
     def _draw_tick(self, painter: QPainter, x: float, bar: QRectF) -> None:
         ink, paper = self.palette().windowText().color(), self.palette().base().color()
@@ -104,7 +104,7 @@ class ScaleBar(QWidget):
         )
 
 
-def colors_along(scale: Scale) -> QImage:
+def scale_image(scale: Scale) -> QImage:
     """The colours of a scale from one end to the other, a pixel high."""
     colors = scale.colors(np.linspace(0.0, 1.0, _STEPS))
     return QImage(colors.tobytes(), _STEPS, 1, colors.nbytes, QImage.Format.Format_RGB888).copy()

@@ -7,14 +7,14 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout
 
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.tools.selection_tool import act_of
+from apd_viewer.ui.tools.selection_tool import stroke_effect
 from apd_viewer.ui.widgets.event_barrier import shield
 
 _WIDTH = 480
 _MARGIN = 12
 
 
-class TypedCard(QFrame):
+class TextEntryCard(QFrame):
     """Entry line with a live preview.
 
     Parameters
@@ -27,17 +27,17 @@ class TypedCard(QFrame):
 
     Attributes
     ----------
-    asked : Signal(str)
+    text_changed : Signal(str)
         The text has changed.
-    entered : Signal(str, object)
+    text_entered : Signal(str, object)
         The text, and the Act.
     closed : Signal()
-    said : QLabel
+    message_label : QLabel
         What the text means, or what is wrong with it.
     """
 
-    asked = Signal(str)
-    entered = Signal(str, object)
+    text_changed = Signal(str)
+    text_entered = Signal(str, object)
     closed = Signal()
 
     def __init__(self, canvas: Viewport, title: str, name: str, example: str, help: str) -> None:  # noqa: A002
@@ -46,18 +46,18 @@ class TypedCard(QFrame):
         self._canvas = canvas
         self.help = help
         self.text = _Line(objectName="typed", placeholderText=example, accessibleName=name)
-        self.text.textChanged.connect(self.asked)
-        self.text.entered.connect(lambda act: self.entered.emit(self.text.text(), act))
+        self.text.textChanged.connect(self.text_changed)
+        self.text.entered.connect(lambda act: self.text_entered.emit(self.text.text(), act))
         self.text.left.connect(self.close_card)
         plain = Qt.TextFormat.PlainText
-        self.said = QLabel(help, objectName="quiet", wordWrap=True, textFormat=plain)
+        self.message_label = QLabel(help, objectName="quiet", wordWrap=True, textFormat=plain)
         line = QHBoxLayout(spacing=8)
         line.addWidget(QLabel(title))
         line.addWidget(self.text, 1)
         column = self._column = QVBoxLayout(self, spacing=6)
         column.setContentsMargins(12, 10, 12, 10)
         column.addLayout(line)
-        column.addWidget(self.said)
+        column.addWidget(self.message_label)
         canvas.resized.connect(self._place)
         self.hide()
 
@@ -68,7 +68,7 @@ class TypedCard(QFrame):
         self.raise_()
         self.text.setFocus(Qt.FocusReason.ShortcutFocusReason)
         self.text.selectAll()
-        self.asked.emit(self.text.text())
+        self.text_changed.emit(self.text.text())
 
     def close_card(self) -> None:
         """Hide the card and return the focus to the canvas."""
@@ -76,17 +76,19 @@ class TypedCard(QFrame):
         self._canvas.setFocus()
         self.closed.emit()
 
-    def say(self, sentence: str) -> None:
+    def show_message(self, sentence: str) -> None:
         """Show a result or an error; the usage if empty."""
-        self.said.setText(sentence or self.help)
+        self.message_label.setText(sentence or self.help)
         self._place()
 
     def _place(self) -> None:
         self.setFixedWidth(min(_WIDTH, self._canvas.width() - 2 * _MARGIN))
         # The height for a width is never less than the smallest height, which the last words have set.
-        self.said.setMinimumHeight(0)
+        self.message_label.setMinimumHeight(0)
         edges = self._column.contentsMargins()
-        self.said.setFixedHeight(self.said.heightForWidth(self.width() - edges.left() - edges.right()))
+        self.message_label.setFixedHeight(
+            self.message_label.heightForWidth(self.width() - edges.left() - edges.right())
+        )
         self._column.activate()
         self.adjustSize()
         self.move((self._canvas.width() - self.width()) // 2, self._canvas.height() - self.height() - 64)
@@ -99,7 +101,7 @@ class _Line(QLineEdit):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Accept on Return, close on Esc."""
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            self.entered.emit(act_of(event))
+            self.entered.emit(stroke_effect(event))
         elif event.key() == Qt.Key.Key_Escape:
             self.left.emit()
         else:

@@ -15,7 +15,7 @@ _RADIUS, _GAP, _ROOM = 11.0, 7.0, 5.0
 _INK, _PAPER = QColor(20, 23, 29), QColor(255, 255, 255, 235)
 
 
-class PlaceMark:
+class VertexCallout:
     """Ring and word at a vertex, following the surface.
 
     Parameters
@@ -34,20 +34,20 @@ class PlaceMark:
         self.vertex: int | None = None
         self.text = ""
 
-    def show(self, vertex: int | None, text: str = "") -> None:
+    def show_at(self, vertex: int | None, text: str = "") -> None:
         """Mark another vertex, or none."""
         if vertex is not None or self.vertex is not None:
             self.vertex, self.text = vertex, text
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()
 
     def paint(self, painter: QPainter) -> None:
         """Draw the ring, light on dark, and the word on the freer side."""
         if self.vertex is None or self.vertex >= len(self._surface.U):
             return
         point = self._surface.U[[self.vertex]]
-        if self._viewport.look.eye.depth(point)[0] <= 0.0:
+        if self._viewport.camera_controller.camera.depth(point)[0] <= 0.0:
             return
-        at = QPointF(*self._viewport.look.eye.project(point)[0])
+        at = QPointF(*self._viewport.camera_controller.camera.project(point)[0])
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for color, width in ((_PAPER, 5.0), (_INK, 2.0)):
             painter.setPen(QPen(color, width))

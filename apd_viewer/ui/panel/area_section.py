@@ -11,13 +11,13 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QStackedLayout, 
 
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
-from apd_viewer.presentation.number_format import grouped
+from apd_viewer.presentation.number_format import format_grouped
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.unit_button import UnitButton
-from apd_viewer.ui.widgets.fields import Check, percent_field
-from apd_viewer.ui.widgets.folding_section import quiet
+from apd_viewer.ui.widgets.fields import CheckBox, percent_field
+from apd_viewer.ui.widgets.folding_section import quiet_label
 from apd_viewer.ui.widgets.slider import PERCENT
-from apd_viewer.ui.widgets.slider_field import Dial
+from apd_viewer.ui.widgets.slider_field import SliderField
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ _WORDS = {
 _TIP = tr("Target of the total area, in percent of the rest area")
 
 
-class Dot(QWidget):
+class StatusDot(QWidget):
     """Status dot: quiet while all is well, warm otherwise."""
 
     def __init__(self) -> None:
@@ -63,15 +63,15 @@ class AreaSection(QWidget):
 
     Attributes
     ----------
-    target : Dial
+    target : SliderField
         In percent.
     unit : UnitButton
-    held : Signal(bool)
+    keep_toggled : Signal(bool)
         "local" should keep the total area too, or not.
     percent, area, verdict, unreached, local_change, activity : QLabel
     """
 
-    held = Signal(bool)
+    keep_toggled = Signal(bool)
 
     def __init__(self) -> None:
         super().__init__()
@@ -95,7 +95,7 @@ class AreaSection(QWidget):
 
     def _add_reading(self, column: QVBoxLayout) -> None:
         self.activity = QLabel("", objectName="quiet", accessibleName=tr("Solver status"))
-        self._dot = Dot()
+        self._dot = StatusDot()
         row = QHBoxLayout()
         row.addWidget(QLabel(tr("Area"), objectName="heading"))
         row.addStretch(1)
@@ -107,10 +107,12 @@ class AreaSection(QWidget):
         font.setPointSizeF(font.pointSizeF() * 2.5)
         font.setWeight(QFont.Weight.DemiBold)
         self.percent.setFont(font)
-        self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance(f"{grouped(100.0, 3)} %"))
+        self.percent.setMinimumWidth(
+            self.percent.fontMetrics().horizontalAdvance(f"{format_grouped(100.0, 3)} %")
+        )
         column.addWidget(self.percent)
-        self.verdict = quiet(tr("Area change"))
-        self.area = quiet(tr("Area, and rest area"))
+        self.verdict = quiet_label(tr("Area change"))
+        self.area = quiet_label(tr("Area, and rest area"))
         column.addWidget(self.verdict)
         self.unit = UnitButton()
         row = QHBoxLayout(spacing=4)
@@ -119,18 +121,18 @@ class AreaSection(QWidget):
         column.addLayout(row)
 
     def _add_target(self, column: QVBoxLayout) -> None:
-        self.hold = Check(
+        self.hold = CheckBox(
             tr("Keep total area"),
             toolTip=tr("Keep the total area exactly"),
         )
-        self.hold.toggled.connect(self.held)
+        self.hold.toggled.connect(self.keep_toggled)
         label = QLabel(tr("Target"), toolTip=_TIP)
         title = QWidget()
         self._title = QStackedLayout(title)
         self._title.setSizeConstraint(QStackedLayout.SizeConstraint.SetMinimumSize)
         for part in (label, self.hold):
             self._title.addWidget(part)
-        self.target = Dial(title, PERCENT, percent_field("", _TIP), tr("Area target"))
+        self.target = SliderField(title, PERCENT, percent_field("", _TIP), tr("Area target"))
         label.setBuddy(self.target.field)
         column.addSpacing(8)
         column.addWidget(self.target)
@@ -138,7 +140,7 @@ class AreaSection(QWidget):
     def show_settings(self, state: State) -> None:
         """Show the document's settings."""
         document = state.document
-        method = document.traits
+        method = document.method_traits
         optional = method.may_keep_total_area
         self.target.setVisible(method.keeps_total_area or optional)
         self._title.setCurrentIndex(int(optional))
@@ -148,11 +150,11 @@ class AreaSection(QWidget):
         self.target.set_active(not optional or document.hold_area)
         self.target.show_value(document.area)
 
-    def show_readings(self, state: State, unit: Unit, asked_anew: bool) -> None:
-        """Show the shape's area; ``asked_anew`` after a change of the targets."""
-        frame, missed = state.frame, state.lacks
+    def show_readings(self, state: State, unit: Unit, targets_changed: bool) -> None:
+        """Show the shape's area; ``targets_changed`` after a change of the targets."""
+        frame, missed = state.frame, state.has_unmet_target
         self.percent.setText(readings.area_percent(state))
-        self.verdict.setText(readings.verdict(state))
+        self.verdict.setText(readings.area_verdict(state))
         self.area.setText(readings.area(state, unit))
         self.local_change.setText(readings.local_change(state))
         self._dot.set_color(self._theme.warm if missed else self._theme.good)
@@ -160,14 +162,14 @@ class AreaSection(QWidget):
         if frame.unreached is not None and (frame.settled or frame.share_reached < 1.0):
             self.unreached.setText(frame.unreached)
             self.unreached.show()
-        elif frame.settled or not missed or asked_anew:
+        elif frame.settled or not missed or targets_changed:
             # It stays while the solver works: otherwise it would flicker at every step of a drag.
             self.unreached.hide()
 
     def show_preview(self, compiled: float) -> None:
         """Say that no shape has come yet, and how much is compiled so far."""
         for reading in (self.percent, self.local_change):
-            reading.setText(readings.NOTHING)
+            reading.setText(readings.NO_VALUE)
         self.verdict.setText(tr("A preview: no area is kept yet."))
         self.area.setText(tr("Compiled so far: {percent} %").format(percent=math.floor(100.0 * compiled)))
 
@@ -175,9 +177,9 @@ class AreaSection(QWidget):
         """Show the solver's activity."""
         activity = session.store.activity.value
         said = _WORDS[activity]
-        if session.store.previews:
+        if session.store.is_previewing:
             said = tr("preview")
-        elif session.store.preparing:
+        elif session.store.is_preparing:
             said = tr("preparing")
         elif activity == "not reached" and state.frame.unreached:
             said = tr("out of reach")

@@ -15,7 +15,7 @@ from apd_viewer.geometry.solver.convergence import (
 )
 from apd_viewer.language import tr
 from apd_viewer.ui.panel.field_row import field_row
-from apd_viewer.ui.widgets.fields import Number
+from apd_viewer.ui.widgets.fields import NumberField
 from apd_viewer.ui.widgets.folding_section import Heading
 from apd_viewer.ui.widgets.theme import Theme
 
@@ -32,7 +32,7 @@ class ConvergenceFields(QWidget):
     ----------
     chosen : Signal(Convergence)
     heading : Heading
-    most, energy, step : Number
+    most_iterations, energy, step : NumberField
     """
 
     chosen = Signal(object)
@@ -40,7 +40,7 @@ class ConvergenceFields(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.heading = Heading(tr("Convergence"))
-        self.most = Number(
+        self.most_iterations = NumberField(
             accessibleName=tr("Most iterations"),
             toolTip=tr("The solver stops after so many iterations, converged or not"),
             minimum=1.0,
@@ -59,7 +59,8 @@ class ConvergenceFields(QWidget):
             ),
         )
         self._rows = {
-            field: field_row(field.accessibleName(), field) for field in (self.most, self.energy, self.step)
+            field: field_row(field.accessibleName(), field)
+            for field in (self.most_iterations, self.energy, self.step)
         }
         self._lay_out()
         for field in self._rows:
@@ -84,20 +85,20 @@ class ConvergenceFields(QWidget):
 
     def show_settings(self, document: Document) -> None:
         """Show the criteria that apply to the method."""
-        shown, plain = document.convergence, document.traits.plain_only
+        shown, plain = document.convergence, document.method_traits.is_plain_only
         self._rows[self.energy].setVisible(not plain)
         self._rows[self.step].setVisible(plain)
-        self.most.show_value(shown.most_iterations)
+        self.most_iterations.show_value(shown.most_iterations)
         self.energy.show_value(shown.energy_tolerance)
         self.step.show_value(shown.step_tolerance)
-        self.heading.say("" if shown == DEFAULT_CONVERGENCE else tr("changed"), only_folded=True)
+        self.heading.show_reading("" if shown == DEFAULT_CONVERGENCE else tr("changed"), only_folded=True)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the heading."""
         self.heading.set_theme(theme)
 
 
-def _tolerance(name: str, tip: str) -> Number:
-    return Number(
+def _tolerance(name: str, tip: str) -> NumberField:
+    return NumberField(
         brief=True, accessibleName=name, toolTip=tip, minimum=_LEAST, maximum=LARGEST_TOLERANCE, decimals=18
     )

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.presentation.time_left import Forecast, in_words
+from apd_viewer.presentation.time_left import TimeLeftEstimate, time_left_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,16 +31,16 @@ class ConvergenceProgress(QWidget):
     ----------
     clock : callable
         The time in seconds.
-    waits : callable
+    is_waiting : callable
         Whether the solver waits for its kernels: until then no time left can be told.
     """
 
     def __init__(
-        self, clock: Callable[[], float] = time.monotonic, waits: Callable[[], bool] = lambda: False
+        self, clock: Callable[[], float] = time.monotonic, is_waiting: Callable[[], bool] = lambda: False
     ) -> None:
         super().__init__(toolTip=tr("Estimated from how fast the shape converges"))
-        self._clock, self._waits = clock, waits
-        self._forecast: Forecast | None = None
+        self._clock, self._waits = clock, is_waiting
+        self._forecast: TimeLeftEstimate | None = None
         self._frame: Frame | None = None
         self._iteration = 0
         self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
@@ -64,10 +64,10 @@ class ConvergenceProgress(QWidget):
         now = self._clock()
         if self._forecast is None or (frame is not self._frame and frame.iteration <= self._iteration):
             # The shape on screen is that of an earlier motion until the first iteration.
-            self._forecast, self._iteration = Forecast(now), 0
+            self._forecast, self._iteration = TimeLeftEstimate(now), 0
             self._timer.start()
         elif frame is not self._frame:
-            self._forecast.add(now, frame.gap, frame.seconds_left)
+            self._forecast.add_gap(now, frame.gap, frame.seconds_left)
             self._iteration = frame.iteration
         self._frame = frame
         self._show()
@@ -76,8 +76,8 @@ class ConvergenceProgress(QWidget):
         forecast, now = self._forecast, self._clock()
         assert forecast is not None
         assert self._frame is not None
-        gap, left = self._frame.gap, forecast.left(now)
+        gap, left = self._frame.gap, forecast.seconds_left(now)
         rests = self._iteration > 0 and gap is not None and gap <= 1.0
-        self.bar.setValue(_SCALE if rests else round(_SCALE * forecast.share(now)))
-        self.words.setText(_SEARCHING if rests else _UNKNOWN if left is None else in_words(left))
-        self.setVisible(now - forecast.began >= _PATIENCE and not self._waits())
+        self.bar.setValue(_SCALE if rests else round(_SCALE * forecast.share_passed(now)))
+        self.words.setText(_SEARCHING if rests else _UNKNOWN if left is None else time_left_text(left))
+        self.setVisible(now - forecast.start_moment >= _PATIENCE and not self._waits())

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
-from apd_viewer.ui.widgets.fields import Number
+from apd_viewer.ui.widgets.fields import NumberField
 
 
-def field_row(title: str, field: Number) -> QWidget:
+def field_row(title: str, field: NumberField) -> QWidget:
     """Row with the title at the left and the field at the right."""
     row = QWidget()
     line = QHBoxLayout(row)

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton
 
 from apd_viewer.language import tr, trc
-from apd_viewer.presentation import measurement_words as words
+from apd_viewer.presentation import measurement_text as words
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.part_lists.part_list import PartList
 from apd_viewer.ui.part_lists.part_row import PartRow
-from apd_viewer.ui.widgets.fields import Check
-from apd_viewer.ui.widgets.folding_section import Section, quiet
+from apd_viewer.ui.widgets.fields import CheckBox
+from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.icons import icon
 
 if TYPE_CHECKING:
@@ -30,19 +30,19 @@ class MeasureSection(Section):
     Attributes
     ----------
     list : PartList
-    shown : Check
+    shown : CheckBox
         Whether they are drawn in the view.
     copy, clear : QPushButton
     """
 
     def __init__(self) -> None:
         super().__init__(tr("Measure"))
-        self.empty = quiet(tr("About measuring"))
+        self.empty = quiet_label(tr("About measuring"))
         self.empty.setText(
             tr("Take the tool Measure and click the mesh: distances, angles, geodesics and sections.")
         )
         self.list = PartList([_COLOR], self._row)
-        self.shown = Check(tr("Show in the view"), toolTip=tr("Draw the measurements over the mesh"))
+        self.shown = CheckBox(tr("Show in the view"), toolTip=tr("Draw the measurements over the mesh"))
         self.shown.setChecked(True)
         self.copy = QPushButton(tr("Copy"), toolTip=tr("Copy all values as text, for a spreadsheet"))
         self.copy.setAccessibleName(tr("Copy measurements"))
@@ -58,7 +58,7 @@ class MeasureSection(Section):
         self.show_readings((), Unit.NONE, 0)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet(tr("Values of {name}").format(name=name))
+        details = quiet_label(tr("Values of {name}").format(name=name))
         details.setIndent(22)
         row = PartRow("measurement", name, color, details)
         row.buttons.hide()
@@ -69,13 +69,15 @@ class MeasureSection(Section):
         self.list.show_names([reading.measurement.name for reading in readings], active)
         for reading, row in zip(readings, self.list.rows, strict=True):
             assert isinstance(row.details, QLabel)
-            row.reading.setText(words.short(reading, unit))
-            row.reading.setToolTip(words.details(reading, unit))
-            row.details.setText(words.details(reading, unit))
+            row.reading.setText(words.short_text(reading, unit))
+            row.reading.setToolTip(words.detail_text(reading, unit))
+            row.details.setText(words.detail_text(reading, unit))
         self.empty.setVisible(not readings)
         for part in (self.shown, self.copy, self.clear):
             part.setVisible(bool(readings))
-        self.heading.say(f"{len(readings)}" if readings else trc("measurements", "none"), only_folded=True)
+        self.heading.show_reading(
+            f"{len(readings)}" if readings else trc("measurements", "none"), only_folded=True
+        )
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""

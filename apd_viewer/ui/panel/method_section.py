@@ -11,10 +11,10 @@ from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
 from apd_viewer.language import tr
 from apd_viewer.ui.panel.convergence_fields import ConvergenceFields
 from apd_viewer.ui.panel.field_row import field_row
-from apd_viewer.ui.widgets.fields import Check, Choice, Number
-from apd_viewer.ui.widgets.folding_section import Section, quiet
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
+from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.slider import DECADES
-from apd_viewer.ui.widgets.slider_field import Dial
+from apd_viewer.ui.widgets.slider_field import SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class MethodSection(Section):
     tolerance_chosen : Signal(float)
         Relative, so 0.001 where the field says 0.1 %.
     area_stiffness_chosen, shear_stiffness_chosen : Signal(float)
-    stiffness : Dial
+    stiffness : SliderField
     convergence : ConvergenceFields
     """
 
@@ -44,13 +44,13 @@ class MethodSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Method"))
-        self.method = Choice(accessibleName=tr("Method"), toolTip=tr("Deformation method"))
+        self.method = ComboBox(accessibleName=tr("Method"), toolTip=tr("Deformation method"))
         for name, method in METHODS.items():
             self.method.addItem(method.title, name)
         self.method.activated.connect(lambda index: self.method_chosen.emit(self.method.itemData(index)))
         self.column.addWidget(self.method)
-        self._keeps = quiet(tr("What the method keeps"))
-        self._gives_up = quiet(tr("What the method gives up"))
+        self._keeps = quiet_label(tr("What the method keeps"))
+        self._gives_up = quiet_label(tr("What the method gives up"))
         self.column.addWidget(self._keeps)
         self.column.addWidget(self._gives_up)
         self._describe(METHODS[DEFAULT_METHOD])
@@ -58,19 +58,19 @@ class MethodSection(Section):
         self._add_settings()
 
     def _add_settings(self) -> None:
-        self.calm = Check(
+        self.calm = CheckBox(
             tr("Keep calm parts"),
             toolTip=tr("Keep the area of limbs and other parts that the gesture does not reach"),
         )
         self.calm.clicked.connect(self.calm_chosen)
         self.column.addWidget(self.calm)
-        self.contact = Check(
+        self.contact = CheckBox(
             tr("Contact"),
             toolTip=tr("Keep walls from passing through each other; slower where they touch"),
         )
         self.contact.clicked.connect(self.contact_chosen)
         self.column.addWidget(self.contact)
-        self.tolerance = Number(
+        self.tolerance = NumberField(
             accessibleName=tr("Area tolerance in percent"),
             toolTip=tr("Allowed deviation of the total area from its target"),
             minimum=0.001,
@@ -101,9 +101,11 @@ class MethodSection(Section):
             row.hide()  # until a method uses it
             self.column.addWidget(row)
         tip = tr("How strongly the surface resists bending, from cloth to sheet metal: the bending stiffness")
-        field = Number(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)
+        field = NumberField(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)
         label = QLabel(tr("Stiffness"), toolTip=tip)
-        self.stiffness = Dial(label, DECADES, field, tr("Stiffness"), ends=(tr("cloth"), tr("sheet metal")))
+        self.stiffness = SliderField(
+            label, DECADES, field, tr("Stiffness"), ends=(tr("cloth"), tr("sheet metal"))
+        )
         self.column.addWidget(self.stiffness)
         self.convergence = ConvergenceFields()
         self.column.addWidget(self.convergence)
@@ -111,11 +113,11 @@ class MethodSection(Section):
     def show_settings(self, document: Document) -> None:
         """Show the method and its settings."""
         self.method.setCurrentIndex(self.method.findData(document.method))
-        method = document.traits
+        method = document.method_traits
         self._describe(method)
         self.calm.setVisible(method.keeps_calm_parts)
         self.calm.setChecked(document.calm)
-        self.contact.setVisible(method.may_touch)
+        self.contact.setVisible(method.may_use_contact)
         self.contact.setChecked(document.contact)
         self._tolerance.setVisible(method.has_tolerance)
         for row in self._moduli:
@@ -127,9 +129,9 @@ class MethodSection(Section):
         self.convergence.show_settings(document)
 
     def _describe(self, method: Method) -> None:
-        self.heading.say(method.title, only_folded=True)
-        self._keeps.setText(method.keeps)
-        self._gives_up.setText(method.gives_up)
+        self.heading.show_reading(method.title, only_folded=True)
+        self._keeps.setText(method.keeps_sentence)
+        self._gives_up.setText(method.gives_up_sentence)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the parts beyond the style sheet's reach."""
@@ -138,8 +140,8 @@ class MethodSection(Section):
         self.convergence.set_theme(theme)
 
 
-def _modulus(name: str, tip: str) -> Number:
-    field = Number(
+def _modulus(name: str, tip: str) -> NumberField:
+    field = NumberField(
         brief=True,
         accessibleName=name,
         toolTip=tip,
@@ -147,5 +149,5 @@ def _modulus(name: str, tip: str) -> Number:
         maximum=10_000.0,
         decimals=4,
     )
-    field.setStepType(Number.StepType.AdaptiveDecimalStepType)
+    field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
     return field

@@ -6,10 +6,10 @@ from PySide6.QtCore import QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr, trc
-from apd_viewer.notation import typed
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.ui.widgets.fields import Choice, Entry, return_keys
-from apd_viewer.ui.widgets.folding_section import quiet
+from apd_viewer.notation import editable_number
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.ui.widgets.fields import ComboBox, TextField, return_focus
+from apd_viewer.ui.widgets.folding_section import quiet_label
 
 _TIPS = {
     "MOVE": tr("Along an axis: a length such as 12, 0.15L or 5mm; L is the longest side of the mesh"),
@@ -28,40 +28,40 @@ class MotionField(QWidget):
 
     Attributes
     ----------
-    typed : Signal(TypedMotion, str, bool)
+    motion_entered : Signal(TypedMotion, str, bool)
         The motion, what was typed, and whether it is the total to go to.
     edited : Signal(TypedMotion, str, bool)
         The same while it is typed, to be previewed.
-    left : Signal()
+    editing_ended : Signal()
         Nothing is being typed any more.
-    line_asked : Signal()
+    line_requested : Signal()
         The line to bend about is to be picked on the mesh.
     problem : QLabel
         What is wrong with the amount.
     """
 
-    typed = Signal(TypedMotion, str, bool)
-    edited = Signal(TypedMotion, str, bool)
-    left = Signal()
-    line_asked = Signal()
+    motion_entered = Signal(MotionKind, str, bool)
+    edited = Signal(MotionKind, str, bool)
+    editing_ended = Signal()
+    line_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__()
-        self.choice = Choice(accessibleName=tr("Handle motion"))
-        for motion in TypedMotion:
+        self.choice = ComboBox(accessibleName=tr("Handle motion"))
+        for motion in MotionKind:
             self.choice.addItem(motion.title, motion.name)
-        self.relation = Choice(accessibleName=tr("By an amount or to a total"), toolTip=_RELATION)
+        self.relation = ComboBox(accessibleName=tr("By an amount or to a total"), toolTip=_RELATION)
         self.relation.addItem(trc("amount", "by"), False)
         self.relation.addItem(trc("amount", "to"), True)
         self.pick = QPushButton(tr("Pick line"), toolTip=_TIPS["LINE"])
-        self.pick.clicked.connect(self.line_asked)
-        self.amount = Entry(accessibleName=tr("Amount"), placeholderText="60deg")
+        self.pick.clicked.connect(self.line_requested)
+        self.amount = TextField(accessibleName=tr("Amount"), placeholderText="60deg")
         self.amount.returnPressed.connect(self._type)
-        self.amount.textEdited.connect(self.edit)
-        self.amount.entered.connect(self.edit)
-        self.amount.left.connect(self._leave)
+        self.amount.textEdited.connect(self.request_preview)
+        self.amount.focus_gained.connect(self.request_preview)
+        self.amount.focus_lost.connect(self._leave)
         self.choice.currentIndexChanged.connect(self._choose)
-        self.problem = quiet(tr("Error in the amount"))
+        self.problem = quiet_label(tr("Error in the amount"))
         self.problem.setObjectName("unreached")
         self.problem.setWordWrap(True)
         self.problem.hide()
@@ -79,14 +79,14 @@ class MotionField(QWidget):
         self._choose()
 
     @property
-    def motion(self) -> TypedMotion:
+    def motion(self) -> MotionKind:
         """The chosen motion."""
-        return TypedMotion[self.choice.currentData()]
+        return MotionKind[self.choice.currentData()]
 
     @property
-    def about_line(self) -> bool:
+    def is_about_line(self) -> bool:
         """True for a motion about a line picked on the mesh."""
-        return self.motion is TypedMotion.BEND_LINE
+        return self.motion is MotionKind.BEND_LINE
 
     def clear(self) -> None:
         """Begin anew, for another mesh."""
@@ -95,7 +95,7 @@ class MotionField(QWidget):
         self.amount.clear()
         self.problem.hide()
 
-    def explain(self, sentence: str) -> None:
+    def show_error_later(self, sentence: str) -> None:
         """Show an error in what is being typed once the typing pauses; empty is none."""
         self.problem.setText(sentence)
         if sentence:
@@ -104,36 +104,36 @@ class MotionField(QWidget):
             self._later.stop()
             self.problem.hide()
 
-    def done(self) -> None:
+    def finish_entry(self) -> None:
         """The motion was made, and the keys are the document's: Ctrl+Z takes it back."""
         self.problem.hide()
-        return_keys(self.amount)
+        return_focus(self.amount)
 
-    def refuse(self, sentence: str) -> None:
+    def show_error(self, sentence: str) -> None:
         """Show an input error and keep the text for correction."""
         self.problem.setText(sentence)
         self.problem.show()
         self.amount.selectAll()
 
     def _type(self) -> None:
-        self.typed.emit(self.motion, self.amount.text(), self.relation.currentData())
+        self.motion_entered.emit(self.motion, self.amount.text(), self.relation.currentData())
 
-    def edit(self) -> None:
+    def request_preview(self) -> None:
         """Have what is typed previewed."""
         self.edited.emit(self.motion, self.amount.text(), self.relation.currentData())
 
     def _leave(self) -> None:
         self._later.stop()
-        self.left.emit()
+        self.editing_ended.emit()
 
     def _show_problem(self) -> None:
         self.problem.show()
 
     def _choose(self) -> None:
-        kind = "LINE" if self.about_line else self.motion.kind
-        self.pick.setVisible(self.about_line)
+        kind = "LINE" if self.is_about_line else self.motion.family
+        self.pick.setVisible(self.is_about_line)
         self.amount.setToolTip(_TIPS[kind])
         self.choice.setToolTip(_TIPS[kind])
-        examples = {"MOVE": typed("0.15") + "L", "SCALE": typed("1.2")}
+        examples = {"MOVE": editable_number("0.15") + "L", "SCALE": editable_number("1.2")}
         self.amount.setPlaceholderText(examples.get(kind, "60deg"))
         self.problem.hide()

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QScrollArea, QSi
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr, translations
-from apd_viewer.presentation.number_format import grouped
+from apd_viewer.presentation.number_format import format_grouped
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.obstacles.obstacle_section import ObstacleSection
@@ -23,9 +23,9 @@ from apd_viewer.ui.panel.target_section import TargetSection
 from apd_viewer.ui.panel.volume_section import VolumeSection
 from apd_viewer.ui.part_lists.part_buttons import PartButtons
 from apd_viewer.ui.part_lists.part_row import Swatch
-from apd_viewer.ui.preferences.shortcut_hints import name_keys
+from apd_viewer.ui.preferences.shortcut_hints import show_keys_in_tip
 from apd_viewer.ui.widgets.folding_section import Section
-from apd_viewer.ui.widgets.slider_field import Dial
+from apd_viewer.ui.widgets.slider_field import SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
     from apd_viewer.session.session import Session
-    from apd_viewer.session.store import Store
+    from apd_viewer.session.state_store import StateStore
 
 _WIDTH = 324  # a region with a target fits: rows that come later must not move the view
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
@@ -76,11 +76,11 @@ class PaintSection(Section):
 
     def show_settings(self, document: Document) -> None:
         """Count the labels."""
-        counts = document.counts
+        counts = document.label_counts
         for field, count in zip(
             self._counts, (counts[BASE], counts[HANDLE:].sum(), counts[FREE]), strict=True
         ):
-            field.setText(grouped(count, 0))
+            field.setText(format_grouped(count, 0))
         self.base.show_flags(document.base, bool(counts[BASE]))
         self.clear_all.setEnabled(bool(counts[FREE] < counts.sum() or document.member.any()))
 
@@ -146,7 +146,7 @@ class Panel(QScrollArea):
         return tuple(self._named.values())
 
     @property
-    def dials(self) -> tuple[Dial, ...]:
+    def slider_fields(self) -> tuple[SliderField, ...]:
         """All values with a slider."""
         return self.area.target, self.volume.target, self.method.stiffness, self.handles.falloff
 
@@ -179,7 +179,7 @@ class Panel(QScrollArea):
         if old is None or old.document is not new.document:
             self.paint.show_settings(new.document)
         if asked_anew or old is None or old.frame is not new.frame:
-            targets = old is None or old.document.percentages != new.document.percentages
+            targets = old is None or old.document.target_percentages != new.document.target_percentages
             anew = targets or old is None or old.document.method != new.document.method
             self._show_readings(new, handle, anew)
 
@@ -202,7 +202,7 @@ class Panel(QScrollArea):
         self._unit = unit
         self.area.unit.show_unit(unit)
 
-    def measure_in(self, unit: Unit, state: State, handle: int, region: int) -> None:
+    def show_in_unit(self, unit: Unit, state: State, handle: int, region: int) -> None:
         """Show the readings of the state in another unit."""
         self.unit = unit
         self.show_parts(state, handle, region)
@@ -213,55 +213,55 @@ class Panel(QScrollArea):
         self.handles.show_settings(state, self.unit, handle)
         self.regions.show_settings(state, region)
 
-    def give_up_sweep(self) -> bool:
+    def cancel_slider_drag(self) -> bool:
         """Cancel the slider being dragged; True if there was one."""
-        return any(dial.slider.give_up() for dial in self.dials)
+        return any(dial.slider.cancel_drag() for dial in self.slider_fields)
 
-    def name_keys(self, add_handle: QAction, put_back: QAction, add_region: QAction) -> None:
+    def show_keys_in_tips(self, add_handle: QAction, reset_handle: QAction, add_region: QAction) -> None:
         """Name the shortcuts of equivalent actions in the buttons' tips."""
-        name_keys(self.handles.add, add_handle)
-        name_keys(self.handles.back, put_back)
-        name_keys(self.regions.add, add_region)
+        show_keys_in_tip(self.handles.add, add_handle)
+        show_keys_in_tip(self.handles.reset_handle, reset_handle)
+        show_keys_in_tip(self.regions.add, add_region)
 
     def show_status(self, session: Session) -> None:
         """Show the solver's activity and enable the possible controls."""
         state = session.store.state
         self.setEnabled(state is not None)
-        self.handles.reset.setEnabled(state is not None and not state.is_at_rest)
+        self.handles.reset_all.setEnabled(state is not None and not state.is_at_rest)
         if state is None:
             self.area.activity.setText("")
         else:
             self.area.show_activity(state, session)
             self._show_preview(state, session.store)
 
-    def _show_preview(self, state: State, store: Store) -> None:
+    def _show_preview(self, state: State, store: StateStore) -> None:
         """Claim neither area nor volume while there is only a preview of the shape."""
-        if store.previews:
-            self.area.show_preview(store.compiled or 0.0)
+        if store.is_previewing:
+            self.area.show_preview(store.compiled_share or 0.0)
             self.volume.show_preview()
         elif self._previews:
-            self.area.show_readings(state, self.unit, asked_anew=False)
+            self.area.show_readings(state, self.unit, targets_changed=False)
             self.volume.show_readings(state, self.unit)
-        self._previews = store.previews
+        self._previews = store.is_previewing
 
-    def show_motion(self) -> None:
+    def focus_motion_field(self) -> None:
         """Unfold the handle section and focus the motion field."""
-        self.handles.folded = False
+        self.handles.is_folded = False
         field = self.handles.motion.amount
         self.ensureWidgetVisible(field)
         field.setFocus(Qt.FocusReason.ShortcutFocusReason)
         field.selectAll()
 
     @property
-    def folded(self) -> list[str]:
+    def folded_sections(self) -> list[str]:
         """Names of the folded sections."""
-        return [name for name, section in self._named.items() if section.folded]
+        return [name for name, section in self._named.items() if section.is_folded]
 
-    @folded.setter
-    def folded(self, names: list[str]) -> None:
+    @folded_sections.setter
+    def folded_sections(self, names: list[str]) -> None:
         titles = set(names) - set(self._named)  # settings of before have them in the language of that time
         for name, section in self._named.items():
-            section.folded = name in names or bool(titles and titles & translations(name))
+            section.is_folded = name in names or bool(titles and titles & translations(name))
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the parts beyond the style sheet's reach."""

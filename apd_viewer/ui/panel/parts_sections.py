@@ -11,16 +11,16 @@ from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr, trc, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
-from apd_viewer.session.model.status_text import of_passing
+from apd_viewer.session.model.status_text import self_passing_warnings
 from apd_viewer.ui.panel.motion_field import MotionField
 from apd_viewer.ui.panel.symmetry_row import SymmetryRow
 from apd_viewer.ui.part_lists.part_list import PartList
 from apd_viewer.ui.part_lists.part_row import PartRow
-from apd_viewer.ui.widgets.fields import Check, Number, percent_field
-from apd_viewer.ui.widgets.folding_section import Section, quiet
+from apd_viewer.ui.widgets.fields import CheckBox, NumberField, percent_field
+from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.slider import SHARE
-from apd_viewer.ui.widgets.slider_field import Dial
+from apd_viewer.ui.widgets.slider_field import SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
@@ -39,29 +39,29 @@ class HandleSection(Section):
     list : PartList
     motion : MotionField
     symmetry : SymmetryRow
-    falloff : Dial
+    falloff : SliderField
         In percent of the longest side.
-    added, reset_asked, put_back_asked : Signal()
+    add_requested, reset_all_requested, reset_handle_requested : Signal()
     drift : QLabel
-    lost : QLabel
+    crossing_signs : QLabel
         What tells that the surface has passed through itself; hidden without anything.
     """
 
-    added = Signal()
-    reset_asked = Signal()
-    put_back_asked = Signal()
+    add_requested = Signal()
+    reset_all_requested = Signal()
+    reset_handle_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__(tr("Handles"))
         self.list = PartList(HANDLE_COLORS, self._row)
         self.column.addWidget(self.list)
-        self.lost = QLabel(
+        self.crossing_signs = QLabel(
             objectName="lost",
             wordWrap=True,
             accessibleName=tr("Signs of passing through itself"),
         )
-        self.lost.hide()
-        self.column.addWidget(self.lost)
+        self.crossing_signs.hide()
+        self.column.addWidget(self.crossing_signs)
         self.motion = MotionField()
         self.column.addWidget(self.motion)
         self.symmetry = SymmetryRow()
@@ -70,8 +70,10 @@ class HandleSection(Section):
             "Distance over which the surface around the active handle moves with it, decreasing "
             "outwards; in percent of the longest side"
         )
-        field = Number(brief=True, decimals=2, maximum=100.0, suffix=" %", singleStep=1.0, toolTip=tip)
-        self.falloff = Dial(QLabel(tr("Falloff"), toolTip=tip), SHARE, field, tr("Falloff of the handle"))
+        field = NumberField(brief=True, decimals=2, maximum=100.0, suffix=" %", singleStep=1.0, toolTip=tip)
+        self.falloff = SliderField(
+            QLabel(tr("Falloff"), toolTip=tip), SHARE, field, tr("Falloff of the handle")
+        )
         self.column.addWidget(self.falloff)
         self.drift = QLabel("–", accessibleName=_DRIFT, toolTip=_DRIFT)
         grid = QGridLayout()
@@ -83,23 +85,25 @@ class HandleSection(Section):
             accessibleName=tr("Add handle"),
             toolTip=tr("Add another handle"),
         )
-        self.back = QPushButton(tr("Reset"), toolTip=tr("Return the active handle to its rest position"))
-        self.back.setAccessibleName(tr("Reset handle"))
-        self.reset = QPushButton(
+        self.reset_handle = QPushButton(
+            tr("Reset"), toolTip=tr("Return the active handle to its rest position")
+        )
+        self.reset_handle.setAccessibleName(tr("Reset handle"))
+        self.reset_all = QPushButton(
             tr("Reset all"), toolTip=tr("Reset all handles and return the mesh to its rest shape")
         )
-        self.reset.setAccessibleName(tr("Reset all handles"))
-        self.add.clicked.connect(self.added)
-        self.back.clicked.connect(self.put_back_asked)
-        self.reset.clicked.connect(self.reset_asked)
+        self.reset_all.setAccessibleName(tr("Reset all handles"))
+        self.add.clicked.connect(self.add_requested)
+        self.reset_handle.clicked.connect(self.reset_handle_requested)
+        self.reset_all.clicked.connect(self.reset_all_requested)
         buttons = QHBoxLayout(spacing=8)
-        for button in (self.add, self.back, self.reset):
+        for button in (self.add, self.reset_handle, self.reset_all):
             buttons.addWidget(button)
         self.column.addSpacing(4)
         self.column.addLayout(buttons)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet(tr("Displacement and rotation of {name}").format(name=name))
+        details = quiet_label(tr("Displacement and rotation of {name}").format(name=name))
         details.setIndent(22)
         return PartRow("handle", name, color, details)
 
@@ -108,23 +112,27 @@ class HandleSection(Section):
         document = state.document
         self.list.show_names([handle.name for handle in document.handles], active)
         for k, row in enumerate(self.list.rows):
-            count = document.counts[HANDLE + k]
+            count = document.label_counts[HANDLE + k]
             said = trn("{n:,} vertex", "{n:,} vertices", int(count)).format(n=count)
             row.reading.setText(said if count else tr("empty"))
             row.reading.setToolTip(tr("Vertices of the handle"))
             row.remove.setVisible(len(document.handles) > 1)
             row.show_flags(document.handles[k].flags, bool(count))
-        self.back.setEnabled(bool(document.counts[HANDLE + active]) and state.is_away(active))
+        self.reset_handle.setEnabled(
+            bool(document.label_counts[HANDLE + active]) and state.is_handle_moved(active)
+        )
         self.falloff.show_value(100.0 * document.handles[active].falloff / max(state.inspection.size))
-        self.motion.setEnabled(document.problem is None and bool(document.counts[HANDLE + active]))
+        self.motion.setEnabled(
+            document.paint_problem is None and bool(document.label_counts[HANDLE + active])
+        )
         self._show_motion(state, unit, active)
-        self.heading.say(f"{len(document.handles)}", only_folded=True)
+        self.heading.show_reading(f"{len(document.handles)}", only_folded=True)
 
-    def show_check(self, state: State, found: ShapeCheck | None) -> None:
+    def show_check(self, state: State, check: ShapeCheck | None) -> None:
         """Show signs of the surface passing through itself, as far as known."""
-        lost = of_passing(state, found)
-        self.lost.setText("\n".join(lost))
-        self.lost.setVisible(bool(lost))
+        lost = self_passing_warnings(state, check)
+        self.crossing_signs.setText("\n".join(lost))
+        self.crossing_signs.setVisible(bool(lost))
 
     def show_readings(self, state: State, unit: Unit, active: int) -> None:
         """Show the handles' drift from their targets, and how far the active one has come."""
@@ -150,48 +158,48 @@ class RegionSection(Section):
     Attributes
     ----------
     list : PartList
-    added : Signal()
-    kept : Signal(int, object)
+    add_requested : Signal()
+    target_changed : Signal(int, object)
         A region and the area to keep in percent, or None to leave it free.
     """
 
-    added = Signal()
-    kept = Signal(int, object)
+    add_requested = Signal()
+    target_changed = Signal(int, object)
 
     def __init__(self) -> None:
         super().__init__(tr("Regions"))
-        self.empty = quiet(tr("About regions"))
+        self.empty = quiet_label(tr("About regions"))
         self.empty.setText(tr("A region is a painted part whose area you can measure and keep."))
         self.list = PartList(REGION_COLORS, self._row)
-        self.note = quiet(tr("Why regions are not kept"))
+        self.note = quiet_label(tr("Why regions are not kept"))
         self.note.setText(tr("The method Paper only measures regions."))
         self.note.hide()
         self.add = QPushButton(tr("Add region"), toolTip=tr("Add another region to measure or keep its area"))
-        self.add.clicked.connect(self.added)
+        self.add.clicked.connect(self.add_requested)
         for part in (self.empty, self.list, self.note):
             self.column.addWidget(part)
         self.column.addSpacing(4)
         self.column.addWidget(self.add)
 
     def _row(self, k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        row = PartRow("region", name, color, Keep())
+        row = PartRow("region", name, color, RegionTargetField())
         details = row.details
-        assert isinstance(details, Keep)
-        details.kept.connect(lambda percent: self.kept.emit(k, percent))
+        assert isinstance(details, RegionTargetField)
+        details.target_changed.connect(lambda percent: self.target_changed.emit(k, percent))
         return row
 
     def show_settings(self, state: State, active: int) -> None:
         """Show the regions and their targets."""
         document = state.document
-        regions, only_measured = document.regions, document.traits.keeps_only_total_area
+        regions, only_measured = document.regions, document.method_traits.keeps_only_total_area
         self.list.show_names([region.name for region in regions], active)
         for k, (region, row) in enumerate(zip(regions, self.list.rows, strict=True), 1):
             row.show_flags(region.flags, bool(state.region_counts[k]))
-            if isinstance(row.details, Keep):
+            if isinstance(row.details, RegionTargetField):
                 row.details.show_target(region.area, not only_measured)
         self.empty.setVisible(not regions)
         self.note.setVisible(bool(regions) and only_measured)
-        self.heading.say(f"{len(regions)}" if regions else trc("regions", "none"), only_folded=True)
+        self.heading.show_reading(f"{len(regions)}" if regions else trc("regions", "none"), only_folded=True)
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show the area of each region."""
@@ -206,29 +214,31 @@ class RegionSection(Section):
         self.add.setIcon(icon("add", theme))
 
 
-class Keep(QWidget):
+class RegionTargetField(QWidget):
     """Area target of a region: free, or a percentage of its rest area.
 
     Attributes
     ----------
-    kept : Signal(object)
+    target_changed : Signal(object)
         In percent, or None.
     """
 
-    kept = Signal(object)
+    target_changed = Signal(object)
 
     def __init__(self) -> None:
         super().__init__()
         tip = tr("Target of the area of the region, in percent of its rest area")
-        self.box = Check(tr("Keep at"), toolTip=tr("Keep the area of the region exactly, or leave it free"))
-        self.field: Number = percent_field(tr("Area target of the region"), tip)
+        self.box = CheckBox(
+            tr("Keep at"), toolTip=tr("Keep the area of the region exactly, or leave it free")
+        )
+        self.field: NumberField = percent_field(tr("Area target of the region"), tip)
         line = QHBoxLayout(self, spacing=8)
         line.setContentsMargins(22, 0, 0, 2)
         line.addWidget(self.box)
         line.addWidget(self.field)
         line.addStretch(1)
-        self.box.toggled.connect(lambda on: self.kept.emit(self.field.value() if on else None))
-        self.field.valueChanged.connect(lambda percent: self.kept.emit(percent))
+        self.box.toggled.connect(lambda on: self.target_changed.emit(self.field.value() if on else None))
+        self.field.valueChanged.connect(lambda percent: self.target_changed.emit(percent))
 
     def show_target(self, percent: float | None, possible: bool) -> None:
         """Show the target, enabled if ``possible``."""

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton
 from apd_viewer.language import tr, trc
 from apd_viewer.ui.part_lists.named_rows import NamedList, NamedRow
 from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.folding_section import Section, quiet
+from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import Theme
 
@@ -50,17 +50,17 @@ class PoseList(NamedList[PoseRow]):
 
     Attributes
     ----------
-    updated : Signal(int)
+    update_requested : Signal(int)
     """
 
-    updated = Signal(int)
+    update_requested = Signal(int)
 
     def __init__(self) -> None:
         super().__init__(self._row)
 
     def _row(self, k: int, name: str) -> PoseRow:
         row = PoseRow(name)
-        row.update_pose.clicked.connect(lambda: self.updated.emit(k))
+        row.update_pose.clicked.connect(lambda: self.update_requested.emit(k))
         return row
 
 
@@ -70,21 +70,21 @@ class PoseSection(Section):
     Attributes
     ----------
     list : PoseList
-    kept : Signal()
+    keep_requested : Signal()
         The present pose is to be kept under a new name.
     """
 
-    kept = Signal()
+    keep_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__(tr("Poses"))
-        self.empty = quiet(tr("About poses"))
+        self.empty = quiet_label(tr("About poses"))
         self.empty.setText(tr("Keep where all handles are now, and return to it with a click."))
         self.list = PoseList()
         self.add = QPushButton(
             tr("Keep pose"), toolTip=tr("Keep the present places of all handles under a name")
         )
-        self.add.clicked.connect(self.kept)
+        self.add.clicked.connect(self.keep_requested)
         for part in (self.empty, self.list):
             self.column.addWidget(part)
         self.column.addSpacing(4)
@@ -95,7 +95,7 @@ class PoseSection(Section):
         """Show the poses, and the one that the handles are in."""
         self.list.show_names(names, active)
         self.empty.setVisible(not names)
-        self.heading.say(f"{len(names)}" if names else trc("poses", "none"), only_folded=True)
+        self.heading.show_reading(f"{len(names)}" if names else trc("poses", "none"), only_folded=True)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""

@@ -11,12 +11,12 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
-from apd_viewer.session.quantities.clear_numbers import as_typed
+from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, mass
-from apd_viewer.ui.widgets.fields import Entry, return_keys
-from apd_viewer.ui.widgets.folding_section import Section, quiet
+from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, wall_mass
+from apd_viewer.ui.widgets.fields import TextField, return_focus
+from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
@@ -28,7 +28,7 @@ class SizeSection(Section):
 
     Attributes
     ----------
-    wall_typed : Signal(Wall)
+    wall_entered : Signal(Wall)
     extent, box, packed, compact, mass : QLabel
     thickness, density : QLineEdit
     two_walls : QLabel
@@ -38,7 +38,7 @@ class SizeSection(Section):
         Why there is no mass.
     """
 
-    wall_typed = Signal(object)
+    wall_entered = Signal(object)
 
     def __init__(self) -> None:
         super().__init__(tr("Size and mass"))
@@ -71,9 +71,9 @@ class SizeSection(Section):
         self.mass = self._row(tr("Mass"), tr("Area × thickness × density"), wide=True)
         self.column.addLayout(self._grid)
         self.column.addSpacing(4)
-        self.problem = quiet(tr("Why there is no mass"))
+        self.problem = quiet_label(tr("Why there is no mass"))
         self.problem.setObjectName("unreached")
-        self.two_walls = quiet(tr("Material and capacity of the double wall"))
+        self.two_walls = quiet_label(tr("Material and capacity of the double wall"))
         for line in (self.problem, self.two_walls):
             line.hide()
             self.column.addWidget(line)
@@ -81,7 +81,7 @@ class SizeSection(Section):
     def _row(self, title: str, tip: str, wide: bool = False) -> QLabel:
         row = self._grid.rowCount()
         reading = QLabel(
-            readings.NOTHING, accessibleName=title, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight
+            readings.NO_VALUE, accessibleName=title, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight
         )
         self._grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
         self._grid.addWidget(reading, row, 1, 1, 2 if wide else 1)
@@ -112,11 +112,11 @@ class SizeSection(Section):
         self._grid.addLayout(line, row, 0, 1, 3)
 
     def _field(self, what: str, tip: str) -> QLineEdit:
-        field = Entry(placeholderText=what, toolTip=tip)
+        field = TextField(placeholderText=what, toolTip=tip)
         field.setAccessibleName(tr("Wall, {what}").format(what=what))
         field.setMaxLength(MOST_CHARACTERS)
         field.editingFinished.connect(self._type)
-        field.returnPressed.connect(partial(return_keys, field))
+        field.returnPressed.connect(partial(return_focus, field))
         return field
 
     @property
@@ -135,46 +135,48 @@ class SizeSection(Section):
         if self.wall != self._typed:
             self._typed = self.wall
             self._show_mass()
-            self.wall_typed.emit(self.wall)
+            self.wall_entered.emit(self.wall)
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show compactness and mass of a frame."""
-        self._area, self._material = state.frame.area, readings.material(state)
-        said = readings.two_walls(state, unit)
+        self._area, self._material = state.frame.area, readings.material_volume(state)
+        said = readings.double_wall(state, unit)
         self.two_walls.setText(said)
         self.two_walls.setVisible(bool(said))
-        for label, text in zip((self.compact, self.compact_change), readings.compact(state), strict=True):
+        for label, text in zip(
+            (self.compact, self.compact_change), readings.compactness_text(state), strict=True
+        ):
             label.setText(text)
         if unit is not self._unit:
             self._unit = unit
             self._show_boxes()
         self._show_mass()
 
-    def show_check(self, found: ShapeCheck | None, at_rest: ShapeCheck | None) -> None:
+    def show_check(self, check: ShapeCheck | None, at_rest: ShapeCheck | None) -> None:
         """Show the results of a shape check; None while unknown."""
-        self._found, self._at_rest = found, at_rest
+        self._found, self._at_rest = check, at_rest
         self._show_boxes()
 
     def _show_boxes(self) -> None:
         found, rest = self._found, self._at_rest
         rows = (self.box, self.box_change, "box"), (self.packed, self.packed_change, "packed")
         for reading, changed, what in rows:
-            said = readings.room(getattr(found, what, None), getattr(rest, what, None), self._unit)
+            said = readings.box_volume(getattr(found, what, None), getattr(rest, what, None), self._unit)
             reading.setText(said[0])
             changed.setText(said[1])
         self.extent.setText(readings.extent(found, self._unit))
         change = self.packed_change.text()
-        self.heading.say(
+        self.heading.show_reading(
             tr("smallest box {change}").format(change=change) if change else "", only_folded=True
         )
 
     def _show_mass(self) -> None:
         try:
-            wall = Wall(*map(as_typed, self._typed))
-            grams, problem = mass(wall, self._area, self._unit, self._material), ""
+            wall = Wall(*map(unambiguous_text, self._typed))
+            grams, problem = wall_mass(wall, self._area, self._unit, self._material), ""
         except InputError as error:
             grams, problem = None, str(error)
-        self.mass.setText(readings.weight(grams, self._unit))
+        self.mass.setText(readings.mass(grams, self._unit))
         if problem != self.problem.text():
             self.problem.setText(problem)
             self.problem.setVisible(bool(problem))

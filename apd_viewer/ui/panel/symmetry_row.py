@@ -6,8 +6,8 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.ui.widgets.fields import Check, Choice
-from apd_viewer.ui.widgets.folding_section import quiet
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox
+from apd_viewer.ui.widgets.folding_section import quiet_label
 
 _TIP = tr("Move each handle together with its mirror image on the other side of the mesh")
 _AXIS = tr("Axis to mirror along, through the middle of the mesh at rest")
@@ -18,22 +18,22 @@ class SymmetryRow(QWidget):
 
     Attributes
     ----------
-    chosen : Signal(object)
+    axis_chosen : Signal(object)
         The axis to mirror along, 0, 1 or 2, or None.
-    paint_asked : Signal()
+    paint_requested : Signal()
         The mirror image of the active handle is to be painted.
     """
 
-    chosen = Signal(object)
-    paint_asked = Signal()
+    axis_chosen = Signal(object)
+    paint_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__()
-        self.box = Check(tr("Symmetric"), toolTip=_TIP)
-        self.axis = Choice(accessibleName=tr("Axis of symmetry"), toolTip=_AXIS)
+        self.box = CheckBox(tr("Symmetric"), toolTip=_TIP)
+        self.axis = ComboBox(accessibleName=tr("Axis of symmetry"), toolTip=_AXIS)
         for number, letter in enumerate("xyz"):
             self.axis.addItem(tr("along {axis}").format(axis=letter), number)
-        self.partner = quiet(tr("Mirror partner of the handle"))
+        self.partner = quiet_label(tr("Mirror partner of the handle"))
         self.partner.hide()
         self.paint = QPushButton(
             tr("Paint mirror handle"),
@@ -50,7 +50,7 @@ class SymmetryRow(QWidget):
         column.addWidget(self.paint)
         self.box.toggled.connect(self._choose)
         self.axis.currentIndexChanged.connect(self._choose)
-        self.paint.clicked.connect(self.paint_asked)
+        self.paint.clicked.connect(self.paint_requested)
 
     def show_settings(self, axis: int | None, sentence: str, may_paint: bool) -> None:
         """Show the axis, what is said of the partner, and the button to paint one."""
@@ -66,4 +66,4 @@ class SymmetryRow(QWidget):
         self.paint.setVisible(may_paint)
 
     def _choose(self) -> None:
-        self.chosen.emit(self.axis.currentData() if self.box.isChecked() else None)
+        self.axis_chosen.emit(self.axis.currentData() if self.box.isChecked() else None)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from PySide6.QtCore import QObject
 
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.store import Activity
+from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.geometry.analysis.target_shape import TargetDistance, TargetShape
     from apd_viewer.session.session import Session
-    from apd_viewer.ui.overlays.deviation_overlay import HeatMap
+    from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
     from apd_viewer.ui.panel.target_section import TargetSection
     from apd_viewer.ui.preferences.preferences import Preferences
 
@@ -30,7 +30,7 @@ class _Compared(NamedTuple):
     found: TargetDistance | None
 
 
-class Targeting(QObject):
+class TargetController(QObject):
     """Loads and clears the target shape, and measures the distance from it.
 
     Parameters
@@ -38,54 +38,59 @@ class Targeting(QObject):
     window : QWidget
         Over which to ask.
     section : TargetSection
-    memory : Preferences
-    heat : HeatMap
+    preferences : Preferences
+    overlay : DeviationOverlay
         Shows the distance of a target shape once it is loaded.
     session : Session
     """
 
     def __init__(
-        self, window: QWidget, section: TargetSection, memory: Preferences, heat: HeatMap, session: Session
+        self,
+        window: QWidget,
+        section: TargetSection,
+        preferences: Preferences,
+        overlay: DeviationOverlay,
+        session: Session,
     ) -> None:
         super().__init__(window)
-        self._window, self._section, self._memory = window, section, memory
-        self._heat, self._session = heat, session
+        self._window, self._section, self._memory = window, section, preferences
+        self._heat, self._session = overlay, session
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
         self._wanted: tuple[TargetShape, np.ndarray] | None = None
-        section.clear.clicked.connect(lambda: self.clear())
+        section.clear.clicked.connect(lambda: self.clear_target_shape())
 
-    def ask(self) -> None:
+    def ask_for_target_shape(self) -> None:
         """Choose a mesh to compare with, and show the distance from it in colours."""
         if self._session.store.state is None:
             return
-        path = file_dialogs.ask_for_target_shape(self._window, self._memory.folder)
+        path = file_dialogs.ask_for_target_shape(self._window, self._memory.last_folder)
         if path is not None:
-            self._session.target_shapes.load(path, lambda: self._heat.choose(Measure.TARGET_DISTANCE))
+            self._session.target_shapes.load(path, lambda: self._heat.choose_measure(Measure.TARGET_DISTANCE))
 
-    def clear(self) -> None:
+    def clear_target_shape(self) -> None:
         """Compare with no other mesh any more."""
         if self._session.store.state is not None:
             self._session.target_shapes.clear()
 
-    def follow(self) -> None:
+    def refresh(self) -> None:
         """Measure the shape on screen once it rests; give up what is out of date."""
         session, state = self._session, self._session.store.state
-        target = None if state is None else state.document.target
-        rests = session.gestures.before is None and session.store.activity is not Activity.REFINING
+        target = None if state is None else state.document.target_shape
+        rests = session.gestures.state_before is None and session.store.activity is not Activity.REFINING
         wanted = (target, state.frame.U) if state and target and rests else None
         self._want(wanted)
 
     def _want(self, wanted: tuple[TargetShape, np.ndarray] | None) -> None:
         before, self._wanted = self._wanted, wanted
         if wanted is None:
-            self._task.give_up()
+            self._task.cancel()
             self._section.show_distance(None)
         elif before is None or any(x is not y for x, y in zip(before, wanted, strict=True)):
             self._section.show_distance(None)
             target, U = wanted
-            mesh = self._session.store.required().document.mesh
-            self._task.begin(lambda enough: _Compared(target, U, target.compared(mesh, U, enough)))
+            mesh = self._session.store.required_state().document.mesh
+            self._task.begin(lambda enough: _Compared(target, U, target.target_distance(mesh, U, enough)))
 
     def _take(self, result: object) -> None:
         """Receive the thread's result; without memory for it there is none."""

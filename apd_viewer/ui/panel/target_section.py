@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.widgets.folding_section import Section, quiet
+from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.target_shape import TargetDistance
@@ -37,11 +37,11 @@ class TargetSection(Section):
         self._unit, self._size = Unit.NONE, 1.0
         self._found: TargetDistance | None = None
         self._shown: tuple[object, ...] = (None, None, None)
-        self.name = quiet(tr("File of the target shape"))
+        self.name = quiet_label(tr("File of the target shape"))
         self.column.addWidget(self.name)
         self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         self._grid.setColumnStretch(0, 1)
-        for row, (title, _) in enumerate(readings.DISTANCES, start=1):
+        for row, (title, _) in enumerate(readings.DISTANCE_COLUMNS, start=1):
             self._grid.addWidget(QLabel(title, objectName="quiet"), row, 0)
         self.closest = self._column(
             1,
@@ -65,16 +65,16 @@ class TargetSection(Section):
     def _column(self, column: int, title: str, tip: str) -> tuple[QLabel, ...]:
         self._grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip, alignment=_RIGHT), 0, column)
         labels = []
-        for row, (what, _) in enumerate(readings.DISTANCES, start=1):
+        for row, (what, _) in enumerate(readings.DISTANCE_COLUMNS, start=1):
             name = tr("{what}, {title}").format(what=what, title=title)
-            label = QLabel(readings.NOTHING, accessibleName=name, toolTip=tip, alignment=_RIGHT)
+            label = QLabel(readings.NO_VALUE, accessibleName=name, toolTip=tip, alignment=_RIGHT)
             self._grid.addWidget(label, row, column)
             labels.append(label)
         return tuple(labels)
 
     def show_settings(self, document: Document) -> None:
         """Show the name of the target shape, or why it is missing."""
-        target, missing = document.target, document.missing_target
+        target, missing = document.target_shape, document.missing_target_shape
         shown = target, missing, document.mesh.F
         if all(new is old for new, old in zip(shown, self._shown, strict=True)):
             return  # comparing all triangles takes too long for every pose of a drag
@@ -83,8 +83,8 @@ class TargetSection(Section):
         if target is not None:
             self.name.setText(target.mesh.name)
         elif missing is not None:
-            self.name.setText(missing.why)
-        corresponds = target is not None and target.corresponds(document.mesh)
+            self.name.setText(missing.reason)
+        corresponds = target is not None and target.has_same_triangles(document.mesh)
         for row in range(self._grid.rowCount()):
             for column, wanted in enumerate((target is not None, target is not None, corresponds)):
                 if (item := self._grid.itemAtPosition(row, column)) and (widget := item.widget()):
@@ -97,10 +97,10 @@ class TargetSection(Section):
             self._unit = unit
             self._show()
 
-    def show_distance(self, found: TargetDistance | None) -> None:
+    def show_distance(self, distance: TargetDistance | None) -> None:
         """Show the distances of the shape; None while unknown."""
-        if found is not self._found:
-            self._found = found
+        if distance is not self._found:
+            self._found = distance
             self._show()
 
     def _show(self) -> None:
@@ -108,5 +108,7 @@ class TargetSection(Section):
         for labels, name in ((self.closest, "closest"), (self.vertex, "vertex")):
             said = readings.distances(getattr(found, name, None), self._unit, self._size)
             for label, text in zip(labels, said, strict=True):
-                label.setText(readings.LATER if found is None else text)
-        self.heading.say(tr("RMS {distance}").format(distance=self.closest[1].text()), only_folded=True)
+                label.setText(readings.PENDING if found is None else text)
+        self.heading.show_reading(
+            tr("RMS {distance}").format(distance=self.closest[1].text()), only_folded=True
+        )

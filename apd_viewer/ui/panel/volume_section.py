@@ -10,10 +10,10 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
 from apd_viewer.ui.panel.crossings_button import CrossingsButton
-from apd_viewer.ui.widgets.fields import Check, percent_field
-from apd_viewer.ui.widgets.folding_section import Section, quiet
+from apd_viewer.ui.widgets.fields import CheckBox, percent_field
+from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.slider import PERCENT
-from apd_viewer.ui.widgets.slider_field import Dial
+from apd_viewer.ui.widgets.slider_field import SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
@@ -29,32 +29,32 @@ class VolumeSection(Section):
 
     Attributes
     ----------
-    target : Dial
+    target : SliderField
         In percent.
-    kept : Signal(object)
+    target_changed : Signal(object)
         The volume to keep in percent, or None to leave it free.
     volume, litres, pairs, least_gap, share : QLabel
     crossings : CrossingsButton
     """
 
-    kept = Signal(object)
+    target_changed = Signal(object)
 
     def __init__(self) -> None:
         super().__init__(tr("Volume"))
-        self.volume = quiet(tr("Volume, and rest volume"))
-        self.keep = Check(tr("Keep volume"), toolTip=tr("Keep the enclosed volume exactly"))
-        self.target = Dial(self.keep, PERCENT, percent_field("", _TIP), tr("Volume target"))
-        self.why_not = quiet(tr("Why the volume cannot be kept"))
-        self.litres = quiet(tr("Volume in litres, and how its openings were closed"))
+        self.volume = quiet_label(tr("Volume, and rest volume"))
+        self.keep = CheckBox(tr("Keep volume"), toolTip=tr("Keep the enclosed volume exactly"))
+        self.target = SliderField(self.keep, PERCENT, percent_field("", _TIP), tr("Volume target"))
+        self.disabled_note = quiet_label(tr("Why the volume cannot be kept"))
+        self.litres = quiet_label(tr("Volume in litres, and how its openings were closed"))
         self.crossings = CrossingsButton()
         for part in (self.volume, self.litres, self.crossings):
             self.column.addWidget(part)
         self._add_contact()
         self.column.addWidget(self.target)
-        self.column.addWidget(self.why_not)
-        for later in (self.target.field, self.target.slider, self.why_not):
+        self.column.addWidget(self.disabled_note)
+        for later in (self.target.field, self.target.slider, self.disabled_note):
             later.hide()  # until a volume can be kept
-        self.keep.toggled.connect(lambda on: self.kept.emit(self.target.value if on else None))
+        self.keep.toggled.connect(lambda on: self.target_changed.emit(self.target.value if on else None))
 
     def _add_contact(self) -> None:
         self._contact = QWidget()
@@ -74,7 +74,7 @@ class VolumeSection(Section):
         )
         values = []
         for row, (title, tip) in enumerate(rows):
-            values.append(QLabel(readings.NOTHING, accessibleName=title, toolTip=tip))
+            values.append(QLabel(readings.NO_VALUE, accessibleName=title, toolTip=tip))
             grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
             grid.addWidget(values[-1], row, 1, Qt.AlignmentFlag.AlignRight)
         self.pairs, self.least_gap, self.share = values
@@ -96,11 +96,11 @@ class VolumeSection(Section):
         """Show the target, or the reason for a missing volume."""
         document, inspection = state.document, state.inspection
         why = "" if inspection.volume else tr("Only a closed surface has a volume to keep.")
-        if document.traits.keeps_only_total_area and not why:
-            name = document.traits.short_title
+        if document.method_traits.keeps_only_total_area and not why:
+            name = document.method_traits.short_title
             why = tr("The method {name} cannot keep a volume.").format(name=name)
-        self.why_not.setText(why)
-        self.why_not.setVisible(bool(why))
+        self.disabled_note.setText(why)
+        self.disabled_note.setVisible(bool(why))
         asked = document.volume is not None
         self.keep.setEnabled(not why)
         self.keep.blockSignals(True)
@@ -115,28 +115,28 @@ class VolumeSection(Section):
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show the shape's volume; an open surface's with capped openings."""
         said = readings.volume(state, unit)
-        self.heading.say(said.change)
-        self.volume.setText(said.sizes)
-        self.litres.setText("\n".join(said.more))
-        self.litres.setVisible(bool(said.more))
-        if state.keeps_apart:
+        self.heading.show_reading(said.change)
+        self.volume.setText(said.volumes)
+        self.litres.setText("\n".join(said.remarks))
+        self.litres.setVisible(bool(said.remarks))
+        if state.is_contact_active:
             touch = readings.contact(state, unit)
             for label, text in zip((self.pairs, self.least_gap, self.share), touch, strict=True):
                 label.setText(text)
-        self._contact.setVisible(state.keeps_apart)
+        self._contact.setVisible(state.is_contact_active)
 
     def show_preview(self) -> None:
         """Say nothing of a shape that has not come yet."""
-        self.heading.say("")
+        self.heading.show_reading("")
         for label in (self.volume, self.litres):
-            label.setText(readings.NOTHING)
+            label.setText(readings.NO_VALUE)
 
-    def show_check(self, state: State, found: ShapeCheck | None, under_way: bool) -> None:
+    def show_check(self, state: State, check: ShapeCheck | None, under_way: bool) -> None:
         """Show the self-intersections of a state as far as known."""
-        if found is not None:
-            count = None if found.crossing is None else len(found.crossing)
-            self.crossings.show_count(count, state.keeps_apart)
-        elif under_way and not state.cannot_cross:
+        if check is not None:
+            count = None if check.crossing is None else len(check.crossing)
+            self.crossings.show_count(count, state.is_contact_active)
+        elif under_way and not state.is_safe_from_crossing:
             self.crossings.show_checking()
         else:
-            self.crossings.show_moving(state.cannot_cross)
+            self.crossings.show_moving(state.is_safe_from_crossing)

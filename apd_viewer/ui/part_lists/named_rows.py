@@ -12,42 +12,42 @@ from PySide6.QtWidgets import QFrame, QLineEdit, QToolButton, QVBoxLayout, QWidg
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
 
 
-class Name(QLineEdit):
+class NameField(QLineEdit):
     """Name edited in place: Enter accepts, Esc restores.
 
     Attributes
     ----------
-    chosen : Signal(str)
+    name_entered : Signal(str)
     """
 
-    chosen = Signal(str)
+    name_entered = Signal(str)
 
     def __init__(self, text: str) -> None:
         super().__init__(objectName="name", frame=False)
         self.setAccessibleName(tr("Name"))
         self.setMinimumHeight(self.fontMetrics().height() + 8)
         self._kept = text
-        self.rest()
+        self.end_editing()
 
     def show_name(self, text: str) -> None:
         """Show another name."""
         if text != self._kept:
             self._kept = text
             if self.isReadOnly():
-                self.rest()
+                self.end_editing()
 
-    def edit(self) -> None:
+    def begin_editing(self) -> None:
         """Let the user type."""
         self.setReadOnly(False)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents, False)
         self.setFocus()
         self.selectAll()
-        self.update_look()
+        self.update_style()
 
-    def rest(self) -> None:
+    def end_editing(self) -> None:
         """Show the name and leave the mouse to the row."""
         self.setReadOnly(True)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -56,9 +56,9 @@ class Name(QLineEdit):
         self.setToolTip(self._kept)
         self.setCursorPosition(0)
         self.deselect()
-        self.update_look()
+        self.update_style()
 
-    def update_look(self) -> None:
+    def update_style(self) -> None:
         """Let the style sheet look at ``readOnly`` again."""
         self.style().unpolish(self)
         self.style().polish(self)
@@ -81,12 +81,12 @@ class Name(QLineEdit):
         if self.isReadOnly():
             return
         before = self._kept
-        self.rest()
+        self.end_editing()
         row = self.parentWidget()
         if row is not None:
             row.setFocus()
         if text.strip() and text.strip() != before:
-            self.chosen.emit(text.strip())
+            self.name_entered.emit(text.strip())
 
 
 class NamedRow(QFrame):
@@ -102,28 +102,28 @@ class NamedRow(QFrame):
     ----------
     chosen, removed : Signal()
     renamed : Signal(str)
-    stepped : Signal(int)
+    step_requested : Signal(int)
         The arrow keys ask for the row above, -1, or below, 1.
-    name : Name
+    name : NameField
     remove : QToolButton
     """
 
     chosen = Signal()
     removed = Signal()
     renamed = Signal(str)
-    stepped = Signal(int)
+    step_requested = Signal(int)
 
     def __init__(self, name: str, remove: str) -> None:
         super().__init__(objectName="part", focusPolicy=Qt.FocusPolicy.StrongFocus)
-        self.name = Name(name)
+        self.name = NameField(name)
         self.remove: QToolButton = small_button(remove, remove)
-        self.name.chosen.connect(self.renamed)
+        self.name.name_entered.connect(self.renamed)
         self.remove.clicked.connect(self.removed)
 
     def set_active(self, on: bool) -> None:
         """Show whether this is the active row."""
         self.setAccessibleName(tr("{name}, active").format(name=self.name.text()) if on else self.name.text())
-        mark(self, "active", on)
+        set_style_property(self, "active", on)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -137,7 +137,7 @@ class NamedRow(QFrame):
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Let the name be edited."""
         if event.button() == Qt.MouseButton.LeftButton:
-            self.name.edit()
+            self.name.begin_editing()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Choose, rename, remove, or go to a neighbour."""
@@ -145,11 +145,11 @@ class NamedRow(QFrame):
         if key in (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space):
             self.chosen.emit()
         elif key == Qt.Key.Key_F2:
-            self.name.edit()
+            self.name.begin_editing()
         elif key == Qt.Key.Key_Delete and not self.remove.isHidden():
             self.removed.emit()
         elif key in (Qt.Key.Key_Up, Qt.Key.Key_Down):
-            self.stepped.emit(-1 if key == Qt.Key.Key_Up else 1)
+            self.step_requested.emit(-1 if key == Qt.Key.Key_Up else 1)
         else:
             super().keyPressEvent(event)
 
@@ -201,7 +201,7 @@ class NamedList(QWidget, Generic[Row]):
         row.chosen.connect(lambda: self.chosen.emit(k))
         row.removed.connect(lambda: self.removed.emit(k))
         row.renamed.connect(lambda name: self.renamed.emit(k, name))
-        row.stepped.connect(lambda step: self._step(k + step))
+        row.step_requested.connect(lambda step: self._step(k + step))
         row.set_theme(self._theme)
         self.rows.append(row)
         self._column.addWidget(row)

@@ -6,7 +6,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.session.model.named_parts import NO_FLAGS, PartFlags
+from apd_viewer.session.model.handles_and_regions import NO_FLAGS, PartFlags
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
@@ -17,13 +17,13 @@ class PartButtons(QWidget):
 
     Attributes
     ----------
-    hidden_asked, locked_asked : Signal(bool)
-    clear_asked : Signal()
+    hide_requested, lock_requested : Signal(bool)
+    clear_requested : Signal()
     """
 
-    hidden_asked = Signal(bool)
-    locked_asked = Signal(bool)
-    clear_asked = Signal()
+    hide_requested = Signal(bool)
+    lock_requested = Signal(bool)
+    clear_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -33,9 +33,9 @@ class PartButtons(QWidget):
         row.setContentsMargins(0, 0, 0, 0)
         for button in (self.hide_part, self.lock_part, self.clear_part):
             row.addWidget(button)
-        self.hide_part.clicked.connect(lambda: self.hidden_asked.emit(not self._flags.hidden))
-        self.lock_part.clicked.connect(lambda: self.locked_asked.emit(not self._flags.locked))
-        self.clear_part.clicked.connect(self.clear_asked)
+        self.hide_part.clicked.connect(lambda: self.hide_requested.emit(not self._flags.hidden))
+        self.lock_part.clicked.connect(lambda: self.lock_requested.emit(not self._flags.locked))
+        self.clear_part.clicked.connect(self.clear_requested)
         self._update()
 
     def show_flags(self, flags: PartFlags, painted: bool) -> None:

@@ -37,7 +37,7 @@ class PartList(NamedList[PartRow]):
         super().__init__(lambda k, name: self._connected(k, make(k, name, colors[k % len(colors)])))
 
     def _connected(self, k: int, row: PartRow) -> PartRow:
-        row.buttons.hidden_asked.connect(lambda on: self.hidden.emit(k, on))
-        row.buttons.locked_asked.connect(lambda on: self.locked.emit(k, on))
-        row.buttons.clear_asked.connect(lambda: self.cleared.emit(k))
+        row.buttons.hide_requested.connect(lambda on: self.hidden.emit(k, on))
+        row.buttons.lock_requested.connect(lambda on: self.locked.emit(k, on))
+        row.buttons.clear_requested.connect(lambda: self.cleared.emit(k))
         return row

@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.session.model.named_parts import NO_FLAGS, PartFlags
+from apd_viewer.session.model.handles_and_regions import NO_FLAGS, PartFlags
 from apd_viewer.ui.part_lists.named_rows import NamedRow
 from apd_viewer.ui.part_lists.part_buttons import PartButtons
 from apd_viewer.ui.widgets.theme import Theme

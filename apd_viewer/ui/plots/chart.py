@@ -27,8 +27,8 @@ class Bars:
 
     edges: np.ndarray
     heights: np.ndarray
-    below: str = "less"
-    above: str = "more"
+    negative_color: str = "less"
+    positive_color: str = "more"
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class Dots:
 
 
 @dataclass(frozen=True)
-class Ramp:
+class ColorBar:
     """Scale of the colours of dots, beside the chart."""
 
     axis: Axis
@@ -60,7 +60,7 @@ class Ramp:
 
 
 @dataclass(frozen=True)
-class Mark:
+class ReferenceLine:
     """A dashed line across the chart at a place of an axis; text above upright ones."""
 
     place: float
@@ -80,9 +80,9 @@ class Chart:
         What is written under the title, and in which colour of the theme or #rrggbb.
     x, y : Axis or None
         None where there is nothing to be seen yet.
-    curves, bars, dots, ramp, across, upright
-        ``across`` are marks at places of y, ``upright`` at places of x.
-    empty : str
+    curves, bars, dots, color_bar, horizontal_lines, vertical_lines
+        ``horizontal_lines`` are marks at places of y, ``vertical_lines`` at places of x.
+    empty_text : str
         What is said where there is nothing to be seen.
     """
 
@@ -93,7 +93,7 @@ class Chart:
     curves: tuple[Curve, ...] = ()
     bars: Bars | None = None
     dots: Dots | None = None
-    ramp: Ramp | None = None
-    across: tuple[Mark, ...] = ()
-    upright: tuple[Mark, ...] = ()
-    empty: str = field(default="", repr=False)
+    color_bar: ColorBar | None = None
+    horizontal_lines: tuple[ReferenceLine, ...] = ()
+    vertical_lines: tuple[ReferenceLine, ...] = ()
+    empty_text: str = field(default="", repr=False)

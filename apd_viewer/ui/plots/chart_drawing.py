@@ -10,8 +10,8 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen, QPolygonF
 
 from apd_viewer.presentation.axis import Axis
-from apd_viewer.ui.plots.chart import Bars, Chart, Curve, Mark
-from apd_viewer.ui.plots.dots_drawing import draw_dots, draw_ramp, ink_of
+from apd_viewer.ui.plots.chart import Bars, Chart, Curve, ReferenceLine
+from apd_viewer.ui.plots.dots_drawing import draw_color_bar, draw_dots, theme_color
 from apd_viewer.ui.widgets.theme import Theme
 
 # Pixels.
@@ -21,37 +21,37 @@ _ROW = 1.25  # heights of a line of text
 _BETWEEN_X, _BETWEEN_Y = 64.0, 26.0
 
 
-def draw_chart(painter: QPainter, room: QRectF, chart: Chart, theme: Theme, font: QFont) -> PlotField | None:
-    """Draw a chart into a ``room``, in the colours of a theme.
+def draw_chart(painter: QPainter, rect: QRectF, chart: Chart, theme: Theme, font: QFont) -> ChartArea | None:
+    """Draw a chart into a ``rect``, in the colours of a theme.
 
     Returns the field between its axes, None where there is nothing to be seen.
     """
     found = None
     painter.save()
-    painter.setClipRect(room)
+    painter.setClipRect(rect)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    font = tabular(font)
+    font = with_tabular_figures(font)
     painter.setFont(font)
     metrics = QFontMetricsF(font)
     row = _ROW * metrics.height()
-    inner = room.adjusted(_PAD, _GAP, -_PAD, -_GAP)
+    inner = rect.adjusted(_PAD, _GAP, -_PAD, -_GAP)
     _draw_words(painter, inner, chart, theme, row)
     words = 2 * row if chart.title else row if chart.readings else 0.0
     if chart.x is None or chart.y is None:
         painter.setPen(QColor(theme.quiet))
         below = inner.adjusted(0, words / 2, 0, 0)
-        painter.drawText(below, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, chart.empty)
+        painter.drawText(below, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, chart.empty_text)
     else:
         below = inner.adjusted(0, words, 0, 0)
-        if chart.ramp is not None:
-            below = draw_ramp(painter, below, chart.ramp, theme, metrics)
-        found = PlotField(painter, below, chart.x, chart.y, theme, metrics)
+        if chart.color_bar is not None:
+            below = draw_color_bar(painter, below, chart.color_bar, theme, metrics)
+        found = ChartArea(painter, below, chart.x, chart.y, theme, metrics)
         found.draw(chart)
     painter.restore()
     return found
 
 
-def tabular(font: QFont) -> QFont:
+def with_tabular_figures(font: QFont) -> QFont:
     """The font with tabular figures."""
     font = QFont(font)
     font.setFeature(QFont.Tag("tnum"), 1)
@@ -72,23 +72,23 @@ def _draw_words(painter: QPainter, room: QRectF, chart: Chart, theme: Theme, row
     baseline = room.top() + (1.75 if chart.title else 0.75) * row
     for text, color in chart.readings:
         shown = metrics.elidedText(text, Qt.TextElideMode.ElideRight, max(0.0, room.right() - x))
-        painter.setPen(ink_of(theme, color))
+        painter.setPen(theme_color(theme, color))
         painter.drawText(QPointF(x, baseline), shown)
         x += metrics.horizontalAdvance(text) + 2 * _GAP
 
 
-class PlotField:
+class ChartArea:
     """The field between two axes, and its contents."""
 
     def __init__(
-        self, painter: QPainter, room: QRectF, x: Axis, y: Axis, theme: Theme, metrics: QFontMetricsF
+        self, painter: QPainter, rect: QRectF, x: Axis, y: Axis, theme: Theme, metrics: QFontMetricsF
     ) -> None:
         self._painter, self._theme, self._metrics = painter, theme, metrics
         self._x, self._y = x, y
-        height = room.height() - 2 * metrics.height() - _GAP
+        height = rect.height() - 2 * metrics.height() - _GAP
         self._y_ticks = y.ticks(max(1, int(height / _BETWEEN_Y)))
         left = max((metrics.horizontalAdvance(text) for _, text in self._y_ticks), default=0.0) + _GAP
-        self._field = room.adjusted(left, metrics.height(), -_GAP, -metrics.height() - 1.5 * _GAP)
+        self._field = rect.adjusted(left, metrics.height(), -_GAP, -metrics.height() - 1.5 * _GAP)
         widest = max((metrics.horizontalAdvance(text) for _, text in x.ticks(4)), default=0.0)
         self._x_ticks = x.ticks(max(1, int(self._field.width() / max(_BETWEEN_X, widest + 2 * _PAD))))
 
@@ -99,16 +99,16 @@ class PlotField:
         self._draw_axes()
         if chart.bars is not None:
             self._draw_bars(chart.bars)
-        for mark in chart.upright:
+        for mark in chart.vertical_lines:
             self._draw_upright(mark)
-        for mark in chart.across:
+        for mark in chart.horizontal_lines:
             self._draw_across(mark)
         for curve in chart.curves:
             self._draw_curve(curve)
         if chart.dots is not None:
-            draw_dots(self._painter, chart.dots, self.places, self._theme)
+            draw_dots(self._painter, chart.dots, self.pixel_positions, self._theme)
 
-    def places(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    def pixel_positions(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Points (n, 2) on the axes in pixels."""
         return np.column_stack([self._at_x(x), self._at_y(y)])
 
@@ -152,11 +152,11 @@ class PlotField:
         middle = 0.5 * (bars.edges[1:] + bars.edges[:-1])
         nothing = 1e-9 * float(bars.edges[-1] - bars.edges[0])
         for left, right, top, x in zip(edges[:-1], edges[1:], tops, middle.tolist(), strict=True):
-            color = "faint" if abs(x) <= nothing else bars.below if x < 0 else bars.above
+            color = "faint" if abs(x) <= nothing else bars.negative_color if x < 0 else bars.positive_color
             bar = QRectF(left, top, right - left - gap, bottom - top)
             self._painter.fillRect(bar, QColor(getattr(self._theme, color)))
 
-    def _draw_upright(self, mark: Mark) -> None:
+    def _draw_upright(self, mark: ReferenceLine) -> None:
         x = self._x_of(mark.place)
         self._painter.setPen(self._dashed(mark))
         self._painter.drawLine(QPointF(x, self._field.top()), QPointF(x, self._field.bottom()))
@@ -167,18 +167,18 @@ class PlotField:
         self._painter.setPen(QColor(self._theme.quiet))
         self._painter.drawText(place, mark.text)
 
-    def _draw_across(self, mark: Mark) -> None:
+    def _draw_across(self, mark: ReferenceLine) -> None:
         y = self._y_of(mark.place)
         self._painter.setPen(self._dashed(mark))
         self._painter.drawLine(QPointF(self._field.left(), y), QPointF(self._field.right(), y))
 
-    def _dashed(self, mark: Mark) -> QPen:
+    def _dashed(self, mark: ReferenceLine) -> QPen:
         pen = QPen(QColor(getattr(self._theme, mark.color)), 1.0)
         pen.setDashPattern([4.0, 3.0])
         return pen
 
     def _draw_curve(self, curve: Curve) -> None:
-        pen = QPen(ink_of(self._theme, curve.color), 1.75)
+        pen = QPen(theme_color(self._theme, curve.color), 1.75)
         pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
         self._painter.setPen(pen)
         known = np.isfinite(curve.y)

@@ -28,12 +28,12 @@ from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.model.memo import triangle_areas
-from apd_viewer.session.model.trace import COLUMNS
-from apd_viewer.ui.filing.plot_export import ask_where, write_picture
+from apd_viewer.session.model.trace import TRACE_COLUMNS
+from apd_viewer.ui.filing.plot_export import ask_where_to_save_plots, write_drawing
 from apd_viewer.ui.plots import reading_charts
 from apd_viewer.ui.plots.chart import Chart
-from apd_viewer.ui.plots.chart_drawing import PlotField, draw_chart
-from apd_viewer.ui.widgets.icons import SIZE, icon
+from apd_viewer.ui.plots.chart_drawing import ChartArea, draw_chart
+from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ class Plots(QWidget):
 
     Parameters
     ----------
-    memory : Preferences
+    preferences : Preferences
     notice : Notice
         Where to say what was written.
     session : Session
@@ -87,10 +87,10 @@ class Plots(QWidget):
     choices : dict of str to QToolButton
     """
 
-    def __init__(self, memory: Preferences, notice: Notice, session: Session) -> None:
+    def __init__(self, preferences: Preferences, notice: Notice, session: Session) -> None:
         super().__init__(objectName="plots")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        self._memory, self._notice, self._store = memory, notice, session.store
+        self._memory, self._notice, self._store = preferences, notice, session.store
         self._theme = LIGHT
         self._measured: tuple[np.ndarray, LocalChange] | None = None
         self._loading = threading.Thread(target=warm_up, args=("plots",), name="plots", daemon=True)
@@ -117,7 +117,7 @@ class Plots(QWidget):
         room.setWidget(charts)
         column.addWidget(room, 1)
         self._turn(wide=True)
-        self._choose(memory.plots if memory.plots is not None else _AT_FIRST)
+        self._choose(preferences.plots if preferences.plots is not None else _AT_FIRST)
 
     def _choice(self, name: str) -> QToolButton:
         words = _CHARTS[name]
@@ -129,7 +129,7 @@ class Plots(QWidget):
     def _make_save(self) -> None:
         self.save = QToolButton(text=tr("Save"), toolTip=tr("Save the plots as a picture or as data"))
         self.save.setObjectName("choice")
-        self.save.setIconSize(SIZE * 0.8)
+        self.save.setIconSize(ICON_SIZE * 0.8)
         self.save.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.save.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.save.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -158,12 +158,12 @@ class Plots(QWidget):
         self._numbers.setEnabled(len(self._store.trace) > 1)
         self._histogram.setEnabled(self._store.state is not None)
 
-    def end(self) -> None:
+    def join_thread(self) -> None:
         """Wait for compilation, which would crash at interpreter exit."""
         if self._loading.ident is not None:
             self._loading.join()
 
-    def follow(self) -> None:
+    def refresh(self) -> None:
         """Redraw with the next frame, if visible."""
         if self.isVisible():
             for view in self.views.values():
@@ -256,7 +256,7 @@ class Plots(QWidget):
         """Local area change of a state, computed once a shape."""
         U, mesh = state.frame.U, state.document.mesh
         if self._measured is None or self._measured[0] is not U:
-            self._measured = U, local_change(U, state.skin.F, triangle_areas(mesh.V, mesh.F))
+            self._measured = U, local_change(U, state.surface_index.F, triangle_areas(mesh.V, mesh.F))
         return self._measured[1]
 
     # Saving
@@ -264,15 +264,15 @@ class Plots(QWidget):
     def _ask(self, name: str, suffix: str, write: Callable[[Path], object]) -> None:
         state = self._store.state
         stem = state.document.mesh.stem if state else "mesh"
-        path = ask_where(self, self._memory.folder, f"{stem}-{name}", suffix)
+        path = ask_where_to_save_plots(self, self._memory.last_folder, f"{stem}-{name}", suffix)
         if path is None:
             return
         try:
             write(path)
         except InputError as error:
-            self._notice.fail(str(error))
+            self._notice.show_failure(str(error))
         else:
-            self._notice.tell(tr("Saved {name}.").format(name=path.name))
+            self._notice.show_message(tr("Saved {name}.").format(name=path.name))
 
     def write_picture(self, path: Path) -> None:
         """Write the charts as they are shown, on white, as PNG or SVG; raises InputError."""
@@ -286,11 +286,11 @@ class Plots(QWidget):
                 room = QRectF(view.geometry().translated(-around.topLeft()))
                 draw_chart(painter, room, view.chart(), LIGHT, self.font())
 
-        write_picture(path, around.size(), draw)
+        write_drawing(path, around.size(), draw)
 
     def write_trace(self, path: Path) -> None:
         """Write the readings of the gesture as CSV; raises InputError."""
-        write_table(path, COLUMNS, self._store.trace.rows)
+        write_table(path, TRACE_COLUMNS, self._store.trace.rows)
 
     def write_histogram(self, path: Path) -> None:
         """Write the histogram as CSV, finer than drawn; raises InputError."""
@@ -313,7 +313,7 @@ class ChartView(QWidget):
 
     Attributes
     ----------
-    field : PlotField or None
+    chart_area : ChartArea or None
         Of the last drawing.
     """
 
@@ -322,11 +322,11 @@ class ChartView(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)  # or all that is below is drawn each time
         self.chart = chart
         self.theme = LIGHT
-        self.field: PlotField | None = None
+        self.chart_area: ChartArea | None = None
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw the chart."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(self.theme.panel))
-        self.field = draw_chart(painter, QRectF(self.rect()), self.chart(), self.theme, self.font())
+        self.chart_area = draw_chart(painter, QRectF(self.rect()), self.chart(), self.theme, self.font())
         painter.end()

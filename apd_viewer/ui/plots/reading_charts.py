@@ -6,12 +6,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.pose.frame import MET
+from apd_viewer.geometry.pose.frame import TARGET_ACCURACY
 from apd_viewer.language import tr
-from apd_viewer.presentation.axis import Axis, decades, linear, power, ratios, rounded
-from apd_viewer.presentation.number_format import exact, grouped, short, signed, significant
+from apd_viewer.presentation.axis import (
+    Axis,
+    decade_axis,
+    linear_axis,
+    power_of_ten,
+    ratio_axis,
+    rounded_axis,
+)
+from apd_viewer.presentation.number_format import (
+    format_exact,
+    format_grouped,
+    format_short,
+    format_signed,
+    format_significant,
+)
 from apd_viewer.session.model.targets import kept_percentages
-from apd_viewer.ui.plots.chart import Bars, Chart, Curve, Mark
+from apd_viewer.ui.plots.chart import Bars, Chart, Curve, ReferenceLine
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.area_change import LocalChange
@@ -33,21 +46,21 @@ def area_error(state: State | None, trace: Trace) -> Chart:
     """Chart of the area error by iteration, against the tolerance."""
     title = tr("Area error by iteration")
     if state is None or len(trace) < 2:
-        return Chart(title, empty=tr("Move a handle to see the area error here."))
+        return Chart(title, empty_text=tr("Move a handle to see the area error here."))
     limit, name = _accepted(state.document)
     # Errors far below the tolerance are all the same to the reader.
     miss = np.maximum(trace["area_miss"], _DEEPEST * (limit or _ROUGHLY))
     reached = [float(miss.min()), float(miss.max()), *([limit] if limit else [])]
     now = float(trace["area_miss"][-1])
     said = tr("{error} %").format(error=_percent(now))
-    across = (Mark(float(np.log10(limit)), color="warm"),) if limit else ()
+    across = (ReferenceLine(float(np.log10(limit)), color="warm"),) if limit else ()
     return Chart(
         title,
         ((said, "ink"), *(((name, "warm"),) if limit else ())),
-        linear(0.0, float(trace["iteration"][-1]), whole=True),
-        decades(min(reached), max(reached)),
+        linear_axis(0.0, float(trace["iteration"][-1]), whole=True),
+        decade_axis(min(reached), max(reached)),
         (Curve(trace["iteration"], np.log10(miss)),),
-        across=across,
+        horizontal_lines=across,
     )
 
 
@@ -55,10 +68,10 @@ def _accepted(document: Document) -> tuple[float | None, str]:
     """Tolerance of the area and its name; None if the area is free."""
     if kept_percentages(document)[0] is None:
         return None, ""
-    if document.traits.has_tolerance:
+    if document.method_traits.has_tolerance:
         limit = document.tolerance
-        return limit, tr("tolerance {percent} %").format(percent=short(100.0 * limit))
-    return MET, tr("exact: {percent} %").format(percent=power(-7))
+        return limit, tr("tolerance {percent} %").format(percent=format_short(100.0 * limit))
+    return TARGET_ACCURACY, tr("exact: {percent} %").format(percent=power_of_ten(-7))
 
 
 def energy(trace: Trace, unit: Unit) -> Chart:
@@ -67,15 +80,20 @@ def energy(trace: Trace, unit: Unit) -> Chart:
     E = trace["energy"]
     known = E[np.isfinite(E)]
     if len(trace) < 2 or len(known) == 0:
-        return Chart(title, empty=tr("Move a handle to see the energy here."))
+        return Chart(title, empty_text=tr("Move a handle to see the energy here."))
     last = (
-        unit.area(significant(float(E[-1]), 5))
+        unit.format_area(format_significant(float(E[-1]), 5))
         if np.isfinite(E[-1])
         else tr("available when the preview ends")
     )
-    axis = rounded(0.0, float(known.max()))
+    axis = rounded_axis(0.0, float(known.max()))
     return Chart(
-        title, ((last, "ink"),), _seconds(trace), axis, (Curve(trace["seconds"], E),), upright=_let_go(trace)
+        title,
+        ((last, "ink"),),
+        _seconds(trace),
+        axis,
+        (Curve(trace["seconds"], E),),
+        vertical_lines=_let_go(trace),
     )
 
 
@@ -83,25 +101,25 @@ def area_and_volume(state: State | None, trace: Trace) -> Chart:
     """Chart of area and volume along the gesture, against rest."""
     title = tr("Area and volume along the gesture")
     if state is None or len(trace) < 2:
-        return Chart(title, empty=tr("Move a handle to see area and volume here."))
+        return Chart(title, empty_text=tr("Move a handle to see area and volume here."))
     area, rest = 100.0 * trace["area_error"], state.inspection.volume
     volume = 100.0 * (trace["volume"] / rest - 1.0) if rest else np.full(len(area), np.nan)
-    said = [(tr("area {change} %").format(change=signed(float(area[-1]), 3)), "accent")]
+    said = [(tr("area {change} %").format(change=format_signed(float(area[-1]), 3)), "accent")]
     if np.isfinite(volume[-1]):
-        said.append((tr("volume {change} %").format(change=signed(float(volume[-1]), 2)), "warm"))
+        said.append((tr("volume {change} %").format(change=format_signed(float(volume[-1]), 2)), "warm"))
     both = np.concatenate([area, volume[np.isfinite(volume)]])
-    y = rounded(min(float(both.min()), -_SMALLEST), max(float(both.max()), _SMALLEST), " %")
+    y = rounded_axis(min(float(both.min()), -_SMALLEST), max(float(both.max()), _SMALLEST), " %")
     curves = Curve(trace["seconds"], volume, "warm"), Curve(trace["seconds"], area, "accent")
-    return Chart(title, tuple(said), _seconds(trace), y, curves, upright=_let_go(trace))
+    return Chart(title, tuple(said), _seconds(trace), y, curves, vertical_lines=_let_go(trace))
 
 
 def local_change(change: LocalChange | None, empty: str = "") -> Chart:
     """Chart of the surface shares grown and shrunk."""
     title = tr("Local area change")
     if change is None:
-        return Chart(title, empty=empty)
+        return Chart(title, empty_text=empty)
     reach = next((r for r in _REACHES if r - 1.0 >= 1.25 * change.p99), _REACHES[-1])
-    x = ratios(reach)
+    x = ratio_axis(reach)
     edges = np.linspace(x.low, x.high, _BINS + 1)
     # What lies beyond is in the outermost bars.
     shares = 100.0 * change.shares(np.concatenate([[-np.inf], edges[1:-1], [np.inf]]))
@@ -110,18 +128,18 @@ def local_change(change: LocalChange | None, empty: str = "") -> Chart:
         (tr("99th {percent} %").format(percent=_percent(change.p99)), "quiet"),
         (tr("max {percent} %").format(percent=_percent(change.largest)), "quiet"),
     )
-    y = rounded(0.0, float(shares.max()), " %")
+    y = rounded_axis(0.0, float(shares.max()), " %")
     return Chart(title, said, x, y, bars=Bars(edges, shares))
 
 
 def _seconds(trace: Trace) -> Axis:
-    return linear(0.0, float(trace["seconds"][-1]), tr(" s"))
+    return linear_axis(0.0, float(trace["seconds"][-1]), tr(" s"))
 
 
-def _let_go(trace: Trace) -> tuple[Mark, ...]:
+def _let_go(trace: Trace) -> tuple[ReferenceLine, ...]:
     """Mark of the release, after which the shape converges."""
     moment, last = trace.released_at, float(trace["seconds"][-1])
-    return (Mark(moment, tr("released")),) if moment is not None and moment < last else ()
+    return (ReferenceLine(moment, tr("released")),) if moment is not None and moment < last else ()
 
 
 def _percent(fraction: float) -> str:
@@ -132,8 +150,8 @@ def _percent(fraction: float) -> str:
     if percent < 1e-3:
         exponent = int(np.floor(np.log10(percent)))
         return (
-            f"{grouped(percent / 10.0**exponent, 1)}·{power(exponent)}"
+            f"{format_grouped(percent / 10.0**exponent, 1)}·{power_of_ten(exponent)}"
             if exponent < -3
-            else exact(percent, 1)
+            else format_exact(percent, 1)
         )
-    return short(percent)
+    return format_short(percent)

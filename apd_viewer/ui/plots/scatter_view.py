@@ -25,22 +25,22 @@ class ScatterView(ChartView):
     Parameters
     ----------
     chart : callable
-    about : callable
+    dot_text : callable
         Words on a dot, by its number.
 
     Attributes
     ----------
     rings : mapping of int to str
         Marked dots, each by a ring of a colour.
-    picked : Signal(int, bool)
+    dot_picked : Signal(int, bool)
         The number of a dot, and whether it is added to what is chosen.
     """
 
-    picked = Signal(int, bool)
+    dot_picked = Signal(int, bool)
 
-    def __init__(self, chart: Callable[[], Chart], about: Callable[[int], str]) -> None:
+    def __init__(self, chart: Callable[[], Chart], dot_text: Callable[[int], str]) -> None:
         super().__init__(ChartWords(tr("Scatter plot"), ""), chart)
-        self._about = about
+        self._about = dot_text
         self.rings: Mapping[int, str] = {}
         self._drawn: tuple[tuple[object, ...], QPixmap] | None = None
         self.setMouseTracking(True)
@@ -54,8 +54,8 @@ class ScatterView(ChartView):
             self._drawn = made_of, self._picture(chart, scale)
         painter = QPainter(self)
         painter.drawPixmap(0, 0, self._drawn[1])
-        if chart.dots is not None and self.field is not None:
-            draw_rings(painter, chart.dots, self.rings, self.field.places, self.theme)
+        if chart.dots is not None and self.chart_area is not None:
+            draw_rings(painter, chart.dots, self.rings, self.chart_area.pixel_positions, self.theme)
         painter.end()
 
     def _picture(self, chart: Chart, scale: float) -> QPixmap:
@@ -63,21 +63,21 @@ class ScatterView(ChartView):
         picture.setDevicePixelRatio(scale)
         picture.fill(QColor(self.theme.panel))
         painter = QPainter(picture)
-        self.field = draw_chart(painter, QRectF(self.rect()), chart, self.theme, self.font())
+        self.chart_area = draw_chart(painter, QRectF(self.rect()), chart, self.theme, self.font())
         painter.end()
         return picture
 
-    def places(self) -> np.ndarray:
+    def dot_positions(self) -> np.ndarray:
         """Dots in pixels, (n, 2); NaN where there is none."""
         dots = self.chart().dots
-        if self.field is None or dots is None:
+        if self.chart_area is None or dots is None:
             return np.empty((0, 2))
-        return self.field.places(dots.x, dots.y)
+        return self.chart_area.pixel_positions(dots.x, dots.y)
 
-    def dot_at(self, at: QPoint | QPointF) -> int | None:
+    def dot_at(self, position: QPoint | QPointF) -> int | None:
         """Number of the nearest dot around a point; None if none is near."""
-        places = self.places()
-        away = np.hypot(*(places - [at.x(), at.y()]).T)
+        places = self.dot_positions()
+        away = np.hypot(*(places - [position.x(), position.y()]).T)
         if not np.isfinite(away).any():
             return None
         nearest = int(np.nanargmin(away))
@@ -88,7 +88,7 @@ class ScatterView(ChartView):
         dot = self.dot_at(event.position())
         if dot is not None and event.button() is Qt.MouseButton.LeftButton:
             more = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
-            self.picked.emit(dot, bool(event.modifiers() & more))
+            self.dot_picked.emit(dot, bool(event.modifiers() & more))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Show by the cursor what a click would do."""

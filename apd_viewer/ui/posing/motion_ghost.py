@@ -11,10 +11,10 @@ from PySide6.QtGui import QColor, QPainter, QPen
 
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
 from apd_viewer.presentation.palette import handle_color
-from apd_viewer.ui.posing.motion_trace import MotionTrace, traced
+from apd_viewer.ui.posing.motion_trace import MotionTrace, motion_trace
 from apd_viewer.ui.scene.ghost import PatchGhost
 from apd_viewer.ui.scene.mouse_tool import MouseTool
-from apd_viewer.ui.tools.polylines import polygon, stroke, translucent
+from apd_viewer.ui.tools.polylines import draw_polyline, to_polygon, with_opacity
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -45,28 +45,28 @@ class MotionGhost(MouseTool):
         self.traces: list[tuple[tuple[int, int, int], MotionTrace]] = []
         viewport.tools.insert(0, self)  # the arc is drawn over the gizmo
 
-    def show(self, start: Document, way: Sequence[Document]) -> None:
+    def show_motion(self, start: Document, documents: Sequence[Document]) -> None:
         """Show all handles that a motion moves, from its start to the end of the way."""
-        end = way[-1].handles
+        end = documents[-1].handles
         moved = [k for k, handle in enumerate(start.handles) if not np.array_equal(handle.pose, end[k].pose)]
         self.traces = []
         patches = []
         for k in moved:
             ids, F = _patch(start, k)
-            poses = [document.handles[k].pose for document in way]
-            self.traces.append((handle_color(k), traced(start.grip[ids], poses)))
+            poses = [document.handles[k].pose for document in documents]
+            self.traces.append((handle_color(k), motion_trace(start.grip[ids], poses)))
             patches.append((transform(poses[-1], start.grip[ids]), F, handle_color(k)))
         self._show_patches(patches)
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
 
     def hide(self) -> None:
         """Show nothing."""
-        if self.traces or len(self.patches.shown):
+        if self.traces or len(self.patches.vertices):
             self.traces = []
             self.patches.hide()
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()
 
-    def show_asked(self, document: Document) -> None:
+    def show_handles(self, document: Document) -> None:
         """Show all handles where a document has them, without a path."""
         self.traces, patches = [], []
         for k, handle in enumerate(document.handles):
@@ -74,7 +74,7 @@ class MotionGhost(MouseTool):
             if len(F):
                 patches.append((transform(handle.pose, document.grip[ids]), F, handle_color(k)))
         self._show_patches(patches)
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
 
     def _show_patches(self, patches: list[tuple[np.ndarray, np.ndarray, tuple[int, int, int]]]) -> None:
         if not patches:
@@ -90,7 +90,7 @@ class MotionGhost(MouseTool):
 
     def paint(self, painter: QPainter) -> None:
         """Draw the axis, the path with a dot at its end, and the sector between them."""
-        ink, halo = ("#ffffff", "#14161a") if self._viewport.dark else ("#14161a", "#ffffff")
+        ink, halo = ("#ffffff", "#14161a") if self._viewport.is_dark else ("#14161a", "#ffffff")
         for color, trace in self.traces:
             corners = np.vstack([trace.path, trace.axis])
             if not len(trace.path) or not self._in_front(corners):
@@ -101,10 +101,10 @@ class MotionGhost(MouseTool):
             _draw_path(painter, self._project(trace.path), QColor(ink), halo)
 
     def _project(self, points: np.ndarray) -> np.ndarray:
-        return self._viewport.look.eye.project(points)
+        return self._viewport.camera_controller.camera.project(points)
 
     def _in_front(self, points: np.ndarray) -> bool:
-        eye = self._viewport.look.eye
+        eye = self._viewport.camera_controller.camera
         return bool((eye.depth(points) > 1e-6 * eye.distance).all())
 
 
@@ -119,11 +119,11 @@ def _patch(document: Document, k: int) -> tuple[np.ndarray, np.ndarray]:
 def _draw_sector(painter: QPainter, at: np.ndarray, color: tuple[int, int, int]) -> None:
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(QColor(*color, _SECTOR))
-    painter.drawPolygon(polygon(at))
+    painter.drawPolygon(to_polygon(at))
 
 
 def _draw_axis(painter: QPainter, at: np.ndarray, color: QColor, halo: str) -> None:
-    painter.setPen(QPen(translucent(halo), 3.0))
+    painter.setPen(QPen(with_opacity(halo), 3.0))
     painter.drawLine(QPointF(*at[0]), QPointF(*at[1]))
     pen = QPen(color, 1.4)
     pen.setDashPattern(_DASHES)
@@ -132,8 +132,8 @@ def _draw_axis(painter: QPainter, at: np.ndarray, color: QColor, halo: str) -> N
 
 
 def _draw_path(painter: QPainter, at: np.ndarray, color: QColor, halo: str) -> None:
-    stroke(painter, at, color, 2.2, halo)
-    painter.setPen(QPen(translucent(halo), 1.5))
+    draw_polyline(painter, at, color, 2.2, halo)
+    painter.setPen(QPen(with_opacity(halo), 1.5))
     painter.setBrush(color)
     painter.drawEllipse(QPointF(*at[-1]), _DOT, _DOT)
     painter.setBrush(Qt.BrushStyle.NoBrush)

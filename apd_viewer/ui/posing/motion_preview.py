@@ -8,7 +8,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.ui.posing.motion_ghost import MotionGhost
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.motions import TypedMotion
+    from apd_viewer.session.model.motion_kind import MotionKind
     from apd_viewer.session.model.state import State
     from apd_viewer.session.session import Session
     from apd_viewer.ui.panel.motion_field import MotionField
@@ -31,20 +31,20 @@ class MotionPreview:
 
     Attributes
     ----------
-    ghost, asked : MotionGhost
+    ghost, requested_ghost : MotionGhost
     """
 
     def __init__(self, canvas: Canvas, field: MotionField, session: Session, parts: ActiveParts) -> None:
         self._canvas, self._field = canvas, field
         self._session, self._parts = session, parts
-        self.ghost, self.asked = MotionGhost(canvas.viewport), MotionGhost(canvas.viewport)
+        self.ghost, self.requested_ghost = MotionGhost(canvas.viewport), MotionGhost(canvas.viewport)
         field.edited.connect(self._preview)
-        field.left.connect(self.ghost.hide)
+        field.editing_ended.connect(self.ghost.hide)
 
     def follow(self, old: State | None, new: State) -> None:
         """Begin from another document, if an amount is being typed."""
         if self._field.amount.hasFocus() and old is not None and old.document is not new.document:
-            self._field.edit()
+            self._field.request_preview()
         self._show_asked(new)
 
     def follow_status(self) -> None:
@@ -54,20 +54,22 @@ class MotionPreview:
 
     def _show_asked(self, state: State) -> None:
         stopped = state.frame.share_reached < 1.0 and state.frame.settled
-        if stopped or self._session.store.previews:
-            self.asked.show_asked(state.document)
+        if stopped or self._session.store.is_previewing:
+            self.requested_ghost.show_handles(state.document)
         else:
-            self.asked.hide()
+            self.requested_ghost.hide()
 
-    def _preview(self, motion: TypedMotion, text: str, to: bool) -> None:
+    def _preview(self, motion: MotionKind, text: str, to: bool) -> None:
         if self._session.store.state is None:
             return
         try:
-            plan = self._session.handles.plan(motion, text, self._parts.handle, self._canvas.line, to)
-            way = plan.on_the_way()
+            plan = self._session.handles.plan_motion(
+                motion, text, self._parts.handle, self._canvas.bend_line, to
+            )
+            way = plan.intermediate_documents()
         except InputError as error:
             self.ghost.hide()
-            self._field.explain(str(error) if text.strip() else "")
+            self._field.show_error_later(str(error) if text.strip() else "")
         else:
-            self._field.explain("")
-            self.ghost.show(plan.start, way)
+            self._field.show_error_later("")
+            self.ghost.show_motion(plan.start, way)

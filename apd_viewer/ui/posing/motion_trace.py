@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.transforms import decomposed
+from apd_viewer.geometry.pose.transforms import rigid_transform
 
 # Radians: slower is no rotation, and has no axis.
 _STILL = 1e-9
@@ -35,7 +35,7 @@ class MotionTrace(NamedTuple):
     axis: np.ndarray
 
 
-def traced(grip: np.ndarray, poses: Sequence[np.ndarray]) -> MotionTrace:
+def motion_trace(grip: np.ndarray, poses: Sequence[np.ndarray]) -> MotionTrace:
     """Trace of a handle's centre, or of a point beside an axis through it.
 
     Parameters
@@ -67,7 +67,7 @@ def _tracer(grip: np.ndarray, pose: np.ndarray, step: np.ndarray) -> np.ndarray:
 
 def _axis(step: np.ndarray, point: np.ndarray, reach: float) -> np.ndarray:
     """Ends of the axis of a small rotation (4, 4), about its place nearest to a point."""
-    rigid = decomposed(step, point)
+    rigid = rigid_transform(step, point)
     if rigid.angle < _STILL:
         return np.empty((0, 3))
     # The point goes along a chord, over whose middle the axis stands at cot(angle / 2) of half its length.

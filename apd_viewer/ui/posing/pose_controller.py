@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.session.posing.named_poses import is_at
+from apd_viewer.session.posing.named_poses import is_in_pose
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,40 +20,40 @@ class PoseController:
     ----------
     section : PoseSection
     session : Session
-    give_up : callable
+    cancel_drag : callable
         Takes back the drag that is under way; True if there was one.
     """
 
-    def __init__(self, section: PoseSection, session: Session, give_up: Callable[[], bool]) -> None:
-        self._section, self._session, self._give_up = section, session, give_up
+    def __init__(self, section: PoseSection, session: Session, cancel_drag: Callable[[], bool]) -> None:
+        self._section, self._session, self._give_up = section, session, cancel_drag
         poses = session.poses
-        section.kept.connect(self.keep)
+        section.keep_requested.connect(self.keep_pose)
         section.list.chosen.connect(self._go)
         section.list.renamed.connect(poses.rename)
-        section.list.updated.connect(poses.update)
+        section.list.update_requested.connect(poses.update)
         section.list.removed.connect(poses.remove)
 
-    def keep(self) -> None:
+    def keep_pose(self) -> None:
         """Keep the present places of all handles."""
         if self._may_begin():
-            self._session.poses.keep()
+            self._session.poses.add()
 
-    def step(self, by: int) -> None:
+    def step_pose(self, by: int) -> None:
         """Go to the next pose, 1, or the previous one, -1."""
         if self._may_begin():
-            self._session.poses.step(by)
+            self._session.poses.go_to_neighbour(by)
 
-    def follow(self) -> None:
+    def refresh(self) -> None:
         """Show the poses, and the one that the handles are in."""
         state = self._session.store.state
         if state is not None:
             document = state.document
-            at = (k for k, pose in enumerate(document.poses) if is_at(document, pose))
+            at = (k for k, pose in enumerate(document.poses) if is_in_pose(document, pose))
             self._section.show_poses([pose.name for pose in document.poses], next(at, None))
 
     def _go(self, k: int) -> None:
         if self._may_begin():
-            self._session.poses.go(k)
+            self._session.poses.go_to(k)
 
     def _may_begin(self) -> bool:
         return self._session.store.state is not None and not self._give_up()

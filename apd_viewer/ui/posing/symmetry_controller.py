@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
-from apd_viewer.session.posing.symmetry import partner_of
+from apd_viewer.session.posing.mirror_partner import mirror_partner
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,48 +27,48 @@ class SymmetryController:
     row : SymmetryRow
     session : Session
     parts : ActiveParts
-    give_up : callable
+    cancel_drag : callable
         Takes back the drag that is under way.
     """
 
     def __init__(
-        self, row: SymmetryRow, session: Session, parts: ActiveParts, give_up: Callable[[], object]
+        self, row: SymmetryRow, session: Session, parts: ActiveParts, cancel_drag: Callable[[], object]
     ) -> None:
         self._row, self._session, self._parts = row, session, parts
-        self._give_up = give_up
-        row.chosen.connect(self._choose)
-        row.paint_asked.connect(self._paint)
-        parts.changed.connect(self.follow)
+        self._give_up = cancel_drag
+        row.axis_chosen.connect(self._choose)
+        row.paint_requested.connect(self._paint)
+        parts.changed.connect(self.refresh)
 
-    def switch(self, on: bool) -> None:
+    def set_symmetric(self, on: bool) -> None:
         """Move handles symmetrically, or each by itself."""
         self._row.box.setChecked(on)
 
-    def follow(self) -> None:
+    def refresh(self) -> None:
         """Show the settings and the partner of the active handle."""
         state = self._session.store.state
         # While a stroke goes on, handles are not what they will be, and a search takes a while.
-        if state is not None and self._session.gestures.before is None:
+        if state is not None and self._session.gestures.state_before is None:
             document, k = state.document, self._parts.handle
-            searched = document.mirror is not None and document.centre(k) is not None
-            partner = partner_of(document, k) if searched else None
+            searched = document.mirror_axis is not None and document.centre(k) is not None
+            partner = mirror_partner(document, k) if searched else None
             self._row.show_settings(
-                document.mirror, _sentence(document, k) if searched else "", searched and partner is None
+                document.mirror_axis, _sentence(document, k) if searched else "", searched and partner is None
             )
 
     def _choose(self, axis: int | None) -> None:
         if self._session.store.state is not None:
             self._give_up()
-            self._session.symmetric.mirror_along(axis)
+            self._session.symmetric_posing.mirror_along(axis)
 
     def _paint(self) -> None:
         self._give_up()
-        self._session.symmetric.paint_partner(self._parts.handle)
+        self._session.symmetric_posing.paint_partner(self._parts.handle)
 
 
 def _sentence(document: Document, k: int) -> str:
     """Sentence on the mirror partner of handle ``k``."""
-    partner = partner_of(document, k)
+    partner = mirror_partner(document, k)
     if partner is None:
         return tr("No handle is painted at its mirror image, so it moves alone.")
     name = document.handles[partner.number].name

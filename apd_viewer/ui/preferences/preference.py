@@ -23,34 +23,34 @@ class OneOf(Generic[T]):
 
     options: tuple[Option[T], ...]
 
-    def read(self, stored: str) -> T:
+    def from_text(self, stored: str) -> T:
         """Value of a stored text; raises ValueError if there is none."""
         for option in self.options:
             if option.stored == stored:
                 return option.value
         raise ValueError(stored)
 
-    def written(self, value: T) -> str:
+    def to_text(self, value: T) -> str:
         """Text to store for a value."""
         return next(option.stored for option in self.options if option.value == value)
 
 
 @dataclass(frozen=True)
-class Within:
+class NumberRange:
     """Numbers from ``least`` to ``most``, with a suffix such as " px"."""
 
     least: float
     most: float
     suffix: str
 
-    def read(self, stored: str) -> float:
+    def from_text(self, stored: str) -> float:
         """Number of a stored text; raises ValueError if it is not one of them."""
         value = float(stored)
         if not self.least <= value <= self.most:  # not a number is not between them either
             raise ValueError(stored)
         return value
 
-    def written(self, value: float) -> str:
+    def to_text(self, value: float) -> str:
         """Text to store for a number."""
         return f"{value:g}"
 
@@ -64,7 +64,7 @@ class Preference(Generic[T]):
     name : str
         Under which it is stored; it never changes.
     default : T
-    allowed : OneOf or Within
+    allowed : OneOf or NumberRange
     title, tip : str
     note : str
         Shown beside the value; empty where the title says all.
@@ -72,7 +72,7 @@ class Preference(Generic[T]):
 
     name: str
     default: T
-    allowed: OneOf[T] | Within
+    allowed: OneOf[T] | NumberRange
     title: str
     tip: str
     note: str = ""

@@ -46,14 +46,14 @@ class PreferenceValues(QObject):
         if stored is None:
             return preference.default
         try:
-            return preference.allowed.read(str(stored))
+            return preference.allowed.from_text(str(stored))
         except ValueError:
             _LOGGER.warning("The setting %s cannot be %r; using the default", preference.name, stored)
             return preference.default
 
     def choose(self, preference: Preference[T], value: T) -> None:
         """Store a value and announce the change."""
-        self._settings.setValue(preference.name, preference.allowed.written(value))  # type: ignore[arg-type]
+        self._settings.setValue(preference.name, preference.allowed.to_text(value))  # type: ignore[arg-type]
         if value != self[preference]:
             self._values[preference] = value
             for followed, use in self._followers:
@@ -61,7 +61,7 @@ class PreferenceValues(QObject):
                     use(value)
             self.changed.emit(preference)
 
-    def restore(self, preferences: Iterable[Preference[Any]]) -> None:
+    def restore_defaults(self, preferences: Iterable[Preference[Any]]) -> None:
         """Return preferences to their defaults."""
         for preference in preferences:
             self.choose(preference, preference.default)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QMainWindow
 
-from apd_viewer.files.samples import resource
-from apd_viewer.files.storage.links import followed
+from apd_viewer.files.samples import resource_path
+from apd_viewer.files.storage.links import resolved_path
 from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import UNITS, Unit
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
 
 _MOST_RECENT = 8
-MOST_UNITS = 64
+MOST_REMEMBERED = 64
 _UP_AXES = {axis.value for axis in UpAxis}
 _UNITS = {unit.symbol or "-": unit for unit in UNITS}
 
 
-def own_file(mesh: Mesh) -> Path | None:
+def user_file(mesh: Mesh) -> Path | None:
     """Path of the user's file behind a mesh; None for samples."""
-    return None if mesh.path is None or resource("") in mesh.path.parents else mesh.path
+    return None if mesh.path is None or resource_path("") in mesh.path.parents else mesh.path
 
 
 class Preferences:
@@ -64,17 +64,17 @@ class Preferences:
         self._settings.setValue(key, [f"{name} {text}" for name, text in texts.items()])
 
     @property
-    def recent(self) -> list[Path]:
+    def recent_files(self) -> list[Path]:
         """Recent files, latest first."""
         return [Path(path) for path in self._lines("recent")]
 
     @property
-    def folded(self) -> list[str]:
+    def folded_sections(self) -> list[str]:
         """Names of the folded panel sections."""
         return self._lines("folded", ["Size and mass"])
 
-    @folded.setter
-    def folded(self, names: list[str]) -> None:
+    @folded_sections.setter
+    def folded_sections(self, names: list[str]) -> None:
         self._settings.setValue("folded", names)
 
     @property
@@ -88,16 +88,16 @@ class Preferences:
         self._settings.setValue("plots", " ".join(names))
 
     @property
-    def compared(self) -> list[str]:
+    def compared_methods(self) -> list[str]:
         """Names of the methods compared last; empty before any."""
         return str(self._settings.value("compared", "")).split()
 
-    @compared.setter
-    def compared(self, names: list[str]) -> None:
+    @compared_methods.setter
+    def compared_methods(self, names: list[str]) -> None:
         self._settings.setValue("compared", " ".join(names))
 
     @property
-    def refusal(self) -> str:
+    def storage_problem(self) -> str:
         """Sentence on settings impossible to keep, or nothing."""
         if self._settings.isWritable():
             return ""
@@ -106,14 +106,14 @@ class Preferences:
         ).format(path=self._settings.fileName())
 
     @property
-    def folder(self) -> Path:
+    def last_folder(self) -> Path:
         """Folder of the last file."""
         return Path(str(self._settings.value("folder", str(Path.home()))))
 
-    def remember(self, path: Path) -> None:
+    def remember_file(self, path: Path) -> None:
         """Put ``path`` at the head of the recent files."""
-        path = followed(path)
-        recent = [path, *(other for other in self.recent if other != path)][:_MOST_RECENT]
+        path = resolved_path(path)
+        recent = [path, *(other for other in self.recent_files if other != path)][:_MOST_RECENT]
         self._settings.setValue("recent", [str(other) for other in recent])
         self._settings.setValue("folder", str(path.parent))
 
@@ -129,10 +129,10 @@ class Preferences:
 
     def remember_unit(self, path: Path, unit: Unit) -> None:
         """Put the choice of ``unit`` for the file at ``path`` before all others."""
-        path = followed(path)
+        path = resolved_path(path)
         units = {path: unit, **{other: old for other, old in self.units.items() if other != path}}
         lines = [f"{unit.symbol or '-'} {other}" for other, unit in units.items()]
-        self._settings.setValue("units", lines[:MOST_UNITS])
+        self._settings.setValue("units", lines[:MOST_REMEMBERED])
 
     @property
     def up_axes(self) -> dict[Path, UpAxis]:
@@ -142,10 +142,10 @@ class Preferences:
 
     def remember_up_axis(self, path: Path, axis: UpAxis) -> None:
         """Put the up axis of the file at ``path`` first."""
-        path = followed(path)
+        path = resolved_path(path)
         axes = {path: axis, **{other: old for other, old in self.up_axes.items() if other != path}}
         lines = [f"{axis.value} {other}" for other, axis in axes.items()]
-        self._settings.setValue("up_axes", lines[:MOST_UNITS])
+        self._settings.setValue("up_axes", lines[:MOST_REMEMBERED])
 
     @property
     def walls(self) -> dict[Path, Wall]:
@@ -159,10 +159,10 @@ class Preferences:
 
     def remember_wall(self, path: Path, wall: Wall) -> None:
         """Put the wall of the file at ``path`` first."""
-        path = followed(path)
+        path = resolved_path(path)
         walls = {path: wall, **{other: old for other, old in self.walls.items() if other != path}}
         lines = [json.dumps([str(other), *wall]) for other, wall in walls.items()]
-        self._settings.setValue("walls", lines[:MOST_UNITS])
+        self._settings.setValue("walls", lines[:MOST_REMEMBERED])
 
     @property
     def shortcuts(self) -> dict[str, str]:
@@ -174,24 +174,24 @@ class Preferences:
         self._keep_named("shortcuts", shortcuts)
 
     @property
-    def looks(self) -> dict[str, str]:
+    def display_options(self) -> dict[str, str]:
         """Display options by name."""
         return self._named("looks")
 
-    @looks.setter
-    def looks(self, looks: dict[str, str]) -> None:
+    @display_options.setter
+    def display_options(self, looks: dict[str, str]) -> None:
         self._keep_named("looks", looks)
 
     @property
-    def toured(self) -> bool:
+    def has_toured(self) -> bool:
         """True from the second start on: the tour is then shown on request."""
         return bool(self._settings.value("tour", False, bool))
 
-    @toured.setter
-    def toured(self, toured: bool) -> None:
+    @has_toured.setter
+    def has_toured(self, toured: bool) -> None:
         self._settings.setValue("tour", toured)
 
-    def keep_layout(self, window: QMainWindow) -> None:
+    def save_layout(self, window: QMainWindow) -> None:
         """Remember size, place and panels of ``window``."""
         self._settings.setValue("geometry", window.saveGeometry())
         self._settings.setValue("layout", window.saveState())

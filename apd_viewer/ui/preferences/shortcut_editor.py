@@ -7,7 +7,7 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent, QKeySequence, QPainter, QPaint
 from PySide6.QtWidgets import QAbstractButton, QSizePolicy
 
 from apd_viewer.language import tr, trc
-from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native, split
+from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native_keys, split_keys
 
 _HEIGHT, _CAP, _PADDING, _GAP = 28, 20, 6, 3
 _PROMPT, _NONE, _OR = tr("Press keys…"), trc("keys", "none"), trc("keys", "or")
@@ -23,7 +23,7 @@ _ALONE = (  # modifiers
 )
 
 
-class KeyField(QAbstractButton):
+class ShortcutEditor(QAbstractButton):
     """Keys of one action; click to record, Delete for none, Esc to cancel.
 
     Parameters
@@ -32,16 +32,16 @@ class KeyField(QAbstractButton):
 
     Attributes
     ----------
-    waiting_changed : Signal(bool)
-    chosen : Signal(str)
+    recording_changed : Signal(bool)
+    keys_chosen : Signal(str)
         Keys that were pressed.
-    stepped : Signal(int)
+    step_requested : Signal(int)
         The arrow keys ask for the field above, -1, or below, 1.
     """
 
-    waiting_changed = Signal(bool)
-    chosen = Signal(str)
-    stepped = Signal(int)
+    recording_changed = Signal(bool)
+    keys_chosen = Signal(str)
+    step_requested = Signal(int)
 
     def __init__(self, entry: ShortcutEntry) -> None:
         super().__init__(focusPolicy=Qt.FocusPolicy.StrongFocus)
@@ -49,27 +49,27 @@ class KeyField(QAbstractButton):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         self.entry = entry
         self._waits = False
-        self.clicked.connect(lambda: self.wait_for_keys(True))
+        self.clicked.connect(lambda: self.set_recording(True))
         self.show_keys()
 
     def show_keys(self) -> None:
         """Show the action's current keys."""
-        keys = native(self.entry.keys) or _NONE
+        keys = native_keys(self.entry.keys) or _NONE
         self.setAccessibleName(tr("Keys of {action}: {keys}").format(action=self.entry.title, keys=keys))
         self.setToolTip(tr("Change the keys of “{action}”").format(action=self.entry.title))
         self.updateGeometry()
         self.update()
 
     @property
-    def waits(self) -> bool:
+    def is_recording(self) -> bool:
         """True while recording."""
         return self._waits
 
-    def wait_for_keys(self, on: bool) -> None:
+    def set_recording(self, on: bool) -> None:
         """Take the next keys as new ones, or do so no more."""
         if on != self._waits:
             self._waits = on
-            self.waiting_changed.emit(on)
+            self.recording_changed.emit(on)
             self.update()
 
     def sizeHint(self) -> QSize:
@@ -98,32 +98,32 @@ class KeyField(QAbstractButton):
         elif key in _ENTER:
             self.click()
         elif key in (Qt.Key.Key_Up, Qt.Key.Key_Down):
-            self.stepped.emit(-1 if key == Qt.Key.Key_Up else 1)
+            self.step_requested.emit(-1 if key == Qt.Key.Key_Up else 1)
         else:
             super().keyPressEvent(event)
 
     def _take(self, event: QKeyEvent) -> None:
         if event.key() in _ALONE:
             return
-        self.wait_for_keys(False)
+        self.set_recording(False)
         if event.key() in (Qt.Key.Key_Backspace, Qt.Key.Key_Delete):
-            self.chosen.emit("")
+            self.keys_chosen.emit("")
         elif event.key() != Qt.Key.Key_Escape:
-            self.chosen.emit(_keys_of(event))
+            self.keys_chosen.emit(_keys_of(event))
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Wait no more."""
-        self.wait_for_keys(False)
+        self.set_recording(False)
         super().focusOutEvent(event)
 
     def _pieces(self) -> list[tuple[str, float, bool]]:
         """Words from left to right, the room for each, and whether it is a cap."""
         metrics = self.fontMetrics()
         pieces = []
-        for number, key in enumerate(split(self.entry.keys)):
+        for number, key in enumerate(split_keys(self.entry.keys)):
             if number:
                 pieces.append((_OR, float(metrics.horizontalAdvance(_OR) + 2 * _PADDING), False))
-            for cap in _caps(native(key)):
+            for cap in _caps(native_keys(key)):
                 width = max(_CAP, metrics.horizontalAdvance(cap) + 2 * _PADDING)
                 pieces.append((cap, float(width + _GAP), True))
         return pieces or [(_NONE, float(metrics.horizontalAdvance(_NONE) + _GAP), False)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
-from apd_viewer.ui.preferences.shortcuts import keys_of, native
+from apd_viewer.ui.preferences.shortcuts import keys_of, native_keys
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QAction
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 def with_keys(words: str, action: QAction) -> str:
     """Text with the action's current keys appended, if any."""
-    keys = native(keys_of(action))
+    keys = native_keys(keys_of(action))
     return tr("{words} ({keys})").format(words=words, keys=keys) if keys else words
 
 
-def name_keys(widget: QWidget, action: QAction) -> None:
+def show_keys_in_tip(widget: QWidget, action: QAction) -> None:
     """Keep the shortcut of an equivalent action in a widget's tooltip."""
     tip = widget.toolTip()
 

@@ -21,14 +21,16 @@ _ENDS = "Return", "Enter", "Esc", "Tab", "Backtab", "Space"
 _WALKS = "Left", "Right", "Up", "Down", "Home", "End", "PgUp", "PgDown"
 
 
-def split(keys: str) -> list[str]:
+def split_keys(keys: str) -> list[str]:
     """The single keys of an action."""
     return [key for key in keys.split(_SEVERAL) if key]
 
 
-def native(keys: str) -> str:
+def native_keys(keys: str) -> str:
     """Keys as the platform writes them."""
-    return trc("keys", " or ").join(QKeySequence(key, _PORTABLE).toString(_NATIVE) for key in split(keys))
+    return trc("keys", " or ").join(
+        QKeySequence(key, _PORTABLE).toString(_NATIVE) for key in split_keys(keys)
+    )
 
 
 @dataclass(eq=False)
@@ -42,7 +44,7 @@ class ShortcutEntry:
     action : QAction
     title, image, tip : str
         The image is the name of an icon.
-    standard : str
+    default_keys : str
         The keys that it is made with, as all keys here: as Qt writes them on every platform.
     """
 
@@ -51,13 +53,13 @@ class ShortcutEntry:
     title: str
     image: str
     tip: str
-    standard: str
+    default_keys: str
 
     @classmethod
-    def of(cls, action: QAction, name: str, title: str, image: str, tip: str) -> ShortcutEntry:
+    def from_action(cls, action: QAction, name: str, title: str, image: str, tip: str) -> ShortcutEntry:
         """Entry with the action's current keys as its defaults."""
         entry = cls(name, action, title, image, tip, keys_of(action))
-        entry.keys = entry.standard
+        entry.keys = entry.default_keys
         return entry
 
     @property
@@ -67,19 +69,19 @@ class ShortcutEntry:
 
     @keys.setter
     def keys(self, keys: str) -> None:
-        self.action.setShortcuts([QKeySequence(key, _PORTABLE) for key in split(keys)])
-        self.action.setToolTip(self.whole_tip)
+        self.action.setShortcuts([QKeySequence(key, _PORTABLE) for key in split_keys(keys)])
+        self.action.setToolTip(self.full_tip)
 
     @property
-    def whole_tip(self) -> str:
+    def full_tip(self) -> str:
         """Title, current keys and tip."""
-        said = f" ({native(self.keys)})" if self.keys else ""
+        said = f" ({native_keys(self.keys)})" if self.keys else ""
         return f"{self.title}{said}\n{self.tip}"
 
     @property
     def is_changed(self) -> bool:
         """True if the keys differ from the defaults."""
-        return self.keys != self.standard
+        return self.keys != self.default_keys
 
 
 def keys_of(action: QAction) -> str:
@@ -95,19 +97,19 @@ class Shortcuts:
     entries : iterable of ShortcutEntry
     mnemonics : dict of str to str
         Keys that open a menu, and its title.
-    memory : Preferences
+    preferences : Preferences
     """
 
     def __init__(
-        self, entries: Iterable[ShortcutEntry], mnemonics: dict[str, str], memory: Preferences
+        self, entries: Iterable[ShortcutEntry], mnemonics: dict[str, str], preferences: Preferences
     ) -> None:
         self.entries = list(entries)
         self._mnemonics = mnemonics
-        self._memory = memory
+        self._memory = preferences
         self._recall()
 
     @property
-    def are_changed(self) -> bool:
+    def has_changes(self) -> bool:
         """True if any action has changed keys."""
         return any(entry.is_changed for entry in self.entries)
 
@@ -116,29 +118,29 @@ class Shortcuts:
         # Keys used on the canvas only do not conflict with the rest of the window.
         everywhere = entry.action.shortcutContext() != Qt.ShortcutContext.WidgetShortcut
         kept = _ENDS + _WALKS if everywhere else _ENDS
-        for key in split("" if keys == entry.standard else keys):
+        for key in split_keys("" if keys == entry.default_keys else keys):
             if key.removeprefix("Shift+") in kept:
                 return tr("{keys} is reserved for navigation in the window; choose other keys.").format(
-                    keys=native(key)
+                    keys=native_keys(key)
                 )
             if key in self._mnemonics:
                 return tr("{keys} opens the menu “{menu}”; choose other keys.").format(
-                    keys=native(key), menu=self._mnemonics[key]
+                    keys=native_keys(key), menu=self._mnemonics[key]
                 )
         return ""
 
-    def holder(self, keys: str, besides: ShortcutEntry) -> ShortcutEntry | None:
+    def conflicting_entry(self, keys: str, besides: ShortcutEntry) -> ShortcutEntry | None:
         """Other action with one of the keys."""
-        wanted = set(split(keys))
+        wanted = set(split_keys(keys))
         others = (entry for entry in self.entries if entry is not besides)
-        return next((entry for entry in others if wanted & set(split(entry.keys))), None)
+        return next((entry for entry in others if wanted & set(split_keys(entry.keys))), None)
 
-    def give(self, entry: ShortcutEntry, keys: str) -> None:
+    def assign_keys(self, entry: ShortcutEntry, keys: str) -> None:
         """Assign keys to an action; a dispossessed action gets the freed keys."""
-        free = _SEVERAL.join(key for key in split(entry.keys) if key not in split(keys))
+        free = _SEVERAL.join(key for key in split_keys(entry.keys) if key not in split_keys(keys))
         entry.keys = ""
-        while other := self.holder(keys, entry):
-            left = [key for key in split(other.keys) if key not in split(keys)]
+        while other := self.conflicting_entry(keys, entry):
+            left = [key for key in split_keys(other.keys) if key not in split_keys(keys)]
             passed = "" if left or self.refusal(other, free) else free
             other.keys = _SEVERAL.join(left) or passed
             free = "" if passed else free
@@ -149,7 +151,7 @@ class Shortcuts:
         """Give all actions their standard keys."""
         for entry in self.entries:
             if entry.is_changed:
-                entry.keys = entry.standard
+                entry.keys = entry.default_keys
         self._remember()
 
     def _remember(self) -> None:
@@ -163,11 +165,15 @@ class Shortcuts:
             entry.keys = ""
         for entry in changed:
             keys = chosen[entry.name]
-            while other := self.holder(keys, entry):
-                other.keys = _SEVERAL.join(key for key in split(other.keys) if key not in split(keys))
+            while other := self.conflicting_entry(keys, entry):
+                other.keys = _SEVERAL.join(
+                    key for key in split_keys(other.keys) if key not in split_keys(keys)
+                )
             entry.keys = keys
 
 
 def _can_be_read(keys: str | None) -> bool:
     """True if keys from the settings are valid: the file may be edited by hand."""
-    return keys is not None and all(QKeySequence(key, _PORTABLE).toString() == key for key in split(keys))
+    return keys is not None and all(
+        QKeySequence(key, _PORTABLE).toString() == key for key in split_keys(keys)
+    )

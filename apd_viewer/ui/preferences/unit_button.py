@@ -10,10 +10,10 @@ from PySide6.QtCore import QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QActionGroup, QIcon, QPainter, QPaintEvent
 from PySide6.QtWidgets import QMenu, QToolButton
 
-from apd_viewer.files.storage.links import followed
+from apd_viewer.files.storage.links import resolved_path
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.preferences.preferences import own_file
+from apd_viewer.ui.preferences.preferences import user_file
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
@@ -109,37 +109,39 @@ class Units:
 
     Parameters
     ----------
-    memory : Preferences
-    usual : callable
+    preferences : Preferences
+    default_unit : callable
         Unit of a file opened for the first time; None follows the habit.
     """
 
-    def __init__(self, memory: Preferences, usual: Callable[[], Unit | None] = lambda: None) -> None:
-        self._memory = memory
-        self._usual = usual
+    def __init__(
+        self, preferences: Preferences, default_unit: Callable[[], Unit | None] = lambda: None
+    ) -> None:
+        self._memory = preferences
+        self._usual = default_unit
         self._chosen: WeakKeyDictionary[Mesh, Unit] = WeakKeyDictionary()
 
-    def of(self, mesh: Mesh) -> Unit:
+    def unit_of(self, mesh: Mesh) -> Unit:
         """Chosen unit of a mesh, or the most likely one."""
         if mesh not in self._chosen:
-            self._chosen[mesh] = self._unchosen(mesh, own_file(mesh))
+            self._chosen[mesh] = self._unchosen(mesh, user_file(mesh))
         return self._chosen[mesh]
 
     def choose(self, mesh: Mesh, unit: Unit) -> None:
         """Have a mesh measured in ``unit``, now and when its file is opened again."""
         self._chosen[mesh] = unit
-        path = own_file(mesh)
+        path = user_file(mesh)
         if path is not None and not unit.is_guess:
             self._memory.remember_unit(path, unit)
 
     def _unchosen(self, mesh: Mesh, path: Path | None) -> Unit:
         units = self._memory.units
-        if path is not None and followed(path) in units:
-            return units[followed(path)]
+        if path is not None and resolved_path(path) in units:
+            return units[resolved_path(path)]
         if mesh.unit or path is None:
             return Unit(mesh.unit)
         if (usual := self._usual()) is not None:
             return usual
         # One choice may be an exception; two in a row are a habit.
         latest = list(units.values())[:2]
-        return latest[0].guessed if len(latest) == 2 and latest[0] is latest[1] else Unit.NONE
+        return latest[0].as_guess if len(latest) == 2 and latest[0] is latest[1] else Unit.NONE

@@ -64,14 +64,14 @@ class Camera:
         return float(np.linalg.norm(self.focal - self.position))
 
     @property
-    def pixel(self) -> float:
+    def pixel_height(self) -> float:
         """Height of one pixel at depth one."""
         return 2.0 * float(np.tan(self.angle / 2)) / self.height
 
     @property
     def span(self) -> float:
         """Height of the picture at the focal point, mesh units."""
-        return self.pixel * self.height * self.distance
+        return self.pixel_height * self.height * self.distance
 
     @property
     def is_orthographic(self) -> bool:
@@ -90,18 +90,18 @@ class Camera:
     def ray(self, x: float, y: float) -> tuple[np.ndarray, np.ndarray]:
         """Origin and unit direction of the ray through a pixel position."""
         right, up, forward = self.axes
-        aside = self.pixel * ((x - self.width / 2) * right + (self.height / 2 - y) * up)
+        aside = self.pixel_height * ((x - self.width / 2) * right + (self.height / 2 - y) * up)
         return self.position, unit(forward + aside)
 
     def project(self, points: np.ndarray) -> np.ndarray:
         """Pixel positions (k, 2) of points (k, 3); undefined behind the camera."""
         local = (points - self.position) @ self.axes.T
-        scale = 1.0 / (self.pixel * np.maximum(local[:, 2], 1e-12 * self.distance))
+        scale = 1.0 / (self.pixel_height * np.maximum(local[:, 2], 1e-12 * self.distance))
         return np.column_stack([self.width / 2 + local[:, 0] * scale, self.height / 2 - local[:, 1] * scale])
 
     def world_per_pixel(self, point: np.ndarray) -> float:
         """Length of one pixel, in mesh units, at the depth of a point."""
-        return self.pixel * max(float(self.depth(point)), 1e-12 * self.distance)
+        return self.pixel_height * max(float(self.depth(point)), 1e-12 * self.distance)
 
     def on_focal_plane(self, x: float, y: float) -> np.ndarray:
         """Point in the focal plane at a pixel position."""
@@ -123,7 +123,7 @@ class Camera:
     def panned(self, dx: float, dy: float) -> Camera:
         """Camera panned by (dx, dy) pixels at the depth of the focal point."""
         right, up, _ = self.axes
-        shift = self.pixel * self.distance * (dy * up - dx * right)
+        shift = self.pixel_height * self.distance * (dy * up - dx * right)
         return replace(self, position=self.position + shift, focal=self.focal + shift)
 
     def zoomed(self, point: np.ndarray, factor: float) -> Camera:
@@ -134,17 +134,17 @@ class Camera:
             focal=point + (self.focal - point) / factor,
         )
 
-    def opened(self, angle: float) -> Camera:
+    def with_angle(self, angle: float) -> Camera:
         """Camera with another opening angle; the focal plane keeps its size."""
         away = self.distance * np.tan(self.angle / 2) / np.tan(angle / 2)
         return replace(self, position=self.focal - away * self.axes[2], angle=angle)
 
-    def framed(self, points: np.ndarray, room: np.ndarray | float = 0.0) -> Camera:
+    def framed(self, points: np.ndarray, padding: np.ndarray | float = 0.0) -> Camera:
         """Show all points as large as they fit, seen from the same direction.
 
-        ``room``, (k,) or one for all, is how many pixels must be free around each of the (k, 3) points.
+        ``padding``, (k,) or one for all, is how many pixels must be free around each of the (k, 3) points.
         """
-        rooms = np.broadcast_to(room, len(points))
+        rooms = np.broadcast_to(padding, len(points))
         least = float(rooms.min())
         # One look at all the points: how far they reach along the axes, and past each side of the picture.
         reach = np.vstack([np.eye(3), self._sides(least)]) @ points.T
@@ -166,17 +166,17 @@ class Camera:
         tall = MARGIN / (half * along) * self.axes[1]
         return np.stack([wide, -wide, tall, -tall]) - self.axes[2]
 
-    def placed(self, axis: str) -> Camera:
+    def looking_along(self, axis: str) -> Camera:
         """Camera along 'front', 'side' or 'top', or '-' for the opposite."""
         stand, up = (np.array(v) for v in STANDPOINTS[axis.removeprefix("-")])
         if axis.startswith("-"):
             stand, up = -stand, up if up[1] else -up
-        return self.standing(stand @ self.up_axis.frame, up @ self.up_axis.frame)
+        return self.seen_from(stand @ self.up_axis.frame, up @ self.up_axis.frame)
 
-    def standing(self, stand: np.ndarray, up: np.ndarray | None = None) -> Camera:
+    def seen_from(self, direction: np.ndarray, up: np.ndarray | None = None) -> Camera:
         """Camera in a direction (3,) from the focal point, level without ``up``."""
         up = self.up_axis.direction if up is None else up
-        return replace(self, position=self.focal + self.distance * stand, up=up)
+        return replace(self, position=self.focal + self.distance * direction, up=up)
 
 
 def unit(v: np.ndarray) -> np.ndarray:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
-from apd_viewer.presentation.palette import drawn_along, label_colors, tinted
-from apd_viewer.session.model.document_parts import painted_alike
+from apd_viewer.presentation.palette import falloff_colors, label_colors, tinted_colors
+from apd_viewer.session.model.document_parts import have_same_paint
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
     from apd_viewer.ui.scene.surface import Surface
-    from apd_viewer.ui.scene.vertex_marks import Marks
+    from apd_viewer.ui.scene.vertex_marks import VertexMarks
 
 
 class Coloring:
@@ -22,32 +22,32 @@ class Coloring:
     Parameters
     ----------
     surface : Surface
-    marks : Marks
+    marks : VertexMarks
 
     Attributes
     ----------
-    previewed : int array or None
+    previewed_ids : int array or None
         What is tinted, as a press would choose it.
     """
 
-    def __init__(self, surface: Surface, marks: Marks) -> None:
+    def __init__(self, surface: Surface, marks: VertexMarks) -> None:
         self._surface, self._marks = surface, marks
         self._document: Document | None = None
         self._of_file = self._covered = False
-        self.previewed: np.ndarray | None = None
+        self.previewed_ids: np.ndarray | None = None
 
-    def begin(self, document: Document) -> np.ndarray:
+    def begin_mesh(self, document: Document) -> np.ndarray:
         """Colours of another mesh, (n, 4) uint8, without preview and marks."""
-        self._document, self.previewed = document, None
+        self._document, self.previewed_ids = document, None
         self._marks.show(None)
-        return colors_of(document, own=self._own)
+        return colors_of(document, unpainted_colors=self._own)
 
-    def show_file(self, on: bool) -> None:
+    def show_file_colors(self, on: bool) -> None:
         """Show the vertex colours of the file under the paint, or none."""
         self._of_file = on
         self._repaint()
 
-    def cover(self, on: bool) -> None:
+    def set_covered(self, on: bool) -> None:
         """Leave the colours of the file out while an overlay shows others."""
         if on != self._covered:
             self._covered = on
@@ -67,7 +67,7 @@ class Coloring:
         """Update the colours to another document of the mesh."""
         before, self._document = self._document, document
         if before is not None and not _looks_like(before, document):
-            self._restore(differing(before, document))
+            self._restore(differing_vertices(before, document))
 
     def _restore(self, ids: np.ndarray) -> None:
         """Restore the vertices' own colours."""
@@ -78,15 +78,15 @@ class Coloring:
 
     def preview(self, ids: np.ndarray | None, color: tuple[int, int, int]) -> None:
         """Tint the vertices ``ids``, and those at the same places, and no others any more."""
-        document, before = self._document, self.previewed
+        document, before = self._document, self.previewed_ids
         if document is None or (ids is None and before is None):
             return
-        self.previewed = None if ids is None else document.mesh.weld.everywhere(ids)
+        self.previewed_ids = None if ids is None else document.mesh.weld.with_coincident(ids)
         if before is not None:
             self._restore(before)
-        if self.previewed is not None:
-            colors = colors_of(document, self.previewed, self._own)
-            self._surface.set_colors(tinted(colors, color), self.previewed)
+        if self.previewed_ids is not None:
+            colors = colors_of(document, self.previewed_ids, self._own)
+            self._surface.set_colors(tinted_colors(colors, color), self.previewed_ids)
 
     def mark(self, vertices: np.ndarray | None) -> None:
         """Mark vertices; all for an empty array, none for None."""
@@ -99,34 +99,36 @@ class Coloring:
         if vertices is None:
             return
         every = np.arange(len(document.mesh.V))
-        self._marks.show(document.mesh.weld.everywhere(vertices) if len(vertices) else every, vertices)
+        self._marks.show(document.mesh.weld.with_coincident(vertices) if len(vertices) else every, vertices)
         self._surface.set_colors(self._marks.colors(), self._marks.ids)
 
 
-def colors_of(document: Document, ids: np.ndarray | None = None, own: np.ndarray | None = None) -> np.ndarray:
+def colors_of(
+    document: Document, ids: np.ndarray | None = None, unpainted_colors: np.ndarray | None = None
+) -> np.ndarray:
     """RGBA of the vertices ``ids``, or of all, (k, 4) uint8 array.
 
-    ``own``, (n, 3), are the colours of all vertices without paint.
+    ``unpainted_colors``, (n, 3), are the colours of all vertices without paint.
     """
     some = slice(None) if ids is None else ids
-    labels, member = drawn(document, some)
+    labels, member = drawn_labels(document, some)
     colors = label_colors(labels, member)
-    if own is not None:
+    if unpainted_colors is not None:
         bare = (labels == FREE) & (member == 0)
-        colors[bare, :3] = own[some][bare]
-    soft = document.soft
+        colors[bare, :3] = unpainted_colors[some][bare]
+    soft = document.soft_constraints
     if len(soft.ids):
         where = np.full(len(document.labels), -1)
         where[soft.ids] = np.arange(len(soft.ids))
         places = where[some]
         pulled = (places >= 0) & ~document.flags.hidden.labels[HANDLE + soft.handle[places]]
-        colors[pulled] = drawn_along(
+        colors[pulled] = falloff_colors(
             colors[pulled], soft.handle[places[pulled]], soft.strength[places[pulled]]
         )
     return colors
 
 
-def drawn(document: Document, ids: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
+def drawn_labels(document: Document, ids: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
     """Labels and region numbers of ``ids`` as drawn: hidden parts as unpainted."""
     hidden = document.flags.hidden
     labels, member = document.labels[ids], document.member[ids]
@@ -138,13 +140,15 @@ def drawn(document: Document, ids: np.ndarray | slice) -> tuple[np.ndarray, np.n
 
 
 def _looks_like(old: Document, new: Document) -> bool:
-    return painted_alike(old, new) and old.soft is new.soft and old.flags == new.flags
+    return (
+        have_same_paint(old, new) and old.soft_constraints is new.soft_constraints and old.flags == new.flags
+    )
 
 
-def differing(old: Document, new: Document) -> np.ndarray:
+def differing_vertices(old: Document, new: Document) -> np.ndarray:
     """Vertices of different colour in two documents, ascending."""
-    (labels, member), (other, others) = drawn(old, slice(None)), drawn(new, slice(None))
+    (labels, member), (other, others) = drawn_labels(old, slice(None)), drawn_labels(new, slice(None))
     differ = (labels != other) | (member != others)
-    if old.soft is not new.soft or old.flags != new.flags:
-        differ[old.soft.ids] = differ[new.soft.ids] = True
+    if old.soft_constraints is not new.soft_constraints or old.flags != new.flags:
+        differ[old.soft_constraints.ids] = differ[new.soft_constraints.ids] = True
     return np.flatnonzero(differ)

@@ -22,17 +22,19 @@ _UNSEEN = 0.2
 _AROUND = 0.08
 
 # Origins and directions of rays, (k, 3), to the distances at which they meet the surface, (k,).
-Rays = Callable[[np.ndarray, np.ndarray], np.ndarray]
+RayDistances = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
-def facing(eye: Camera, points: np.ndarray, normals: np.ndarray, size: float, rays: Rays) -> Camera:
+def unobstructed_camera(
+    camera: Camera, points: np.ndarray, normals: np.ndarray, size: float, rays: RayDistances
+) -> Camera:
     """Camera orbited until the surface does not hide the points.
 
     It stays where it is if it sees enough of what could be seen.
 
     Parameters
     ----------
-    eye : Camera
+    camera : Camera
     points, normals : (k, 3) float array
         Normals are of length one, or zero where there is no surface.
     size : float
@@ -41,16 +43,16 @@ def facing(eye: Camera, points: np.ndarray, normals: np.ndarray, size: float, ra
     """
     every = 1 + len(points) // _SAMPLES
     points, normals = points[::every], normals[::every]
-    here = -eye.axes[2]
+    here = -camera.axes[2]
     now = _seen(points, normals, here, size, rays)
     if now >= _ENOUGH:
-        return eye  # no view shows more than all
-    stands = _around(eye.up_axis.frame @ here) @ eye.up_axis.frame
+        return camera  # no view shows more than all
+    stands = _around(camera.up_axis.frame @ here) @ camera.up_axis.frame
     seen = np.array([_seen(points, normals, stand, size, rays) for stand in stands])
     if now >= _ENOUGH * seen.max():
-        return eye
+        return camera
     stand = stands[np.flatnonzero(seen >= _BEST * seen.max())[0]]
-    return eye.standing(stand)
+    return camera.seen_from(stand)
 
 
 def _around(here: np.ndarray) -> np.ndarray:
@@ -61,7 +63,9 @@ def _around(here: np.ndarray) -> np.ndarray:
     return stands[np.argsort(np.abs(stands[:, 1]) - stands @ here, kind="stable")]
 
 
-def _seen(points: np.ndarray, normals: np.ndarray, stand: np.ndarray, size: float, rays: Rays) -> float:
+def _seen(
+    points: np.ndarray, normals: np.ndarray, stand: np.ndarray, size: float, rays: RayDistances
+) -> float:
     """Share of the surface at the points visible from ``stand``."""
     away = 2.0 * size
     met = rays(points + away * stand, np.tile(-stand, (len(points), 1)))
@@ -69,18 +73,18 @@ def _seen(points: np.ndarray, normals: np.ndarray, stand: np.ndarray, size: floa
     return float((faces * (met > away - 1e-3 * size)).mean())
 
 
-def in_view(eye: Camera, points: np.ndarray, covered: QRectF) -> bool:
+def is_in_view(camera: Camera, points: np.ndarray, covered: QRectF) -> bool:
     """True if all points are in view and most of them uncovered."""
-    if (eye.depth(points) <= 0.0).any():
+    if (camera.depth(points) <= 0.0).any():
         return False
-    x, y = eye.project(points).T
+    x, y = camera.project(points).T
     across = (x > covered.left()) & (x < covered.right())
     under = across & (y > covered.top()) & (y < covered.bottom())
-    inside = (x >= 0) & (x <= eye.width) & (y >= 0) & (y <= eye.height)
+    inside = (x >= 0) & (x <= camera.width) & (y >= 0) & (y <= camera.height)
     return bool(inside.all() and under.mean() <= _UNSEEN)
 
 
-def surroundings(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+def surrounding_box(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Corners (8, 3) of a box around the points and some of the mesh."""
     pad = _AROUND * float(np.linalg.norm(high - low))
     near, far = points.min(axis=0), points.max(axis=0)
@@ -88,11 +92,11 @@ def surroundings(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.nd
     return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
-def aside(eye: Camera, covered: QRectF) -> tuple[float, float]:
+def uncovering_shift(camera: Camera, covered: QRectF) -> tuple[float, float]:
     """Pixel shift to the left or up into the uncovered part of the picture.
 
     ``covered`` is a part at the lower right; as many pixels must be free around what is shown.
     """
-    wide, tall = max(0.0, eye.width - covered.left()), max(0.0, eye.height - covered.top())
-    beside, above = (eye.width - wide) * eye.height, (eye.height - tall) * eye.width
+    wide, tall = max(0.0, camera.width - covered.left()), max(0.0, camera.height - covered.top())
+    beside, above = (camera.width - wide) * camera.height, (camera.height - tall) * camera.width
     return (-wide / 2, 0.0) if beside > above else (0.0, -tall / 2)

@@ -9,7 +9,7 @@ import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.mesh.normals import vertex_normals
-from apd_viewer.ui.appearance.shading import GLASS, TINTED_GLASS
+from apd_viewer.ui.appearance.shading import GLASS_SHADER, TINTED_GLASS_SHADER
 from apd_viewer.ui.scene.rest_actor import RestActor
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ class Ghost(RestActor):
         Shader: one of those of :mod:`apd_viewer.ui.appearance.shading`.
     """
 
-    def __init__(self, viewport: Viewport, glass: str = GLASS) -> None:
+    def __init__(self, viewport: Viewport, glass: str = GLASS_SHADER) -> None:
         super().__init__(viewport)
         self._actor.ForceTranslucentOn()
         self._actor.GetProperty().SetBackfaceCulling(True)
@@ -57,13 +57,13 @@ class PatchGhost:
 
     Attributes
     ----------
-    shown : (n, 3) float array
+    vertices : (n, 3) float array
         Their vertices; empty while there is nothing to show.
     """
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport
-        self.shown = np.empty((0, 3))
+        self.vertices = np.empty((0, 3))
         self._mapper = vtkPolyDataMapper()
         # A round handle that turns about itself would flicker through its ghost.
         self._mapper.SetResolveCoincidentTopologyToPolygonOffset()
@@ -72,7 +72,7 @@ class PatchGhost:
         self._actor.SetMapper(self._mapper)
         self._actor.ForceTranslucentOn()
         self._actor.GetShaderProperty().AddFragmentShaderReplacement(
-            "//VTK::Light::Impl", True, TINTED_GLASS, False
+            "//VTK::Light::Impl", True, TINTED_GLASS_SHADER, False
         )
         self._actor.SetVisibility(False)
         viewport.renderer.AddActor(self._actor)
@@ -80,7 +80,7 @@ class PatchGhost:
 
     def show(self, V: np.ndarray, F: np.ndarray, colors: np.ndarray) -> None:
         """Show triangles ``F`` (m, 3) of ``V`` (n, 3), with ``colors`` (n, 3) uint8."""
-        self.shown = V
+        self.vertices = V
         middle = V.mean(axis=0)  # far from the origin single precision is coarser than the mesh
         glass = pv.PolyData.from_regular_faces((V - middle).astype(np.float32), F)
         glass.point_data["Normals"] = vertex_normals(V, F).astype(np.float32)
@@ -94,14 +94,14 @@ class PatchGhost:
 
     def hide(self) -> None:
         """Show nothing."""
-        if len(self.shown):
-            self.shown = np.empty((0, 3))
+        if len(self.vertices):
+            self.vertices = np.empty((0, 3))
             self._actor.SetVisibility(False)
             self._mapper.SetInputData(None)
             self._viewport.update()
 
     def _box(self) -> tuple[float, ...]:
         """Extent as VTK gives it: low and high along each axis; empty without a patch."""
-        if not len(self.shown):
+        if not len(self.vertices):
             return ()
-        return tuple(np.column_stack([self.shown.min(axis=0), self.shown.max(axis=0)]).ravel())
+        return tuple(np.column_stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]).ravel())

@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPen
 
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import place, round_step, short
+from apd_viewer.presentation.number_format import format_position, format_short, round_step
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.scene.mouse_tool import MouseTool
@@ -41,44 +41,44 @@ class Ground(MouseTool, RestActor):
 
     Attributes
     ----------
-    step : float
+    grid_step : float
         Between two lines, mesh units.
-    ends : (2, 3) array
+    grid_corners : (2, 3) array
         Corners of the grid.
     """
 
     def __init__(self, viewport: Viewport) -> None:
         super().__init__(viewport)
         self._unit = Unit.NONE
-        self.step = 1.0
-        self.ends = np.zeros((2, 3))
+        self.grid_step = 1.0
+        self.grid_corners = np.zeros((2, 3))
         self._lies_for = UpAxis.PLUS_Y
         self._actor.GetProperty().LightingOff()
         viewport.tools.append(self)
 
-    def measure_in(self, unit: Unit) -> None:
+    def set_unit(self, unit: Unit) -> None:
         """Write lengths in another unit."""
         self._unit = unit
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
 
     def _drawn(self, mesh: Mesh) -> pv.PolyData:
         used = mesh.V[mesh.F.ravel()]
         low, high = used.min(axis=0), used.max(axis=0)
         size, up = float((high - low).max()), self._up_axis
         self._lies_for = up
-        self.step = round_step(size / _LINES)
-        self.ends = np.array([low - _AROUND * size, high + _AROUND * size])
-        self.ends = self.step * np.array(
-            [np.floor(self.ends[0] / self.step), np.ceil(self.ends[1] / self.step)]
+        self.grid_step = round_step(size / _LINES)
+        self.grid_corners = np.array([low - _AROUND * size, high + _AROUND * size])
+        self.grid_corners = self.grid_step * np.array(
+            [np.floor(self.grid_corners[0] / self.grid_step), np.ceil(self.grid_corners[1] / self.grid_step)]
         )
-        self.ends[:, up.index] = (low if up.sign > 0 else high)[up.index]
-        self._actor.SetPosition(*self.ends.mean(axis=0))
-        self._box = tuple(self.ends.T.ravel())
-        return _lines(self.ends, {axis: self._ticks(axis) for axis in self._level})
+        self.grid_corners[:, up.index] = (low if up.sign > 0 else high)[up.index]
+        self._actor.SetPosition(*self.grid_corners.mean(axis=0))
+        self._box = tuple(self.grid_corners.T.ravel())
+        return _lines(self.grid_corners, {axis: self._ticks(axis) for axis in self._level})
 
     @property
     def _up_axis(self) -> UpAxis:
-        return self._viewport.look.eye.up_axis
+        return self._viewport.camera_controller.camera.up_axis
 
     @property
     def _level(self) -> tuple[int, int]:
@@ -88,8 +88,8 @@ class Ground(MouseTool, RestActor):
 
     def _ticks(self, axis: int) -> np.ndarray:
         """Positions of the grid lines across an axis."""
-        first, last = np.rint(self.ends[:, axis] / self.step)
-        return self.step * np.arange(first, last + 1)
+        first, last = np.rint(self.grid_corners[:, axis] / self.grid_step)
+        return self.grid_step * np.arange(first, last + 1)
 
     def _match_background(self, dark: bool) -> None:
         self._actor.GetProperty().SetColor(*(_ON_DARK if dark else _ON_LIGHT))
@@ -100,14 +100,14 @@ class Ground(MouseTool, RestActor):
         """Write the figures, and draw the axes."""
         if self._shown is None:
             return
-        ink = QColor(166, 173, 186) if self._viewport.dark else QColor(90, 98, 112)
+        ink = QColor(166, 173, 186) if self._viewport.is_dark else QColor(90, 98, 112)
         painter.save()
         painter.setPen(ink)
         taken: list[QRectF] = []
         for axis in self._level:
             self._write_along(painter, axis, taken)
         corner = QPointF(self._viewport.width() - _CORNER, _CORNER)
-        text = tr("grid {length}").format(length=self._unit.length(short(self.step)))
+        text = tr("grid {length}").format(length=self._unit.format_length(format_short(self.grid_step)))
         room = QRectF(corner.x() - 70, corner.y() + _REACH + 8, _CORNER + 70 - 12, 18)
         painter.drawText(room, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop, text)
         self._draw_axes(painter, corner)
@@ -118,19 +118,23 @@ class Ground(MouseTool, RestActor):
 
         No figure is written over one that was ``taken`` down before: both sides have one at their corner.
         """
-        eye, other, ticks = self._viewport.look.eye, sum(self._level) - axis, self._ticks(axis)
-        side = 0 if eye.position[other] < self.ends[:, other].mean() else 1
-        points = np.tile(self.ends[side], (len(ticks), 1))
+        eye, other, ticks = (
+            self._viewport.camera_controller.camera,
+            sum(self._level) - axis,
+            self._ticks(axis),
+        )
+        side = 0 if eye.position[other] < self.grid_corners[:, other].mean() else 1
+        points = np.tile(self.grid_corners[side], (len(ticks), 1))
         points[:, axis] = ticks
         out = points.copy()
-        out[:, other] += (0.4 if side else -0.4) * self.step
+        out[:, other] += (0.4 if side else -0.4) * self.grid_step
         seen = eye.depth(out) > 0.05 * eye.distance
         places = eye.project(out)
         gap = float(np.linalg.norm(np.diff(places[seen], axis=0), axis=1).min(initial=np.inf))
         every = next((k for k in (1, 2, 5, 10) if k * gap >= _APART), 0)
         for value, at, visible in zip(ticks, places, seen, strict=True):
-            if every and visible and round(value / self.step) % every == 0:
-                number = place(float(value), self.step)
+            if every and visible and round(value / self.grid_step) % every == 0:
+                number = format_position(float(value), self.grid_step)
                 width = painter.fontMetrics().horizontalAdvance(number) + _BETWEEN
                 room = QRectF(at[0] - width / 2, at[1] - 9, width, 18)
                 if not any(room.intersects(other) for other in taken):
@@ -138,12 +142,12 @@ class Ground(MouseTool, RestActor):
                     taken.append(room)
 
     def _draw_axes(self, painter: QPainter, corner: QPointF) -> None:
-        right, up, forward = self._viewport.look.eye.axes
+        right, up, forward = self._viewport.camera_controller.camera.axes
         font = QFont(painter.font())
         font.setBold(True)
         painter.setFont(font)
         for k in np.argsort(-forward):  # the farthest first
-            color = QColor(*(_LIGHTER if self._viewport.dark else _COLORS)[k])
+            color = QColor(*(_LIGHTER if self._viewport.is_dark else _COLORS)[k])
             x, y = float(right[k]), -float(up[k])
             painter.setPen(QPen(color, 2.0, c=Qt.PenCapStyle.RoundCap))
             painter.drawLine(corner, corner + QPointF(_REACH * x, _REACH * y))

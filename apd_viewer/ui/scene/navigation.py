@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from PySide6.QtGui import QMouseEvent, QWheelEvent
 
-    from apd_viewer.ui.scene.look import Look
+    from apd_viewer.ui.scene.camera_controller import CameraController
 
 ZOOM_PER_PIXEL = 1.008
 ZOOM_PER_WHEEL_UNIT = 1.0013  # one notch is 120 units
@@ -33,13 +33,13 @@ class Navigation(MouseTool):
 
     Parameters
     ----------
-    look : Look
+    camera_controller : CameraController
     click : callable
         Called at the position of a press that moved nothing.
     """
 
-    def __init__(self, look: Look, click: Callable[[QPointF], None]) -> None:
-        self._look = look
+    def __init__(self, camera_controller: CameraController, click: Callable[[QPointF], None]) -> None:
+        self._look = camera_controller
         self._click = click
         self._mode = ""
         self._start = QPointF()
@@ -64,9 +64,9 @@ class Navigation(MouseTool):
         if self._mode == "zoom":
             self._look.zoom_at(self._start, ZOOM_PER_PIXEL ** -d.y())
         elif self._mode == "pan":
-            self._look.eye = self._look.eye.panned(d.x(), d.y())
+            self._look.camera = self._look.camera.panned(d.x(), d.y())
         else:
-            self._look.eye = self._look.eye.orbited(d.x(), d.y())
+            self._look.camera = self._look.camera.orbited(d.x(), d.y())
         return True
 
     def release(self, event: QMouseEvent) -> None:

@@ -25,22 +25,22 @@ _LONGER = 1000  # px
 _ROOM = 0.02  # of the picture, around the shapes
 
 
-class _Set:
+class _OffscreenViewport:
     """As much of a viewport as a surface needs."""
 
-    dark = False
+    is_dark = False
 
     def __init__(self) -> None:
         self.renderer = vtkRenderer()
         self.pre_draw: list[Callable[[], None]] = []
         self.box: Callable[[], tuple[float, ...]] | None = None
-        self.pick: object = None
+        self.pick_point: object = None
 
     def update(self) -> None:
         """There is no screen."""
 
 
-class Studio:
+class OffscreenScene:
     """Renders the shapes of a state from the user's camera, all at one scale.
 
     Parameters
@@ -54,16 +54,16 @@ class Studio:
     """
 
     def __init__(self, viewport: Viewport, state: State, edges: bool, shading: Shading) -> None:
-        self._viewport, self._set = viewport, _Set()
+        self._viewport, self._set = viewport, _OffscreenViewport()
         self._surface = Surface(cast("Viewport", self._set))
-        self._surface.set_mesh(state.skin, state.frame.U, colors_of(state.document))
-        self._surface.edges, self._surface.shading = edges, shading
-        used = np.unique(state.skin.F)
+        self._surface.set_mesh(state.surface_index, state.frame.U, colors_of(state.document))
+        self._surface.shows_edges, self._surface.shading = edges, shading
+        used = np.unique(state.surface_index.F)
         self.size = self._aim(np.concatenate([state.document.mesh.V[used], state.frame.U[used]]))
 
     def _aim(self, points: np.ndarray) -> QSize:
         """Frame all points and return the size of a picture that suits them."""
-        eye = self._viewport.look.eye
+        eye = self._viewport.camera_controller.camera
         right, up, _ = eye.axes
         wide, high = float(np.ptp(points @ right)), float(np.ptp(points @ up))
         ratio = min(max(wide / high if high > 0.0 else 2.0, 0.7), 4.0 / 3.0)
@@ -79,17 +79,17 @@ class Studio:
         camera.SetViewAngle(np.rad2deg(eye.angle))
         return size
 
-    def painted(self, U: np.ndarray) -> QImage:
+    def painted_picture(self, U: np.ndarray) -> QImage:
         """The shape with the positions ``U`` (n, 3), as it is painted."""
-        self._surface.wear(None)
+        self._surface.set_color_map(None)
         return self._taken(U)
 
-    def measured(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
+    def measured_picture(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
         """Picture in the colours of a ``scale``; ``shades`` as a surface's."""
         neutral = scale.neutral_share if scale.measure.is_signed else -1.0
-        self._surface.wear(scale.measure.colors, neutral)
+        self._surface.set_color_map(scale.measure.colors, neutral)
         self._surface.shades[:] = shades
-        self._surface.shades_changed()
+        self._surface.update_shades()
         return self._taken(U)
 
     def _taken(self, U: np.ndarray) -> QImage:

@@ -33,16 +33,16 @@ class RestActor(ABC):
         self._actor.SetMapper(self._mapper)
         self._actor.SetVisibility(False)
         viewport.renderer.AddActor(self._actor)
-        viewport.pre_draw.append(lambda: self._match_background(viewport.dark))
+        viewport.pre_draw.append(lambda: self._match_background(viewport.is_dark))
         viewport.more_boxes.append(lambda: self._box)
 
     @property
-    def on(self) -> bool:
+    def visible(self) -> bool:
         """True while shown."""
         return self._on
 
-    @on.setter
-    def on(self, on: bool) -> None:
+    @visible.setter
+    def visible(self, on: bool) -> None:
         self._on = on
         self._show()
 

@@ -48,9 +48,9 @@ def scene_picture(
     InputError
         If so many pixels cannot be drawn.
     """
-    viewport.prepare()
+    viewport.prepare_scene()
     scene = viewport.renderer if renderer is None else renderer
-    with viewport.aside() as window:
+    with viewport.offscreen_window() as window:
         if window is None:
             raise InputError(tr("Nothing can be drawn: OpenGL is not available; update the graphics driver."))
         finer = _finer(window, size)
@@ -59,7 +59,7 @@ def scene_picture(
             _only(window, scene),
             _framed(scene, seen, size),
             _on_nothing(window, scene, transparent),
-            _thicker(scene, finer * grown(seen, size)),
+            _thicker(scene, finer * picture_scale(seen, size)),
         ):
             # It would smooth the edge of the shape with a background that is not there.
             scene.SetUseFXAA(finer == 1 and not transparent and window.GetMultiSamples() == 0)
@@ -109,16 +109,16 @@ def png_of(image: QImage) -> bytes:
     return bytes(content.data())
 
 
-def check_size(viewport: Viewport, size: QSize) -> None:
+def check_picture_size(viewport: Viewport, size: QSize) -> None:
     """Raise InputError if a picture of this size cannot be drawn."""
-    with viewport.aside() as window:
+    with viewport.offscreen_window() as window:
         if window is not None:
             _finer(window, size)
 
 
-def grown(seen: QSize, size: QSize) -> float:
-    """Scale factor from the viewport to a picture of ``seen``."""
-    return min(size.width() / max(seen.width(), 1), size.height() / max(seen.height(), 1))
+def picture_scale(view_size: QSize, size: QSize) -> float:
+    """Scale factor from the viewport to a picture of ``view_size``."""
+    return min(size.width() / max(view_size.width(), 1), size.height() / max(view_size.height(), 1))
 
 
 def _finer(window: vtkRenderWindow, size: QSize) -> int:

@@ -8,21 +8,28 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-from apd_viewer.geometry.picking.preview_surface import Sketch
-from apd_viewer.ui.appearance.shading import Shading, headlight, match_view, scale_heat, shade, texture_of
+from apd_viewer.geometry.picking.preview_surface import PreviewSurface
+from apd_viewer.ui.appearance.shading import (
+    Shading,
+    headlight,
+    match_view,
+    set_neutral_band,
+    shade,
+    texture_of,
+)
 from apd_viewer.ui.appearance.surface_arrays import SurfaceArrays
 
 if TYPE_CHECKING:
     from PySide6.QtCore import QPointF
 
     from apd_viewer.geometry.mesh.texture import Texture
-    from apd_viewer.geometry.picking.surface_index import Skin
+    from apd_viewer.geometry.picking.surface_index import SurfaceIndex
     from apd_viewer.presentation.color_maps import ColorMap
     from apd_viewer.ui.scene.viewport import Viewport
 
 
 # Before the first mesh, with one vertex: PyVista takes no empty arrays.
-_NOTHING = Sketch(np.empty((0, 3), dtype=np.int32))
+_NOTHING = PreviewSurface(np.empty((0, 3), dtype=np.int32))
 
 
 class Hit(NamedTuple):
@@ -42,14 +49,14 @@ class Surface:
 
     Attributes
     ----------
-    skin : Skin, Sketch or None
+    surface_index : SurfaceIndex, PreviewSurface or None
         Of the mesh that is shown.
     U : (n, 3) float64 array
         Positions as shown, read-only; what picking uses.
-    worn : ColorMap or None
+    color_map : ColorMap or None
         In which values are shown instead of the paint.
     revision : int
-        Counts changes of ``skin`` and ``U``.
+        Counts changes of ``surface_index`` and ``U``.
     shape_revision : int
         Counts changes of ``shape``.
     arrays : SurfaceArrays
@@ -58,7 +65,7 @@ class Surface:
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport
-        self.skin: Skin | Sketch | None = None
+        self.surface_index: SurfaceIndex | PreviewSurface | None = None
         self.U: np.ndarray = np.empty((0, 3))
         self.revision = self.shape_revision = 0
         self._given = self.U
@@ -82,38 +89,38 @@ class Surface:
         prop = self._actor.GetProperty()
         prop.SetInterpolationToPhong()
         prop.SetLineWidth(1.0)
-        self.worn: ColorMap | None = None
+        self.color_map: ColorMap | None = None
         shade(self._actor)
         viewport.pre_draw.append(self._match_view)
         viewport.renderer.AddActor(self._actor)
         viewport.renderer.AddLight(headlight())
-        viewport.pick = self.point_under
+        viewport.pick_point = self.point_under
         viewport.box = lambda: self._box
 
-    def set_mesh(self, skin: Skin | Sketch, U: np.ndarray, rgba: np.ndarray) -> None:
+    def set_mesh(self, surface_index: SurfaceIndex | PreviewSurface, U: np.ndarray, rgba: np.ndarray) -> None:
         """Show another mesh.
 
         Parameters
         ----------
-        skin : Skin or Sketch
+        surface_index : SurfaceIndex or PreviewSurface
         U : (n, 3) float array
         rgba : (n, 4) uint8 array
         """
-        if skin is not self.skin:
-            self.skin = self.texture = None
-        self.skin, self._blend = skin, None
+        if surface_index is not self.surface_index:
+            self.surface_index = self.texture = None
+        self.surface_index, self._blend = surface_index, None
         # Far from the origin single precision is coarser than the mesh.
         self._origin = np.array([x.mean() for x in U.T])
         self._actor.SetPosition(*self._origin)
         self._actor.SetVisibility(True)
-        self._arrange(skin, rgba)
+        self._arrange(surface_index, rgba)
         self.set_points(U)
 
-    def _arrange(self, skin: Skin | Sketch, rgba: np.ndarray) -> None:
+    def _arrange(self, skin: SurfaceIndex | PreviewSurface, rgba: np.ndarray) -> None:
         texture = self._texture
         sharp = self._shading in (Shading.SHARP, Shading.FILE)
-        drawn = skin.rendered(sharp, self._shading is Shading.FILE)
-        if texture is not None and not isinstance(drawn, Sketch):
+        drawn = skin.render_mesh(sharp, self._shading is Shading.FILE)
+        if texture is not None and not isinstance(drawn, PreviewSurface):
             drawn = drawn.with_seams(texture.uv_of)
         self.arrays = SurfaceArrays(drawn, rgba, texture)
         self._mapper.SetInputData(self.arrays.data)
@@ -131,7 +138,7 @@ class Surface:
             U = rest + share * (U - rest)
         self.U = np.ascontiguousarray(U, dtype=np.float64).view()
         self.U.flags.writeable = False
-        low, high = self.arrays.drape(self.U, self._origin)
+        low, high = self.arrays.set_points(self.U, self._origin)
         # Asked for its bounds, VTK would look at all triangles once more, on one core.
         self._box = tuple(np.column_stack([low, high]).ravel() + np.repeat(self._origin, 2))
         self._boxes = None
@@ -151,7 +158,7 @@ class Surface:
     def blend(self, rest: np.ndarray | None, share: float = 1.0) -> None:
         """Show the shape at ``share`` between ``rest`` (n, 3) and itself."""
         self._blend = None if rest is None or len(rest) != len(self._given) else (rest, share)
-        if self.skin is not None:
+        if self.surface_index is not None:
             self.set_points(self._given)
 
     def cut(self, point: np.ndarray | None, normal: np.ndarray | None = None) -> None:
@@ -170,42 +177,42 @@ class Surface:
     def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None = None) -> None:
         """Colour the vertices ``ids``, or all, by ``rgba`` (k, 4) uint8."""
         # How opaque they are is how they are measured: see `wear`.
-        if self.skin is not None:
+        if self.surface_index is not None:
             self.arrays.set_colors(rgba, ids)
             self._viewport.update()
 
-    def wear(self, heat: ColorMap | None, neutral: float = 0.0) -> None:
+    def set_color_map(self, color_map: ColorMap | None, neutral: float = 0.0) -> None:
         """Show values in colours over striped paint; None shows the paint.
 
         ``neutral`` is how much of the scale, around its middle, is shown as no change. What the values are
         is written into :attr:`shades`, before or after. It is seen in the next draw, for which this does not
         ask: it may be called while one is made ready.
         """
-        if heat is not self.worn:
-            self.worn = heat
+        if color_map is not self.color_map:
+            self.color_map = color_map
             self._shade()
-        if heat is not None:
-            scale_heat(self._actor, neutral)
-        elif self.skin is not None:
+        if color_map is not None:
+            set_neutral_band(self._actor, neutral)
+        elif self.surface_index is not None:
             self.shades[:] = 255
-            self.shades_changed()
+            self.update_shades()
 
     @property
     def shades(self) -> np.ndarray:
         """Values (n,) uint8, 1 to 255 on the scale, 0 for none, edited in place."""
         return self.arrays.rgba[:, 3]
 
-    def shades_changed(self) -> None:
+    def update_shades(self) -> None:
         """Draw the edited ``shades`` from the next frame on."""
-        self.arrays.colors_changed()
+        self.arrays.update_colors()
 
     @property
-    def edges(self) -> bool:
+    def shows_edges(self) -> bool:
         """True if edges are drawn."""
         return bool(self._actor.GetProperty().GetEdgeVisibility())
 
-    @edges.setter
-    def edges(self, on: bool) -> None:
+    @shows_edges.setter
+    def shows_edges(self, on: bool) -> None:
         prop = self._actor.GetProperty()
         prop.SetEdgeVisibility(on)
         prop.SetEdgeColor(0.12, 0.13, 0.15)
@@ -214,12 +221,12 @@ class Surface:
         self._viewport.update()
 
     def _shade(self) -> None:
-        shade(self._actor, self.worn, inside=self._cut is not None)
+        shade(self._actor, self.color_map, inside=self._cut is not None)
 
     @property
     def has_normals(self) -> bool:
         """True if the file of the mesh has normals."""
-        return self.touchable is not None and self.touchable.filed is not None
+        return self.picking_index is not None and self.picking_index.file_shaded is not None
 
     @property
     def shading(self) -> Shading:
@@ -235,8 +242,8 @@ class Surface:
             prop.SetInterpolationToFlat()
         else:
             prop.SetInterpolationToPhong()
-        if self.skin is not None:
-            self._arrange(self.skin, self.arrays.rgba)
+        if self.surface_index is not None:
+            self._arrange(self.surface_index, self.arrays.rgba)
             self.set_points(self._given)
 
     @property
@@ -251,40 +258,40 @@ class Surface:
         self._texture = texture
         self._actor.SetTexture(None if texture is None else texture_of(texture.image))  # type: ignore[arg-type]
         self._shade()
-        if self.skin is not None and self.arrays is not None:
-            self._arrange(self.skin, self.arrays.rgba)
+        if self.surface_index is not None and self.arrays is not None:
+            self._arrange(self.surface_index, self.arrays.rgba)
             self.set_points(self._given)
 
     def _match_view(self) -> None:
         camera = self._viewport.renderer.GetActiveCamera()
-        match_view(self._actor, self._viewport.dark, np.deg2rad(camera.GetViewAngle()))
+        match_view(self._actor, self._viewport.is_dark, np.deg2rad(camera.GetViewAngle()))
 
     @property
-    def touchable(self) -> Skin | None:
+    def picking_index(self) -> SurfaceIndex | None:
         """Surface index, if already built."""
-        return None if isinstance(self.skin, Sketch) else self.skin
+        return None if isinstance(self.surface_index, PreviewSurface) else self.surface_index
 
     def hit(self, position: QPointF) -> Hit | None:
         """Hit under a position in the viewport, if any."""
-        skin = self.touchable
+        skin = self.picking_index
         if skin is None:
             return None
-        origin, direction = self._viewport.look.eye.ray(position.x(), position.y())
+        origin, direction = self._viewport.camera_controller.camera.ray(position.x(), position.y())
         near, far = _uncut(self._cut, origin, direction)
         origin = origin + near * direction
-        face, distance, b1, b2 = skin.hit(origin, direction, self.U, self.boxes)
+        face, distance, b1, b2 = skin.ray_hit(origin, direction, self.U, self.boxes)
         if face < 0 or distance > far - near:
             return None
         weights = np.array([1.0 - b1 - b2, b1, b2])
-        normal = self.arrays.normal(face, weights)
+        normal = self.arrays.normal_at(face, weights)
         length = float(np.linalg.norm(normal))
         normal = normal / length if length > 0 else -direction
         return Hit(face, origin + distance * direction, -normal if normal @ direction > 0 else normal)
 
-    def shares(self, hit: Hit) -> np.ndarray:
+    def barycentric_weights(self, hit: Hit) -> np.ndarray:
         """Barycentric weights (3,) of a hit."""
-        assert self.skin is not None
-        a, b, c = self.U[self.skin.F[hit.face]]
+        assert self.surface_index is not None
+        a, b, c = self.U[self.surface_index.F[hit.face]]
         weights = np.linalg.lstsq(np.column_stack([b - a, c - a]), hit.point - a, rcond=None)[0]
         shares: np.ndarray = np.clip([1.0 - weights.sum(), *weights], 0.0, 1.0)
         return shares / shares.sum()
@@ -294,19 +301,19 @@ class Surface:
 
         Origins and unit directions are (k, 3) arrays.
         """
-        skin = self.touchable
+        skin = self.picking_index
         if skin is None:
             return np.full(len(origins), np.inf)
-        hits = [skin.hit(*ray, self.U, self.boxes) for ray in zip(origins, directions, strict=True)]
+        hits = [skin.ray_hit(*ray, self.U, self.boxes) for ray in zip(origins, directions, strict=True)]
         return np.array([distance if face >= 0 else np.inf for face, distance, _, _ in hits])
 
     @property
     def boxes(self) -> np.ndarray:
         """Bounding boxes of the triangles; see :func:`picking.boxes`."""
         if self._boxes is None:
-            skin = self.touchable
+            skin = self.picking_index
             assert skin is not None
-            self._boxes = skin.boxes(self.U)
+            self._boxes = skin.block_boxes(self.U)
         return self._boxes
 
     @property

@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 _RING = 6.0  # px
 
 
-class Place(NamedTuple):
+class ProbedPoint(NamedTuple):
     """Material point: a face and barycentric weights (3,)."""
 
     face: int
-    shares: np.ndarray
+    weights: np.ndarray
 
 
-class Pointer(MouseTool, QObject):
+class SurfaceProbe(MouseTool, QObject):
     """Reports the material point under the cursor and marks one with a ring.
 
     Parameters
@@ -38,7 +38,7 @@ class Pointer(MouseTool, QObject):
     ----------
     hovered : Signal(object)
         The Place under the cursor, or None.
-    place : Place or None
+    marked_point : ProbedPoint or None
         What is marked.
     """
 
@@ -47,12 +47,14 @@ class Pointer(MouseTool, QObject):
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         super().__init__(viewport)
         self._viewport, self._surface = viewport, surface
-        self.place: Place | None = None
+        self.marked_point: ProbedPoint | None = None
 
     def move(self, event: QMouseEvent) -> bool:
         """Report the point under the cursor."""
         hit = self._surface.hit(event.position())
-        self.hovered.emit(None if hit is None else Place(hit.face, self._surface.shares(hit)))
+        self.hovered.emit(
+            None if hit is None else ProbedPoint(hit.face, self._surface.barycentric_weights(hit))
+        )
         return False
 
     def leave(self) -> None:
@@ -61,13 +63,13 @@ class Pointer(MouseTool, QObject):
 
     def paint(self, painter: QPainter) -> None:
         """Draw the ring."""
-        skin = self._surface.skin
-        if self.place is None or skin is None:
+        skin = self._surface.surface_index
+        if self.marked_point is None or skin is None:
             return
-        point = self.place.shares @ self._surface.U[skin.F[self.place.face]]
-        if self._viewport.look.eye.depth(point) <= 0.0:
+        point = self.marked_point.weights @ self._surface.U[skin.F[self.marked_point.face]]
+        if self._viewport.camera_controller.camera.depth(point) <= 0.0:
             return
-        x, y = self._viewport.look.eye.project(point[None])[0]
+        x, y = self._viewport.camera_controller.camera.project(point[None])[0]
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for color, width in (("#ffffff", 3.5), ("#1d2129", 1.5)):

@@ -22,7 +22,7 @@ _NONE = np.empty(0, dtype=np.int64)
 _DOT, _HALO = 6.0, 9.5
 
 
-class Marks(MouseTool):
+class VertexMarks(MouseTool):
     """Marked vertices, visible from anywhere.
 
     A vertex of a large mesh is less than a pixel, one without a face is not drawn at all, and one at the
@@ -49,7 +49,7 @@ class Marks(MouseTool):
         """Mark the vertices ``ids``, with dots at ``dotted`` if useful."""
         self.ids = ids
         self._dotted = dotted[:: 1 + len(dotted) // _MOST_DOTS] if self._bare(dotted) else _NONE
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
 
     def colors(self) -> np.ndarray:
         """RGBA of each marked vertex, (k, 4) uint8 array."""
@@ -60,7 +60,7 @@ class Marks(MouseTool):
         """Draw dots at the vertices' current positions."""
         if not len(self._dotted):
             return
-        points, eye = self._surface.U[self._dotted], self._viewport.look.eye
+        points, eye = self._surface.U[self._dotted], self._viewport.camera_controller.camera
         places = np.unique(np.rint(eye.project(points[eye.depth(points) > 0.0])), axis=0)
         dots = QPolygonF([QPointF(x, y) for x, y in places.tolist()])
         for color, width in ((QColor(255, 255, 255, 220), _HALO), (QColor(*MARK_COLOR), _DOT)):
@@ -69,8 +69,8 @@ class Marks(MouseTool):
 
     def _bare(self, ids: np.ndarray) -> bool:
         """True if dots are needed: few vertices, or none with a face."""
-        if len(ids) <= _MOST_DOTS or self._surface.skin is None:
+        if len(ids) <= _MOST_DOTS or self._surface.surface_index is None:
             return True
         used = np.zeros(len(self._surface.U), dtype=bool)
-        used[self._surface.skin.F.ravel()] = True
+        used[self._surface.surface_index.F.ravel()] = True
         return not used[ids].any()

@@ -12,10 +12,10 @@ from PySide6.QtWidgets import QApplication
 from pyvistaqt import QtInteractor
 
 from apd_viewer.ui.appearance.antialiasing import Antialiasing
-from apd_viewer.ui.scene.look import Look
+from apd_viewer.ui.scene.camera_controller import CameraController
 from apd_viewer.ui.scene.mouse_dispatcher import MouseDispatcher
 from apd_viewer.ui.scene.navigation import Navigation
-from apd_viewer.ui.scene.overlay import Overlay
+from apd_viewer.ui.scene.tool_layer import ToolLayer
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -41,27 +41,27 @@ class Viewport(QtInteractor):
         First come, first served.
     pre_draw : list of callables
         Called before each VTK draw.
-    draws : int
+    draw_count : int
         VTK draws so far: one for each paint after ``update()``, none for a paint of the overlay.
-    overlay : QWidget
-    look : Look
+    tool_layer : QWidget
+    camera_controller : CameraController
         The camera.
     mouse : MouseDispatcher
     antialiasing : Antialiasing
-    pick : callable or None
+    pick_point : callable or None
         From a position in the widget to the point of the surface seen there, or None.
     box : callable or None
         The box around all that is drawn: least and largest x, then y, then z.
     more_boxes : list of callables
         The same of what else is drawn; empty where nothing is.
-    dark : bool
+    is_dark : bool
         Whether the background is dark.
-    opengl : str
+    opengl_info : str
         Vendor, renderer and version, the driver's among them; empty before the first draw.
     resized : Signal()
     clicked : Signal(QPointF)
         A press that no tool wanted and that moved nothing, at its position in the widget.
-    stale : bool
+    is_stale : bool
         Whether the scene has changed since the last VTK draw.
     """
 
@@ -73,22 +73,24 @@ class Viewport(QtInteractor):
     def __init__(self, parent: QWidget | None = None) -> None:
         self.tools: list[MouseTool] = []
         self.pre_draw: list[Callable[[], None]] = []
-        self.draws = 0
-        self.pick: Callable[[QPointF], np.ndarray | None] | None = None
+        self.draw_count = 0
+        self.pick_point: Callable[[QPointF], np.ndarray | None] | None = None
         self.box: Callable[[], tuple[float, ...]] | None = None
         self.more_boxes: list[Callable[[], tuple[float, ...]]] = []
-        self.dark = False
-        self.opengl = ""
-        self.stale = True  # the scene has changed since the last VTK draw
+        self.is_dark = False
+        self.opengl_info = ""
+        self.is_stale = True  # the scene has changed since the last VTK draw
         super().__init__(parent, auto_update=False, multi_samples=0, lighting="none")
         self.setAcceptDrops(False)  # the stock widget reads dropped files into the scene by itself
         self.ren_win.GetInteractor().EnableRenderOff()
         # They would ask everything for its bounds, to leave out what the camera does not see.
         self.renderer.GetCullers().RemoveAllItems()
         self.antialiasing = Antialiasing(self)
-        self.overlay = Overlay(self, self.tools)
-        self.look = Look(self, lambda position: self.pick(position) if self.pick is not None else None)
-        self.mouse = MouseDispatcher(self, self.tools, Navigation(self.look, self.clicked.emit))
+        self.tool_layer = ToolLayer(self, self.tools)
+        self.camera_controller = CameraController(
+            self, lambda position: self.pick_point(position) if self.pick_point is not None else None
+        )
+        self.mouse = MouseDispatcher(self, self.tools, Navigation(self.camera_controller, self.clicked.emit))
         self.set_theme("#f4f5f7")
 
     # ---- looks
@@ -96,7 +98,7 @@ class Viewport(QtInteractor):
     def set_theme(self, background_top: str, background_bottom: str | None = None) -> None:
         """Set the colour of the background, or the two ends of a vertical blend."""
         top, bottom = QColor(background_top), QColor(background_bottom or background_top)
-        self.dark = bottom.lightnessF() < 0.5
+        self.is_dark = bottom.lightnessF() < 0.5
         self.renderer.SetBackground(bottom.redF(), bottom.greenF(), bottom.blueF())
         self.renderer.SetBackground2(top.redF(), top.greenF(), top.blueF())
         self.renderer.SetGradientBackground(top != bottom)
@@ -105,14 +107,14 @@ class Viewport(QtInteractor):
     def screenshot(self, *args: Any, **kwargs: Any) -> Any:
         """Current picture of the scene without tools; see pyvista.Plotter.screenshot."""
         self._ensure_initialized()
-        self.antialiasing.next = self.antialiasing.software
+        self.antialiasing.smooths_next_draw = self.antialiasing.is_software
         self._draw()
         return super().screenshot(*args, **kwargs)
 
     # ---- drawing
 
     @contextmanager
-    def aside(self) -> Iterator[Any]:
+    def offscreen_window(self) -> Iterator[Any]:
         """Render window for other drawings; None without OpenGL."""
         self._ensure_initialized()
         window = self.ren_win
@@ -133,10 +135,10 @@ class Viewport(QtInteractor):
         """Draw the scene and the overlay again, soon; several calls make one draw."""
         if getattr(self, "_closed", False):
             return
-        self.stale = True
+        self.is_stale = True
         super().update()
         if hasattr(self, "overlay"):  # not yet while the base class builds itself
-            self.overlay.update()
+            self.tool_layer.update()
 
     def render(self, *_: Any, **__: Any) -> None:
         """Same as update: pyvista calls this after each change."""
@@ -150,12 +152,12 @@ class Viewport(QtInteractor):
         super().initializeGL()
         functions = self.context().functions()
         vendor, renderer, version = (str(functions.glGetString(name)) for name in _GL_NAMES)
-        self.opengl = f"{vendor}, {renderer}, {version}"
-        self.antialiasing.choose(renderer)
-        if self.antialiasing.software:
+        self.opengl_info = f"{vendor}, {renderer}, {version}"
+        self.antialiasing.choose_samples(renderer)
+        if self.antialiasing.is_software:
             # For each blink of a text cursor the processor would compose the whole window: 4 % of a core.
             QApplication.setCursorFlashTime(0)
-        self.stale = True
+        self.is_stale = True
 
     def resizeGL(self, width: int, height: int) -> None:
         """Draw at the new size."""
@@ -163,14 +165,14 @@ class Viewport(QtInteractor):
         # Qt rounds halves up, Python to even: at a scale of 1.5 a line of pixels would stay black.
         ratio = self.devicePixelRatioF()
         self.ren_win.GetInteractor().UpdateSize(int(width * ratio + 0.5), int(height * ratio + 0.5))
-        self.stale = True
+        self.is_stale = True
 
     def _blit(self, target: int, _rect: object) -> None:
         super()._blit(target, QRect(0, 0, *self.ren_win.GetSize()))
 
     def paintGL(self) -> None:
         """Draw if the scene has changed, and bring the picture to the screen."""
-        if self.stale and self._RenderWindow is not None and self._RenderWindow.GetReadyForRendering():
+        if self.is_stale and self._RenderWindow is not None and self._RenderWindow.GetReadyForRendering():
             self._draw()
         # Inside _in_paint the stock method only copies the picture; else it would draw a second time.
         self._in_paint = True
@@ -179,7 +181,7 @@ class Viewport(QtInteractor):
         finally:
             self._in_paint = False
 
-    def prepare(self) -> None:
+    def prepare_scene(self) -> None:
         """Bring the scene up to date, as before each VTK draw."""
         for prepare in self.pre_draw:
             prepare()
@@ -190,15 +192,15 @@ class Viewport(QtInteractor):
             self.renderer.ResetCameraClippingRange(np.column_stack([low, high]).ravel().tolist())
 
     def _draw(self) -> None:
-        self.prepare()
+        self.prepare_scene()
         self.antialiasing.begin_draw()
         self._in_paint = True
         try:
             self.ren_win.Render()  # unlike the interactor's Render, this one releases the GIL
         finally:
             self._in_paint = False
-        self.draws += 1
-        self.stale = False
+        self.draw_count += 1
+        self.is_stale = False
         self.antialiasing.end_draw()
 
     # ---- events
@@ -249,16 +251,16 @@ class Viewport(QtInteractor):
         """Zoom when two fingers pinch a trackpad."""
         if isinstance(event, QNativeGestureEvent):
             if event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
-                self.look.zoom_at(event.position(), 1.0 + event.value())
+                self.camera_controller.zoom_at(event.position(), 1.0 + event.value())
             return True
         return super().event(event)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Resize the overlay, and keep the framing until the camera is moved."""
         super().resizeEvent(event)
-        self.overlay.setGeometry(self.rect())
+        self.tool_layer.setGeometry(self.rect())
         self.resized.emit()
-        self.look.keep_framing()
+        self.camera_controller.keep_framing()
 
     def showEvent(self, event: QShowEvent) -> None:
         """Draw the changes made while hidden."""
@@ -268,12 +270,12 @@ class Viewport(QtInteractor):
     def close(self) -> None:
         """Free the scene; the view cannot be used afterwards."""
         if not getattr(self, "_closed", True):
-            self.antialiasing.still.stop()
+            self.antialiasing.idle_timer.stop()
             self.pre_draw.clear()
             self.tools.clear()
             self.more_boxes.clear()
-            self.look.close()
-            self.pick = self.box = None
+            self.camera_controller.close()
+            self.pick_point = self.box = None
         super().close()
         # Qt frees context and surface itself and may put others at their addresses, where Python
         # would still find these wrappers: of the wrong class, or of an object that is gone.

@@ -4,28 +4,28 @@ from __future__ import annotations
 
 from typing import Any
 
-from apd_viewer.ui.preferences.preference import OneOf, Preference, Within
+from apd_viewer.ui.preferences.preference import NumberRange, OneOf, Preference
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
-from apd_viewer.ui.widgets.fields import Choice, Number
+from apd_viewer.ui.widgets.fields import ComboBox, NumberField
 
-SETTING = "settingName"  # property of a control, by which the manual knows it
+SETTING_PROPERTY = "settingName"  # property of a control, by which the manual knows it
 
 
-def control_of(preference: Preference[Any], values: PreferenceValues) -> Choice | Number:
+def preference_control(preference: Preference[Any], values: PreferenceValues) -> ComboBox | NumberField:
     """Control showing a preference, now and after changes made elsewhere."""
-    if isinstance(preference.allowed, Within):
-        control: Choice | Number = _NumberControl(preference, preference.allowed, values)
+    if isinstance(preference.allowed, NumberRange):
+        control: ComboBox | NumberField = _NumberControl(preference, preference.allowed, values)
     else:
         control = _ChoiceControl(preference, preference.allowed, values)
     control.setObjectName(preference.name)
-    control.setProperty(SETTING, preference.name)
+    control.setProperty(SETTING_PROPERTY, preference.name)
     control.setAccessibleName(preference.title)
     control.setAccessibleDescription(preference.note)
     control.setToolTip(preference.tip)
     return control
 
 
-class _ChoiceControl(Choice):
+class _ChoiceControl(ComboBox):
     """List of the allowed values."""
 
     def __init__(self, preference: Preference[Any], allowed: OneOf[Any], values: PreferenceValues) -> None:
@@ -41,10 +41,10 @@ class _ChoiceControl(Choice):
         self.setCurrentIndex(self._ordered.index(self._values[self._preference]))
 
 
-class _NumberControl(Number):
+class _NumberControl(NumberField):
     """Field for a number."""
 
-    def __init__(self, preference: Preference[Any], allowed: Within, values: PreferenceValues) -> None:
+    def __init__(self, preference: Preference[Any], allowed: NumberRange, values: PreferenceValues) -> None:
         super().__init__(minimum=allowed.least, maximum=allowed.most, decimals=0, suffix=allowed.suffix)
         self._preference, self._values = preference, values
         self._show()

@@ -43,8 +43,8 @@ def connect_preferences(
 ) -> None:
     """Have session and tools follow the preferences."""
     values.follow(UNDO_MEMORY, session.gestures.limit_memory)
-    values.follow(AUTOSAVE, session.autosave.save_every)
-    values.follow(SELECTION_MODE, tools.set_way)
+    values.follow(AUTOSAVE, session.autosave.set_interval)
+    values.follow(SELECTION_MODE, tools.set_mode)
     values.follow(BRUSH_RADIUS, brush.set_radius)
 
 
@@ -53,14 +53,14 @@ def connect_menu(values: PreferenceValues, schemes: dict[Qt.ColorScheme, QAction
     values.follow(COLOR_SCHEME, lambda scheme: schemes[scheme].setChecked(True))
 
 
-def connect_language(values: PreferenceValues, failed: Callable[[str], object]) -> None:
-    """Have the next start use the chosen language; ``failed`` says a sentence."""
+def connect_language(values: PreferenceValues, show_failure: Callable[[str], object]) -> None:
+    """Have the next start use the chosen language; ``show_failure`` says a sentence."""
 
     def keep(name: str) -> None:
         try:
             choose_language(name)
         except OSError as error:
             reason = error.strerror or str(error)
-            failed(tr("The language cannot be stored ({reason}).").format(reason=reason))
+            show_failure(tr("The language cannot be stored ({reason}).").format(reason=reason))
 
     values.on_change(LANGUAGE, keep)

@@ -10,10 +10,10 @@ from PySide6.QtCore import QLocale, Qt
 from apd_viewer.language import languages, tr, trc
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.preferences.preference import OneOf, Option, Preference, Within
+from apd_viewer.ui.preferences.preference import NumberRange, OneOf, Option, Preference
 from apd_viewer.ui.preferences.unit_button import UNIT_NAMES
-from apd_viewer.ui.tools.brush_size import LARGEST, SMALLEST, USUAL
-from apd_viewer.ui.tools.toolbox import FIRST_WAY, Way
+from apd_viewer.ui.tools.brush_size import DEFAULT_RADIUS, LARGEST_RADIUS, SMALLEST_RADIUS
+from apd_viewer.ui.tools.toolbox import FIRST_MODE, SelectionMode
 
 _RESTART = tr("Takes effect after a restart")
 _SYSTEM = tr("System default")
@@ -83,17 +83,17 @@ UP_AXIS: Preference[UpAxis] = Preference(
     tr("Up axis of files opened for the first time"),
     tr("glTF and 3MF files have their own"),
 )
-SELECTION_MODE: Preference[Way] = Preference(
+SELECTION_MODE: Preference[SelectionMode] = Preference(
     "selection_mode",
-    FIRST_WAY,
-    OneOf(tuple(Option(way.name.lower(), way, way.words.title) for way in Way)),
+    FIRST_MODE,
+    OneOf(tuple(Option(way.name.lower(), way, way.words.title) for way in SelectionMode)),
     tr("Selection mode"),
     tr("Selection mode when the program starts"),
 )
 BRUSH_RADIUS: Preference[float] = Preference(
     "brush_radius",
-    USUAL,
-    Within(SMALLEST, LARGEST, tr(" px")),
+    DEFAULT_RADIUS,
+    NumberRange(SMALLEST_RADIUS, LARGEST_RADIUS, tr(" px")),
     tr("Brush radius"),
     tr("Radius of the brush when the program starts"),
     tr("The wheel changes it while you paint"),

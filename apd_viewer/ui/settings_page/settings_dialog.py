@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.language import tr
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
-from apd_viewer.ui.settings_page.preference_control import control_of
+from apd_viewer.ui.settings_page.preference_control import preference_control
 from apd_viewer.ui.settings_page.preference_table import GROUPS, PREFERENCES, PreferenceGroup
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
@@ -71,7 +71,7 @@ class SettingsDialog(QDialog):
         grid.setColumnStretch(2, 1)
         grid.addWidget(QLabel(group.title, objectName="heading"), 0, 0, 1, 3)
         for line, preference in enumerate(group.rows, start=1):
-            title, control = QLabel(preference.title), control_of(preference, self._values)
+            title, control = QLabel(preference.title), preference_control(preference, self._values)
             title.setBuddy(control)
             note = QLabel(preference.note, objectName="quiet", wordWrap=True)
             for column, part in enumerate((title, control, note)):
@@ -86,7 +86,7 @@ class SettingsDialog(QDialog):
         self.shortcuts.setToolTip(tr("View and change the keyboard shortcuts"))
         self.restore.setToolTip(tr("Return all settings of this page to their defaults"))
         self.shortcuts.clicked.connect(self._show_shortcuts)
-        self.restore.clicked.connect(lambda: self._values.restore(PREFERENCES))
+        self.restore.clicked.connect(lambda: self._values.restore_defaults(PREFERENCES))
         self.close_.clicked.connect(self.close)
         self._values.changed.connect(self._offer_restore)
         self._offer_restore()

@@ -6,8 +6,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from apd_viewer import log
-from apd_viewer.files.storage.reading import bytes_of
-from apd_viewer.redaction import redacted
+from apd_viewer.files.storage.regular_files import read_bytes
+from apd_viewer.redaction import redacted_text
 
 _LINES = 100  # of the log
 
@@ -21,7 +21,7 @@ def diagnostics(opengl: str) -> str:
         Vendor, renderer and version of the OpenGL in use.
     """
     parts = {
-        "Versions": [*log.versions(), f"OpenGL {opengl}"],
+        "Versions": [*log.version_lines(), f"OpenGL {opengl}"],
         "Log": _last_lines(),
         "Last crash": _last_crash(),
     }
@@ -36,7 +36,7 @@ def _last_lines() -> list[str]:
 
 def _last_crash() -> list[str]:
     """Last crash of any process, after its file name; empty if none."""
-    for path in sorted(log.folder().glob("*.crash"), reverse=True):  # named by their time
+    for path in sorted(log.log_folder().glob("*.crash"), reverse=True):  # named by their time
         if lines := _lines(path):
             return [path.name, *lines]
     return []
@@ -44,5 +44,5 @@ def _last_crash() -> list[str]:
 
 def _lines(path: Path) -> list[str]:
     with suppress(OSError):
-        return redacted(bytes_of(path).decode(errors="replace")).splitlines()
+        return redacted_text(read_bytes(path).decode(errors="replace")).splitlines()
     return []

@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QDialog, QGridLayout, QHBoxLayout, QLabel, QPushBu
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.ui.sharing.pictures import Wish
-from apd_viewer.ui.widgets.fields import Check, Choice, Number
+from apd_viewer.ui.sharing.pictures import PictureSettings
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.help_button import HelpButton
 
 if TYPE_CHECKING:
@@ -60,25 +60,25 @@ class PictureDialog(QDialog):
     ----------
     parent : QWidget
     pictures : Pictures
-    wish : Wish
+    settings : PictureSettings
         To begin with.
 
     Attributes
     ----------
-    times : Choice
+    times : ComboBox
         Multiples of the view, and a size of one's own.
-    width_, height_ : Number
+    width_, height_ : NumberField
         Pixels.
-    transparent, legend, gizmo : Check
+    transparent, legend, gizmo : CheckBox
     save, copy : QPushButton
     """
 
-    def __init__(self, parent: QWidget, pictures: Pictures, wish: Wish) -> None:
+    def __init__(self, parent: QWidget, pictures: Pictures, settings: PictureSettings) -> None:
         super().__init__(parent, objectName="picture")
         self.setWindowTitle(tr("Save picture"))
         self._pictures = pictures
         self.preview = _Preview()
-        self._make_fields(wish)
+        self._make_fields(settings)
         self._lay_out()
         self._soon = QTimer(self, singleShot=True, interval=_SOON)
         self._soon.timeout.connect(self._show)
@@ -86,24 +86,24 @@ class PictureDialog(QDialog):
         self._show_times()
         self._show()
 
-    def _make_fields(self, wish: Wish) -> None:
-        self.times = Choice(accessibleName=tr("Size"))
+    def _make_fields(self, wish: PictureSettings) -> None:
+        self.times = ComboBox(accessibleName=tr("Size"))
         for times in _TIMES:
             title = tr("Same as view") if times == 1 else tr("{times} × the view").format(times=times)
             self.times.addItem(title, times)
         self.times.addItem(tr("Custom size"), 0)
-        self.width_ = Number(accessibleName=tr("Width"), toolTip=tr("Picture width"), decimals=0)
-        self.height_ = Number(accessibleName=tr("Height"), toolTip=tr("Picture height"), decimals=0)
+        self.width_ = NumberField(accessibleName=tr("Width"), toolTip=tr("Picture width"), decimals=0)
+        self.height_ = NumberField(accessibleName=tr("Height"), toolTip=tr("Picture height"), decimals=0)
         for field in (self.width_, self.height_):
             field.setRange(_LEAST, _MOST)
             field.setSuffix(tr(" px"))
         self._put(wish.size)
         tip = tr("Save only the mesh, to place on any background")
-        self.transparent = Check(tr("Transparent background"), toolTip=tip, checked=wish.transparent)
-        self.legend = Check(tr("Overlay legend"), checked=wish.legend and self._pictures.has_legend)
+        self.transparent = CheckBox(tr("Transparent background"), toolTip=tip, checked=wish.transparent)
+        self.legend = CheckBox(tr("Overlay legend"), checked=wish.legend and self._pictures.has_legend)
         self.legend.setEnabled(self._pictures.has_legend)
         self.legend.setToolTip("" if self.legend.isEnabled() else tr("No overlay is shown"))
-        self.gizmo = Check(tr("Gizmo"), checked=wish.gizmo and self._pictures.has_gizmo)
+        self.gizmo = CheckBox(tr("Gizmo"), checked=wish.gizmo and self._pictures.has_gizmo)
         self.gizmo.setEnabled(self._pictures.has_gizmo)
         self.gizmo.setToolTip("" if self.gizmo.isEnabled() else tr("No gizmo is shown"))
         self.save = QPushButton(tr("Save…"), objectName="primary", default=True)
@@ -150,10 +150,12 @@ class PictureDialog(QDialog):
         self.copy.clicked.connect(self._copy)
 
     @property
-    def wish(self) -> Wish:
+    def settings(self) -> PictureSettings:
         """Chosen settings."""
         size = QSize(int(self.width_.value()), int(self.height_.value()))
-        return Wish(size, self.transparent.isChecked(), self.legend.isChecked(), self.gizmo.isChecked())
+        return PictureSettings(
+            size, self.transparent.isChecked(), self.legend.isChecked(), self.gizmo.isChecked()
+        )
 
     def _take_times(self) -> None:
         if times := self.times.currentData():
@@ -173,16 +175,18 @@ class PictureDialog(QDialog):
 
     def _show_times(self) -> None:
         """Name the multiple of the view's size."""
-        size = self.wish.size
+        size = self.settings.size
         found = [times for times in _TIMES if self._pictures.view_size * times == size]
         self.times.setCurrentIndex(self.times.findData(found[0] if found else 0))
 
     def _show(self) -> None:
         """Preview the picture, and tell if its size cannot be drawn."""
-        wish = self.wish
+        wish = self.settings
         small = wish.size.scaled(_PREVIEW, Qt.AspectRatioMode.KeepAspectRatio).expandedTo(QSize(1, 1))
         try:
-            self.preview.image = self._pictures.taken(Wish(small, wish.transparent, wish.legend, wish.gizmo))
+            self.preview.image = self._pictures.picture(
+                PictureSettings(small, wish.transparent, wish.legend, wish.gizmo)
+            )
             self._pictures.check_size(wish.size)
             self._say("")
         except InputError as error:
@@ -196,5 +200,5 @@ class PictureDialog(QDialog):
             button.setEnabled(not problem)
 
     def _copy(self) -> None:
-        self._pictures.copy(self.wish)
+        self._pictures.copy(self.settings)
         self.reject()

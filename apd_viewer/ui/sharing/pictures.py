@@ -11,16 +11,16 @@ from PySide6.QtGui import QColor, QGuiApplication, QImage, QPainter, QPen
 from PySide6.QtSvg import QSvgRenderer
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import tr
 from apd_viewer.presentation.legend_svg import HEIGHT, WIDTH, legend_svg
-from apd_viewer.ui.scene.scene_picture import check_size, grown, scene_picture
+from apd_viewer.ui.scene.scene_picture import check_picture_size, picture_scale, scene_picture
 from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
 if TYPE_CHECKING:
     from apd_viewer.session.jobs.background_job import Jobs
-    from apd_viewer.ui.overlays.display_options import Looks
+    from apd_viewer.ui.overlays.display_options import DisplayOptions
     from apd_viewer.ui.overlays.notice import Notice
     from apd_viewer.ui.tools.canvas import Canvas
 
@@ -28,7 +28,7 @@ _MARGIN, _ROUND = 12.0, 8.0  # pixels of the window
 
 
 @dataclass(frozen=True)
-class Wish:
+class PictureSettings:
     """Settings of a picture.
 
     Attributes
@@ -53,13 +53,13 @@ class Pictures:
     Parameters
     ----------
     canvas : Canvas
-    looks : Looks
+    display_options : DisplayOptions
     notice : Notice
     jobs : Jobs
     """
 
-    def __init__(self, canvas: Canvas, looks: Looks, notice: Notice, jobs: Jobs) -> None:
-        self._canvas, self._looks, self._notice, self._jobs = canvas, looks, notice, jobs
+    def __init__(self, canvas: Canvas, display_options: DisplayOptions, notice: Notice, jobs: Jobs) -> None:
+        self._canvas, self._looks, self._notice, self._jobs = canvas, display_options, notice, jobs
 
     @property
     def view_size(self) -> QSize:
@@ -70,7 +70,7 @@ class Pictures:
     @property
     def has_legend(self) -> bool:
         """True if an overlay with a legend is shown."""
-        return self._looks.heat.measure is not None
+        return self._looks.overlay.measure is not None
 
     @property
     def has_gizmo(self) -> bool:
@@ -82,69 +82,69 @@ class Pictures:
         """The gizmo at the handle or at the obstacle in the hand, if it is shown."""
         return [tool for tool in self._canvas.viewport.tools if isinstance(tool, Gizmo) and tool.visible]
 
-    def save(self, path: Path, wish: Wish) -> None:
+    def save(self, path: Path, settings: PictureSettings) -> None:
         """Write a picture as PNG; it is drawn now, and written in the background."""
         try:
-            image = self.taken(wish)
+            image = self.picture(settings)
         except InputError as error:
-            self._notice.fail(str(error))
+            self._notice.show_failure(str(error))
             return
 
         def work() -> str:
-            with replacing(path) as scratch:
+            with replacing_file(path) as scratch:
                 if not image.save(str(scratch), "PNG"):
                     raise OSError(tr("the picture could not be encoded"))
             size = tr("{width:,} × {height:,} pixels").format(width=image.width(), height=image.height())
             return tr("Saved {name}: {size}.").format(name=path.name, size=size)
 
         title = tr("Writing {name}").format(name=path.name)
-        self._jobs.run(title, work, self._notice.tell, can_be_cancelled=False)
+        self._jobs.run(title, work, self._notice.show_message, can_be_cancelled=False)
 
-    def copy(self, wish: Wish | None = None) -> None:
+    def copy(self, settings: PictureSettings | None = None) -> None:
         """Bring a picture to the clipboard; the view as it is seen, without the gizmo."""
         try:
-            image = self.taken(wish or Wish(self.view_size))
+            image = self.picture(settings or PictureSettings(self.view_size))
         except InputError as error:
-            self._notice.fail(str(error))
+            self._notice.show_failure(str(error))
             return
         QGuiApplication.clipboard().setImage(image)
         said = tr("Copied a picture of {width:,} × {height:,} pixels.")
-        self._notice.tell(said.format(width=image.width(), height=image.height()))
+        self._notice.show_message(said.format(width=image.width(), height=image.height()))
 
     def check_size(self, size: QSize) -> None:
         """Raise InputError if a picture of this size cannot be drawn."""
-        check_size(self._canvas.viewport, size)
+        check_picture_size(self._canvas.viewport, size)
 
-    def taken(self, wish: Wish) -> QImage:
+    def picture(self, settings: PictureSettings) -> QImage:
         """Picture; raises InputError if too large to be drawn."""
         view = self._canvas.viewport
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
-            image = scene_picture(view, wish.size, wish.transparent)
+            image = scene_picture(view, settings.size, settings.transparent)
         finally:
             QGuiApplication.restoreOverrideCursor()
-        scale = grown(view.size(), wish.size)
+        scale = picture_scale(view.size(), settings.size)
         with QPainter(image) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             # The view is centred in the picture.
-            painter.translate(QPointF(wish.size.width(), wish.size.height()) / 2)
+            painter.translate(QPointF(settings.size.width(), settings.size.height()) / 2)
             painter.scale(scale, scale)
             painter.save()
             painter.translate(-QPointF(view.width(), view.height()) / 2)
             self._looks.ground.paint(painter)
-            if wish.gizmo:
-                self._canvas.pivots.paint(painter)
+            if settings.gizmo:
+                self._canvas.inactive_handles.paint(painter)
                 for gizmo in self._gizmos:
                     gizmo.paint(painter)
             painter.restore()
-            if wish.legend and self.has_legend:
-                painter.translate(-QPointF(wish.size.width(), -wish.size.height()) / (2 * scale))
+            if settings.legend and self.has_legend:
+                painter.translate(-QPointF(settings.size.width(), -settings.size.height()) / (2 * scale))
                 self._draw_legend(painter)
         return image
 
     def _draw_legend(self, painter: QPainter) -> None:
         """Draw a card above the painter's lower left corner."""
-        heat, theme = self._looks.heat, DARK if self._canvas.viewport.dark else LIGHT
+        heat, theme = self._looks.overlay, DARK if self._canvas.viewport.is_dark else LIGHT
         card = QRectF(_MARGIN, -_MARGIN - HEIGHT, WIDTH, HEIGHT)
         painter.setPen(QPen(QColor(theme.line), 1.0))
         painter.setBrush(QColor(theme.raised))

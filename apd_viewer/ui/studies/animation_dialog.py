@@ -12,12 +12,12 @@ from apd_viewer.files.animations.animation_files import check_animation
 from apd_viewer.language import tr
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
-from apd_viewer.ui.filing.file_dialogs import ask_where
+from apd_viewer.ui.filing.file_dialogs import ask_where_to_save
 from apd_viewer.ui.studies.animation_formats import format_choice
 from apd_viewer.ui.studies.run_bar import RunBar
-from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
-from apd_viewer.ui.widgets.fields import Choice
-from apd_viewer.ui.widgets.names import in_title
+from apd_viewer.ui.studies.run_dialog import RunDialog, count_field, widget_row
+from apd_viewer.ui.widgets.display_names import window_title_text
+from apd_viewer.ui.widgets.fields import ComboBox
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _STEPS = 24
 
 
-class AnimationDialog(StudyDialog):
+class AnimationDialog(RunDialog):
     """Solves a motion in steps by the method of the session, and writes the shapes.
 
     Parameters
@@ -41,7 +41,7 @@ class AnimationDialog(StudyDialog):
         What can be exported, with its title; at least one.
     view : View
         How a film looks at the mesh.
-    memory : Preferences
+    preferences : Preferences
     """
 
     def __init__(
@@ -50,16 +50,16 @@ class AnimationDialog(StudyDialog):
         state: State,
         motions: Sequence[tuple[str, Document]],
         view: View,
-        memory: Preferences,
+        preferences: Preferences,
     ) -> None:
         mesh = state.document.mesh
-        run = RunBar(tr("Export…"), f"{mesh.stem}-animation", memory)
-        title = tr("Export animation – {name}").format(name=in_title(mesh.name))
+        run = RunBar(tr("Export…"), f"{mesh.stem}-animation", preferences)
+        title = tr("Export animation – {name}").format(name=window_title_text(mesh.name))
         super().__init__(window, title, run, "sweep.png", tr("Curves of area, volume and energy"))
-        self._state, self._view, self._memory = state, view, memory
+        self._state, self._view, self._memory = state, view, preferences
         self._path: Path | None = None
         self._before: tuple[int, int] | None = None
-        run.asked.connect(self.begin)
+        run.start_requested.connect(self.begin)
         run.ended.connect(self._tell)
         about = tr("Solves the motion in steps, and writes the shapes for other programs.")
         rows = (
@@ -70,19 +70,19 @@ class AnimationDialog(StudyDialog):
         self.lay_out(about, rows)
 
     def _make_motion(self, motions: Sequence[tuple[str, Document]]) -> QHBoxLayout:
-        self.motion = Choice()
+        self.motion = ComboBox()
         self.motion.setAccessibleName(tr("Motion to export"))
         for title, document in motions:
             self.motion.addItem(title, document)
-        return row_of(self.motion)
+        return widget_row(self.motion)
 
     def _make_steps(self) -> QHBoxLayout:
         self.steps = count_field(tr("Number of steps"), 1, MOST_STEPS, _STEPS)
-        return row_of(self.steps, QLabel(tr("shapes after the first")), spacing=8)
+        return widget_row(self.steps, QLabel(tr("shapes after the first")), spacing=8)
 
     def _make_format(self) -> QHBoxLayout:
         self.format = format_choice(".glb")
-        return row_of(self.format)
+        return widget_row(self.format)
 
     def begin(self) -> None:
         """Ask for the file, and start."""
@@ -91,7 +91,7 @@ class AnimationDialog(StudyDialog):
             sweep_of(document, steps, methods=[document.method])
             path = self._ask()
         except InputError as error:
-            self.run.fail(str(error))
+            self.run.show_failure(str(error))
             return
         if path is None:
             return
@@ -99,16 +99,16 @@ class AnimationDialog(StudyDialog):
 
         def prepared(scratch: Path, results: Path) -> list[str]:
             session = scratch / "animation.apd"
-            save_session(session, self._state.at(document), self._view)
+            save_session(session, self._state.updated(document), self._view)
             words = ["--steps", str(steps), "--methods", document.method, "--animation", str(path)]
             return ["sweep", str(session), *words, "-o", str(results)]
 
-        self.run.begin(prepared, beside=path.parent)
+        self.run.begin(prepared, other_folder=path.parent)
 
     def _ask(self) -> Path | None:
         """File to write to; None if cancelled; raises InputError."""
         name = f"{self._state.document.mesh.stem}-animation{self.format.currentData()}"
-        path = ask_where(self, tr("Export animation"), self._memory.folder / name)
+        path = ask_where_to_save(self, tr("Export animation"), self._memory.last_folder / name)
         if path is not None:
             check_animation(path)
         return path

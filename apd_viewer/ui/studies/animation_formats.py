@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
-from apd_viewer.ui.widgets.fields import Choice
+from apd_viewer.ui.widgets.fields import ComboBox
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-FORMATS: Mapping[str, str] = {
+ANIMATION_FORMATS: Mapping[str, str] = {
     ".glb": tr("glTF with morph targets (GLB)"),
     ".pc2": tr("Blender point cache (PC2)"),
     ".mdd": tr("Blender point cache (MDD)"),
@@ -19,11 +19,11 @@ FORMATS: Mapping[str, str] = {
 }
 
 
-def format_choice(first: str) -> Choice:
+def format_choice(first: str) -> ComboBox:
     """Choice of a format by its ending; ``first`` is chosen to begin with."""
-    choice = Choice()
+    choice = ComboBox()
     choice.setAccessibleName(tr("Format of the animation"))
-    for ending, title in FORMATS.items():
+    for ending, title in ANIMATION_FORMATS.items():
         choice.addItem(title, ending)
     choice.setCurrentIndex(choice.findData(first))
     return choice

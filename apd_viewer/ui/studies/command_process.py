@@ -39,7 +39,7 @@ class CommandProcess(QObject):
         The share that is done, and what is being done.
     reported : Signal(object)
         The same as a dict, with whatever else the command tells of its progress.
-    number : int
+    process_id : int
         Of the process started last, as the operating system counts them; 0 before.
     ended : Signal(str)
         What it said, when it has ended well.
@@ -56,14 +56,14 @@ class CommandProcess(QObject):
         super().__init__(parent)
         self._process: QProcess | None = None
         self._said: list[str] = []
-        self.number = 0
+        self.process_id = 0
 
     @property
     def running(self) -> bool:
         """True while a command runs."""
         return self._process is not None
 
-    def start(self, words: list[str], scratch: Path | None = None) -> None:
+    def start(self, arguments: list[str], scratch: Path | None = None) -> None:
         """Run the command of these words; one at a time.
 
         It keeps its temporary files in ``scratch``: killed it cannot remove them.
@@ -76,8 +76,8 @@ class CommandProcess(QObject):
         process.errorOccurred.connect(partial(self._stumble, process))
         if scratch is not None:
             process.setProcessEnvironment(_with_temporary_files_in(scratch))
-        process.start(sys.executable, ["-c", _START, str(len(sys.path)), *sys.path, *words])
-        self.number = process.processId()
+        process.start(sys.executable, ["-c", _START, str(len(sys.path)), *sys.path, *arguments])
+        self.process_id = process.processId()
 
     def cancel(self) -> None:
         """End the command at once; neither ``ended`` nor ``failed`` comes any more."""

@@ -4,37 +4,39 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.presentation.number_format import to_type
-from apd_viewer.session.quantities.clear_numbers import as_typed
-from apd_viewer.session.quantities.expressions import length
-from apd_viewer.ui.widgets.fields import Entry
+from apd_viewer.presentation.number_format import format_editable
+from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
+from apd_viewer.session.quantities.expressions import parse_length
+from apd_viewer.ui.widgets.fields import TextField
 
 if TYPE_CHECKING:
     from apd_viewer.session.quantities.units import Unit
 
 
-class LengthField(Entry):
+class LengthField(TextField):
     """Length as typed; an empty field stands for the usual one, or for none.
 
     Parameters
     ----------
-    name, tip, usual : str
+    name, tip, placeholder : str
         Its accessible name, its tip, and the words of an empty field.
     unit : Unit
         Of the mesh.
-    given : float or None
+    length : float or None
         At first, mesh units.
     """
 
-    def __init__(self, name: str, tip: str, usual: str, unit: Unit, given: float | None = None) -> None:
-        super().__init__(toolTip=tip, placeholderText=usual)
+    def __init__(
+        self, name: str, tip: str, placeholder: str, unit: Unit, length: float | None = None
+    ) -> None:
+        super().__init__(toolTip=tip, placeholderText=placeholder)
         self._unit = unit
         self.setAccessibleName(name)
         self.setMaximumWidth(110)
-        self.setText("" if given is None else to_type(given, 12))
+        self.setText("" if length is None else format_editable(length, 12))
 
     @property
     def value(self) -> float | None:
         """Length in mesh units, None where nothing was typed; raises InputError."""
         text = self.text()
-        return length(as_typed(text), self._unit, {}) if text.strip() else None
+        return parse_length(unambiguous_text(text), self._unit, {}) if text.strip() else None

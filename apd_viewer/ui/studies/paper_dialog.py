@@ -16,11 +16,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from apd_viewer.files.storage.reading import bytes_of
+from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import grouped, signed
+from apd_viewer.presentation.number_format import format_grouped, format_signed
 from apd_viewer.ui.studies.run_bar import RunBar
-from apd_viewer.ui.widgets.figure_list import FigureView
+from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class PaperDialog(QDialog):
     Parameters
     ----------
     window : QWidget
-    memory : Preferences
+    preferences : Preferences
 
     Attributes
     ----------
@@ -66,13 +66,15 @@ class PaperDialog(QDialog):
     figures : list of FigureView
     """
 
-    def __init__(self, window: QWidget, memory: Preferences) -> None:
+    def __init__(self, window: QWidget, preferences: Preferences) -> None:
         super().__init__(window, objectName="study")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("The paper's tables"))
-        self.run = RunBar(tr("Run"), "paper", memory)
-        self.run.asked.connect(lambda: self.run.begin(lambda _, results: ["paper", "-o", str(results)]))
-        self.run.busy.connect(self._make_room)
+        self.run = RunBar(tr("Run"), "paper", preferences)
+        self.run.start_requested.connect(
+            lambda: self.run.begin(lambda _, results: ["paper", "-o", str(results)])
+        )
+        self.run.busy_changed.connect(self._make_room)
         self.run.ended.connect(self._show)
         self.table: QGridLayout | None = None
         self.figures: list[FigureView] = []
@@ -91,7 +93,7 @@ class PaperDialog(QDialog):
             resize_on_screen(self, QSize(self.width(), needed))
 
     def _show(self, folder: Path, said: str) -> None:
-        lines = list(csv.DictReader(bytes_of(folder / "tables.csv").decode().splitlines()))
+        lines = list(csv.DictReader(read_bytes(folder / "tables.csv").decode().splitlines()))
         page = QWidget(objectName="page")
         column = QVBoxLayout(page, spacing=16)
         column.setContentsMargins(0, 0, 12, 0)
@@ -117,7 +119,7 @@ class PaperDialog(QDialog):
 
     def done(self, result: int) -> None:
         """Close the dialog, and end a run in progress."""
-        self.run.close_all()
+        self.run.discard_run()
         super().done(result)
 
 
@@ -154,7 +156,7 @@ def _table(lines: list[dict[str, str]]) -> QGridLayout:
             _percent(arap["said_area_error"], 2),
             _percent(paper["area_error"], 3),
             _percent(paper["said_area_error"], 3),
-            f"{grouped(float(paper['handle_drift']), 2)} cm",
+            f"{format_grouped(float(paper['handle_drift']), 2)} cm",
             tr("pass") if passes else tr("fail"),
         )
         for column, cell in enumerate(cells):
@@ -168,4 +170,4 @@ def _put(grid: QGridLayout, row: int, column: int, label: QLabel) -> None:
 
 
 def _percent(share: str, decimals: int) -> str:
-    return f"{signed(100 * float(share), decimals)} %"
+    return f"{format_signed(100 * float(share), decimals)} %"

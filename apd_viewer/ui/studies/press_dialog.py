@@ -11,26 +11,26 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
-from apd_viewer.geometry.contact.mesh_contact import thickness_of
+from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS
-from apd_viewer.geometry.pressing.plate_way import plate_way
-from apd_viewer.geometry.pressing.press_options import check_yield
-from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, material_of
+from apd_viewer.geometry.pressing.plate_travel import plate_travel
+from apd_viewer.geometry.pressing.press_options import check_yield_radius
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.targets import kept_percentages
-from apd_viewer.session.model.view import SUFFIX
-from apd_viewer.session.quantities.elastic_wall import metres
+from apd_viewer.session.model.view import SESSION_SUFFIX
+from apd_viewer.session.quantities.elastic_wall import metres_per_unit
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.studies.run_bar import RunBar
-from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
+from apd_viewer.ui.studies.run_dialog import RunDialog, count_field, widget_row
 from apd_viewer.ui.studies.wall_fields import WallFields
-from apd_viewer.ui.widgets.fields import Check, Choice, Number
-from apd_viewer.ui.widgets.names import in_title
+from apd_viewer.ui.widgets.display_names import window_title_text
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.material import Material
@@ -42,7 +42,7 @@ _AXES = "xyz"
 _PROPOSED_STIFFNESS = 0.001
 
 
-class PressDialog(StudyDialog):
+class PressDialog(RunDialog):
     """Presses the mesh as it was when the dialog opened.
 
     Parameters
@@ -51,17 +51,17 @@ class PressDialog(StudyDialog):
     state : State
     view : View
         With the unit of lengths, as the user reads and types them.
-    memory : Preferences
+    preferences : Preferences
     """
 
-    def __init__(self, window: QWidget, state: State, view: View, memory: Preferences) -> None:
+    def __init__(self, window: QWidget, state: State, view: View, preferences: Preferences) -> None:
         document, unit = state.document, Unit(view.unit)
         mesh = document.mesh
         self._pressed = f"pressed{suffix_for(mesh)}"
-        run = RunBar(tr("Press"), f"{mesh.stem}-press", memory, self._pressed)
-        title = tr("Press between plates – {name}").format(name=in_title(mesh.name))
+        run = RunBar(tr("Press"), f"{mesh.stem}-press", preferences, self._pressed)
+        title = tr("Press between plates – {name}").format(name=window_title_text(mesh.name))
         super().__init__(window, title, run, "press.png", tr("Curves of load and volume"))
-        run.asked.connect(self.begin)
+        run.start_requested.connect(self.begin)
         self._state, self._view, self._document, self._unit = state, view, document, unit
         self._points = mesh.V[np.unique(mesh.F)]
         self._extents = np.ptp(self._points, axis=0)
@@ -70,7 +70,7 @@ class PressDialog(StudyDialog):
             "load and volume."
         )
         self._cells = memo.cell_stiffness(mesh.V, mesh.joined_F)
-        usual = thickness_of(diagonal(self._points), None)
+        usual = contact_thickness(diagonal(self._points), None)
         self.wall = WallFields(self, unit, usual, document.thickness)
         rows = (
             (tr("Direction"), self._make_direction()),
@@ -81,44 +81,44 @@ class PressDialog(StudyDialog):
             *self.wall.rows,
             (tr("Begin with"), self._make_start()),
         )
-        self.wall.when_changed(self._show_stiffness)
+        self.wall.on_change(self._show_stiffness)
         self.lay_out(about, rows)
         self.wall.material.currentIndexChanged.connect(lambda _: self._fit(self.width()))
 
     def _make_direction(self) -> QHBoxLayout:
-        self.direction = Choice(accessibleName=tr("Direction to press in"))
+        self.direction = ComboBox(accessibleName=tr("Direction to press in"))
         for axis, extent in zip(_AXES, self._extents, strict=True):
             self.direction.addItem(f"{axis.upper()} ({self._written(extent)})", axis)
         self.direction.currentIndexChanged.connect(self._show_distance)
-        return row_of(self.direction)
+        return widget_row(self.direction)
 
     def _make_end(self) -> QHBoxLayout:
         self.to = count_field(tr("Distance of the plates in the end"), 1, 99, 50, " %")
         self.to.valueChanged.connect(self._show_distance)
         self.distance = QLabel()
         self._show_distance()
-        return row_of(self.to, self.distance, spacing=8)
+        return widget_row(self.to, self.distance, spacing=8)
 
     def _make_steps(self) -> QHBoxLayout:
         self.steps = count_field(tr("Number of steps"), 1, MOST_STEPS, DEFAULT_STEPS)
         self.iterations = count_field(tr("Iterations per step"), 1, 100_000, DEFAULT_ITERATIONS)
         words = tr("with at most"), tr("iterations each")
         first, second = map(QLabel, words)
-        return row_of(self.steps, first, self.iterations, second, spacing=8)
+        return widget_row(self.steps, first, self.iterations, second, spacing=8)
 
     def _make_method(self) -> QHBoxLayout:
-        own = self._document.method if self._document.traits.may_touch else DEFAULT_METHOD
-        self.method = Choice(accessibleName=tr("Method"))
+        own = self._document.method if self._document.method_traits.may_use_contact else DEFAULT_METHOD
+        self.method = ComboBox(accessibleName=tr("Method"))
         for name, method in METHODS.items():
-            if method.may_touch:
+            if method.may_use_contact:
                 self.method.addItem(method.title, name)
         self.method.setCurrentIndex(self.method.findData(own))
-        return row_of(self.method)
+        return widget_row(self.method)
 
     def _make_stiffness(self) -> QHBoxLayout:
         own = self._document.stiffness
         value = own or _PROPOSED_STIFFNESS
-        self.stiffness = Number(
+        self.stiffness = NumberField(
             brief=True, accessibleName=tr("Stiffness"), minimum=0.0, maximum=1.0, decimals=5, value=value
         )
         self.stiffness.setFixedWidth(72)
@@ -126,19 +126,19 @@ class PressDialog(StudyDialog):
         self.stiffness.valueChanged.connect(self._show_stiffness)
         self.method.currentIndexChanged.connect(self._show_stiffness)
         self._show_stiffness()
-        return row_of(self.stiffness, self.hint, spacing=8)
+        return widget_row(self.stiffness, self.hint, spacing=8)
 
     def _show_stiffness(self) -> None:
         """Say the expected excess of loads and the wall's own stiffness."""
         material = self._material
-        said = [obstacle_readings.excess(load_excess(material, self._cells))]
+        said = [obstacle_readings.excess_phrase(load_excess(material, self._cells))]
         try:
             elastic = self.wall.elastic
         except InputError:
             elastic = None
-        metre = metres(self._unit)
+        metre = metres_per_unit(self._unit)
         if elastic is not None and metre is not None and material.bending > 0.0:
-            own = elastic.stiffness(self._state.inspection.area, metre, material.young)
+            own = elastic.model_stiffness(self._state.inspection.area, metre, material.young)
             said.append(tr("this wall has {own:.1g}").format(own=own))
         self.hint.setText("; ".join(said))
 
@@ -146,15 +146,17 @@ class PressDialog(StudyDialog):
     def _material(self) -> Material:
         """Material of the fields."""
         method, document = METHODS[self.method.currentData()], self._document
-        return material_of(method, self.stiffness.value(), document.area_stiffness, document.shear_stiffness)
+        return method_material(
+            method, self.stiffness.value(), document.area_stiffness, document.shear_stiffness
+        )
 
     def _make_start(self) -> QHBoxLayout:
-        self.from_current = Check(
+        self.from_current = CheckBox(
             tr("the current shape, which springs back first as far as it has no creases")
         )
         self.from_current.setToolTip(tr("Without, the mesh at rest is pressed"))
         self.from_current.setEnabled(not self._state.is_at_rest)
-        return row_of(self.from_current)
+        return widget_row(self.from_current)
 
     @property
     def _distance(self) -> float:
@@ -162,7 +164,7 @@ class PressDialog(StudyDialog):
         return float(self.to.value() / 100.0 * self._extents[self.direction.currentIndex()])
 
     def _written(self, distance: float) -> str:
-        return self._unit.length(number_format.length(distance, float(self._extents.max())))
+        return self._unit.format_length(number_format.format_length(distance, float(self._extents.max())))
 
     def _show_distance(self) -> None:
         words = tr("of the extent, with the plates {distance} apart")
@@ -172,11 +174,11 @@ class PressDialog(StudyDialog):
         """Start the press with the options chosen."""
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
-            check_yield(self.wall.radius.value, self.stiffness.value())
-            plate_way(self._points, axis, self._distance, self.wall.thickness.value)
+            check_yield_radius(self.wall.radius.value, self.stiffness.value())
+            plate_travel(self._points, axis, self._distance, self.wall.thickness.value)
             options = self._options | self._targets | self.wall.options
         except InputError as error:
-            self.run.fail(str(error))
+            self.run.show_failure(str(error))
             return
         flags = ["--release"] if self.wall.release.isChecked() else []
         from_current = self.from_current.isChecked()
@@ -184,7 +186,7 @@ class PressDialog(StudyDialog):
 
         def prepared(scratch: Path, results: Path) -> list[str]:
             rest = scratch / f"{mesh.stem}{suffix_for(mesh)}"
-            source = scratch / f"{mesh.stem}{SUFFIX}" if from_current else rest
+            source = scratch / f"{mesh.stem}{SESSION_SUFFIX}" if from_current else rest
             if from_current:
                 save_session(source, self._state, self._view, embed=True)
             else:

@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from apd_viewer.files.storage.atomic_folder import clear_after, filling, unused_folder
+from apd_viewer.files.storage.atomic_folder import filling_folder, remove_scratch_of, unused_folder
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.background_job import Job, JobOutcome
 from apd_viewer.ui.studies.command_process import CommandProcess
@@ -42,48 +42,48 @@ class RunBar(QWidget):
         On the button that starts.
     name : str
         Of the folder that the results are saved as.
-    memory : Preferences
+    preferences : Preferences
         Where files were opened and written last.
     mesh : str
         File name of the mesh among the results, if one can be opened in the window.
 
     Attributes
     ----------
-    asked : Signal()
+    start_requested : Signal()
         Whoever owns it then calls :meth:`begin`.
     ended : Signal(object, str)
         The folder of the results, and what the command said.
-    mesh_asked : Signal(object)
+    mesh_requested : Signal(object)
         The file of the saved mesh, which is to be opened.
-    busy : Signal(bool)
+    busy_changed : Signal(bool)
         Work has begun, or is over.
     command : CommandProcess
-    scratch : Path or None
+    scratch_folder : Path or None
         The temporary folder.
     """
 
-    asked = Signal()
+    start_requested = Signal()
     ended = Signal(object, str)
-    mesh_asked = Signal(object)
-    busy = Signal(bool)
+    mesh_requested = Signal(object)
+    busy_changed = Signal(bool)
     _delivered = Signal(object)
 
-    def __init__(self, start: str, name: str, memory: Preferences, mesh: str = "") -> None:
+    def __init__(self, start: str, name: str, preferences: Preferences, mesh: str = "") -> None:
         super().__init__()
         self._name, self._mesh = name, mesh
-        self._memory = memory
-        self.scratch: Path | None = None
+        self._memory = preferences
+        self.scratch_folder: Path | None = None
         self._beside: Path | None = None
         self._job: Job | None = None
         self._saved: Path | None = None
         self.command = CommandProcess(self)
         self.command.progressed.connect(self._show_progress)
         self.command.ended.connect(self._end)
-        self.command.failed.connect(self.fail)
+        self.command.failed.connect(self.show_failure)
         self._delivered.connect(self._receive, Qt.ConnectionType.QueuedConnection)
         application = QCoreApplication.instance()
         assert application is not None
-        application.aboutToQuit.connect(self.close_all)  # ended by a signal, it closes no dialog
+        application.aboutToQuit.connect(self.discard_run)  # ended by a signal, it closes no dialog
         self._lay_out(start)
         self._show_busy(False)
 
@@ -96,7 +96,7 @@ class RunBar(QWidget):
         self.open = QPushButton(tr("Open folder"), clicked=self._open)
         self.save = QPushButton(tr("Save…"), clicked=self._ask_where)
         self.cancel = QPushButton(tr("Cancel"), clicked=self.stop)
-        self.start = QPushButton(start, objectName="primary", clicked=lambda: self.asked.emit())
+        self.start = QPushButton(start, objectName="primary", clicked=lambda: self.start_requested.emit())
         self.start.setDefault(True)
         column = QVBoxLayout(self, spacing=8)
         column.setContentsMargins(0, 0, 0, 0)
@@ -115,31 +115,33 @@ class RunBar(QWidget):
         return self._job is not None or self.command.running
 
     @property
-    def results(self) -> Path:
+    def results_folder(self) -> Path:
         """Folder of the last command's results."""
-        assert self.scratch is not None
-        return self.scratch / "results"
+        assert self.scratch_folder is not None
+        return self.scratch_folder / "results"
 
-    def begin(self, words: Callable[[Path, Path], list[str]], beside: Path | None = None) -> None:
+    def begin(
+        self, make_arguments: Callable[[Path, Path], list[str]], other_folder: Path | None = None
+    ) -> None:
         """Run a command.
 
         Parameters
         ----------
-        words : callable
-            ``words(scratch, results)`` gives what to run, all but ``--progress-lines``: it is called on a
-            thread, and may write to the first folder what the command reads. The second is empty: there
+        make_arguments : callable
+            ``make_arguments(scratch, results)`` gives what to run, all but ``--progress-lines``: it is called
+            on a thread, and may write to the first folder what the command reads. The second is empty: there
             the command has to write its results.
-        beside : Path, optional
+        other_folder : Path, optional
             Another folder that it writes to.
         """
-        self.close_all()
-        self._saved, self._beside = None, beside
-        self.scratch = scratch = Path(tempfile.mkdtemp(prefix="apd-viewer-"))
-        results = self.results
+        self.discard_run()
+        self._saved, self._beside = None, other_folder
+        self.scratch_folder = scratch = Path(tempfile.mkdtemp(prefix="apd-viewer-"))
+        results = self.results_folder
 
         def work() -> list[str]:
             results.mkdir()
-            return [*words(scratch, results), "--progress-lines"]
+            return [*make_arguments(scratch, results), "--progress-lines"]
 
         start = partial(self.command.start, scratch=scratch)
         self._job = Job(tr("Preparing"), work, start, self._delivered.emit)
@@ -149,24 +151,24 @@ class RunBar(QWidget):
 
     def stop(self) -> None:
         """End the command in progress and delete its results."""
-        self.close_all()
+        self.discard_run()
         self.words.setText(tr("Cancelled; nothing was written."))
         self._show_busy(False)
 
-    def close_all(self) -> None:
+    def discard_run(self) -> None:
         """End the command in progress, and delete unsaved results."""
         if self._job is not None:
             job, self._job = self._job, None
             job.join()
         self.command.cancel()
-        if self.scratch is not None:
-            shutil.rmtree(self.scratch, ignore_errors=True)
-            self.scratch = None
+        if self.scratch_folder is not None:
+            shutil.rmtree(self.scratch_folder, ignore_errors=True)
+            self.scratch_folder = None
         if self._beside is not None:
-            clear_after(self.command.number, self._beside)
+            remove_scratch_of(self.command.process_id, self._beside)
             self._beside = None
 
-    def fail(self, sentence: str) -> None:
+    def show_failure(self, sentence: str) -> None:
         """Show the reason for having no result."""
         self.words.setText(sentence)
         self._show_busy(False)
@@ -176,9 +178,9 @@ class RunBar(QWidget):
             return
         self._job = None
         if outcome.failure is not None:
-            self.fail(outcome.failure)
+            self.show_failure(outcome.failure)
         else:
-            outcome.job.done(outcome.value)
+            outcome.job.on_done(outcome.value)
 
     def _show_progress(self, done: float, doing: str) -> None:
         self.bar.setMaximum(_SCALE)
@@ -188,10 +190,10 @@ class RunBar(QWidget):
     def _end(self, said: str) -> None:
         self.words.setText("")
         self._show_busy(False)
-        self.ended.emit(self.results, said)
+        self.ended.emit(self.results_folder, said)
 
     def _show_busy(self, on: bool) -> None:
-        there = not on and self.scratch is not None and any(self.results.glob("*"))
+        there = not on and self.scratch_folder is not None and any(self.results_folder.glob("*"))
         self.bar.setVisible(on)
         self.cancel.setVisible(on)
         self.start.setVisible(not on)
@@ -199,23 +201,23 @@ class RunBar(QWidget):
         saved = not on and self._saved is not None
         self.open.setVisible(saved)
         self.open_mesh.setVisible(saved and bool(self._mesh))
-        self.busy.emit(on)
+        self.busy_changed.emit(on)
 
     # Saving
 
     def _ask_where(self) -> None:
         folder = QFileDialog.getExistingDirectory(
-            self, tr("Choose a folder to save in"), str(self._memory.folder)
+            self, tr("Choose a folder to save in"), str(self._memory.last_folder)
         )
         if folder:
             self.save_in(Path(folder))
 
     def save_in(self, folder: Path) -> None:
         """Save the results as a new folder in ``folder``, in the background."""
-        results, target = self.results, unused_folder(folder, self._name)
+        results, target = self.results_folder, unused_folder(folder, self._name)
 
         def work() -> Path:
-            with filling(target) as scratch:
+            with filling_folder(target) as scratch:
                 shutil.copytree(results, scratch, dirs_exist_ok=True)
             return target
 
@@ -230,7 +232,7 @@ class RunBar(QWidget):
 
     def _ask_for_mesh(self) -> None:
         if self._saved is not None:
-            self.mesh_asked.emit(self._saved / self._mesh)
+            self.mesh_requested.emit(self._saved / self._mesh)
 
     def _open(self) -> None:
         if self._saved is not None:

@@ -9,19 +9,19 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.geometry.solver.methods import COMPARED, METHODS
+from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS
 from apd_viewer.language import tr
-from apd_viewer.session.posing.motion_step import MotionStep, motion_of
-from apd_viewer.session.posing.motion_text import parsed_motion
+from apd_viewer.session.posing.motion_step import MotionStep, motion_steps
+from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
 from apd_viewer.ui.studies.animation_formats import format_choice
 from apd_viewer.ui.studies.run_bar import RunBar
-from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
-from apd_viewer.ui.widgets.fields import Check, Choice
-from apd_viewer.ui.widgets.names import in_title
+from apd_viewer.ui.studies.run_dialog import RunDialog, count_field, widget_row
+from apd_viewer.ui.widgets.display_names import window_title_text
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _POSED, _TWIST = "posed", "twist"
 
 
-class SweepDialog(StudyDialog):
+class SweepDialog(RunDialog):
     """Sweeps the session as it was when the dialog opened.
 
     Parameters
@@ -42,15 +42,17 @@ class SweepDialog(StudyDialog):
         Which a twist turns.
     view : View
         How an animation looks at the mesh.
-    memory : Preferences
+    preferences : Preferences
     """
 
-    def __init__(self, window: QWidget, state: State, handle: int, view: View, memory: Preferences) -> None:
+    def __init__(
+        self, window: QWidget, state: State, handle: int, view: View, preferences: Preferences
+    ) -> None:
         mesh = state.document.mesh
-        run = RunBar(tr("Sweep"), f"{mesh.stem}-sweep", memory)
-        title = tr("Sweep – {name}").format(name=in_title(mesh.name))
+        run = RunBar(tr("Sweep"), f"{mesh.stem}-sweep", preferences)
+        title = tr("Sweep – {name}").format(name=window_title_text(mesh.name))
         super().__init__(window, title, run, "sweep.png", tr("Curves of area, volume and energy"))
-        run.asked.connect(self.begin)
+        run.start_requested.connect(self.begin)
         self._state, self._handle, self._view = state, handle, view
         about = tr("Runs the motion in steps, and plots area, volume and energy.")
         rows = (
@@ -64,25 +66,27 @@ class SweepDialog(StudyDialog):
     def _make_motion(self) -> QHBoxLayout:
         document = self._state.document
         name = document.handles[self._handle].name
-        self.motion = Choice()
+        self.motion = ComboBox()
         self.motion.setAccessibleName(tr("Motion to sweep"))
         pushed = self._pushed
-        if document.from_rest.posed or pushed:
+        if document.relative_to_rest.is_posed or pushed:
             words = tr("current motion of the handles and obstacles")
             self.motion.addItem(words if pushed else tr("current motion of the handles"), _POSED)
         self.motion.setMinimumWidth(260)
-        if not pushed or document.counts[HANDLE + self._handle]:
+        if not pushed or document.label_counts[HANDLE + self._handle]:
             self.motion.addItem(tr("twist of “{name}” by").format(name=name), _TWIST)
         self.twist = QLineEdit("180deg", objectName="typed", maximumWidth=100)
         self.twist.setAccessibleName(tr("Angle of the twist"))
         self.motion.currentIndexChanged.connect(self._show_motion)
         self._show_motion()
-        return row_of(self.motion, self.twist, spacing=8)
+        return widget_row(self.motion, self.twist, spacing=8)
 
     @property
     def _pushed(self) -> bool:
         """True if obstacles were moved that push."""
-        return self._state.keeps_apart and any(each.shift.any() for each in self._state.document.obstacles)
+        return self._state.is_contact_active and any(
+            each.shift.any() for each in self._state.document.obstacles
+        )
 
     def _show_motion(self) -> None:
         self.twist.setVisible(self.motion.currentData() == _TWIST)
@@ -93,25 +97,25 @@ class SweepDialog(StudyDialog):
         self.iterations = count_field(tr("Iterations per step"), 1, 100_000, DEFAULT_ITERATIONS)
         words = tr("end at"), tr("of the motion, with at most"), tr("iterations each")
         first, second, third = map(QLabel, words)
-        return row_of(self.steps, first, self.to, second, self.iterations, third, spacing=8)
+        return widget_row(self.steps, first, self.to, second, self.iterations, third, spacing=8)
 
     def _make_methods(self) -> QHBoxLayout:
         own = self._state.document.method
-        self.methods = {name: Check(METHODS[name].short_title) for name in COMPARED}
+        self.methods = {name: CheckBox(METHODS[name].short_title) for name in COMPARED_METHODS}
         for name, check in self.methods.items():
-            slow = METHODS[name].slow
-            may = METHODS[name].may_touch or not self._pushed
+            slow = METHODS[name].is_slow
+            may = METHODS[name].may_use_contact or not self._pushed
             check.setEnabled(may)
             check.setChecked(may and (not slow or own == name))
             check.setToolTip(tr("Takes several times as long as the others") if slow else "")
-        return row_of(*self.methods.values())
+        return widget_row(*self.methods.values())
 
     def _make_extras(self) -> QHBoxLayout:
-        self.meshes = Check(tr("the mesh of each step"))
-        self.animation, self.format = Check(tr("an animation:")), format_choice(".gif")
+        self.meshes = CheckBox(tr("the mesh of each step"))
+        self.animation, self.format = CheckBox(tr("an animation:")), format_choice(".gif")
         self.format.setEnabled(False)
         self.animation.toggled.connect(self.format.setEnabled)
-        return row_of(self.meshes, self.animation, self.format)
+        return widget_row(self.meshes, self.animation, self.format)
 
     def begin(self) -> None:
         """Start the sweep with the options chosen."""
@@ -121,12 +125,12 @@ class SweepDialog(StudyDialog):
         words: list[str] = []
         try:
             if self.motion.currentData() == _TWIST:
-                typed = parsed_motion(f"handle {self._handle + 1}: twist {self.twist.text()}")
-                motion = motion_of(document, typed, {}, Unit.NONE)
+                typed = parse_motion(f"handle {self._handle + 1}: twist {self.twist.text()}")
+                motion = motion_steps(document, typed, {}, Unit.NONE)
                 words = ["--handle", str(self._handle + 1), f"--twist={self.twist.text()}"]
             sweep_of(document, round(self.steps.value()), self.to.value() / 100.0, methods, motion=motion)
         except InputError as error:
-            self.run.fail(str(error))
+            self.run.show_failure(str(error))
             return
         words += ["--steps", str(round(self.steps.value())), "--to", repr(self.to.value() / 100.0)]
         words += ["--methods", ",".join(methods), "--iterations", str(round(self.iterations.value()))]

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.scene.surface import Hit
     from apd_viewer.ui.scene.viewport import Viewport
 
-SMALLEST, LARGEST, USUAL = 4.0, 200.0, 24.0
+SMALLEST_RADIUS, LARGEST_RADIUS, DEFAULT_RADIUS = 4.0, 200.0, 24.0
 
 
 class BrushSize(QObject):
@@ -32,7 +32,7 @@ class BrushSize(QObject):
     def __init__(self, viewport: Viewport) -> None:
         super().__init__(viewport)
         self._viewport = viewport
-        self._radius = USUAL
+        self._radius = DEFAULT_RADIUS
         self._length: float | None = None
 
     @property
@@ -42,7 +42,7 @@ class BrushSize(QObject):
 
     @radius.setter
     def radius(self, radius: float) -> None:
-        radius = float(np.clip(radius, SMALLEST, LARGEST))
+        radius = float(np.clip(radius, SMALLEST_RADIUS, LARGEST_RADIUS))
         if radius != self._radius or self._length is not None:
             self._radius, self._length = radius, None
             self._say()
@@ -69,18 +69,20 @@ class BrushSize(QObject):
         else:
             self.length = self._length * factor
 
-    def reach(self, hit: Hit) -> float:
+    def radius_on_mesh(self, hit: Hit) -> float:
         """Radius on the mesh, in its units, at a hit."""
         if self._length is not None:
             return self._length
-        return self._radius * self._viewport.look.eye.world_per_pixel(hit.point)
+        return self._radius * self._viewport.camera_controller.camera.world_per_pixel(hit.point)
 
-    def step(self, hit: Hit | None) -> float:
+    def dab_spacing(self, hit: Hit | None) -> float:
         """Largest spacing of dabs without a gap, in pixels."""
         if self._length is None or hit is None:
-            return max(self._radius / 2, SMALLEST)
-        return max(self._length / (2 * self._viewport.look.eye.world_per_pixel(hit.point)), 1.0)
+            return max(self._radius / 2, SMALLEST_RADIUS)
+        return max(
+            self._length / (2 * self._viewport.camera_controller.camera.world_per_pixel(hit.point)), 1.0
+        )
 
     def _say(self) -> None:
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
         self.changed.emit()

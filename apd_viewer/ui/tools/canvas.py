@@ -9,26 +9,26 @@ from PySide6.QtCore import QObject, QPointF, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QWidget
 
-from apd_viewer.geometry.picking.preview_surface import Sketch
+from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
 from apd_viewer.ui.scene.coloring import Coloring
 from apd_viewer.ui.scene.surface import Surface
-from apd_viewer.ui.scene.vertex_marks import Marks
+from apd_viewer.ui.scene.vertex_marks import VertexMarks
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.tools.brush import Painter
-from apd_viewer.ui.tools.click_tool import ClickSelector, Reach
+from apd_viewer.ui.tools.brush_tool import BrushTool
+from apd_viewer.ui.tools.click_tool import ClickExtent, ClickTool
 from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.tools.gizmo_drag import nice_step, translated
-from apd_viewer.ui.tools.inactive_handles import Pivot, Pivots, movable
+from apd_viewer.ui.tools.inactive_handles import HandlePivot, InactiveHandles, movable_pivots
 from apd_viewer.ui.tools.mesh_view import MeshView
-from apd_viewer.ui.tools.outline_tool import OutlineKind, OutlineSelector
+from apd_viewer.ui.tools.outline_tool import OutlineKind, OutlineTool
 from apd_viewer.ui.tools.point_picker import PointPicker
-from apd_viewer.ui.tools.selection_tool import Act, Selector
-from apd_viewer.ui.tools.slab_tool import SlabSelector
+from apd_viewer.ui.tools.selection_tool import SelectionTool, StrokeEffect
+from apd_viewer.ui.tools.slab_tool import SlabTool
 from apd_viewer.ui.tools.strokes import Strokes
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
@@ -65,9 +65,9 @@ class Canvas(QObject):
     handle_chosen : Signal(int)
         Another handle was pressed.
     coloring : Coloring
-    line : (2, 3) float array or None
+    bend_line : (2, 3) float array or None
         Two points on the line to bend about.
-    covered : callable
+    is_covered : callable
         Whether something else is in front of the surface at a position in the viewport.
     """
 
@@ -83,77 +83,83 @@ class Canvas(QObject):
         self.viewport = Viewport(parent)
         self.viewport.setAccessibleName(tr("3D view"))
         self.surface = Surface(self.viewport)
-        self.view = MeshView(self.viewport.look, self.surface)
+        self.view = MeshView(self.viewport.camera_controller, self.surface)
         self.strokes = Strokes(self)
-        self.painter = Painter(self.viewport, self.surface)
-        self.ways = self._make_ways()
+        self.brush = BrushTool(self.viewport, self.surface)
+        self.selectors = self._make_selectors()
         self.gizmo = Gizmo(self.viewport)
-        self.gizmo.grabs = self._grabs
-        self.pivots = Pivots(self.viewport, self.gizmo, self._handle_at)
-        self.marks = Marks(self.viewport, self.surface)
+        self.gizmo.may_grab = self._grabs
+        self.inactive_handles = InactiveHandles(self.viewport, self.gizmo, self._handle_at)
+        self.marks = VertexMarks(self.viewport, self.surface)
         self.coloring = Coloring(self.surface, self.marks)
         self.picker = PointPicker(self.viewport, self.surface)
-        self.viewport.tools[:] = [self.picker, self.gizmo, self.pivots, *self.ways.values(), self.marks]
-        self.tool, self.way = Tool.ORBIT, Way.BRUSH
+        self.viewport.tools[:] = [
+            self.picker,
+            self.gizmo,
+            self.inactive_handles,
+            *self.selectors.values(),
+            self.marks,
+        ]
+        self.tool, self.selection_mode = Tool.ORBIT, SelectionMode.BRUSH
         self._handle = self._region = 0
         self._document: Document | None = None
         self._sketched: np.ndarray | None = None
-        self.line: np.ndarray | None = None
-        self.covered: Callable[[QPointF], bool] = lambda _: False
+        self.bend_line: np.ndarray | None = None
+        self.is_covered: Callable[[QPointF], bool] = lambda _: False
         self._rests = False
         self._connect()
 
-    def _make_ways(self) -> dict[Way, Selector]:
+    def _make_selectors(self) -> dict[SelectionMode, SelectionTool]:
         stage = self.viewport, self.surface
         return {
-            Way.BRUSH: self.painter,
-            Way.BOX: OutlineSelector(*stage, OutlineKind.BOX),
-            Way.LASSO: OutlineSelector(*stage, OutlineKind.LASSO),
-            Way.POLYGON: OutlineSelector(*stage, OutlineKind.POLYGON),
-            Way.FILL: ClickSelector(*stage, Reach.CREASE),
-            Way.PIECE: ClickSelector(*stage, Reach.PIECE),
-            Way.LOOP: ClickSelector(*stage, Reach.LOOP),
-            Way.SLAB: SlabSelector(*stage),
+            SelectionMode.BRUSH: self.brush,
+            SelectionMode.BOX: OutlineTool(*stage, OutlineKind.BOX),
+            SelectionMode.LASSO: OutlineTool(*stage, OutlineKind.LASSO),
+            SelectionMode.POLYGON: OutlineTool(*stage, OutlineKind.POLYGON),
+            SelectionMode.FILL: ClickTool(*stage, ClickExtent.CREASE),
+            SelectionMode.PIECE: ClickTool(*stage, ClickExtent.COMPONENT),
+            SelectionMode.LOOP: ClickTool(*stage, ClickExtent.LOOP),
+            SelectionMode.SLAB: SlabTool(*stage),
         }
 
     def _connect(self) -> None:
-        for selector in self.ways.values():
-            self.strokes.follow(selector)
+        for selector in self.selectors.values():
+            self.strokes.connect_tool(selector)
             selector.stroke_cancelled.connect(self.gesture_cancelled)
-            selector.previewed.connect(self.preview)
+            selector.previewed.connect(self.preview_selection)
         self.gizmo.began.connect(self.drag_began)
         self.gizmo.moved.connect(self.handle_moved)
         self.gizmo.ended.connect(self.drag_ended)
         self.gizmo.ended.connect(self._show_tool)
         self.gizmo.cancelled.connect(self.gesture_cancelled)
-        self.pivots.chosen.connect(self.handle_chosen)
+        self.inactive_handles.chosen.connect(self.handle_chosen)
 
-    def take(self, tool: Tool) -> None:
+    def choose_tool(self, tool: Tool) -> None:
         """Use ``tool``."""
         self.tool = tool
         self._put_into_hand()
 
-    def choose_way(self, way: Way) -> None:
+    def choose_mode(self, mode: SelectionMode) -> None:
         """Choose vertices in another way."""
-        self.way = way
+        self.selection_mode = mode
         self._put_into_hand()
 
-    def select_through(self, on: bool) -> None:
+    def set_selects_hidden(self, on: bool) -> None:
         """Select hidden vertices too, or only visible ones."""
-        for selector in self.ways.values():
-            if isinstance(selector, OutlineSelector):
-                selector.through = on
+        for selector in self.selectors.values():
+            if isinstance(selector, OutlineTool):
+                selector.selects_hidden = on
 
     def _put_into_hand(self) -> None:
         self._prepare_strokes()
-        for way, selector in self.ways.items():
-            selector.enabled = self.tool.words.is_brush and way is self.way
+        for way, selector in self.selectors.items():
+            selector.enabled = self.tool.words.is_brush and way is self.selection_mode
         self._show_tool()
 
     def _prepare_strokes(self) -> None:
         self.strokes.prepare(self.tool, self._handle, self._region, self._document)
 
-    def choose(self, handle: int, region: int) -> None:
+    def set_active_parts(self, handle: int, region: int) -> None:
         """Work on another handle and region, by their numbers."""
         if handle != self._handle:
             self.gizmo.cancel()
@@ -162,12 +168,12 @@ class Canvas(QObject):
         self._show_tool()
 
     @property
-    def handle_rests(self) -> bool:
+    def is_handle_inactive(self) -> bool:
         """True while something else is in the hand: all handles are dots."""
         return self._rests
 
-    @handle_rests.setter
-    def handle_rests(self, on: bool) -> None:
+    @is_handle_inactive.setter
+    def is_handle_inactive(self, on: bool) -> None:
         if on != self._rests:
             self._rests = on
             self._show_tool()
@@ -176,13 +182,13 @@ class Canvas(QObject):
         """Recolour the background."""
         self.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
 
-    def sketch(self, mesh: Mesh, labels: np.ndarray) -> None:
+    def show_opening_mesh(self, mesh: Mesh, labels: np.ndarray) -> None:
         """Draw a mesh still being opened, not yet editable."""
         self._sketched = mesh.V
-        self.surface.set_mesh(Sketch(mesh.F), mesh.V, label_colors(labels))
+        self.surface.set_mesh(PreviewSurface(mesh.F), mesh.V, label_colors(labels))
         handle = mesh.V[labels == HANDLE]
-        self.viewport.look.stand(self._up_axes.of(mesh))
-        self.view.frame(handle.mean(axis=0) if len(handle) else None)
+        self.viewport.camera_controller.set_up_axis(self._up_axes.up_axis_of(mesh))
+        self.view.frame_mesh(handle.mean(axis=0) if len(handle) else None)
 
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
         """Show the differences between two states, and the active parts."""
@@ -204,28 +210,28 @@ class Canvas(QObject):
 
     def _show_mesh(self, state: State) -> None:
         self.viewport.mouse.cancel()
-        self.surface.set_mesh(state.skin, state.frame.U, self.coloring.begin(state.document))
+        self.surface.set_mesh(state.surface_index, state.frame.U, self.coloring.begin_mesh(state.document))
 
     def _show_whole(self, document: Document) -> None:
-        self.painter.size.length = self.line = None  # they were of another mesh
-        self.picker.shown = np.empty((0, 3))
+        self.brush.size.length = self.bend_line = None  # they were of another mesh
+        self.picker.marked_points = np.empty((0, 3))
         sketched, self._sketched = self._sketched, None
         if sketched is None or not np.array_equal(sketched, document.mesh.V):
             # Otherwise it has, and may have been turned since.
-            self.viewport.look.stand(self._up_axes.of(document.mesh))
+            self.viewport.camera_controller.set_up_axis(self._up_axes.up_axis_of(document.mesh))
             self.frame_mesh()
 
-    def preview(self, ids: np.ndarray | None) -> None:
+    def preview_selection(self, ids: np.ndarray | None) -> None:
         """Tint the vertices of a possible selection."""
-        erases = self.ways[self.way].act is Act.REMOVE
+        erases = self.selectors[self.selection_mode].effect is StrokeEffect.REMOVE
         if ids is not None:
-            ids = self.strokes.within_reach(ids, erases or self.tool is Tool.ERASE)
-        paint = self.painter.color
+            ids = self.strokes.changeable_vertices(ids, erases or self.tool is Tool.ERASE)
+        paint = self.brush.color
         self.coloring.preview(ids, FREE_COLOR if erases else (paint.red(), paint.green(), paint.blue()))
 
-    def nudged(self, step: tuple[int, int, int]) -> np.ndarray | None:
+    def nudged_pose(self, step: tuple[int, int, int]) -> np.ndarray | None:
         """Pose of the active handle after a small step: right, up, to the viewer."""
-        active, eye = _active(self._pivots, self._handle), self.viewport.look.eye
+        active, eye = _active(self._pivots, self._handle), self.viewport.camera_controller.camera
         if active is None:
             return None
         length = nice_step(_NUDGE * eye.world_per_pixel(active.centre))
@@ -234,33 +240,33 @@ class Canvas(QObject):
     def frame_mesh(self) -> None:
         """Show the whole mesh, and all of the gizmo."""
         active = _active(self._pivots, self._handle)
-        self.view.frame(None if active is None else active.centre)
+        self.view.frame_mesh(None if active is None else active.centre)
 
     def look_along(self, axis: str) -> None:
         """Show the whole mesh from 'front', 'side' or 'top', '-' for the opposite."""
-        self.viewport.look.along(axis)
+        self.viewport.camera_controller.look_along(axis)
         self.frame_mesh()
 
-    def stand(self, axis: UpAxis) -> None:
+    def set_up_axis(self, axis: UpAxis) -> None:
         """Show the mesh with another axis up, and remember it."""
         if self._document is not None:
             self._up_axes.choose(self._document.mesh, axis)
-        self.viewport.look.stand(axis)
+        self.viewport.camera_controller.set_up_axis(axis)
         self.frame_mesh()
 
     @property
-    def _pivots(self) -> tuple[Pivot, ...]:
-        return () if self._document is None else movable(self._document)
+    def _pivots(self) -> tuple[HandlePivot, ...]:
+        return () if self._document is None else movable_pivots(self._document)
 
     def _show_tool(self) -> None:
         # While it paints nobody sees where the handles are, and every event moves their centres.
         pivots = self._pivots if self.tool is Tool.MOVE else ()
         active = None if self._rests else _active(pivots, self._handle)
         if active is not None:
-            self.gizmo.place(active.pose, active.gripped)
+            self.gizmo.place(active.pose, active.unposed_position)
         if (active is not None) != self.gizmo.visible:
             self.gizmo.visible = active is not None
-        self.pivots.place([pivot for pivot in pivots if pivot is not active])
+        self.inactive_handles.set_pivots([pivot for pivot in pivots if pivot is not active])
         colors = {
             Tool.BASE: BASE_COLOR,
             Tool.HANDLE: handle_color(self._handle),
@@ -268,7 +274,7 @@ class Canvas(QObject):
             Tool.ERASE: FREE_COLOR,
         }
         if self.tool in colors:
-            for selector in self.ways.values():
+            for selector in self.selectors.values():
                 selector.color = QColor(*colors[self.tool])
 
     def _grabs(self, position: QPointF) -> bool:
@@ -277,12 +283,17 @@ class Canvas(QObject):
     def _handle_at(self, position: QPointF) -> int | None:
         """Number of the handle painted at a position in the viewport."""
         hit = self.surface.hit(position)
-        if hit is None or self._document is None or self.surface.skin is None or self.covered(position):
+        if (
+            hit is None
+            or self._document is None
+            or self.surface.surface_index is None
+            or self.is_covered(position)
+        ):
             return None
-        label = int(self._document.labels[self.surface.skin.F[hit.face]].max())
+        label = int(self._document.labels[self.surface.surface_index.F[hit.face]].max())
         return label - HANDLE if label >= HANDLE else None
 
 
-def _active(pivots: tuple[Pivot, ...], handle: int) -> Pivot | None:
+def _active(pivots: tuple[HandlePivot, ...], handle: int) -> HandlePivot | None:
     """The pivot of the handle with a number, if it can be moved."""
     return next((pivot for pivot in pivots if pivot.number == handle), None)

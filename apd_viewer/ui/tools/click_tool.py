@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtCore import QPointF, Qt, Signal
 
-from apd_viewer.ui.tools.selection_tool import Selector, act_of, begins
+from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
 
-    from apd_viewer.geometry.picking.surface_index import Skin
+    from apd_viewer.geometry.picking.surface_index import SurfaceIndex
     from apd_viewer.ui.scene.surface import Hit, Surface
     from apd_viewer.ui.scene.viewport import Viewport
 
@@ -22,33 +22,33 @@ _SHARPEST, _FLATTEST = 180.0, 1.0
 _NONE = np.empty(0, dtype=np.int64)
 
 
-class Reach(Enum):
+class ClickExtent(Enum):
     """Extent of a selection by one click."""
 
     CREASE = "crease"
-    PIECE = "piece"
+    COMPONENT = "piece"
     LOOP = "loop"
 
 
-class ClickSelector(Selector):
+class ClickTool(SelectionTool):
     """Tool to select connected vertices at the cursor, with a preview.
 
     Attributes
     ----------
-    crease : float
+    crease_angle : float
         Where a fill stops, in degrees between the normals of two neighbours; the wheel changes it.
-    crease_changed : Signal(float)
-    missed : Signal()
+    crease_angle_changed : Signal(float)
+    nothing_found : Signal()
         There is nothing of the kind that was clicked for.
     """
 
-    crease_changed = Signal(float)
-    missed = Signal()
+    crease_angle_changed = Signal(float)
+    nothing_found = Signal()
 
-    def __init__(self, viewport: Viewport, surface: Surface, reach: Reach) -> None:
+    def __init__(self, viewport: Viewport, surface: Surface, extent: ClickExtent) -> None:
         super().__init__(viewport, surface)
-        self._reach = reach
-        self.crease = 30.0
+        self._reach = extent
+        self.crease_angle = 30.0
         self._cursor: QPointF | None = None
         self._hit: Hit | None = None
         self._seen: tuple[object, ...] = ()  # what the hit depends on
@@ -57,7 +57,7 @@ class ClickSelector(Selector):
 
     def press(self, event: QMouseEvent) -> bool:
         """Select the previewed vertices."""
-        if not self._enabled or not begins(event):
+        if not self._enabled or not may_begin_stroke(event):
             return False
         self._look(event)
         self._pressed = self._hit is not None
@@ -80,9 +80,9 @@ class ClickSelector(Selector):
         self._look(event)
         vertices = self._under()
         if len(vertices):
-            self._apply(self.act, vertices)
+            self._apply(self.effect, vertices)
         elif self._hit is not None:
-            self.missed.emit()
+            self.nothing_found.emit()
 
     def cancel(self) -> bool:
         """Cancel a press; True if there was one."""
@@ -95,12 +95,14 @@ class ClickSelector(Selector):
 
     def wheel(self, event: QWheelEvent) -> bool:
         """Change the crease."""
-        other = self._reach is not Reach.CREASE or not self._enabled
+        other = self._reach is not ClickExtent.CREASE or not self._enabled
         if other or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return False
         notches = (event.angleDelta().y() or event.angleDelta().x()) / 120
-        self.crease = float(np.clip(self.crease + _CREASE_PER_NOTCH * notches, _FLATTEST, _SHARPEST))
-        self.crease_changed.emit(self.crease)
+        self.crease_angle = float(
+            np.clip(self.crease_angle + _CREASE_PER_NOTCH * notches, _FLATTEST, _SHARPEST)
+        )
+        self.crease_angle_changed.emit(self.crease_angle)
         self._show()
         return True
 
@@ -116,7 +118,7 @@ class ClickSelector(Selector):
             self._pick()
 
     def _look(self, event: QMouseEvent) -> None:
-        self._cursor, self.act = event.position(), act_of(event)
+        self._cursor, self.effect = event.position(), stroke_effect(event)
         self._pick()
 
     def _pick(self) -> None:
@@ -129,15 +131,15 @@ class ClickSelector(Selector):
 
     def _under(self) -> np.ndarray:
         """Vertices connected to the place under the cursor."""
-        skin = self._surface.touchable
+        skin = self._surface.picking_index
         if skin is None or self._hit is None:
             return _NONE
-        key = self._hit.face, self.crease, self._surface.revision
+        key = self._hit.face, self.crease_angle, self._surface.revision
         if self._known[0] != key:
             self._known = key, self._found(skin, self._hit.face)
         return self._known[1]
 
-    def _found(self, skin: Skin, face: int) -> np.ndarray:
-        if self._reach is Reach.CREASE:
-            return skin.up_to_creases(self._surface.U, face, np.deg2rad(self.crease))
-        return skin.piece(face) if self._reach is Reach.PIECE else skin.border_loop(face)
+    def _found(self, skin: SurfaceIndex, face: int) -> np.ndarray:
+        if self._reach is ClickExtent.CREASE:
+            return skin.vertices_up_to_creases(self._surface.U, face, np.deg2rad(self.crease_angle))
+        return skin.component(face) if self._reach is ClickExtent.COMPONENT else skin.border_loop(face)

@@ -9,9 +9,9 @@ from PySide6.QtCore import QObject, Qt, Signal
 
 from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.navigation import DEAD_ZONE
-from apd_viewer.ui.tools.gizmo_drag import Drag, begin
-from apd_viewer.ui.tools.gizmo_drawing import Appearance, draw, draw_hint
-from apd_viewer.ui.tools.gizmo_layout import ALL, Along, GizmoFrame
+from apd_viewer.ui.tools.gizmo_drag import GizmoDrag, begin_drag
+from apd_viewer.ui.tools.gizmo_drawing import GizmoAppearance, draw_gizmo, draw_hint
+from apd_viewer.ui.tools.gizmo_layout import ALL_HANDLES, GizmoFrame, GizmoOrientation
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,8 +26,8 @@ class Gizmo(MouseTool, QObject):
     """Tool to edit a rigid pose.
 
     Drag an arrow, a square between two arrows, a ring, or the dot in the middle, which moves in the
-    plane of the picture, as does what :attr:`grabs` says; the square out at the corner scales. Ctrl snaps to
-    15 degrees, to round lengths or to tenths, Esc goes back.
+    plane of the picture, as does what :attr:`may_grab` says; the square out at the corner scales. Ctrl
+    snaps to 15 degrees, to round lengths or to tenths, Esc goes back.
 
     Parameters
     ----------
@@ -39,13 +39,13 @@ class Gizmo(MouseTool, QObject):
         A click that moves nothing emits none of them.
     moved : Signal(object)
         The new (4, 4) pose, while the drag goes on; once more the old one when it is cancelled.
-    along : Along
+    orientation : GizmoOrientation
         What its axes are.
-    grabs : callable or None
+    may_grab : callable or None
         Whether a press at a position beside the gizmo takes the handle too.
-    offered : frozenset of str
+    offered_handles : frozenset of str
         Handles of its own that it has.
-    hint : Signal(str)
+    hint_changed : Signal(str)
         What the drag does, such as "+32.5°"; empty when it is over.
     """
 
@@ -53,7 +53,7 @@ class Gizmo(MouseTool, QObject):
     moved = Signal(object)
     ended = Signal()
     cancelled = Signal()
-    hint = Signal(str)
+    hint_changed = Signal(str)
 
     def __init__(self, viewport: Viewport) -> None:
         super().__init__(viewport)
@@ -61,11 +61,11 @@ class Gizmo(MouseTool, QObject):
         self._pose: np.ndarray = np.eye(4)
         self._pivot: np.ndarray = np.zeros(3)
         self._visible = False
-        self._along = Along.WORLD
-        self.grabs: Callable[[QPointF], bool] | None = None
-        self.offered = ALL
+        self._along = GizmoOrientation.WORLD
+        self.may_grab: Callable[[QPointF], bool] | None = None
+        self.offered_handles = ALL_HANDLES
         self._hot: str | None = None
-        self._drag: Drag | None = None
+        self._drag: GizmoDrag | None = None
         self._moving = False  # the drag has left the dead zone
 
     @property
@@ -84,17 +84,17 @@ class Gizmo(MouseTool, QObject):
             self.cancel()
             self._hot = None
         self._visible = on
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
 
     @property
-    def along(self) -> Along:
+    def orientation(self) -> GizmoOrientation:
         """Choice of the axes."""
         return self._along
 
-    @along.setter
-    def along(self, along: Along) -> None:
+    @orientation.setter
+    def orientation(self, along: GizmoOrientation) -> None:
         self._along = along
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
 
     def place(self, pose: np.ndarray, pivot: np.ndarray) -> None:
         """Place the gizmo at ``pose`` applied to ``pivot``; ignored during a drag.
@@ -107,35 +107,35 @@ class Gizmo(MouseTool, QObject):
         """
         if self._drag is None:
             self._pose, self._pivot = np.array(pose, dtype=float), np.array(pivot, dtype=float)
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()
 
     @property
     def frame(self) -> GizmoFrame:
         """The gizmo as the camera sees it now."""
-        eye, A = self._viewport.look.eye, self._pose[:3, :3]
+        eye, A = self._viewport.camera_controller.camera, self._pose[:3, :3]
         centre, axes = A @ self._pivot + self._pose[:3, 3], np.eye(3)
-        if self._along is Along.HANDLE:
+        if self._along is GizmoOrientation.HANDLE:
             axes = (A / np.linalg.norm(A, axis=0)).T.copy()
-        elif self._along is Along.VIEW:
+        elif self._along is GizmoOrientation.VIEW:
             axes = eye.axes * [[1.0], [1.0], [-1.0]]
-        return GizmoFrame(eye, centre, axes, self.offered)
+        return GizmoFrame(eye, centre, axes, self.offered_handles)
 
     def press(self, event: QMouseEvent) -> bool:
         """Take the handle under the cursor."""
         handle = self._handle_at(event)
         if handle is None or event.button() != Qt.MouseButton.LeftButton:
             return False
-        self.take(event.position(), handle)
+        self.begin_drag(event.position(), handle)
         return True
 
-    def take(self, position: QPointF, handle: str = "centre") -> None:
+    def begin_drag(self, position: QPointF, handle: str = "centre") -> None:
         """Begin a drag of one of its handles at a position in the viewport."""
-        drag = begin(handle, self.frame, self._pose, position.x(), position.y())
+        drag = begin_drag(handle, self.frame, self._pose, position.x(), position.y())
         self._drag, self._moving = drag, False
         self._show(handle, Qt.CursorShape.ClosedHandCursor)
 
     @property
-    def dragged(self) -> bool:
+    def is_dragged(self) -> bool:
         """True during a drag."""
         return self._drag is not None
 
@@ -152,7 +152,7 @@ class Gizmo(MouseTool, QObject):
             self._moving = True
             self.began.emit()
         snap = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
-        self._drag = self._drag.to(self._viewport.look.eye, p.x(), p.y(), snap)
+        self._drag = self._drag.moved_to(self._viewport.camera_controller.camera, p.x(), p.y(), snap)
         self._emit(self._drag.pose, self._drag.text)
         return True
 
@@ -172,7 +172,7 @@ class Gizmo(MouseTool, QObject):
         """Go back to the pose before the drag; True if there was a drag."""
         if self._drag is None:
             return False
-        pose = self._drag.pose0
+        pose = self._drag.start_pose
         self._finish()
         if self._moving:
             self._emit(pose, "")
@@ -183,7 +183,7 @@ class Gizmo(MouseTool, QObject):
         """Draw on the overlay."""
         if not self._visible:
             return
-        draw(painter, self.frame, Appearance(self._viewport.dark, self._hot, self._drag))
+        draw_gizmo(painter, self.frame, GizmoAppearance(self._viewport.is_dark, self._hot, self._drag))
         if self._drag is not None and self._drag.text:
             draw_hint(painter, self._drag, (self._viewport.width(), self._viewport.height()))
 
@@ -192,23 +192,23 @@ class Gizmo(MouseTool, QObject):
         if not self._visible:
             return None
         taken = self.frame.handle_at(p.x(), p.y())
-        return taken or ("centre" if self.grabs is not None and self.grabs(p) else None)
+        return taken or ("centre" if self.may_grab is not None and self.may_grab(p) else None)
 
     def _show(self, handle: str | None, cursor: Qt.CursorShape | None = None) -> None:
         if handle is not None and cursor is not None:
             self._viewport.setCursor(cursor)
         if handle != self._hot:
             self._hot = handle
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()
 
     def _finish(self) -> None:
         self._drag = None
         self._viewport.unsetCursor()
-        self._viewport.overlay.update()
-        self.hint.emit("")
+        self._viewport.tool_layer.update()
+        self.hint_changed.emit("")
 
     def _emit(self, pose: np.ndarray, text: str) -> None:
         self._pose = pose
-        self._viewport.overlay.update()
-        self.hint.emit(text)
+        self._viewport.tool_layer.update()
+        self.hint_changed.emit(text)
         self.moved.emit(pose.copy())

@@ -7,22 +7,30 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
-from apd_viewer.presentation.number_format import grouped, signed
+from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation
+from apd_viewer.presentation.number_format import format_grouped, format_signed
 from apd_viewer.ui.scene.camera import unit
-from apd_viewer.ui.tools.gizmo_layout import ARROWS, EDGE_ON, RING, RINGS, SQUARES, GizmoFrame, axis_index
+from apd_viewer.ui.tools.gizmo_layout import (
+    ARROWS,
+    EDGE_ON,
+    RING_RADIUS,
+    RINGS,
+    SQUARES,
+    GizmoFrame,
+    axis_index,
+)
 
 if TYPE_CHECKING:
     from apd_viewer.ui.scene.camera import Camera
 
-FARTHEST = 4.0  # an arrow never moves the handle so many times farther than the cursor went
+MOST_DRAG_RATIO = 4.0  # an arrow never moves the handle so many times farther than the cursor went
 SNAP_ANGLE = np.deg2rad(15.0)
 SNAP_PIXELS = 20.0
 SNAP_SCALE = 0.1  # and no handle is made smaller than that
 
 
 @dataclass(frozen=True, eq=False)
-class Drag:
+class GizmoDrag:
     """Drag under way, measured from its start to avoid drift.
 
     Parameters
@@ -30,7 +38,7 @@ class Drag:
     handle : str
     frame : GizmoFrame
         The gizmo when the drag began.
-    pose0 : (4, 4) float array
+    start_pose : (4, 4) float array
         The pose when the drag began.
     start, last : (float, float)
         Pixel positions of the cursor.
@@ -38,7 +46,7 @@ class Drag:
         The pose now.
     angle : float
         Rotation by the cursor, before snapping; more than a turn if the cursor went round.
-    shown : float
+    snapped_angle : float
         Rotation after snapping.
     text : str
         What the drag does, in words and numbers.
@@ -46,12 +54,12 @@ class Drag:
 
     handle: str
     frame: GizmoFrame
-    pose0: np.ndarray
+    start_pose: np.ndarray
     start: tuple[float, float]
     last: tuple[float, float]
     pose: np.ndarray
     angle: float = 0.0
-    shown: float = 0.0
+    snapped_angle: float = 0.0
     text: str = ""
 
     @property
@@ -61,7 +69,7 @@ class Drag:
             return self.frame.camera.axes[2]
         return self.frame.axes[axis_index(self.handle)]
 
-    def to(self, camera: Camera, x: float, y: float, snap: bool) -> Drag:
+    def moved_to(self, camera: Camera, x: float, y: float, snap: bool) -> GizmoDrag:
         """The drag after the cursor went to a pixel position."""
         frame = replace(self.frame, camera=camera)
         if self.handle in RINGS:
@@ -70,22 +78,22 @@ class Drag:
             return self._scaled(frame, x, y, snap)
         return self._shifted(frame, x, y, snap)
 
-    def _turned(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> Drag:
+    def _turned(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
         i = axis_index(self.handle)
-        angle = self.angle + turn(frame, i, self.last, (x, y))
+        angle = self.angle + cursor_rotation(frame, i, self.last, (x, y))
         shown = snapped(angle, SNAP_ANGLE) if snap else angle
-        pose = rotated(self.pose0, frame.centre, frame.axes[i], shown)
-        text = f"{signed(np.rad2deg(shown), 1)}°"
-        return replace(self, last=(x, y), pose=pose, angle=angle, shown=shown, text=text)
+        pose = rotated(self.start_pose, frame.centre, frame.axes[i], shown)
+        text = f"{format_signed(np.rad2deg(shown), 1)}°"
+        return replace(self, last=(x, y), pose=pose, angle=angle, snapped_angle=shown, text=text)
 
-    def _scaled(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> Drag:
-        far, before = (float(np.linalg.norm(np.array(p) - frame.middle)) for p in ((x, y), self.start))
+    def _scaled(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
+        far, before = (float(np.linalg.norm(np.array(p) - frame.screen_centre)) for p in ((x, y), self.start))
         factor = far / before
         factor = max(SNAP_SCALE, snapped(factor, SNAP_SCALE) if snap else factor)
-        pose = scaled_about(frame.centre, factor) @ self.pose0
-        return replace(self, last=(x, y), pose=pose, text=f"× {grouped(factor, 2)}")
+        pose = scaling_about(frame.centre, factor) @ self.start_pose
+        return replace(self, last=(x, y), pose=pose, text=f"× {format_grouped(factor, 2)}")
 
-    def _shifted(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> Drag:
+    def _shifted(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
         directions, names = self._directions(frame)
         here, there = (self._offset(frame, *p) for p in ((x, y), self.start))
         if here is None or there is None:
@@ -93,16 +101,22 @@ class Drag:
         amounts = directions @ (here - there)
         if self.handle in ARROWS:
             # Towards the vanishing point of its axis the handle would run away.
-            most = FARTHEST * self.frame.pixel * float(np.hypot(x - self.start[0], y - self.start[1]))
+            most = (
+                MOST_DRAG_RATIO
+                * self.frame.pixel_length
+                * float(np.hypot(x - self.start[0], y - self.start[1]))
+            )
             amounts = np.clip(amounts, -most, most)
         if snap:
-            step = nice_step(SNAP_PIXELS * frame.pixel)
+            step = nice_step(SNAP_PIXELS * frame.pixel_length)
             amounts = np.array([snapped(a, step) for a in amounts])
         offset = amounts @ directions
         values = offset if self.handle == "centre" else amounts
-        digits, one = max(0, int(np.ceil(-np.log10(frame.pixel)))), len(frame.offered) == 1
-        said = [("" if one else f"Δ{n} ") + signed(v, digits) for n, v in zip(names, values, strict=True)]
-        return replace(self, last=(x, y), pose=translated(self.pose0, offset), text="  ".join(said))
+        digits, one = max(0, int(np.ceil(-np.log10(frame.pixel_length)))), len(frame.offered_handles) == 1
+        said = [
+            ("" if one else f"Δ{n} ") + format_signed(v, digits) for n, v in zip(names, values, strict=True)
+        ]
+        return replace(self, last=(x, y), pose=translated(self.start_pose, offset), text="  ".join(said))
 
     def _directions(self, frame: GizmoFrame) -> tuple[np.ndarray, str]:
         """Unit directions of free motion, as rows, and the names of the amounts to show."""
@@ -116,18 +130,18 @@ class Drag:
     def _offset(self, frame: GizmoFrame, x: float, y: float) -> np.ndarray | None:
         if self.handle in ARROWS:
             i = axis_index(self.handle)
-            s = along_axis(frame, i, x, y)
+            s = position_along_axis(frame, i, x, y)
             return None if s is None else s * frame.axes[i]
         normal = frame.camera.axes[2] if self.handle == "centre" else frame.axes[axis_index(self.handle)]
-        return in_plane(frame, normal, x, y)
+        return offset_in_plane(frame, normal, x, y)
 
 
-def begin(handle: str, frame: GizmoFrame, pose: np.ndarray, x: float, y: float) -> Drag:
+def begin_drag(handle: str, frame: GizmoFrame, pose: np.ndarray, x: float, y: float) -> GizmoDrag:
     """Take a handle at a pixel position."""
-    return Drag(handle, frame, pose.copy(), (x, y), (x, y), pose.copy())
+    return GizmoDrag(handle, frame, pose.copy(), (x, y), (x, y), pose.copy())
 
 
-def along_axis(frame: GizmoFrame, i: int, x: float, y: float) -> float | None:
+def position_along_axis(frame: GizmoFrame, i: int, x: float, y: float) -> float | None:
     """Position of the cursor along axis ``i``, in mesh units from the centre.
 
     The cursor's ray is cut with the plane through the axis that faces the camera most. None when
@@ -139,7 +153,7 @@ def along_axis(frame: GizmoFrame, i: int, x: float, y: float) -> float | None:
     return None if point is None else float((point - frame.centre) @ axis)
 
 
-def in_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
+def offset_in_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
     """Offset (3,) from the centre to the cursor's ray in a plane through it."""
     point = _on_plane(frame, normal, x, y)
     return None if point is None else point - frame.centre
@@ -155,7 +169,9 @@ def _on_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.n
     return origin + t * direction if 0 < t < 50 * frame.camera.distance else None
 
 
-def turn(frame: GizmoFrame, i: int, before: tuple[float, float], after: tuple[float, float]) -> float:
+def cursor_rotation(
+    frame: GizmoFrame, i: int, before: tuple[float, float], after: tuple[float, float]
+) -> float:
     """Rotation about axis ``i`` by the cursor's motion, in radians.
 
     Seen from the side a ring is a line: there the way along the line counts.
@@ -164,7 +180,7 @@ def turn(frame: GizmoFrame, i: int, before: tuple[float, float], after: tuple[fl
     if abs(frame.facing[i]) < EDGE_ON:
         along = _tangent(frame, axis)
         return float((np.array(after) - before) @ along / (along @ along))
-    p, q = in_plane(frame, axis, *before), in_plane(frame, axis, *after)
+    p, q = offset_in_plane(frame, axis, *before), offset_in_plane(frame, axis, *after)
     if p is None or q is None:
         return 0.0
     return float(np.arctan2(np.cross(p, q) @ axis, p @ q))
@@ -173,7 +189,7 @@ def turn(frame: GizmoFrame, i: int, before: tuple[float, float], after: tuple[fl
 def _tangent(frame: GizmoFrame, axis: np.ndarray) -> np.ndarray:
     """Motion in pixels (2,), per radian, of the ring's point nearest to the viewer."""
     towards = frame.camera.position - frame.centre
-    radial = RING * frame.pixel * unit(towards - (towards @ axis) * axis)
+    radial = RING_RADIUS * frame.pixel_length * unit(towards - (towards @ axis) * axis)
     near, ahead = frame.camera.project(frame.centre + np.array([radial, radial + np.cross(axis, radial)]))
     return ahead - near
 
@@ -192,9 +208,9 @@ def nice_step(length: float) -> float:
 
 def translated(pose: np.ndarray, offset: np.ndarray) -> np.ndarray:
     """The (4, 4) pose followed by a translation."""
-    return shifted(offset) @ pose
+    return translation(offset) @ pose
 
 
 def rotated(pose: np.ndarray, centre: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
     """The (4, 4) pose followed by a rotation about the unit axis through ``centre``."""
-    return turned_about(centre, axis, angle) @ pose
+    return rotation_about(centre, axis, angle) @ pose

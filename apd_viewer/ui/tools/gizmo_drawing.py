@@ -10,22 +10,28 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPainterPath, QPen
 
 from apd_viewer.ui.scene.camera import rotation, unit
-from apd_viewer.ui.tools.gizmo_drag import in_plane
+from apd_viewer.ui.tools.gizmo_drag import offset_in_plane
 from apd_viewer.ui.tools.gizmo_layout import (
     ALONG_VIEW,
     ARROWS,
-    DOT,
+    DOT_RADIUS,
     EDGE_ON,
-    RING,
+    RING_RADIUS,
     RINGS,
     SQUARES,
     GizmoFrame,
     axis_index,
 )
-from apd_viewer.ui.tools.polylines import hull, polygon, runs, stroke, translucent
+from apd_viewer.ui.tools.polylines import (
+    chosen_stretches,
+    convex_hull,
+    draw_polyline,
+    to_polygon,
+    with_opacity,
+)
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.tools.gizmo_drag import Drag
+    from apd_viewer.ui.tools.gizmo_drag import GizmoDrag
 
 # Rose, lime and violet: apart from the base blue and the handle vermilion in hue, and from one
 # another in lightness, with any kind of colour vision. The letters say it once more.
@@ -37,21 +43,21 @@ BACK = 0.34  # of the far half of a ring
 
 
 @dataclass(frozen=True)
-class Appearance:
+class GizmoAppearance:
     """State of the gizmo's drawing.
 
     Parameters
     ----------
     dark : bool
         Whether the background is dark.
-    hot : str or None
+    hovered_handle : str or None
         Handle under the cursor.
-    drag : Drag or None
+    drag : GizmoDrag or None
     """
 
     dark: bool
-    hot: str | None
-    drag: Drag | None
+    hovered_handle: str | None
+    drag: GizmoDrag | None
 
     def opacity(self, handle: str) -> float:
         """Opacity of a handle, less during a drag of another."""
@@ -59,7 +65,7 @@ class Appearance:
 
     def width(self, handle: str) -> float:
         """Width of its lines in pixels."""
-        return 4.0 if handle in (self.hot, self.drag and self.drag.handle) else 2.4
+        return 4.0 if handle in (self.hovered_handle, self.drag and self.drag.handle) else 2.4
 
     def colour(self, handle: str) -> QColor:
         """Its colour, brighter under the cursor."""
@@ -69,27 +75,27 @@ class Appearance:
             else AXIS_COLOURS[self.dark][axis_index(handle)]
         )
         colour = QColor(name)
-        return colour.lighter(112) if handle == self.hot else colour
+        return colour.lighter(112) if handle == self.hovered_handle else colour
 
 
-def draw(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
+def draw_gizmo(painter: QPainter, frame: GizmoFrame, appearance: GizmoAppearance) -> None:
     """Draw the gizmo, far things first."""
-    if not frame.visible:
+    if not frame.is_visible:
         return
-    if look.drag is not None:
-        _draw_motion(painter, frame, look)
+    if appearance.drag is not None:
+        _draw_motion(painter, frame, appearance)
     for i, name in enumerate(RINGS):
-        _draw_ring(painter, frame, look, i, name)
+        _draw_ring(painter, frame, appearance, i, name)
     for i, name in enumerate(SQUARES):
-        _draw_square(painter, frame, look, i, name)
+        _draw_square(painter, frame, appearance, i, name)
     for i in np.argsort(frame.facing):
-        _draw_arrow(painter, frame, look, int(i), ARROWS[i])
-    _draw_scale(painter, frame, look)
-    _draw_centre(painter, frame, look)
+        _draw_arrow(painter, frame, appearance, int(i), ARROWS[i])
+    _draw_scale(painter, frame, appearance)
+    _draw_centre(painter, frame, appearance)
     painter.setOpacity(1.0)
 
 
-def draw_hint(painter: QPainter, drag: Drag, size: tuple[float, float]) -> None:
+def draw_hint(painter: QPainter, drag: GizmoDrag, size: tuple[float, float]) -> None:
     """Write the amount of the drag beside the cursor."""
     draw_tag(painter, drag.text, drag.last, size)
 
@@ -110,43 +116,43 @@ def draw_tag(painter: QPainter, text: str, at: tuple[float, float], size: tuple[
     painter.drawText(QRectF(x, y, width, 26), Qt.AlignmentFlag.AlignCenter, text)
 
 
-def _draw_ring(painter: QPainter, frame: GizmoFrame, look: Appearance, i: int, name: str) -> None:
-    if not frame.usable(name):
+def _draw_ring(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: int, name: str) -> None:
+    if not frame.is_usable(name):
         return
     points, near = frame.ring(i)
     painter.setOpacity(look.opacity(name) * BACK)
-    for part in runs(points, ~near):
-        stroke(painter, part, look.colour(name), look.width(name) - 0.8)
+    for part in chosen_stretches(points, ~near):
+        draw_polyline(painter, part, look.colour(name), look.width(name) - 0.8)
     painter.setOpacity(look.opacity(name))
-    for part in runs(points, near):
-        stroke(painter, part, look.colour(name), look.width(name), INK[look.dark])
+    for part in chosen_stretches(points, near):
+        draw_polyline(painter, part, look.colour(name), look.width(name), INK[look.dark])
 
 
-def _draw_square(painter: QPainter, frame: GizmoFrame, look: Appearance, i: int, name: str) -> None:
-    if not frame.usable(name):
+def _draw_square(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: int, name: str) -> None:
+    if not frame.is_usable(name):
         return
     visible = min(1.0, (abs(frame.facing[i]) - EDGE_ON) / 0.1)
     painter.setOpacity(look.opacity(name) * visible)
     colour = look.colour(name)
     fill = QColor(colour)
-    fill.setAlphaF(0.75 if name in (look.hot, look.drag and look.drag.handle) else 0.38)
+    fill.setAlphaF(0.75 if name in (look.hovered_handle, look.drag and look.drag.handle) else 0.38)
     painter.setPen(QPen(colour, 1.4))
     painter.setBrush(fill)
-    painter.drawPolygon(polygon(frame.square(i)))
+    painter.drawPolygon(to_polygon(frame.square(i)))
 
 
-def _draw_arrow(painter: QPainter, frame: GizmoFrame, look: Appearance, i: int, name: str) -> None:
-    if not frame.usable(name):
+def _draw_arrow(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: int, name: str) -> None:
+    if not frame.is_usable(name):
         return
     start, end, _, letter = frame.arrow(i)
     visible = min(1.0, (ALONG_VIEW - abs(frame.facing[i])) / 0.06)
     painter.setOpacity(look.opacity(name) * visible)
     colour = look.colour(name)
-    stroke(painter, np.array([start, end]), colour, look.width(name), INK[look.dark])
+    draw_polyline(painter, np.array([start, end]), colour, look.width(name), INK[look.dark])
     painter.setPen(QPen(QColor(INK[look.dark]), 1.2))
     painter.setBrush(colour)
-    painter.drawPolygon(polygon(hull(frame.tip(i))))
-    if len(frame.offered) > 1:  # a single arrow needs no name
+    painter.drawPolygon(to_polygon(convex_hull(frame.tip(i))))
+    if len(frame.offered_handles) > 1:  # a single arrow needs no name
         _draw_letter(painter, name.upper(), letter, colour, INK[look.dark])
 
 
@@ -157,37 +163,37 @@ def _draw_letter(painter: QPainter, letter: str, at: np.ndarray, colour: QColor,
     path = QPainterPath()
     path.addText(0, 0, font, letter)
     path.translate(QPointF(*at) - path.boundingRect().center())
-    painter.strokePath(path, QPen(translucent(halo), 3.0, j=Qt.PenJoinStyle.RoundJoin))
+    painter.strokePath(path, QPen(with_opacity(halo), 3.0, j=Qt.PenJoinStyle.RoundJoin))
     painter.fillPath(path, colour)
 
 
-def _draw_scale(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
-    if not frame.usable("scale"):
+def _draw_scale(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) -> None:
+    if not frame.is_usable("scale"):
         return
-    hot = "scale" in (look.hot, look.drag and look.drag.handle)
+    hot = "scale" in (look.hovered_handle, look.drag and look.drag.handle)
     painter.setOpacity(look.opacity("scale"))
     corner = frame.corner if look.drag is None or not hot else np.array(look.drag.last)
     half = 5.5 if hot else 4.5
-    way = (corner - frame.middle) / np.linalg.norm(corner - frame.middle)
-    ends = np.array([frame.middle + (RING + 6.0) * way, corner - 8.0 * way])
-    stroke(painter, ends, look.colour("scale"), 1.4, INK[look.dark])
+    way = (corner - frame.screen_centre) / np.linalg.norm(corner - frame.screen_centre)
+    ends = np.array([frame.screen_centre + (RING_RADIUS + 6.0) * way, corner - 8.0 * way])
+    draw_polyline(painter, ends, look.colour("scale"), 1.4, INK[look.dark])
     painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
     painter.setBrush(look.colour("scale"))
     painter.drawRoundedRect(QRectF(corner[0] - half, corner[1] - half, 2 * half, 2 * half), 1.5, 1.5)
 
 
-def _draw_centre(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
-    if not frame.usable("centre"):
+def _draw_centre(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) -> None:
+    if not frame.is_usable("centre"):
         return
-    hot = "centre" in (look.hot, look.drag and look.drag.handle)
+    hot = "centre" in (look.hovered_handle, look.drag and look.drag.handle)
     painter.setOpacity(look.opacity("centre"))
     painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
     painter.setBrush(look.colour("centre"))
-    radius = DOT + 1.5 if hot else DOT
-    painter.drawEllipse(QPointF(*frame.on_screen(np.zeros((1, 3)))[0]), radius, radius)
+    radius = DOT_RADIUS + 1.5 if hot else DOT_RADIUS
+    painter.drawEllipse(QPointF(*frame.to_screen(np.zeros((1, 3)))[0]), radius, radius)
 
 
-def _draw_motion(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
+def _draw_motion(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) -> None:
     """Show the start of the drag: a slice of the ring, or a line."""
     drag = look.drag
     if drag is None:
@@ -197,27 +203,27 @@ def _draw_motion(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None
         _draw_slice(painter, frame, drag, colour)
         return
     if drag.handle in ARROWS:
-        reach = min(2000 * frame.pixel, 0.8 * float(frame.camera.depth(frame.centre)))
+        reach = min(2000 * frame.pixel_length, 0.8 * float(frame.camera.depth(frame.centre)))
         line = frame.camera.project(frame.centre + np.outer([-reach, reach], drag.axis))
-        painter.setPen(QPen(translucent(colour, 0.35), 1.2))
-        painter.drawPolyline(polygon(line))
+        painter.setPen(QPen(with_opacity(colour, 0.35), 1.2))
+        painter.drawPolyline(to_polygon(line))
     ends = frame.camera.project(np.array([drag.frame.centre, frame.centre]))
     painter.setPen(QPen(colour, 1.6, Qt.PenStyle.DotLine))
-    painter.drawPolyline(polygon(ends))
+    painter.drawPolyline(to_polygon(ends))
     painter.setPen(QPen(colour, 1.6))
-    painter.setBrush(translucent(INK[look.dark]))
+    painter.setBrush(with_opacity(INK[look.dark]))
     painter.drawEllipse(QPointF(*ends[0]), 4, 4)
 
 
-def _draw_slice(painter: QPainter, frame: GizmoFrame, drag: Drag, colour: QColor) -> None:
-    spoke = in_plane(drag.frame, drag.axis, *drag.start)
+def _draw_slice(painter: QPainter, frame: GizmoFrame, drag: GizmoDrag, colour: QColor) -> None:
+    spoke = offset_in_plane(drag.frame, drag.axis, *drag.start)
     if spoke is None or abs(drag.frame.facing[axis_index(drag.handle)]) < EDGE_ON:
         towards = frame.camera.position - frame.centre
         spoke = towards - (towards @ drag.axis) * drag.axis
-    spoke = RING * frame.pixel * unit(spoke)
-    angles = np.linspace(0.0, np.clip(drag.shown, -2 * np.pi, 2 * np.pi), 65)
+    spoke = RING_RADIUS * frame.pixel_length * unit(spoke)
+    angles = np.linspace(0.0, np.clip(drag.snapped_angle, -2 * np.pi, 2 * np.pi), 65)
     rim = np.array([rotation(drag.axis, a) @ spoke for a in angles])
     points = frame.camera.project(frame.centre + np.vstack([np.zeros((1, 3)), rim]))
     painter.setPen(QPen(colour, 1.4))
-    painter.setBrush(translucent(colour, 0.34))
-    painter.drawPolygon(polygon(points))
+    painter.setBrush(with_opacity(colour, 0.34))
+    painter.drawPolygon(to_polygon(points))

@@ -19,42 +19,42 @@ if TYPE_CHECKING:
     from apd_viewer.ui.scene.viewport import Viewport
     from apd_viewer.ui.tools.gizmo import Gizmo
 
-DOT = 6.0
-REACH = 11.0
+DOT_RADIUS = 6.0
+PICK_RADIUS = 11.0
 
 
-class Pivot(NamedTuple):
+class HandlePivot(NamedTuple):
     """Pivot of a handle, with its number, name, colour and pose (4, 4).
 
-    ``gripped`` (3,) is the centre of the handle before the pose is applied.
+    ``unposed_position`` (3,) is the centre of the handle before the pose is applied.
     """
 
     number: int
     name: str
     color: tuple[int, int, int]
     pose: np.ndarray
-    gripped: np.ndarray
+    unposed_position: np.ndarray
 
     @property
     def centre(self) -> np.ndarray:
         """The centre of the handle now, (3,)."""
-        moved: np.ndarray = self.pose[:3, :3] @ self.gripped + self.pose[:3, 3]
+        moved: np.ndarray = self.pose[:3, :3] @ self.unposed_position + self.pose[:3, 3]
         return moved
 
 
-def movable(document: Document) -> tuple[Pivot, ...]:
+def movable_pivots(document: Document) -> tuple[HandlePivot, ...]:
     """Pivots of the movable handles."""
-    if document.problem is not None:
+    if document.paint_problem is not None:
         return ()
     found = []
     for k, handle in enumerate(document.handles):
         gripped = document.pivot(k)
         if gripped is not None:
-            found.append(Pivot(k, handle.name, handle_color(k), handle.pose, gripped))
+            found.append(HandlePivot(k, handle.name, handle_color(k), handle.pose, gripped))
     return tuple(found)
 
 
-class Pivots(MouseTool, QObject):
+class InactiveHandles(MouseTool, QObject):
     """Tool to take another handle by its dot or its painted patch, and to move it.
 
     Parameters
@@ -69,7 +69,7 @@ class Pivots(MouseTool, QObject):
     ----------
     chosen : Signal(int)
         Number of the handle that was pressed.
-    pivots : tuple of Pivot
+    pivots : tuple of HandlePivot
         Shown as dots.
     """
 
@@ -79,14 +79,14 @@ class Pivots(MouseTool, QObject):
         super().__init__(viewport)
         self._viewport, self._gizmo = viewport, gizmo
         self._handle_at = handle_at
-        self.pivots: tuple[Pivot, ...] = ()
+        self.pivots: tuple[HandlePivot, ...] = ()
         self._hot: int | None = None
 
-    def place(self, pivots: Sequence[Pivot]) -> None:
+    def set_pivots(self, pivots: Sequence[HandlePivot]) -> None:
         """Show the dots of these pivots."""
         if pivots or self.pivots:
             self.pivots = tuple(pivots)
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()
 
     def press(self, event: QMouseEvent) -> bool:
         """Take the handle under the cursor."""
@@ -95,7 +95,7 @@ class Pivots(MouseTool, QObject):
         if number is None or pans or event.button() != Qt.MouseButton.LeftButton:
             return False
         self.chosen.emit(number)
-        self._gizmo.take(event.position())
+        self._gizmo.begin_drag(event.position())
         return True
 
     def release(self, event: QMouseEvent) -> None:
@@ -104,7 +104,7 @@ class Pivots(MouseTool, QObject):
 
     def move(self, event: QMouseEvent) -> bool:
         """Move the handle taken, or show the name of the one under the cursor."""
-        if self._gizmo.dragged:
+        if self._gizmo.is_dragged:
             return self._gizmo.move(event)
         number = self._taken_at(event.position())
         self._show(number)
@@ -123,12 +123,12 @@ class Pivots(MouseTool, QObject):
             if at is not None:
                 self._draw(painter, pivot, QPointF(*at))
 
-    def _draw(self, painter: QPainter, pivot: Pivot, at: QPointF) -> None:
+    def _draw(self, painter: QPainter, pivot: HandlePivot, at: QPointF) -> None:
         hot = pivot.number == self._hot
         painter.setOpacity(1.0 if hot else 0.85)
         painter.setPen(QPen(QColor(255, 255, 255, 235), 2.0))
         painter.setBrush(QColor(*pivot.color))
-        radius = DOT + 1.5 if hot else DOT
+        radius = DOT_RADIUS + 1.5 if hot else DOT_RADIUS
         painter.drawEllipse(at, radius, radius)
         painter.setPen(QPen(QColor(20, 22, 26, 150), 1.0))
         painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -147,8 +147,8 @@ class Pivots(MouseTool, QObject):
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, pivot.name)
         painter.setOpacity(1.0)
 
-    def _on_screen(self, pivot: Pivot) -> np.ndarray | None:
-        eye = self._viewport.look.eye
+    def _on_screen(self, pivot: HandlePivot) -> np.ndarray | None:
+        eye = self._viewport.camera_controller.camera
         if float(eye.depth(pivot.centre)) <= 1e-6 * eye.distance:
             return None
         at: np.ndarray = eye.project(pivot.centre[None])[0]
@@ -158,7 +158,7 @@ class Pivots(MouseTool, QObject):
         cursor = np.array([position.x(), position.y()])
         for pivot in self.pivots:
             at = self._on_screen(pivot)
-            if at is not None and np.linalg.norm(at - cursor) <= REACH:
+            if at is not None and np.linalg.norm(at - cursor) <= PICK_RADIUS:
                 return pivot.number
         return None
 
@@ -173,4 +173,4 @@ class Pivots(MouseTool, QObject):
     def _show(self, number: int | None) -> None:
         if number != self._hot:
             self._hot = number
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()

@@ -9,13 +9,13 @@ import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer
 from PySide6.QtGui import QColor, QPen, QPolygonF
 
-from apd_viewer.ui.tools.selection_tool import Selector, act_of, begins
+from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter
 
-    from apd_viewer.geometry.picking.bounding_hierarchy import Boxes
-    from apd_viewer.geometry.picking.surface_index import Skin
+    from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy
+    from apd_viewer.geometry.picking.surface_index import SurfaceIndex
     from apd_viewer.ui.scene.surface import Surface
     from apd_viewer.ui.scene.viewport import Viewport
 
@@ -34,7 +34,7 @@ class OutlineKind(Enum):
     POLYGON = "polygon"
 
 
-class OutlineSelector(Selector):
+class OutlineTool(SelectionTool):
     """Tool to select the vertices within an outline, visible ones or all.
 
     A box and a lasso are dragged. A polygon is clicked, corner by corner, and ended by a double click, by a
@@ -42,7 +42,7 @@ class OutlineSelector(Selector):
 
     Attributes
     ----------
-    preview : QTimer
+    preview_timer : QTimer
         Until the cursor rests and the preview is made.
     """
 
@@ -52,24 +52,24 @@ class OutlineSelector(Selector):
         self._through = False
         self._corners: list[QPointF] = []
         self._cursor = QPointF()
-        self._seen: tuple[object, np.ndarray, Boxes] | None = None
+        self._seen: tuple[object, np.ndarray, BoundingHierarchy] | None = None
         self._foreseen: tuple[object, ...] = ()  # what the latest preview depends on
-        self.preview = QTimer(self, singleShot=True, interval=_PAUSE)
-        self.preview.timeout.connect(self._foresee)
+        self.preview_timer = QTimer(self, singleShot=True, interval=_PAUSE)
+        self.preview_timer.timeout.connect(self._foresee)
 
     @property
-    def through(self) -> bool:
+    def selects_hidden(self) -> bool:
         """True if hidden vertices are selected too."""
         return self._through
 
-    @through.setter
-    def through(self, on: bool) -> None:
+    @selects_hidden.setter
+    def selects_hidden(self, on: bool) -> None:
         self._through = on
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
 
     def press(self, event: QMouseEvent) -> bool:
         """Begin, or set a corner of a polygon."""
-        if not self._enabled or self._surface.touchable is None or not begins(event):
+        if not self._enabled or self._surface.picking_index is None or not may_begin_stroke(event):
             return False
         self._cursor = event.position()
         if self._kind is OutlineKind.POLYGON and self._corners:
@@ -79,7 +79,7 @@ class OutlineSelector(Selector):
                 self._finish()
                 return True
         elif not self._corners:
-            self.act = act_of(event)
+            self.effect = stroke_effect(event)
         self._corners.append(self._cursor)
         self._show()
         return True
@@ -121,8 +121,8 @@ class OutlineSelector(Selector):
         """Draw the outline."""
         if not self._corners:
             return
-        if self._foreseen != self._state() and not self.preview.isActive():
-            self.preview.start()  # the mesh or the camera has moved behind it
+        if self._foreseen != self._state() and not self.preview_timer.isActive():
+            self.preview_timer.start()  # the mesh or the camera has moved behind it
         shape = QPolygonF(self._shape())
         fill = QColor(self._color)
         fill.setAlpha(36)
@@ -138,9 +138,9 @@ class OutlineSelector(Selector):
                 painter.drawEllipse(corner, 3.5, 3.5)
 
     def _show(self) -> None:
-        self._viewport.overlay.update()
-        if not self.preview.isActive():
-            self.preview.start()
+        self._viewport.tool_layer.update()
+        if not self.preview_timer.isActive():
+            self.preview_timer.start()
 
     def _foresee(self) -> None:
         self._foreseen = self._state()
@@ -157,39 +157,41 @@ class OutlineSelector(Selector):
         return self._corners.copy() if closes or b == self._corners[-1] else [*self._corners, b]
 
     def _finish(self) -> None:
-        act, vertices, shape = self.act, self._within(), self._shape()
+        act, vertices, shape = self.effect, self._within(), self._shape()
         box = QPolygonF(shape).boundingRect()
         self._end()
         if len(shape) > 2 and max(box.width(), box.height()) >= _SMALLEST:
             self._apply(act, vertices)
 
     def _end(self) -> None:
-        self.preview.stop()
+        self.preview_timer.stop()
         self._corners = []
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
         self.previewed.emit(None)
 
     def _within(self) -> np.ndarray:
         """The vertices within the outline."""
-        skin, U, eye = self._surface.touchable, self._surface.U, self._viewport.look.eye
+        skin, U, eye = self._surface.picking_index, self._surface.U, self._viewport.camera_controller.camera
         if skin is None or not self._corners:
             return np.empty(0, dtype=np.int64)
         polygon = np.array([[p.x(), p.y()] for p in self._shape()])
-        ahead = skin.named[eye.depth(U[skin.named]) > 0.0]
-        found = ahead[skin.inside(eye.project(U[ahead]), polygon)]
-        return found if self.through else found[self._visible(skin, found)]
+        ahead = skin.representative_vertices[eye.depth(U[skin.representative_vertices]) > 0.0]
+        found = ahead[skin.is_inside_polygon(eye.project(U[ahead]), polygon)]
+        return found if self.selects_hidden else found[self._visible(skin, found)]
 
-    def _visible(self, skin: Skin, vertices: np.ndarray) -> np.ndarray:
+    def _visible(self, skin: SurfaceIndex, vertices: np.ndarray) -> np.ndarray:
         """Mask (k,) of the visible vertices, cached for a view and a shape."""
         key = self._sight
         if self._seen is None or self._seen[0] != key:
             U = self._surface.U
-            self._seen = key, np.full(len(U), -1, dtype=np.int8), skin.sights(U)
+            self._seen = key, np.full(len(U), -1, dtype=np.int8), skin.visibility_tree(U)
         _, known, sights = self._seen
         new = vertices[known[vertices] < 0]
         if len(new):
-            eye = self._viewport.look.eye
-            known[new] = skin.visible(eye.position, self._surface.U, new, sights, _TOUCHING * eye.pixel)
+            eye = self._viewport.camera_controller.camera
+            known[new] = skin.visible(
+                eye.position, self._surface.U, new, sights, _TOUCHING * eye.pixel_height
+            )
         return known[vertices] == 1
 
 

@@ -26,13 +26,13 @@ class PointPicker(MouseTool, QObject):
 
     Attributes
     ----------
-    shown : (k, 3) float array
+    marked_points : (k, 3) float array
         Points that are marked, joined by a line, whether or not any are asked for.
-    asks : Signal(str)
+    prompt_changed : Signal(str)
         What the user is to do; empty once that is done or cancelled.
     """
 
-    asks = Signal(str)
+    prompt_changed = Signal(str)
 
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         super().__init__(viewport)
@@ -45,19 +45,19 @@ class PointPicker(MouseTool, QObject):
         self._shown = np.empty((0, 3))
 
     @property
-    def shown(self) -> np.ndarray:
+    def marked_points(self) -> np.ndarray:
         """Marked points (k, 3)."""
         return self._shown
 
-    @shown.setter
-    def shown(self, points: np.ndarray) -> None:
+    @marked_points.setter
+    def marked_points(self, points: np.ndarray) -> None:
         self._shown = points
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
 
-    def ask(self, count: int, then: Callable[[np.ndarray], object], words: str) -> None:
-        """Pass ``count`` clicked points (count, 3) to ``then``; ``words`` is the hint."""
-        self._wanted, self._then, self._points = count, then, []
-        self.asks.emit(words)
+    def pick_points(self, count: int, on_picked: Callable[[np.ndarray], object], prompt: str) -> None:
+        """Pass ``count`` clicked points (count, 3) to ``on_picked``."""
+        self._wanted, self._then, self._points = count, on_picked, []
+        self.prompt_changed.emit(prompt)
 
     def press(self, event: QMouseEvent) -> bool:
         """Take the point under the cursor."""
@@ -73,7 +73,7 @@ class PointPicker(MouseTool, QObject):
         self._hit = self._surface.hit(event.position())
         if self._hit is not None:
             self._viewport.setCursor(Qt.CursorShape.CrossCursor)
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
         return self._hit is not None
 
     def release(self, event: QMouseEvent) -> None:
@@ -90,13 +90,13 @@ class PointPicker(MouseTool, QObject):
         """Forget the cursor."""
         if self._hit is not None:
             self._hit = None
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()
 
     def cancel(self) -> bool:
         """Stop waiting for clicks; True if it did."""
         waited, self._wanted, self._points = self._wanted > 0, 0, []
         if waited:
-            self.asks.emit("")
+            self.prompt_changed.emit("")
         self.leave()
         return waited
 
@@ -106,7 +106,7 @@ class PointPicker(MouseTool, QObject):
         points = np.array([*self._points, *hit]) if self._wanted else self._shown
         if not len(points):
             return
-        at = [QPointF(x, y) for x, y in self._viewport.look.eye.project(points)]
+        at = [QPointF(x, y) for x, y in self._viewport.camera_controller.camera.project(points)]
         for color, width in ((QColor(255, 255, 255, 220), 4.5), (QColor(24, 26, 30), 1.8)):
             painter.setPen(QPen(color, width, c=Qt.PenCapStyle.RoundCap))
             painter.drawPolyline(at)

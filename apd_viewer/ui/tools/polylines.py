@@ -15,27 +15,27 @@ _MARGIN = 0.06  # of a plane around the shape, in its extent
 _PLANE = 40 / 255  # opacity
 
 
-def stroke(
+def draw_polyline(
     painter: QPainter, line: np.ndarray, colour: QColor, width: float, halo: str | None = None
 ) -> None:
     """Draw a polyline (k, 2), over a halo if its colour is given."""
-    shape = polygon(line)
+    shape = to_polygon(line)
     painter.setBrush(Qt.BrushStyle.NoBrush)
     if halo is not None:
-        painter.setPen(QPen(translucent(halo), width + 2.2, c=Qt.PenCapStyle.FlatCap))
+        painter.setPen(QPen(with_opacity(halo), width + 2.2, c=Qt.PenCapStyle.FlatCap))
         painter.drawPolyline(shape)
     painter.setPen(QPen(colour, width, c=Qt.PenCapStyle.FlatCap, j=Qt.PenJoinStyle.RoundJoin))
     painter.drawPolyline(shape)
 
 
-def translucent(colour: str | QColor, alpha: float = 0.65) -> QColor:
+def with_opacity(colour: str | QColor, alpha: float = 0.65) -> QColor:
     """The colour with another opacity."""
     clear = QColor(colour)
     clear.setAlphaF(alpha)
     return clear
 
 
-def axis_plane(U: np.ndarray, axis: int, height: float) -> np.ndarray:
+def axis_rectangle(U: np.ndarray, axis: int, height: float) -> np.ndarray:
     """Corners (4, 3) of a rectangle around the shape ``U`` (n, 3), across an axis."""
     low, high = U.min(axis=0), U.max(axis=0)
     pad = _MARGIN * float((high - low).max())
@@ -49,29 +49,29 @@ def axis_plane(U: np.ndarray, axis: int, height: float) -> np.ndarray:
 
 def draw_plane(
     painter: QPainter,
-    eye: Camera,
+    camera: Camera,
     corners: np.ndarray,
     colour: QColor,
     halo: QColor,
     style: Qt.PenStyle = Qt.PenStyle.SolidLine,
 ) -> None:
     """Draw a translucent polygon (k, 3), if all of it is before the camera."""
-    if (eye.depth(corners) <= 0.0).any():
+    if (camera.depth(corners) <= 0.0).any():
         return
-    shape = polygon(eye.project(corners))
-    painter.setBrush(translucent(colour, _PLANE))
+    shape = to_polygon(camera.project(corners))
+    painter.setBrush(with_opacity(colour, _PLANE))
     painter.setPen(QPen(halo, 3.0))
     painter.drawPolygon(shape)
     painter.setPen(QPen(colour, 1.6, style))
     painter.drawPolygon(shape)
 
 
-def polygon(points: np.ndarray) -> QPolygonF:
+def to_polygon(points: np.ndarray) -> QPolygonF:
     """Points (k, 2) for Qt."""
     return QPolygonF([QPointF(x, y) for x, y in points])
 
 
-def runs(points: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]:
+def chosen_stretches(points: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]:
     """Stretches of chosen points of a closed polyline.
 
     Parameters
@@ -90,7 +90,7 @@ def runs(points: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]:
     return [points[order[max(a - 1, 0) : b + 1]] for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def hull(points: np.ndarray) -> np.ndarray:
+def convex_hull(points: np.ndarray) -> np.ndarray:
     """Corners of the convex hull of (k, 2) points, in order."""
     ordered = points[np.lexsort(points.T[::-1])]
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.scene.viewport import Viewport
 
 
-class Act(Enum):
+class StrokeEffect(Enum):
     """Effect of a stroke on the selection."""
 
     ADD = "add"
@@ -26,21 +26,21 @@ class Act(Enum):
     REPLACE = "replace"
 
 
-def act_of(event: QInputEvent) -> Act:
+def stroke_effect(event: QInputEvent) -> StrokeEffect:
     """Effect by the modifiers: Alt removes, Ctrl replaces."""
     modifiers = event.modifiers()
     if modifiers & Qt.KeyboardModifier.AltModifier:
-        return Act.REMOVE
-    return Act.REPLACE if modifiers & Qt.KeyboardModifier.ControlModifier else Act.ADD
+        return StrokeEffect.REMOVE
+    return StrokeEffect.REPLACE if modifiers & Qt.KeyboardModifier.ControlModifier else StrokeEffect.ADD
 
 
-def begins(event: QMouseEvent) -> bool:
+def may_begin_stroke(event: QMouseEvent) -> bool:
     """True if a press may begin a stroke: Shift is the camera's."""
     left = event.button() == Qt.MouseButton.LeftButton
     return left and not event.modifiers() & Qt.KeyboardModifier.ShiftModifier
 
 
-class Selector(MouseTool, QObject):
+class SelectionTool(MouseTool, QObject):
     """Tool to select vertices by strokes, for any listener.
 
     Parameters
@@ -50,11 +50,11 @@ class Selector(MouseTool, QObject):
 
     Attributes
     ----------
-    act : Act
+    effect : StrokeEffect
         Of the stroke, or of one that would begin now.
     stroke_began : Signal(object)
         The Act.
-    painted : Signal(object)
+    vertices_painted : Signal(object)
         Int array of vertices; of those at a seam one of each place.
     stroke_ended, stroke_cancelled : Signal()
     previewed : Signal(object)
@@ -62,7 +62,7 @@ class Selector(MouseTool, QObject):
     """
 
     stroke_began = Signal(object)
-    painted = Signal(object)
+    vertices_painted = Signal(object)
     stroke_ended = Signal()
     stroke_cancelled = Signal()
     previewed = Signal(object)
@@ -73,7 +73,7 @@ class Selector(MouseTool, QObject):
         self._surface = surface
         self._enabled = False
         self._color = QColor("#ffffff")
-        self.act = Act.ADD
+        self.effect = StrokeEffect.ADD
 
     @property
     def enabled(self) -> bool:
@@ -94,7 +94,7 @@ class Selector(MouseTool, QObject):
     @color.setter
     def color(self, color: QColor | str) -> None:
         self._color = QColor(color)
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
 
     @property
     def _halo(self) -> QColor:
@@ -103,17 +103,17 @@ class Selector(MouseTool, QObject):
 
     @property
     def _pen_style(self) -> Qt.PenStyle:
-        return Qt.PenStyle.DashLine if self.act is Act.REMOVE else Qt.PenStyle.SolidLine
+        return Qt.PenStyle.DashLine if self.effect is StrokeEffect.REMOVE else Qt.PenStyle.SolidLine
 
     @property
     def _sight(self) -> tuple[object, ...]:
         """Key of anything found under the cursor: the shape and the camera."""
-        return self._surface.revision, self._viewport.look.eye.key
+        return self._surface.revision, self._viewport.camera_controller.camera.key
 
-    def _apply(self, act: Act, vertices: np.ndarray) -> None:
+    def _apply(self, act: StrokeEffect, vertices: np.ndarray) -> None:
         """A whole stroke at once."""
         self.previewed.emit(None)
         self.stroke_began.emit(act)
         if len(vertices):
-            self.painted.emit(vertices)
+            self.vertices_painted.emit(vertices)
         self.stroke_ended.emit()

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtCore import QPointF, Qt, QTimer, Signal
 
-from apd_viewer.ui.tools.gizmo_drag import along_axis
+from apd_viewer.ui.tools.gizmo_drag import position_along_axis
 from apd_viewer.ui.tools.gizmo_layout import GizmoFrame
-from apd_viewer.ui.tools.polylines import axis_plane, draw_plane
-from apd_viewer.ui.tools.selection_tool import Selector, act_of, begins
+from apd_viewer.ui.tools.polylines import axis_rectangle, draw_plane
+from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
@@ -22,7 +22,7 @@ _PAUSE = 30  # ms between previews
 _SMALLEST = 3.0  # pixels; a shorter way of the cursor is a click
 
 
-class SlabSelector(Selector):
+class SlabTool(SelectionTool):
     """Tool to select the vertices between the planes at start and end of a drag.
 
     The planes are perpendicular to an axis, which the wheel changes. A drag begins on the mesh and may end
@@ -33,14 +33,14 @@ class SlabSelector(Selector):
     axis : int
         0, 1 or 2.
     axis_changed : Signal(int)
-    measured : Signal(float, float)
+    planes_moved : Signal(float, float)
         Where the two planes are along the axis.
-    preview : QTimer
+    preview_timer : QTimer
         Until the cursor rests and the preview is made.
     """
 
     axis_changed = Signal(int)
-    measured = Signal(float, float)
+    planes_moved = Signal(float, float)
 
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         super().__init__(viewport, surface)
@@ -50,17 +50,17 @@ class SlabSelector(Selector):
         self._end = 0.0
         self._pressed = QPointF()
         self._dragged = False
-        self.preview = QTimer(self, singleShot=True, interval=_PAUSE)
-        self.preview.timeout.connect(lambda: self.previewed.emit(self._between()))
+        self.preview_timer = QTimer(self, singleShot=True, interval=_PAUSE)
+        self.preview_timer.timeout.connect(lambda: self.previewed.emit(self._between()))
 
     def press(self, event: QMouseEvent) -> bool:
         """Set the first plane."""
-        if not self._enabled or not begins(event):
+        if not self._enabled or not may_begin_stroke(event):
             return False
         self._look(event)
         if self._here is None:
             return False
-        self.act, self._start = act_of(event), self._here
+        self.effect, self._start = stroke_effect(event), self._here
         self._end = float(self._start[self.axis])
         self._pressed, self._dragged = event.position(), False
         self._show()
@@ -72,10 +72,10 @@ class SlabSelector(Selector):
             return False
         if self._start is None:
             self._look(event)
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()
             return self._here is not None
-        frame = GizmoFrame(self._viewport.look.eye, self._start, np.eye(3))
-        way = along_axis(frame, self.axis, event.position().x(), event.position().y())
+        frame = GizmoFrame(self._viewport.camera_controller.camera, self._start, np.eye(3))
+        way = position_along_axis(frame, self.axis, event.position().x(), event.position().y())
         if way is not None:
             self._end = float(self._start[self.axis]) + way
         self._dragged |= (event.position() - self._pressed).manhattanLength() >= _SMALLEST
@@ -85,7 +85,7 @@ class SlabSelector(Selector):
     def release(self, _event: QMouseEvent) -> None:
         """Select the vertices between the planes."""
         if self._start is not None:
-            act, vertices = self.act, self._between()
+            act, vertices = self.effect, self._between()
             self._finish()
             if self._dragged:
                 self._apply(act, vertices)
@@ -96,7 +96,7 @@ class SlabSelector(Selector):
             return False
         if self._start is None and (event.angleDelta().y() or event.angleDelta().x()):
             self.axis = (self.axis + (1 if event.angleDelta().y() < 0 else 2)) % 3
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()
             self.axis_changed.emit(self.axis)
         return True
 
@@ -104,7 +104,7 @@ class SlabSelector(Selector):
         """Hide the planes."""
         if self._start is None and self._here is not None:
             self._here = None
-            self._viewport.overlay.update()
+            self._viewport.tool_layer.update()
 
     def cancel(self) -> bool:
         """Cancel the drag; True if there was one."""
@@ -123,33 +123,40 @@ class SlabSelector(Selector):
         else:
             return
         for height in sorted(ends):
-            corners = axis_plane(self._surface.U, self.axis, height)
-            draw_plane(painter, self._viewport.look.eye, corners, self._color, self._halo, self._pen_style)
+            corners = axis_rectangle(self._surface.U, self.axis, height)
+            draw_plane(
+                painter,
+                self._viewport.camera_controller.camera,
+                corners,
+                self._color,
+                self._halo,
+                self._pen_style,
+            )
 
     def _look(self, event: QMouseEvent) -> None:
         hit = self._surface.hit(event.position())
         self._here = None if hit is None else hit.point
         if hit is not None:
-            self.act = act_of(event)
+            self.effect = stroke_effect(event)
             self._viewport.setCursor(Qt.CursorShape.CrossCursor)
 
     def _show(self) -> None:
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
         if self._start is not None:
-            self.measured.emit(*sorted((float(self._start[self.axis]), self._end)))
-        if not self.preview.isActive():
-            self.preview.start()
+            self.planes_moved.emit(*sorted((float(self._start[self.axis]), self._end)))
+        if not self.preview_timer.isActive():
+            self.preview_timer.start()
 
     def _finish(self) -> None:
-        self.preview.stop()
+        self.preview_timer.stop()
         self._start = self._here = None
-        self._viewport.overlay.update()
+        self._viewport.tool_layer.update()
         self.previewed.emit(None)
 
     def _between(self) -> np.ndarray:
-        skin = self._surface.touchable
+        skin = self._surface.picking_index
         if self._start is None or skin is None:
             return np.empty(0, dtype=np.int64)
         low, high = sorted((float(self._start[self.axis]), self._end))
-        along = self._surface.U[skin.named, self.axis]
-        return skin.named[(low <= along) & (along <= high)]
+        along = self._surface.U[skin.representative_vertices, self.axis]
+        return skin.representative_vertices[(low <= along) & (along <= high)]

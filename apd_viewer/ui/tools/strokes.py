@@ -8,13 +8,13 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.model.painted_part import Part
-from apd_viewer.ui.tools.selection_tool import Act
+from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.ui.tools.selection_tool import StrokeEffect
 from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
-    from apd_viewer.ui.tools.selection_tool import Selector
+    from apd_viewer.ui.tools.selection_tool import SelectionTool
 
 
 class Strokes(QObject):
@@ -29,7 +29,7 @@ class Strokes(QObject):
         Vertices, and the number of the region, from 1; 0 erases.
     ended : Signal(str)
         Name of the gesture.
-    part : Part
+    part : PaintedPart
         Painted by the current tool; the active handle if the tool paints nothing.
     """
 
@@ -40,26 +40,26 @@ class Strokes(QObject):
 
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
-        self.part = Part(HANDLE)
+        self.part = PaintedPart(HANDLE)
         self._tool = Tool.ORBIT
-        self._act = Act.ADD
+        self._act = StrokeEffect.ADD
         self._document: Document | None = None
 
-    def follow(self, selector: Selector) -> None:
+    def connect_tool(self, tool: SelectionTool) -> None:
         """Paint with the strokes of a selection tool."""
-        selector.stroke_began.connect(self._begin)
-        selector.painted.connect(self._paint)
-        selector.stroke_ended.connect(self._end)
+        tool.stroke_began.connect(self._begin)
+        tool.vertices_painted.connect(self._paint)
+        tool.stroke_ended.connect(self._end)
 
     def prepare(self, tool: Tool, handle: int, region: int, document: Document | None) -> None:
         """Set the tool, the active parts and the document of the next strokes."""
         self._tool, self._document = tool, document
         if tool is Tool.REGION:
-            self.part = Part(region + 1, is_region=True)
+            self.part = PaintedPart(region + 1, is_region=True)
         else:
-            self.part = Part(BASE if tool is Tool.BASE else HANDLE + handle)
+            self.part = PaintedPart(BASE if tool is Tool.BASE else HANDLE + handle)
 
-    def within_reach(self, ids: np.ndarray, erases: bool) -> np.ndarray:
+    def changeable_vertices(self, ids: np.ndarray, erases: bool) -> np.ndarray:
         """The vertices of ``ids`` that a stroke can change: locked parts keep theirs."""
         if self._document is None:
             return ids
@@ -72,24 +72,24 @@ class Strokes(QObject):
             return ids[:0]
         return ids[~closed[codes[ids]]]
 
-    def choose(self, ids: np.ndarray, act: Act) -> None:
+    def paint_vertices(self, ids: np.ndarray, effect: StrokeEffect) -> None:
         """Paint vertices at once, like a stroke of the current tool."""
-        self._begin(act)
+        self._begin(effect)
         self._paint(ids)
         self._end()
 
-    def _begin(self, act: Act) -> None:
+    def _begin(self, act: StrokeEffect) -> None:
         self._act = act
         self.began.emit()
-        if act is Act.REPLACE and self._tool is not Tool.ERASE and self._document is not None:
-            self._emit(np.flatnonzero(self.part.of(self._document)), self.part.nothing)
+        if act is StrokeEffect.REPLACE and self._tool is not Tool.ERASE and self._document is not None:
+            self._emit(np.flatnonzero(self.part.mask(self._document)), self.part.unpainted_code)
 
     def _paint(self, ids: np.ndarray) -> None:
-        erases = self._act is Act.REMOVE or self._tool is Tool.ERASE
+        erases = self._act is StrokeEffect.REMOVE or self._tool is Tool.ERASE
         if erases and not self.part.is_region:
             self._erase(ids)
         else:
-            self._emit(ids, self.part.nothing if erases else self.part.code)
+            self._emit(ids, self.part.unpainted_code if erases else self.part.code)
 
     def _emit(self, ids: np.ndarray, code: int) -> None:
         (self.region_painted if self.part.is_region else self.painted).emit(ids, code)
@@ -105,5 +105,5 @@ class Strokes(QObject):
             self.region_painted.emit(ids[~held], 0)
 
     def _end(self) -> None:
-        erased = self._act is Act.REMOVE
+        erased = self._act is StrokeEffect.REMOVE
         self.ended.emit((Tool.ERASE if erased else self._tool).words.title)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 
 class ToolChoice(QObject):
@@ -17,30 +17,30 @@ class ToolChoice(QObject):
 
     Attributes
     ----------
-    taken : Signal(Tool)
-    way_chosen : Signal(Way)
+    tool_chosen : Signal(Tool)
+    mode_chosen : Signal(Way)
     """
 
-    taken = Signal(object)
-    way_chosen = Signal(object)
+    tool_chosen = Signal(object)
+    mode_chosen = Signal(object)
 
     def __init__(self, canvas: Canvas) -> None:
         super().__init__(canvas)
         self._canvas = canvas
 
-    def take(self, tool: Tool) -> None:
+    def choose_tool(self, tool: Tool) -> None:
         """Use another tool."""
-        self._canvas.take(tool)
-        self.taken.emit(tool)
+        self._canvas.choose_tool(tool)
+        self.tool_chosen.emit(tool)
 
-    def choose_way(self, way: Way) -> None:
+    def choose_mode(self, mode: SelectionMode) -> None:
         """Select vertices in another way, with a painting tool if none is in use."""
-        self.set_way(way)
+        self.set_mode(mode)
         if not self._canvas.tool.words.is_brush:
-            self.take(Tool.HANDLE)
+            self.choose_tool(Tool.HANDLE)
 
-    def set_way(self, way: Way) -> None:
+    def set_mode(self, mode: SelectionMode) -> None:
         """Have the painting tools select in another way, whichever is in use."""
-        self._canvas.choose_way(way)
-        self.way_chosen.emit(way)
-        self.take(self._canvas.tool)
+        self._canvas.choose_mode(mode)
+        self.mode_chosen.emit(mode)
+        self.choose_tool(self._canvas.tool)

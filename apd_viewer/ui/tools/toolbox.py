@@ -64,12 +64,12 @@ class Tool(Enum):
         words: _ToolWords = self.value
         return words
 
-    def hint(self, way: Way) -> str:
+    def hint(self, mode: SelectionMode) -> str:
         """Hint with the modifiers for painting in this way."""
         if not self.words.is_brush:
             return tr("{tool}: {deed}").format(tool=self.words.title, deed=self.words.hint)
         return tr("{tool}: {deed}; {modifiers}").format(
-            tool=self.words.title, deed=way.words.hint, modifiers=self.modifiers
+            tool=self.words.title, deed=mode.words.hint, modifiers=self.modifiers
         )
 
     @property
@@ -78,7 +78,7 @@ class Tool(Enum):
         return tr("Esc cancels") if self is Tool.ERASE else _MODIFIERS
 
 
-class Way(Enum):
+class SelectionMode(Enum):
     """Ways of selecting vertices; the value holds the words."""
 
     BRUSH = _ToolWords(
@@ -145,4 +145,4 @@ class Way(Enum):
         return words
 
 
-FIRST_TOOL, FIRST_WAY = Tool.MOVE, Way.BRUSH
+FIRST_TOOL, FIRST_MODE = Tool.MOVE, SelectionMode.BRUSH

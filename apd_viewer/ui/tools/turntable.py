@@ -44,12 +44,12 @@ class Turntable(MouseTool, QObject):
         viewport.tools.insert(0, self)
 
     @property
-    def on(self) -> bool:
+    def running(self) -> bool:
         """True while turning."""
         return self._timer.isActive()
 
-    @on.setter
-    def on(self, on: bool) -> None:
+    @running.setter
+    def running(self, on: bool) -> None:
         self._last = time.perf_counter()
         if on:
             self._timer.start()
@@ -66,9 +66,9 @@ class Turntable(MouseTool, QObject):
         return self._stop()
 
     def _stop(self) -> bool:
-        turned = self.on
+        turned = self.running
         if turned:
-            self.on = False
+            self.running = False
             self.stopped.emit()
         return turned
 
@@ -76,4 +76,6 @@ class Turntable(MouseTool, QObject):
         now = time.perf_counter()
         angle = SPEED * float(np.clip(now - self._last, 0.0, _LONGEST))
         self._last = now
-        self._viewport.look.eye = self._viewport.look.eye.orbited(angle / DEGREES_PER_PIXEL, 0.0)
+        self._viewport.camera_controller.camera = self._viewport.camera_controller.camera.orbited(
+            angle / DEGREES_PER_PIXEL, 0.0
+        )

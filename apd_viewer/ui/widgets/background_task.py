@@ -41,13 +41,13 @@ class BackgroundTask(QObject):
         if self._thread is None:
             self._start(work)
 
-    def give_up(self) -> None:
+    def cancel(self) -> None:
         """Want nothing any more."""
         self._wanted = None
 
     def close(self) -> None:
         """Wait for the thread: computing at interpreter exit would crash it."""
-        self.give_up()
+        self.cancel()
         if self._thread is not None:
             self._thread.join()
             self._thread = None

@@ -27,7 +27,7 @@ class ErrorBubble(QLabel):
         field.destroyed.connect(self.deleteLater)
         self.hide()
 
-    def say(self, sentence: str) -> None:
+    def show_message(self, sentence: str) -> None:
         """Show a sentence for as long as the field is used."""
         self._leaving.stop()
         ground = _ground(self._field)
@@ -41,7 +41,7 @@ class ErrorBubble(QLabel):
         self.raise_()
         QAccessible.updateAccessibility(QAccessibleEvent(self, QAccessible.Event.Alert))
 
-    def leave(self) -> None:
+    def hide_later(self) -> None:
         """Hide after a while."""
         self._leaving.start()
 

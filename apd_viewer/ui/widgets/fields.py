@@ -25,24 +25,29 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals.percentage import LEAST, MOST, SIGN, check_no_factor
+from apd_viewer.geometry.goals.percentage import (
+    LEAST_PERCENTAGE,
+    MOST_PERCENTAGE,
+    PERCENT_SIGN,
+    check_no_factor,
+)
 from apd_viewer.language import tr
-from apd_viewer.notation import typed
-from apd_viewer.presentation.number_format import short
-from apd_viewer.session.quantities.clear_numbers import as_typed, check_clear
+from apd_viewer.notation import editable_number
+from apd_viewer.presentation.number_format import format_short
+from apd_viewer.session.quantities.ambiguous_numbers import check_unambiguous, unambiguous_text
 from apd_viewer.ui.widgets.error_bubble import ErrorBubble
-from apd_viewer.ui.widgets.wheel import pass_wheel
+from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 _UNBOUNDED = 1e9  # such a limit guards arithmetic, and is none for the user
 _QUOTED = 20  # characters quoted from invalid input
 
 
-class Choice(QComboBox):
+class ComboBox(QComboBox):
     """Combo box ignoring the wheel, for a scrolled panel."""
 
     def __init__(self, **properties: Any) -> None:
         super().__init__(**properties)
-        pass_wheel(self)
+        ignore_wheel(self)
 
     def sizeHint(self) -> QSize:
         """As high as a field, with room for its longest entry."""
@@ -72,7 +77,7 @@ class Choice(QComboBox):
         painter.drawPolyline([tip - QPointF(4, 4), tip, tip + QPointF(4, -4)])
 
 
-class Check(QCheckBox):
+class CheckBox(QCheckBox):
     """Check box visible on a dark panel too."""
 
     def paintEvent(self, _: QPaintEvent) -> None:
@@ -107,7 +112,7 @@ class Check(QCheckBox):
         return self.sizeHint()
 
 
-class Number(QDoubleSpinBox):
+class NumberField(QDoubleSpinBox):
     """Number field; Enter and Esc return the keys, what is refused is explained.
 
     Parameters
@@ -132,8 +137,8 @@ class Number(QDoubleSpinBox):
         self.lineEdit().setTextMargins(4, 0, 4, 0)
         self.error = ErrorBubble(self)
         self.lineEdit().textEdited.connect(self.error.hide)
-        self.lineEdit().returnPressed.connect(partial(return_keys, self))
-        pass_wheel(self)
+        self.lineEdit().returnPressed.connect(partial(return_focus, self))
+        ignore_wheel(self)
 
     def show_value(self, value: float) -> None:
         """Show a value without emitting a choice."""
@@ -150,7 +155,7 @@ class Number(QDoubleSpinBox):
 
     def textFromValue(self, value: float) -> str:
         """Number with all digits, ungrouped, as Enter reads it."""
-        return typed(f"{value:.10g}" if self._brief else f"{value:.{self.decimals()}f}")
+        return editable_number(f"{value:.10g}" if self._brief else f"{value:.{self.decimals()}f}")
 
     def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
         """Accept any text while typing; leaving the field restores invalid ones."""
@@ -191,8 +196,8 @@ class Number(QDoubleSpinBox):
     def _doubt(self, text: str, value: float) -> str:
         """Question about an ambiguous text; empty if it is clear."""
         try:
-            check_clear(as_typed(self._bare(text)), ",")
-            if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(SIGN):
+            check_unambiguous(unambiguous_text(self._bare(text)), ",")
+            if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(PERCENT_SIGN):
                 check_no_factor(value)
         except InputError as error:
             return str(error)
@@ -202,10 +207,12 @@ class Number(QDoubleSpinBox):
     def _range(self) -> str:
         least, most, unit = self.minimum(), self.maximum(), self.suffix()
         if most < _UNBOUNDED:
-            return tr("from {least} to {most}").format(least=short(least), most=short(most) + unit)
+            return tr("from {least} to {most}").format(
+                least=format_short(least), most=format_short(most) + unit
+            )
         if least > 0.0:
             return tr("greater than 0")
-        return tr("of at least {least}").format(least=short(least) + unit)
+        return tr("of at least {least}").format(least=format_short(least) + unit)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Select the number for overwriting."""
@@ -217,7 +224,7 @@ class Number(QDoubleSpinBox):
         """Restore the number, and say why if the text was invalid."""
         self._refuse()
         super().focusOutEvent(event)
-        self.error.leave()
+        self.error.hide_later()
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Hide the error too."""
@@ -229,7 +236,7 @@ class Number(QDoubleSpinBox):
         if event.key() == Qt.Key.Key_Escape:
             self.lineEdit().setText(self.fixup(""))
             self.error.hide()
-            return_keys(self)
+            return_focus(self)
         elif event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and self._refuse():
             self.selectAll()
         else:
@@ -239,21 +246,21 @@ class Number(QDoubleSpinBox):
         """Explain an invalid text; True if it is."""
         problem = self._problem(self.lineEdit().text())
         if problem:
-            self.error.say(problem)
+            self.error.show_message(problem)
         return bool(problem)
 
 
-class Entry(QLineEdit):
+class TextField(QLineEdit):
     """Line of text; Esc restores it and returns the keys.
 
     Attributes
     ----------
-    entered, left : Signal()
+    focus_gained, focus_lost : Signal()
         The keys are its own, or no longer.
     """
 
-    entered = Signal()
-    left = Signal()
+    focus_gained = Signal()
+    focus_lost = Signal()
 
     def __init__(self, **properties: Any) -> None:
         super().__init__(objectName="typed", **properties)
@@ -263,18 +270,18 @@ class Entry(QLineEdit):
         """Remember the text."""
         super().focusInEvent(event)
         self._before = self.text()
-        self.entered.emit()
+        self.focus_gained.emit()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Leave it at that."""
         super().focusOutEvent(event)
-        self.left.emit()
+        self.focus_lost.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Restore the text on Esc."""
         if event.key() == Qt.Key.Key_Escape:
             self.restore()
-            return_keys(self)
+            return_focus(self)
         else:
             super().keyPressEvent(event)
 
@@ -283,21 +290,21 @@ class Entry(QLineEdit):
         self.setText(self._before)
 
 
-def percent_field(name: str, tip: str) -> Number:
+def percent_field(name: str, tip: str) -> NumberField:
     """Field for a target in percent of the rest value."""
-    return Number(
+    return NumberField(
         is_percentage=True,
         accessibleName=name,
         toolTip=tip,
-        minimum=LEAST,
-        maximum=MOST,
+        minimum=LEAST_PERCENTAGE,
+        maximum=MOST_PERCENTAGE,
         value=100.0,
         decimals=2,
         suffix=" %",
     )
 
 
-def return_keys(field: QWidget) -> None:
+def return_focus(field: QWidget) -> None:
     """Give the keys back to the window, in which they are the document's."""
     field.window().setFocus()
 

@@ -32,7 +32,7 @@ class Heading(QAbstractButton):
         width = metrics.horizontalAdvance(f"{self.text()}  {self.reading}") + _CHEVRON + 8
         return QSize(width, max(24, metrics.height() + 8))
 
-    def say(self, reading: str, only_folded: bool = False) -> None:
+    def show_reading(self, reading: str, only_folded: bool = False) -> None:
         """Show a reading at the right, always or only while the section is folded."""
         self._only_folded = only_folded
         if reading != self.reading:
@@ -101,17 +101,17 @@ class Section(QWidget):
         self.heading.toggled.connect(self._body.setVisible)
 
     @property
-    def folded(self) -> bool:
+    def is_folded(self) -> bool:
         """True if only the heading is shown."""
         return not self.heading.isChecked()
 
-    @folded.setter
-    def folded(self, on: bool) -> None:
+    @is_folded.setter
+    def is_folded(self, on: bool) -> None:
         self.heading.setChecked(not on)
 
     def reveal(self) -> None:
         """Unfold, and scroll the panel to what was added."""
-        self.folded = False
+        self.is_folded = False
         QTimer.singleShot(0, self, self._scroll_into_view)  # once new rows have their places
 
     def _scroll_into_view(self) -> None:
@@ -126,6 +126,6 @@ class Section(QWidget):
         self.heading.set_theme(theme)
 
 
-def quiet(name: str) -> QLabel:
+def quiet_label(name: str) -> QLabel:
     """Quiet label, as high as its text."""
     return QLabel("", objectName="quiet", accessibleName=name, wordWrap=True)

@@ -17,29 +17,29 @@ class HelpButton(QToolButton):
 
     Attributes
     ----------
-    explain : callable
+    explain_widget : callable
         Opens the manual at a widget; set by the room that has the manual.
     """
 
-    explain: ClassVar[Callable[[QWidget], object]] = staticmethod(lambda _: None)
+    explain_widget: ClassVar[Callable[[QWidget], object]] = staticmethod(lambda _: None)
 
     def __init__(self) -> None:
         super().__init__(objectName="help", text="?", accessibleName=tr("Help"))
         self.setToolTip(tr("Open the manual at this window; F1 explains a single control"))
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setFixedSize(26, 26)
-        self.clicked.connect(lambda: HelpButton.explain(self.window()))
+        self.clicked.connect(lambda: HelpButton.explain_widget(self.window()))
         self._key: QShortcut | None = None
 
     def showEvent(self, event: QShowEvent) -> None:
         """Take the key for help in the window around the button."""
         super().showEvent(event)
         if self._key is None:
-            self._key = give_help_key(self.window())
+            self._key = add_help_shortcut(self.window())
 
 
-def give_help_key(window: QWidget) -> QShortcut:
+def add_help_shortcut(window: QWidget) -> QShortcut:
     """Shortcut in a window to explain the control in use there."""
     key = QShortcut(QKeySequence(QKeySequence.StandardKey.HelpContents), window)
-    key.activated.connect(lambda: HelpButton.explain(window.focusWidget() or window))
+    key.activated.connect(lambda: HelpButton.explain_widget(window.focusWidget() or window))
     return key

@@ -8,11 +8,11 @@ from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QIcon, QIconEngine, QPainter, QPixmap
 from PySide6.QtSvg import QSvgRenderer
 
-from apd_viewer.files.samples import resource
+from apd_viewer.files.samples import resource_path
 from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS, REGION_COLORS
 from apd_viewer.ui.widgets.theme import Theme
 
-SIZE = QSize(20, 20)
+ICON_SIZE = QSize(20, 20)
 # In the drawings, besides ``currentColor``.
 _PARTS = {"baseColor": BASE_COLOR, "handleColor": HANDLE_COLORS[0], "regionColor": REGION_COLORS[0]}
 
@@ -62,9 +62,9 @@ def icon(name: str, theme: Theme) -> QIcon:
 
 @cache
 def _drawing(name: str) -> str:
-    return resource(f"icons/{name}.svg").read_text(encoding="utf-8")
+    return resource_path(f"icons/{name}.svg").read_text(encoding="utf-8")
 
 
 def application_icon() -> QIcon:
     """The icon of the program, in its own colours."""
-    return QIcon(str(resource("icons/apd-viewer.svg")))
+    return QIcon(str(resource_path("icons/apd-viewer.svg")))

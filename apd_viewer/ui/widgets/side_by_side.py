@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QSplitter, QToolButton, QWidget
 _WIDE = 1000  # px, for all parts in a row
 
 
-class ShownPart(NamedTuple):
+class Pane(NamedTuple):
     """A part: its title on a tab, its widget, its share of the width."""
 
     title: str
@@ -25,7 +25,7 @@ class SideBySide(QSplitter):
 
     Parameters
     ----------
-    parts : sequence of ShownPart
+    panes : sequence of Pane
 
     Attributes
     ----------
@@ -34,14 +34,14 @@ class SideBySide(QSplitter):
     buttons : list of QToolButton
     """
 
-    def __init__(self, parts: Sequence[ShownPart]) -> None:
+    def __init__(self, panes: Sequence[Pane]) -> None:
         super().__init__(childrenCollapsible=False, handleWidth=5)
-        self._parts, self._chosen, self._one = parts, 0, False
+        self._parts, self._chosen, self._one = panes, 0, False
         self.tabs = QWidget(visible=False)
         row = QHBoxLayout(self.tabs, spacing=2)
         row.setContentsMargins(0, 0, 0, 0)
-        self.buttons = [QToolButton(text=part.title, checkable=True, objectName="choice") for part in parts]
-        for k, (part, button) in enumerate(zip(parts, self.buttons, strict=True)):
+        self.buttons = [QToolButton(text=part.title, checkable=True, objectName="choice") for part in panes]
+        for k, (part, button) in enumerate(zip(panes, self.buttons, strict=True)):
             self.addWidget(part.widget)
             self.setStretchFactor(k, part.share)
             button.setAutoExclusive(True)
@@ -59,11 +59,11 @@ class SideBySide(QSplitter):
         self._chosen = number
         self._follow()
 
-    def arrange(self, room: QSize) -> None:
+    def arrange(self, size: QSize) -> None:
         """Arrange the parts for a room of this size."""
-        tall = room.height() > room.width()
+        tall = size.height() > size.width()
         way = Qt.Orientation.Vertical if tall else Qt.Orientation.Horizontal
-        one = not tall and room.width() < _WIDE
+        one = not tall and size.width() < _WIDE
         if way != self.orientation() or one != self._one:
             self._one = one
             self.setOrientation(way)

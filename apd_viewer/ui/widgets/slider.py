@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QSizePolicy, QSlider, QStyle
 
-from apd_viewer.ui.widgets.wheel import pass_wheel
+from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 _KNOB = 14
 
@@ -58,14 +58,14 @@ class Slider(QSlider):
 
     Attributes
     ----------
-    neutral_asked : Signal()
+    neutral_requested : Signal()
         A double click.
-    given_up : Signal()
+    drag_cancelled : Signal()
         Esc while the knob was held.
     """
 
-    neutral_asked = Signal()
-    given_up = Signal()
+    neutral_requested = Signal()
+    drag_cancelled = Signal()
 
     def __init__(self, scale: SliderScale, **properties: Any) -> None:
         super().__init__(Qt.Orientation.Horizontal, **properties)
@@ -74,7 +74,7 @@ class Slider(QSlider):
         self.setRange(0, scale.steps)
         self.setPageStep(10)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        pass_wheel(self)
+        ignore_wheel(self)
 
     def sizeHint(self) -> QSize:
         """As high as its knob with the ring of the focus."""
@@ -130,22 +130,22 @@ class Slider(QSlider):
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Ask for the neutral value."""
         if event.button() == Qt.MouseButton.LeftButton:
-            self.neutral_asked.emit()
+            self.neutral_requested.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Esc gives the sweep up."""
-        if event.key() == Qt.Key.Key_Escape and self.give_up():
+        if event.key() == Qt.Key.Key_Escape and self.cancel_drag():
             return
         super().keyPressEvent(event)
 
-    def give_up(self) -> bool:
+    def cancel_drag(self) -> bool:
         """Cancel a drag of the knob; True if there was one."""
         if not self.isSliderDown():
             return False
         self.blockSignals(True)
         self.setSliderDown(False)
         self.blockSignals(False)
-        self.given_up.emit()
+        self.drag_cancelled.emit()
         return True
 
     def x_of(self, step: int) -> float:

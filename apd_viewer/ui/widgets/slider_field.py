@@ -6,13 +6,13 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.ui.widgets.fields import Number, small_button
+from apd_viewer.ui.widgets.fields import NumberField, small_button
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.slider import Slider, SliderScale
 from apd_viewer.ui.widgets.theme import Theme
 
 
-class Dial(QWidget):
+class SliderField(QWidget):
     """One value with a slider for the hand and a field for the keyboard.
 
     Parameters
@@ -20,7 +20,7 @@ class Dial(QWidget):
     title : QLabel or QCheckBox
         Before the field; a check box also says whether the value counts at all.
     scale : SliderScale
-    field : Number
+    field : NumberField
     name : str
         For those who cannot see the title.
     ends : (str, str), optional
@@ -30,19 +30,19 @@ class Dial(QWidget):
     ----------
     chosen : Signal(float)
         By the field, by a step of the keyboard, or many times within a sweep of the knob.
-    sweep_began, sweep_ended, sweep_given_up : Signal()
+    drag_began, drag_ended, drag_cancelled : Signal()
     """
 
     chosen = Signal(float)
-    sweep_began = Signal()
-    sweep_ended = Signal()
-    sweep_given_up = Signal()
+    drag_began = Signal()
+    drag_ended = Signal()
+    drag_cancelled = Signal()
 
     def __init__(
         self,
         title: QWidget,
         scale: SliderScale,
-        field: Number,
+        field: NumberField,
         name: str,
         ends: tuple[str, str] | None = None,
     ) -> None:
@@ -54,19 +54,19 @@ class Dial(QWidget):
             scale, accessibleName=tr("{name}, slider").format(name=name), toolTip=field.toolTip()
         )
         neutral = f"{field.textFromValue(self._neutral)}{field.suffix()}"
-        self.back = small_button(
+        self.reset_button = small_button(
             tr("{name}: reset to {neutral}").format(name=name, neutral=neutral),
             tr("Reset to {neutral}").format(neutral=neutral),
         )
-        kept = self.back.sizePolicy()
+        kept = self.reset_button.sizePolicy()
         kept.setRetainSizeWhenHidden(True)
-        self.back.setSizePolicy(kept)
+        self.reset_button.setSizePolicy(kept)
         if isinstance(title, QLabel):
             title.setBuddy(field)
         row = QHBoxLayout(spacing=0)
         row.addWidget(title)
         row.addStretch(1)
-        row.addWidget(self.back)
+        row.addWidget(self.reset_button)
         row.addSpacing(4)
         row.addWidget(self.field)
         column = QVBoxLayout(self, spacing=4)
@@ -81,11 +81,11 @@ class Dial(QWidget):
     def _connect(self) -> None:
         self.field.valueChanged.connect(self._choose)
         self.slider.valueChanged.connect(lambda step: self._choose(self._scale.value_at(step)))
-        self.slider.sliderPressed.connect(self.sweep_began)
-        self.slider.sliderReleased.connect(self.sweep_ended)
-        self.slider.given_up.connect(self.sweep_given_up)
-        self.slider.neutral_asked.connect(self._go_back)
-        self.back.clicked.connect(self._go_back)
+        self.slider.sliderPressed.connect(self.drag_began)
+        self.slider.sliderReleased.connect(self.drag_ended)
+        self.slider.drag_cancelled.connect(self.drag_cancelled)
+        self.slider.neutral_requested.connect(self._go_back)
+        self.reset_button.clicked.connect(self._go_back)
 
     @property
     def _neutral(self) -> float:
@@ -105,16 +105,16 @@ class Dial(QWidget):
             self.slider.blockSignals(True)
             self.slider.setValue(step)
             self.slider.blockSignals(False)
-        self.back.setVisible(value != self._neutral)
+        self.reset_button.setVisible(value != self._neutral)
 
     def set_active(self, on: bool) -> None:
         """Enable or disable the field, keeping its text."""
-        for part in (self.field, self.slider, self.back):
+        for part in (self.field, self.slider, self.reset_button):
             part.setEnabled(on)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""
-        self.back.setIcon(icon("reset", theme))
+        self.reset_button.setIcon(icon("reset", theme))
 
     def _choose(self, value: float) -> None:
         self.show_value(value)

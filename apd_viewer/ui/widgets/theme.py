@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication, QWidget
 
-from apd_viewer.files.samples import resource
+from apd_viewer.files.samples import resource_path
 
 
 @dataclass(frozen=True)
@@ -83,11 +83,11 @@ def theme_for(scheme: Qt.ColorScheme) -> Theme:
     return DARK if asked is Qt.ColorScheme.Dark else LIGHT
 
 
-def apply(theme: Theme) -> None:
+def apply_theme(theme: Theme) -> None:
     """Dress the whole application in ``theme``."""
     application = QApplication.instance()
     assert isinstance(application, QApplication)
-    sheet = resource("window.qss").read_text(encoding="utf-8")
+    sheet = resource_path("window.qss").read_text(encoding="utf-8")
     # Longest names first: one may be a prefix of another.
     for name, color in sorted(asdict(theme).items(), key=lambda item: -len(item[0])):
         sheet = sheet.replace(f"@{name}", color)
@@ -99,7 +99,7 @@ def apply(theme: Theme) -> None:
         application.setStyleSheet(sheet)
 
 
-def mark(widget: QWidget, name: str, value: object) -> None:
+def set_style_property(widget: QWidget, name: str, value: object) -> None:
     """Have the style sheet see a property of a widget by its new value."""
     if widget.property(name) != value:
         widget.setProperty(name, value)

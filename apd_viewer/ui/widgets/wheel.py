@@ -15,7 +15,7 @@ class _Past(QObject):
         return True
 
 
-def pass_wheel(control: QWidget) -> None:
+def ignore_wheel(control: QWidget) -> None:
     """Let the wheel over a control change neither value nor focus, even in use.
 
     A filter of the whole application would be called in Python for every event of every widget.

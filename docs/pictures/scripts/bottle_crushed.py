@@ -5,10 +5,10 @@ from pathlib import Path
 from stage import Stage
 
 from apd_viewer.__main__ import main
-from apd_viewer.figures.shapes import Picture, draw_shapes
+from apd_viewer.figures.rendered_pictures import Picture, draw_shapes
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.samples import resource
+from apd_viewer.files.samples import resource_path
 from apd_viewer.presentation.palette import label_colors
 
 
@@ -18,7 +18,7 @@ def draw(stage: Stage) -> Path:
     rest, selection = stage.folder / "bottle.obj", stage.folder / "bottle.sel"
     save_mesh(mesh, mesh.V, rest)
     selection.write_text("\n".join(map(str, labels.tolist())) + "\n", encoding="utf-8")
-    transform = resource("bottle-twist-60.def" if stage.quick else "bottle-twist-180.def")
+    transform = resource_path("bottle-twist-60.def" if stage.quick else "bottle-twist-180.def")
     twisted, crushed = stage.folder / "twisted.obj", stage.folder / "crushed.obj"
     held = ["--selection", str(selection), "--transform", str(transform)]
     apart = ["--contact", "--thickness", "0.03"]

@@ -13,7 +13,7 @@ def draw(stage: Stage) -> QImage:
     stage.window.session.painting.clear_all()
     stage.look(-0.6, 0.45, 1.0, 60.0)
     stage.take(Tool.HANDLE)
-    stage.window.canvas.painter.size.radius = 34.0
+    stage.window.canvas.brush.size.radius = 34.0
     way = [stage.at(stage.near(point)) for point in _way(stage.state.document.mesh.V)]
     stage.press(way[0])
     for point in way[1:]:

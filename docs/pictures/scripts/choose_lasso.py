@@ -5,7 +5,7 @@ from PySide6.QtCore import QPointF
 from PySide6.QtGui import QImage
 from stage import Stage
 
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 
 def draw(stage: Stage) -> QImage:
@@ -14,7 +14,7 @@ def draw(stage: Stage) -> QImage:
     stage.window.session.painting.clear_all()
     stage.look(-0.55, 0.3, 1.0, 50.0)
     stage.take(Tool.BASE)
-    stage.window.tools.choose_way(Way.LASSO)
+    stage.window.tools.choose_mode(SelectionMode.LASSO)
     V = stage.state.document.mesh.V
     head = V[(V[:, 1] > 0.6 * V[:, 1].max()) & (V[:, 0] < 0)].mean(axis=0)
     middle = stage.at(stage.near(head + np.array([0.0, 0.0, 3.0])))

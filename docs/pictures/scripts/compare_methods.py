@@ -7,12 +7,14 @@ from stage import Stage
 def draw(stage: Stage) -> QImage:
     """Twist by 60 degrees and compare; times are left out."""
     stage.open_sample("bottle")
-    stage.window.session.settings.keep_apart(False)
+    stage.window.session.settings.set_contact(False)
     stage.twist("60deg")
-    stage.window.comparing.open()
-    side = stage.window.comparing.window
+    stage.window.comparison.open()
+    side = stage.window.comparison.window
     side.resize(1320, 820)
-    stage.wait(lambda: all(view.said[0] != "" and view.values is not None for view in side.views.values()))
+    stage.wait(
+        lambda: all(view.status_texts[0] != "" and view.values is not None for view in side.views.values())
+    )
     stage.wait(lambda: not side.stop.isEnabled() or stage.quick)
     stage.pause(600)
     table = side.table

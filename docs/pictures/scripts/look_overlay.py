@@ -6,14 +6,14 @@ from stage import Stage
 
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.state import State
-from apd_viewer.session.processes.deforming import deformation_of
+from apd_viewer.session.processes.document_deformation import deformation_of
 
 
 def draw(stage: Stage) -> QImage:
     """Twist by ARAP, which changes the area."""
     stage.size = (1120, 800)
     stage.open_sample("bottle")
-    stage.window.session.settings.keep_apart(False)
+    stage.window.session.settings.set_contact(False)
     stage.window.session.settings.set_method("arap")
     stage.window.docks["plots"].show()
     for chip in stage.window.plots.findChildren(QAbstractButton):
@@ -36,5 +36,5 @@ def _plot_every_frame(stage: Stage, rest: State) -> None:
     solver.aim(held.targets, rest.frame.U)
     trace.begin(rest)
     while not solver.settled:
-        trace.add(document, solver.step())
-    stage.window.plots.follow()
+        trace.add_frame(document, solver.step())
+    stage.window.plots.refresh()

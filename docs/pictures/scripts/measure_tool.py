@@ -4,7 +4,7 @@ import numpy as np
 from PySide6.QtGui import QImage
 from stage import Stage
 
-from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.toolbox import Tool
 
@@ -13,14 +13,20 @@ def draw(stage: Stage) -> QImage:
     """Twist a little, and click on the mesh."""
     stage.open_sample("bottle")
     stage.window.choose_unit(Unit.CENTIMETRE)
-    stage.window.session.settings.keep_apart(False)
+    stage.window.session.settings.set_contact(False)
     stage.twist("60deg")
     stage.take(Tool.MEASURE)
-    measure = stage.window.measure
-    for kind, heights in ((Kind.DISTANCE, (17.0, 3.5)), (Kind.GEODESIC, (15.0, 5.0)), (Kind.SECTION, (8.6,))):
+    measure = stage.window.measurements
+    for kind, heights in (
+        (MeasurementKind.DISTANCE, (17.0, 3.5)),
+        (MeasurementKind.GEODESIC, (15.0, 5.0)),
+        (MeasurementKind.SECTION, (8.6,)),
+    ):
         measure.choose_kind(kind)
         for number, height in enumerate(heights):
-            stage.click(stage.at(_front(stage, height, -1.2 if kind is Kind.GEODESIC and number else 0.9)))
+            stage.click(
+                stage.at(_front(stage, height, -1.2 if kind is MeasurementKind.GEODESIC and number else 0.9))
+            )
     stage.settle()
     stage.window.panel.ensureWidgetVisible(stage.window.panel.measure)
     stage.pause(50)
@@ -29,6 +35,6 @@ def draw(stage: Stage) -> QImage:
 
 def _front(stage: Stage, height: float, x: float) -> int:
     """The vertex in front at a height, as far right as ``x``."""
-    U, eye = stage.state.frame.U, stage.window.canvas.viewport.look.eye
+    U, eye = stage.state.frame.U, stage.window.canvas.viewport.camera_controller.camera
     near = np.flatnonzero(np.abs(U[:, 1] - height) < 0.4)
     return int(near[np.argmin(eye.depth(U[near]) + np.abs(U[near, 0] - x))])

@@ -17,8 +17,8 @@ def draw(stage: Stage) -> QImage:
     for calm in (False, True):
         stage.open_mesh(Mesh(V, F), labels)
         session = stage.window.session
-        session.settings.keep_apart(False)
-        session.settings.keep_calm(calm)
+        session.settings.set_contact(False)
+        session.settings.set_calm(calm)
         stage.twist("6", "MOVE_X")
         stage.overlay(Measure.AREA)
         stage.look(0.25, 0.25, 1.0)

@@ -13,7 +13,7 @@ def draw(stage: Stage) -> QImage:
     for contact in (False, True):
         stage.open_sample("bottle")
         stage.window.choose_unit(Unit.CENTIMETRE)
-        stage.window.session.settings.keep_apart(contact)
+        stage.window.session.settings.set_contact(contact)
         stage.twist("150deg")
         stage.look(0.42, 0.2, 0.85)
         pictures.append(stage.scene(300, 380))
@@ -24,7 +24,7 @@ def draw(stage: Stage) -> QImage:
 def _words(stage: Stage, contact: bool) -> str:
     state = stage.state
     change = 100.0 * (state.frame.volume / state.inspection.volume - 1.0)
-    check = stage.window.session.shape_checks.found
+    check = stage.window.session.shape_checks.shape_check
     count = 0 if check is None or check.crossing is None else len(check.crossing)
     crossing = f"{count:,} triangles cross" if count else "nothing crosses"
     return f"{'With' if contact else 'Without'} contact\nvolume −{-change:.1f} %, {crossing}"

@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 from stage import Stage
 
-from apd_viewer.figures.shapes import Picture, draw_shapes
-from apd_viewer.files.samples import resource
+from apd_viewer.figures.rendered_pictures import Picture, draw_shapes
+from apd_viewer.files.samples import resource_path
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pose.constraints import constraints
-from apd_viewer.geometry.solver.deform import deform
-from apd_viewer.geometry.solver.methods import COMPARED, METHODS
+from apd_viewer.geometry.solver.deformation_result import deform
+from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS
 from apd_viewer.presentation.palette import label_colors
 
 SIZE = (2000, 1000)
@@ -21,9 +21,9 @@ def draw(stage: Stage) -> Path:
     """Deform without a window, 400 iterations by each method."""
     mesh, labels = stage.sample("bottle")
     rest = face_areas(mesh.V, mesh.F)
-    held = constraints(labels, mesh.V, [read_transform(resource("bottle-twist-120.def"))])
+    held = constraints(labels, mesh.V, [read_transform(resource_path("bottle-twist-120.def"))])
     shapes, words = [mesh.V], [["Rest"]]
-    for method in COMPARED:
+    for method in COMPARED_METHODS:
         iterations = 3 if stage.quick else 400
         result = deform(mesh.V, mesh.F, held.fixed, held.targets, method, iterations, handle=held.handles)
         change = np.abs(face_areas(result.U, mesh.F) / rest - 1)

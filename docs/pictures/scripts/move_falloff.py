@@ -6,7 +6,7 @@ from PySide6.QtGui import QImage
 from stage import Stage
 
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 
 
 def draw(stage: Stage) -> QImage:
@@ -19,10 +19,10 @@ def draw(stage: Stage) -> QImage:
     for falloff in (0.0, 7.0):
         stage.open_mesh(Mesh(V, F), labels.astype("uint8"))
         session = stage.window.session
-        session.settings.keep_apart(False)
+        session.settings.set_contact(False)
         session.settings.set_method("arap")
         session.settings.set_falloff(0, falloff)
-        session.handles.move_by(TypedMotion.MOVE_Y, "4", 0)
+        session.handles.move_by(MotionKind.MOVE_Y, "4", 0)
         stage.settle()
         stage.look(0.5, 0.55, 1.0)
         pictures.append(stage.scene(360, 260))

@@ -13,7 +13,7 @@ def draw(stage: Stage) -> QImage:
     session = stage.window.session
     session.settings.set_stiffness(2e-3)
     stage.look(0.85, 0.28, 0.75)
-    stage.window.obstacles.put_floor()
+    stage.window.obstacles.add_floor()
     stage.settle()
     place = np.array([5.2, 12.6, 0.0])
     ball = NamedObstacle("Sphere", ObstacleKind.SPHERE, place, radius=1.6)

@@ -11,7 +11,7 @@ def draw(stage: Stage) -> QImage:
     """Click the badge, then the first entry of the list."""
     stage.size = (900, 640)
     stage.open_mesh(Mesh(*unclean(900 if stage.quick else 2500)))
-    health = stage.window.health
+    health = stage.window.findings
     health.badge.click()
     stage.pause(50)
     health.list.rows[0].chosen.emit()

@@ -13,7 +13,7 @@ def draw(stage: Stage) -> QImage:
     stage.open_mesh(Mesh(*can(*((24, 14) if stage.quick else (48, 32)))))
     stage.window.choose_unit(Unit.CENTIMETRE)
     stage.window.actions_.pose.press.trigger()
-    dialog = stage.window.studies.dialogs["press"]
+    dialog = stage.window.runs.dialogs["press"]
     dialog.to.setValue(60)
     dialog.steps.setValue(2 if stage.quick else 16)
     if not stage.quick:

@@ -5,16 +5,16 @@ from PySide6.QtGui import QImage
 from stage import Stage
 
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import Wish
+from apd_viewer.ui.sharing.pictures import PictureSettings
 
 
 def draw(stage: Stage) -> QImage:
     """Twist the bottle and ask for a picture without background."""
     stage.open_sample("bottle")
-    stage.window.session.settings.keep_apart(False)
+    stage.window.session.settings.set_contact(False)
     stage.twist("60deg")
-    pictures = stage.window.reporting.pictures
-    dialog = PictureDialog(stage.window.shell, pictures, Wish(QSize(1600, 1200), transparent=True))
+    pictures = stage.window.reports.pictures
+    dialog = PictureDialog(stage.window.shell, pictures, PictureSettings(QSize(1600, 1200), transparent=True))
     dialog.show()
     stage.wait(lambda: not dialog.preview.image.isNull())
     stage.pause(200)

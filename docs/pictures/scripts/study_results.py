@@ -29,7 +29,7 @@ def draw(stage: Stage) -> QImage:
     assert main(["study", str(plan), "-o", str(results), "--processes", "2"]) == 0
     stage.size = (1120, 860)
     stage.open_sample("bottle")
-    stage.window.case_studies.open(results)
+    stage.window.case_studies.open_study(results)
     panel = stage.window.case_studies.panel
     stage.wait(lambda: len(panel.model.rows) == count)
     stage.pause(300)

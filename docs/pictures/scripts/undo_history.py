@@ -9,7 +9,7 @@ def draw(stage: Stage) -> QImage:
     stage.size = (1120, 760)
     stage.open_sample("bottle")
     session = stage.window.session
-    session.settings.keep_apart(False)
+    session.settings.set_contact(False)
     stage.twist("30deg")
     stage.twist("2", "MOVE_X")
     session.settings.set_stiffness(1e-3)

@@ -23,7 +23,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from apd_viewer.__main__ import main
-from apd_viewer.figures.style import INK, QUIET, draw
+from apd_viewer.figures.style import INK, QUIET, draw_figure
 
 HERE = Path(__file__).parent
 COARSER = 2.0
@@ -63,7 +63,7 @@ def picture(folder: Path) -> None:
     """Draw the table into a folder, as least-volume.png."""
     with (HERE / "results.csv").open(encoding="utf-8", newline="") as stream:
         rows = [row for row in csv.DictReader(stream) if row["status"] == "done"]
-    draw(lambda figure: fill(figure, rows), (11.0, 4.4), folder, "least-volume")
+    draw_figure(lambda figure: fill(figure, rows), (11.0, 4.4), folder, "least-volume")
 
 
 def fill(figure: Figure, rows: list[dict[str, str]]) -> None:

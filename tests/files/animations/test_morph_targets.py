@@ -154,7 +154,7 @@ def test_shading_normals_have_a_direction_where_there_is_no_area(tmp_path):
 
 def test_write_morph_targets_refuses_what_is_too_long_for_the_format(tmp_path, monkeypatch):
     animation, _ = animated(Mesh(V, F), tmp_path / "shapes")
-    monkeypatch.setattr(morph_targets, "LONGEST", 5_000)
+    monkeypatch.setattr(morph_targets, "LARGEST_FILE", 5_000)
     with pytest.raises(InputError, match=r"a\.glb would be longer than 4 GiB; use fewer steps"):
         write_animation(animation, tmp_path / "a.glb")
     assert not (tmp_path / "a.glb").exists()

@@ -11,7 +11,7 @@ from meshes import sphere
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import check_animation, write_animation
 from apd_viewer.files.animations.series_files import replacing_series
-from apd_viewer.geometry.analysis.scalars import scalars_of
+from apd_viewer.geometry.analysis.scalars import shape_scalars
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 V, F = sphere(1)
@@ -35,7 +35,7 @@ def test_write_series_lets_vtk_read_every_shape_with_all_its_arrays(written):
     for k, U in enumerate(shapes):
         reader.set_active_time_point(k)
         grid = reader.read()[0]
-        scalars = scalars_of(MESH, U, LABELS, MEMBER)
+        scalars = shape_scalars(MESH, U, LABELS, MEMBER)
         assert np.array_equal(grid.points, U)
         assert np.array_equal(grid.cells.reshape(-1, 4)[:, 1:], F)
         assert set(grid.point_data) == set(scalars.vertices)

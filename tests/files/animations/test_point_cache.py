@@ -100,4 +100,4 @@ def test_imported_vertices_of_a_mesh_without_a_file_are_all_its_vertices(tmp_pat
     mesh = read_mesh(tmp_path / "a.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
     for each in (Mesh(loose, F), mesh):
         animation, _ = animated(each, tmp_path / "shapes")
-        assert np.array_equal(animation.imported, np.arange(len(each.V)))
+        assert np.array_equal(animation.imported_vertices, np.arange(len(each.V)))

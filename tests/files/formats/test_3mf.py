@@ -63,7 +63,7 @@ def test_read_3mf_refuses_what_is_damaged(content, tmp_path):
 
 
 def test_read_3mf_does_not_unfold_a_bomb(tmp_path, monkeypatch):
-    monkeypatch.setattr("apd_viewer.files.formats.package_3mf.MOST", 1000)
+    monkeypatch.setattr("apd_viewer.files.formats.package_3mf.MOST_BYTES", 1000)
     path = tmp_path / "bomb.3mf"
     path.write_bytes(archive(MODEL))
     with pytest.raises(InputError, match="would unpack to"):

@@ -242,7 +242,7 @@ WRONG = {
 
 @pytest.mark.parametrize("name", WRONG)
 def test_read_3mf_says_what_is_wrong(name, opened, monkeypatch):
-    monkeypatch.setattr("apd_viewer.files.formats.package_3mf.MOST_USES", 1000)
+    monkeypatch.setattr("apd_viewer.files.formats.package_3mf.MOST_OBJECT_USES", 1000)
     said, words = WRONG[name]
     with pytest.raises(InputError, match=words):
         opened(said)

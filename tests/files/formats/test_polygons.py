@@ -29,7 +29,7 @@ def triangle_areas(V, F):
 @pytest.mark.parametrize("turned", [np.eye(3), rotation([1, 2, 3], 1.0)])
 def test_polygons_cover_a_face_that_is_not_convex_once(shape, first, turned):
     V = np.roll(shape, first, axis=0) @ turned.T
-    F = Polygons.of([list(range(len(V)))]).triangles(V)
+    F = Polygons.from_faces([list(range(len(V)))]).triangles(V)
     assert len(F) == len(V) - 2
     assert triangle_areas(V, F).sum() == pytest.approx(np.linalg.norm(area_vector(V)), rel=1e-12)
 
@@ -37,7 +37,7 @@ def test_polygons_cover_a_face_that_is_not_convex_once(shape, first, turned):
 @given(st.lists(st.lists(st.integers(0, 19), min_size=0, max_size=9), max_size=12), st.integers(0, 9))
 def test_polygons_have_the_triangles_of_every_face_in_its_place(faces, seed):
     V = np.random.default_rng(seed).normal(size=(20, 3))
-    F = Polygons.of(faces).triangles(V)
+    F = Polygons.from_faces(faces).triangles(V)
     sizes = [max(len(face) - 2, 0) for face in faces]
     assert len(F) == sum(sizes)
     for face, T in zip(faces, np.split(F, np.cumsum(sizes)[:-1] if sizes else []), strict=False):
@@ -50,7 +50,7 @@ def test_polygons_have_the_triangles_of_every_face_in_its_place(faces, seed):
 def test_polygons_make_fans_of_convex_faces_around_their_first_corner():
     angle = np.arange(6) * np.pi / 3
     V = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
-    assert Polygons.of([[1, 2, 3, 4, 5, 0]]).triangles(V).tolist() == [
+    assert Polygons.from_faces([[1, 2, 3, 4, 5, 0]]).triangles(V).tolist() == [
         [1, 2, 3],
         [1, 3, 4],
         [1, 4, 5],
@@ -59,10 +59,10 @@ def test_polygons_make_fans_of_convex_faces_around_their_first_corner():
 
 
 def test_polygons_leave_faces_of_missing_vertices_to_be_refused():
-    assert Polygons.of([[0, 1, 2, 9]]).triangles(np.zeros((3, 3))).tolist() == [[0, 1, 2], [0, 2, 9]]
+    assert Polygons.from_faces([[0, 1, 2, 9]]).triangles(np.zeros((3, 3))).tolist() == [[0, 1, 2], [0, 2, 9]]
 
 
 def test_polygons_take_no_time_for_a_face_of_thousands_of_corners():
     rng = np.random.default_rng(0)
     V = rng.normal(size=(20_000, 3))
-    assert len(Polygons.of([list(range(20_000))]).triangles(V)) == 19_998
+    assert len(Polygons.from_faces([list(range(20_000))]).triangles(V)) == 19_998

@@ -418,7 +418,7 @@ def test_read_gltf_says_what_is_damaged(damage, suffix, tmp_path):
 
 
 def test_read_gltf_refuses_instances_without_end(tmp_path, monkeypatch):
-    monkeypatch.setattr("apd_viewer.files.gltf.gltf_reader.MOST", 2 * len(V))
+    monkeypatch.setattr("apd_viewer.files.gltf.gltf_reader.MOST_VERTICES", 2 * len(V))
     scene = GltfScene()
     three_instances(scene, V)
     with pytest.raises(InputError, match="all its instances"):

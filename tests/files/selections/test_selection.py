@@ -36,10 +36,10 @@ def test_selection_refuses_what_is_no_selection(change, words):
 
 def test_selection_cannot_change():
     labels = np.full(N, FREE, dtype=np.uint8)
-    selection = Selection.of(labels)
+    selection = Selection.with_default_names(labels)
     labels[:] = BASE
     assert (selection.labels == FREE).all()
     with pytest.raises(ValueError, match="read-only"):
         selection.labels[0] = BASE
-    assert Selection.of(selection.labels).labels is selection.labels
-    assert (LEAST_AREA, MOST_AREA) == (percentage.LEAST, percentage.MOST)
+    assert Selection.with_default_names(selection.labels).labels is selection.labels
+    assert (LEAST_AREA, MOST_AREA) == (percentage.LEAST_PERCENTAGE, percentage.MOST_PERCENTAGE)

@@ -91,11 +91,11 @@ def test_write_selection_keeps_the_labels_in_a_dmat_or_refuses(labels, tmp_path_
     path = tmp_path_factory.getbasetemp() / "any.dmat"
     held = set(labels[labels != FREE].tolist())
     if held <= {BASE, 2, 3, 4} and sorted(held) == [BASE, 2, 3, 4][: len(held)]:
-        assert write_selection(path, MESH, Selection.of(labels)) == ()
+        assert write_selection(path, MESH, Selection.with_default_names(labels)) == ()
         np.testing.assert_array_equal(read_selection_file(path, MESH).labels, labels)
     else:
         with pytest.raises(InputError, match="labels would change"):
-            write_selection(path, MESH, Selection.of(labels))
+            write_selection(path, MESH, Selection.with_default_names(labels))
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_write_selection_keeps_the_labels_in_a_dmat_or_refuses(labels, tmp_path_
 )
 def test_write_selection_says_what_is_left_out(suffix, dropped, tmp_path):
     assert write_selection(tmp_path / f"a{suffix}", MESH, painted()) == dropped
-    plain = Selection.of(painted().labels)
+    plain = Selection.with_default_names(painted().labels)
     assert write_selection(tmp_path / f"a{suffix}", MESH, plain) == ()
     spare = replace(plain, handles=("Handle 1", "Handle 2", "Handle 3"))
     without = () if suffix in (".json", ".NPZ") else ("empty handles",)
@@ -119,13 +119,13 @@ def test_write_selection_says_what_is_left_out(suffix, dropped, tmp_path):
 
 @pytest.mark.parametrize("suffix", SELECTION_FORMATS)
 def test_read_selection_file_brings_back_a_selection_in_which_nothing_is_painted(suffix, tmp_path):
-    nothing = Selection.of(np.full(N, FREE, dtype=np.uint8))
+    nothing = Selection.with_default_names(np.full(N, FREE, dtype=np.uint8))
     assert write_selection(tmp_path / f"a{suffix}", MESH, nothing) == ()
     assert same(read_selection_file(tmp_path / f"a{suffix}", MESH), nothing)
     assert nothing.handles == ("Handle 1",)
 
 
-def test_json_of_is_short_and_says_what_it_is(tmp_path):
+def test_selection_to_json_is_short_and_says_what_it_is(tmp_path):
     write_selection(tmp_path / "a.json", MESH, painted())
     said = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert said == {
@@ -199,7 +199,7 @@ def test_deform_takes_a_selection_of_every_format(suffix, tmp_path, capsys):
     save_mesh(MESH, MESH.V, tmp_path / "mesh.off")
     mesh = open_mesh(tmp_path / "mesh.off")
     labels = np.where(mesh.V[:, 2] < -0.8, BASE, np.where(mesh.V[:, 2] > 0.8, HANDLE, FREE)).astype(np.uint8)
-    write_selection(tmp_path / f"s{suffix}", mesh, Selection.of(labels))
+    write_selection(tmp_path / f"s{suffix}", mesh, Selection.with_default_names(labels))
     (tmp_path / "t.def").write_text("1 0 0 0  0 1 0 0  0 0 1 0.5  0 0 0 1")
     words = [str(tmp_path / name) for name in ("mesh.off", f"s{suffix}", "t.def", "out.off")]
     options = ["--selection", words[1], "--transform", words[2], "-o", words[3]]

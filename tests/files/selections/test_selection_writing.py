@@ -53,5 +53,5 @@ def test_write_selection_refuses_a_handle_without_a_base_in_a_dmat_and_leaves_no
     labels = np.full(N, FREE, dtype=np.uint8)
     labels[0] = HANDLE
     with pytest.raises(InputError, match=r"a\.dmat cannot store an empty base or handle"):
-        write_selection(tmp_path / "a.dmat", MESH, Selection.of(labels))
+        write_selection(tmp_path / "a.dmat", MESH, Selection.with_default_names(labels))
     assert list(tmp_path.iterdir()) == []

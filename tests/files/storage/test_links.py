@@ -5,9 +5,9 @@ from symbolic_links import needs_links
 
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.files.storage.atomic_folder import filling
-from apd_viewer.files.storage.links import followed, leads_in_a_circle
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.files.storage.atomic_folder import filling_folder
+from apd_viewer.files.storage.links import is_circular_link, resolved_path
 
 pytestmark = needs_links
 
@@ -25,27 +25,27 @@ def circle(tmp_path, monkeypatch):
     assert second.is_symlink()
 
 
-def test_followed_goes_along_links_that_lead_in_no_circle(tmp_path):
+def test_resolved_path_goes_along_links_that_lead_in_no_circle(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "to")
-    assert followed(tmp_path / "link" / "x") == (tmp_path / "to" / "x").resolve()
-    assert not leads_in_a_circle(tmp_path / "link")
-    with replacing(tmp_path / "link") as scratch:
+    assert resolved_path(tmp_path / "link" / "x") == (tmp_path / "to" / "x").resolve()
+    assert not is_circular_link(tmp_path / "link")
+    with replacing_file(tmp_path / "link") as scratch:
         scratch.write_text("text")
     assert (tmp_path / "to").read_text() == "text"
 
 
-def test_replacing_replaces_no_circle_by_a_file(circle):
-    assert leads_in_a_circle(circle)
+def test_replacing_file_replaces_no_circle_by_a_file(circle):
+    assert is_circular_link(circle)
     with (
         pytest.raises(InputError, match=r"cannot be written \(Too many levels of symbolic links\)"),
-        replacing(circle),
+        replacing_file(circle),
     ):
         pytest.fail("what takes long comes after the check")
 
 
 @pytest.mark.parametrize("below", ["", "folder", "folder/below"])
-def test_filling_replaces_no_circle_by_a_folder(circle, below):
-    with pytest.raises(InputError, match="Too many levels of symbolic links"), filling(circle / below):
+def test_filling_folder_replaces_no_circle_by_a_folder(circle, below):
+    with pytest.raises(InputError, match="Too many levels of symbolic links"), filling_folder(circle / below):
         pytest.fail("what takes long comes after the check")
 
 

@@ -16,8 +16,8 @@ from meshes import box
 from apd_viewer import Mesh, save_mesh
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.files.storage.atomic_folder import filling
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.files.storage.atomic_folder import filling_folder
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="streams of Unix")
 
@@ -27,7 +27,7 @@ def kind(path):
 
 
 def write(path, text="new"):
-    with replacing(path) as scratch:
+    with replacing_file(path) as scratch:
         scratch.write_text(text)
     return scratch
 
@@ -64,7 +64,7 @@ def pipe(tmp_path):
     return path
 
 
-def test_replacing_gives_all_to_a_pipe_that_is_read(pipe, tmp_path):
+def test_replacing_file_gives_all_to_a_pipe_that_is_read(pipe, tmp_path):
     link = tmp_path / "link.obj"
     link.symlink_to(pipe)
     for path in (pipe, link):
@@ -77,20 +77,20 @@ def test_replacing_gives_all_to_a_pipe_that_is_read(pipe, tmp_path):
     assert sorted(tmp_path.iterdir()) == [link, pipe]
 
 
-def test_replacing_takes_a_reader_that_has_seen_enough_for_no_error(pipe):
+def test_replacing_file_takes_a_reader_that_has_seen_enough_for_no_error(pipe):
     with read(pipe, most=10) as found:
         write(pipe, "x" * 2_000_000)
     assert found == [b"x" * 10]
 
 
-def test_replacing_refuses_a_pipe_that_nobody_reads_without_waiting(pipe):
+def test_replacing_file_refuses_a_pipe_that_nobody_reads_without_waiting(pipe):
     with pytest.raises(InputError, match="no program reads from it"):
         write(pipe)
     assert kind(pipe) == stat.S_IFIFO
 
 
 @pytest.mark.parametrize(("device", "refused"), [("/dev/null", ""), ("/dev/full", "No space left on device")])
-def test_replacing_lets_devices_and_links_to_them_stay(device, refused, tmp_path):
+def test_replacing_file_lets_devices_and_links_to_them_stay(device, refused, tmp_path):
     link = tmp_path / "link.obj"
     link.symlink_to(device)
     for path in (Path(device), link):
@@ -101,7 +101,7 @@ def test_replacing_lets_devices_and_links_to_them_stay(device, refused, tmp_path
     assert list(tmp_path.iterdir()) == [link]
 
 
-def test_replacing_refuses_what_takes_no_content_before_any_work(tmp_path, monkeypatch):
+def test_replacing_file_refuses_what_takes_no_content_before_any_work(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # names of sockets are short
     with socket.socket(socket.AF_UNIX) as own:
         own.bind("a.obj")
@@ -110,14 +110,14 @@ def test_replacing_refuses_what_takes_no_content_before_any_work(tmp_path, monke
         for path, reason in ((tmp_path / "a.obj", "no regular file"), (loop, "symbolic links")):
             before = kind(path)
             with pytest.raises(InputError, match=reason):
-                replacing(path).__enter__()
+                replacing_file(path).__enter__()
             assert kind(path) == before
     assert sorted(each.name for each in tmp_path.iterdir()) == ["a.obj", "loop.obj"]
 
 
-def test_filling_fills_a_folder_around_a_pipe_never_over_it(tmp_path):
+def test_filling_folder_fills_a_folder_around_a_pipe_never_over_it(tmp_path):
     os.mkfifo(tmp_path / "b.txt")
-    with pytest.raises(InputError, match="no regular file"), filling(tmp_path) as scratch:
+    with pytest.raises(InputError, match="no regular file"), filling_folder(tmp_path) as scratch:
         (scratch / "b.txt").write_text("new")
     assert kind(tmp_path / "b.txt") == stat.S_IFIFO
 

@@ -10,7 +10,7 @@ from meshes import tube
 
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import dropped, save_mesh, suffix_for
+from apd_viewer.files.mesh_writing import dropped_contents, save_mesh, suffix_for
 from apd_viewer.files.meshes import open_mesh
 
 
@@ -97,13 +97,13 @@ def test_vtk_xml_file_names_a_place_of_data_that_is_none_where_it_matters(tmp_pa
     save_mesh(mesh, mesh.V + np.pi, tmp_path / "out.obj")
 
 
-def test_dropped_names_what_another_format_loses(tmp_path, capsys):
+def test_dropped_contents_names_what_another_format_loses(tmp_path, capsys):
     mesh = opened(tmp_path / "in.vtp", vtp(CUBE, QUADS))
-    assert dropped(mesh, "out.obj") == ("point data (heat)", "cell data (layer)")
-    assert dropped(mesh, "out.vtp") == ()
+    assert dropped_contents(mesh, "out.obj") == ("point data (heat)", "cell data (layer)")
+    assert dropped_contents(mesh, "out.vtp") == ()
     assert suffix_for(mesh) == ".vtp"
     legacy = opened(tmp_path / "in.vtk", legacy_vtk(CUBE, QUADS))
-    assert dropped(legacy, "out.obj") == ("field data", "point data")
+    assert dropped_contents(legacy, "out.obj") == ("field data", "point data")
     assert main(["info", str(tmp_path / "in.vtp")]) == 0
     assert "in.vtp: 8 vertices, 12 triangles" in capsys.readouterr().out
 

@@ -12,7 +12,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.vtk.lz4_block import unpacked
+from apd_viewer.files.vtk.lz4_block import decompressed_block
 from apd_viewer.geometry.mesh.operators import area
 
 _COMPRESSIONS = {"plain": 0, "zlib": 1, "lz4": 2, "lzma": 3}
@@ -129,4 +129,4 @@ def test_lz4_block_of_what_repeats_is_unpacked_in_the_room_that_it_takes(period)
     data = np.random.default_rng(0).bytes(period) * (300_000 // period)
     block = vtk.vtkLZ4DataCompressor().Compress(data, len(data))
     assert block.GetNumberOfValues() < 0.1 * len(data)
-    assert unpacked(vtk_to_numpy(block).tobytes(), len(data)) == data
+    assert decompressed_block(vtk_to_numpy(block).tobytes(), len(data)) == data

@@ -32,11 +32,15 @@ triangle = st.lists(st.integers(0, 7), min_size=3, max_size=3, unique=True)
 def test_defects_find_edges_and_vertices_of_any_triangles(faces):
     F = np.array(faces)
     found, edges = defects(F, 8), edges_of(F)
-    assert {tuple(sorted(e)) for e in found.border.tolist()} == {e for e, k in edges.items() if k == 1}
-    assert {tuple(sorted(e)) for e in found.crowded.tolist()} == {e for e, k in edges.items() if k > 2}
-    assert set(found.bow_ties.tolist()) == {v for v in range(8) if fans_around(F, v) > 1}
+    assert {tuple(sorted(e)) for e in found.boundary_edges.tolist()} == {
+        e for e, k in edges.items() if k == 1
+    }
+    assert {tuple(sorted(e)) for e in found.non_manifold_edges.tolist()} == {
+        e for e, k in edges.items() if k > 2
+    }
+    assert set(found.non_manifold_vertices.tolist()) == {v for v in range(8) if fans_around(F, v) > 1}
     same = Counter(tuple(sorted(t)) for t in F.tolist())
-    assert len(found.doubled) == sum(k - 1 for k in same.values())
+    assert len(found.duplicate_faces) == sum(k - 1 for k in same.values())
 
 
 @pytest.mark.parametrize("mesh", [box(3, 2, 4), sphere(2), tube(12, 5), grid(4, 3)])
@@ -46,14 +50,14 @@ def test_defects_take_the_fewer_for_flipped(mesh, share):
     which = np.sort(np.random.default_rng(1).permutation(len(F))[: int(share * len(F))])
     F[which] = F[which][:, ::-1]
     found = defects(F, len(mesh[0]))
-    assert np.array_equal(found.flipped, which)
-    assert not found.one_sided
+    assert np.array_equal(found.flipped_faces, which)
+    assert not found.is_non_orientable
 
 
 def test_defects_judge_pieces_by_themselves():
     F, n = sphere(1)[1], len(sphere(1)[0])
     both = np.vstack([F, F[:, ::-1] + n])
-    assert len(defects(both, 2 * n).flipped) == 0, "inside out is no contradiction"
+    assert len(defects(both, 2 * n).flipped_faces) == 0, "inside out is no contradiction"
 
 
 def test_defects_find_that_a_moebius_strip_has_one_side():
@@ -61,4 +65,4 @@ def test_defects_find_that_a_moebius_strip_has_one_side():
     a, b = 2 * k, 2 * k + 1
     c, d = np.where(k == 11, 1, 2 * k + 2), np.where(k == 11, 0, 2 * k + 3)
     F = np.vstack([np.column_stack([a, c, b]), np.column_stack([b, c, d])])
-    assert defects(F, n).one_sided
+    assert defects(F, n).is_non_orientable

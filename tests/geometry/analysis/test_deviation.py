@@ -7,8 +7,8 @@ import trimesh
 from meshes import box, rotation, sphere
 
 from apd_viewer.geometry.analysis.deviation import Deviation
-from apd_viewer.geometry.analysis.extremes import worst, write_shades
-from apd_viewer.geometry.picking.surface_index import Skin
+from apd_viewer.geometry.analysis.deviation_extremes import extreme_vertices, write_shades
+from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 
 NO_SEAM = np.empty(0, dtype=np.int32)
 
@@ -43,7 +43,7 @@ def shape(request):
     return {"ball": lambda: sphere(3), "box": lambda: box(4), "sheet": sheet}[request.param]()
 
 
-MEASURES = ["area", "strain", "displacement", "bending", "distance"]
+MEASURES = ["area_change", "edge_strain", "displacement", "bending", "rest_distance"]
 
 
 @pytest.mark.parametrize("measure", MEASURES)
@@ -52,7 +52,7 @@ def test_deviation_is_none_at_rest(shape, measure):
     np.testing.assert_array_equal(getattr(change(V, F), measure)(V), 0.0)
 
 
-@pytest.mark.parametrize("measure", ["area", "strain", "bending"])
+@pytest.mark.parametrize("measure", ["area_change", "edge_strain", "bending"])
 def test_deviation_of_areas_lengths_and_bends_is_none_by_a_motion(shape, measure):
     V, F = shape
     U = V @ rotation([1, 2, 3], 1.1).T + [5.0, -2.0, 1.0]
@@ -63,8 +63,8 @@ def test_deviation_of_areas_lengths_and_bends_is_none_by_a_motion(shape, measure
 def test_deviation_of_a_scaled_sphere_has_closed_forms(s):
     V, F = sphere(4)
     found = change(V, F)
-    np.testing.assert_allclose(found.area(s * V), 2 * np.log(s), atol=1e-12)
-    np.testing.assert_allclose(found.strain(s * V), np.log(s), atol=1e-12)
+    np.testing.assert_allclose(found.area_change(s * V), 2 * np.log(s), atol=1e-12)
+    np.testing.assert_allclose(found.edge_strain(s * V), np.log(s), atol=1e-12)
     np.testing.assert_allclose(found.displacement(s * V), abs(s - 1), atol=1e-12)
     # But for the normals of the facets, which are not quite those of the sphere.
     np.testing.assert_allclose(found.bending(s * V), 1 / s - 1, rtol=1e-3, atol=1e-12)
@@ -73,7 +73,7 @@ def test_deviation_of_a_scaled_sphere_has_closed_forms(s):
 def test_deviation_of_larger_and_smaller_is_equally_far_from_nothing():
     V, F = sphere(2)
     found = change(V, F)
-    for measure in (found.area, found.strain):
+    for measure in (found.area_change, found.edge_strain):
         np.testing.assert_allclose(measure(1.25 * V), -measure(V / 1.25), atol=1e-12)
 
 
@@ -81,13 +81,13 @@ def test_deviation_of_a_stretched_sheet_has_closed_forms():
     V, F = sheet()
     U = V * [1.5, 1.0, 1.0]
     found = change(V, F)
-    np.testing.assert_allclose(found.area(U), np.log(1.5), atol=1e-12)
+    np.testing.assert_allclose(found.area_change(U), np.log(1.5), atol=1e-12)
     # Every vertex has an edge along x, which is stretched more than the diagonals are.
-    np.testing.assert_allclose(found.strain(U), np.log(1.5), atol=1e-12)
+    np.testing.assert_allclose(found.edge_strain(U), np.log(1.5), atol=1e-12)
     np.testing.assert_allclose(found.displacement(U), 0.5 * V[:, 0], atol=1e-12)
-    np.testing.assert_allclose(found.distance(U), np.maximum(U[:, 0] - 3.0, 0.0), atol=1e-12)
+    np.testing.assert_allclose(found.rest_distance(U), np.maximum(U[:, 0] - 3.0, 0.0), atol=1e-12)
     np.testing.assert_allclose(found.bending(U), 0.0, atol=1e-12)
-    shrunk = found.strain(V * [0.5, 1.0, 1.0])
+    shrunk = found.edge_strain(V * [0.5, 1.0, 1.0])
     np.testing.assert_allclose(shrunk, -np.log(2.0), atol=1e-12)
 
 
@@ -96,8 +96,8 @@ def test_deviation_by_shear_moves_edges_and_keeps_areas():
     U = V.copy()
     U[:, 0] += 0.7 * V[:, 1]
     found = change(V, F)
-    np.testing.assert_allclose(found.area(U), 0.0, atol=1e-12)
-    assert (np.abs(found.strain(U)) > 0.05).all()
+    np.testing.assert_allclose(found.area_change(U), 0.0, atol=1e-12)
+    assert (np.abs(found.edge_strain(U)) > 0.05).all()
 
 
 @pytest.mark.parametrize("radius", [1.0, 2.5])
@@ -109,7 +109,7 @@ def test_deviation_bending_of_a_rolled_sheet_is_half_the_curvature_of_its_radius
     within = inner(V)
     np.testing.assert_allclose(found.bending(U)[within], side * 0.5 / radius, rtol=2e-3)
     # Bent without being stretched, but for the chords of the arcs.
-    np.testing.assert_allclose(found.area(U), 0.0, atol=1e-3)
+    np.testing.assert_allclose(found.area_change(U), 0.0, atol=1e-3)
 
 
 def test_deviation_bending_has_the_curvature_of_libigl():
@@ -135,20 +135,20 @@ def test_deviation_strain_and_area_are_those_of_a_loop_over_all():
     strain = [max(ratios, key=abs) for ratios in ratio.values()]
     ratios = mesh.area_faces / rest.area_faces
     areas = [np.log(max(ratios[(v == F).any(axis=1)], key=lambda r: abs(r - 1))) for v in range(len(V))]
-    np.testing.assert_allclose(change(V, F).strain(U), strain, atol=1e-12)
-    np.testing.assert_allclose(change(V, F).area(U), areas, atol=1e-12)
+    np.testing.assert_allclose(change(V, F).edge_strain(U), strain, atol=1e-12)
+    np.testing.assert_allclose(change(V, F).area_change(U), areas, atol=1e-12)
 
 
 def test_deviation_distance_is_that_of_libigl():
     for V, F in (sphere(3), box(4), sheet()):
         U = V @ rotation([1, 1, 0], 0.8).T + 0.3 * np.random.default_rng(1).standard_normal(V.shape)
         expected = np.sqrt(igl.point_mesh_squared_distance(U, V, F)[0])
-        np.testing.assert_allclose(change(V, F).distance(U), expected, atol=1e-12)
+        np.testing.assert_allclose(change(V, F).rest_distance(U), expected, atol=1e-12)
 
 
 def test_deviation_distance_that_nobody_wants_any_more_is_given_up():
     V, F = sphere(2)
-    assert change(V, F).distance(V, lambda: True) is None
+    assert change(V, F).rest_distance(V, lambda: True) is None
 
 
 def test_deviation_takes_a_seam_for_no_border():
@@ -157,7 +157,7 @@ def test_deviation_takes_a_seam_for_no_border():
     soup = np.arange(3 * len(F)).reshape(-1, 3)
     W = V[F].reshape(-1, 3)
     joined = np.unique(W, axis=0, return_index=True, return_inverse=True)
-    skin = Skin.of(soup, len(W), joined[1][joined[2].ravel()][soup])
+    skin = SurfaceIndex.from_triangles(soup, len(W), joined[1][joined[2].ravel()][soup])
     U = V * [1.0, 1.3, 0.9]
     for measure in MEASURES:
         whole = getattr(change(V, F), measure)(U)
@@ -172,11 +172,11 @@ def test_deviation_has_no_value_where_there_is_nothing_to_compare():
     for measure in MEASURES:
         assert np.isnan(getattr(change(V, F), measure)(U)[-2]), "nobody sees a vertex of no triangle"
     found = change(V, F)
-    assert np.isnan(found.area(U)[-1]), "its only triangle has no area"
-    assert np.isfinite(found.area(U)[:-2]).all()
+    assert np.isnan(found.area_change(U)[-1]), "its only triangle has no area"
+    assert np.isfinite(found.area_change(U)[:-2]).all()
     flat = V.copy()
     flat[:-2] = V[0]
-    assert (found.area(flat)[:-2] == -np.inf).all(), "shrunk to nothing is less than all"
+    assert (found.area_change(flat)[:-2] == -np.inf).all(), "shrunk to nothing is less than all"
 
 
 def test_write_shades_puts_the_zero_in_the_middle_and_is_symmetric():
@@ -192,12 +192,12 @@ def test_write_shades_puts_the_zero_in_the_middle_and_is_symmetric():
     assert (both.astype(int) - 128 == -(both[::-1].astype(int) - 128)).all()
 
 
-def test_worst_places_are_apart_and_in_order():
+def test_extreme_vertices_places_are_apart_and_in_order():
     x = np.linspace(0, 10, 1001)
     U = np.column_stack([x, 0 * x, 0 * x])
     values = np.exp(-((x - 2) ** 2)) - 1.5 * np.exp(-((x - 7) ** 2))
     values[0] = np.nan
-    found = worst(values, U, 3.0, 2)
+    found = extreme_vertices(values, U, 3.0, 2)
     np.testing.assert_allclose(x[found], [7.0, 2.0], atol=1e-3)
-    assert len(worst(np.zeros(1001), U, 1.0, 5)) == 0
-    assert len(worst(values, U, 1.0, 30)) <= 11
+    assert len(extreme_vertices(np.zeros(1001), U, 1.0, 5)) == 0
+    assert len(extreme_vertices(values, U, 1.0, 30)) <= 11

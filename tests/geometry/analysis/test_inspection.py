@@ -10,10 +10,10 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 
 def test_inspect_has_nothing_to_say_of_a_clean_mesh():
     found = inspect(Mesh(*box(2, 1, 3)))
-    assert (found.vertices, found.faces, found.pieces) == (24, 44, 1)
+    assert (found.vertices, found.faces, found.components) == (24, 44, 1)
     assert found.area == pytest.approx(22)
     assert found.volume == pytest.approx(6)
-    assert found.why_no_volume is None
+    assert found.missing_volume_reason is None
     assert found.size == (2.0, 1.0, 3.0)
     assert found.findings == ()
 
@@ -26,7 +26,7 @@ def test_inspect_takes_a_mesh_without_any_extent_all_the_same():
 
 def test_inspect_takes_a_soup_for_one_closed_piece_of_repeated_vertices():
     found = inspect(Mesh(*soup(*box(1, 1, 1))))
-    assert (found.vertices, found.pieces) == (36, 1)
+    assert (found.vertices, found.components) == (36, 1)
     assert found.volume == pytest.approx(1)
     (finding,) = found.findings
     assert finding.sentence == "28 vertices have the same position as another; they move together."
@@ -37,9 +37,9 @@ def test_inspect_counts_what_is_unusual():
     (V, F), n = grid(2, 2), 9
     V = np.vstack([V, V + [0.0, 0.0, 5.0], [[9.0, 9.0, 9.0]]])
     found = inspect(Mesh(V, np.vstack([F, F + n, [[0, 0, 1]]])))
-    assert found.pieces == 2
+    assert found.components == 2
     assert found.volume is None
-    assert found.why_no_volume == "the surface is open (16 boundary edges)"
+    assert found.missing_volume_reason == "the surface is open (16 boundary edges)"
     unused, flat, border, separate = found.findings
     assert unused.sentence.startswith("1 loose vertex")
     assert unused.vertices.tolist() == [18]
@@ -61,7 +61,7 @@ def test_inspect_says_that_a_surface_is_inside_out(openings):
 def test_inspect_says_first_what_the_file_is_remarked_for_and_it_stays_with_the_mesh():
     V, F = box(1, 1, 1)
     mesh = Mesh(V, F[:-1], remarks=("Beams were not read.",))
-    for same in (mesh, mesh.baked(2 * mesh.V), mesh.homeless()):
+    for same in (mesh, mesh.baked(2 * mesh.V), mesh.without_path()):
         first, border = inspect(same).findings
         assert (first.kind, first.sentence, len(first.vertices)) == ("file", "Beams were not read.", 0)
         assert border.kind == "open borders"

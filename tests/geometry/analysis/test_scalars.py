@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from meshes import box, rotation, soup, sphere
 
-from apd_viewer.geometry.analysis.scalars import scalars_of
+from apd_viewer.geometry.analysis.scalars import shape_scalars
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -16,10 +16,10 @@ MEMBER = (V[:, 0] > 0).astype(np.uint8)
 
 
 def scalars(U, mesh=MESH):
-    return scalars_of(mesh, U, LABELS, MEMBER)
+    return shape_scalars(mesh, U, LABELS, MEMBER)
 
 
-def test_scalars_of_a_rigid_motion_change_nothing_but_places():
+def test_shape_scalars_a_rigid_motion_change_nothing_but_places():
     U = V @ rotation([1.0, 2.0, 3.0], 1.0).T + [1.0, 0.0, 0.0]
     vertices, triangles = scalars(U)
     for name in ("area_change", "edge_strain", "bending"):
@@ -30,7 +30,7 @@ def test_scalars_of_a_rigid_motion_change_nothing_but_places():
         np.testing.assert_allclose(triangles[name], 1.0, rtol=1e-12)
 
 
-def test_scalars_of_a_scale_read_it_as_it_is():
+def test_shape_scalars_a_scale_read_it_as_it_is():
     vertices, triangles = scalars(1.5 * V)
     np.testing.assert_allclose(vertices["area_change"], 1.25, rtol=1e-12)
     np.testing.assert_allclose(vertices["edge_strain"], 0.5, rtol=1e-12)
@@ -39,12 +39,12 @@ def test_scalars_of_a_scale_read_it_as_it_is():
     np.testing.assert_allclose(vertices["distance_to_rest"], 0.5, atol=0.02)
 
 
-def test_scalars_of_compares_with_a_target_shape():
+def test_shape_scalars_compares_with_a_target_shape():
     none = np.zeros(len(V), dtype=np.uint8)
-    same = scalars_of(MESH, 1.5 * V, none, none, TargetShape(Mesh(2.0 * V, F))).vertices
+    same = shape_scalars(MESH, 1.5 * V, none, none, TargetShape(Mesh(2.0 * V, F))).vertices
     np.testing.assert_allclose(same["target_displacement"], 0.5, rtol=1e-12)
     np.testing.assert_allclose(same["target_distance"], 0.5, atol=0.03)
-    other = scalars_of(MESH, V, none, none, TargetShape(Mesh(*box(2, 2, 2)))).vertices
+    other = shape_scalars(MESH, V, none, none, TargetShape(Mesh(*box(2, 2, 2)))).vertices
     assert "target_distance" in other
     assert "target_displacement" not in other, "there are no corresponding vertices"
 
@@ -76,17 +76,17 @@ def test_scalars_have_no_change_of_a_triangle_without_area():
     W = np.vstack([V, [[3.0, 0.0, 0.0]] * 3])
     mesh = Mesh(W, np.vstack([F, [len(V), len(V) + 1, len(V) + 2]]))
     none = np.zeros(len(W), dtype=np.uint8)
-    vertices, triangles = scalars_of(mesh, W, none, none)
+    vertices, triangles = shape_scalars(mesh, W, none, none)
     assert np.isnan(triangles["area_change"][-1])
     assert np.isnan(triangles["largest_stretch"][-1])
     assert np.isfinite(triangles["area_change"][:-1]).all()
     assert np.isnan(vertices["area_change"][-3:]).all()
 
 
-def test_scalars_of_repeated_vertices_are_the_same():
+def test_shape_scalars_repeated_vertices_are_the_same():
     W, G = soup(*box(1, 1, 2))
     mesh, none = Mesh(W, G), np.zeros(len(W), dtype=np.uint8)
     U = W * [1.0, 1.0, 1.3] + 0.1 * W[:, [1, 2, 0]]
-    vertices, _ = scalars_of(mesh, U, none, none)
+    vertices, _ = shape_scalars(mesh, U, none, none)
     for name in ("area_change", "edge_strain", "bending"):
         np.testing.assert_array_equal(vertices[name], vertices[name][mesh.weld.first[mesh.weld.inverse]])

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 from meshes import box, sphere
 
-from apd_viewer.geometry.analysis.surface_distance import nearest, surface_distance
+from apd_viewer.geometry.analysis.surface_distance import nearest_triangles, surface_distance
 
 
 def test_nearest_triangles_are_those_of_libigl():
     V, F = box(2, 3, 4)
     points = np.random.default_rng(0).uniform(-2.0, 6.0, (500, 3))
-    away, corners = nearest(points, V, F)
+    away, corners = nearest_triangles(points, V, F)
     squared = igl.point_mesh_squared_distance(points, V, F)[0]
     np.testing.assert_allclose(away, np.sqrt(squared), rtol=0, atol=1e-12)
     for point, distance, triangle in zip(points[::50], away[::50], corners[::50], strict=True):

@@ -5,8 +5,8 @@ import pytest
 from meshes import grid, sphere
 
 from apd_viewer.geometry.contact.clearance import clearance
-from apd_viewer.geometry.contact.obstacles import capsule, plate
-from apd_viewer.geometry.contact.obstacles import sphere as ball
+from apd_viewer.geometry.contact.contact_obstacles import capsule, plate
+from apd_viewer.geometry.contact.contact_obstacles import sphere as ball
 
 X, Y, Z = np.eye(3)
 ONE = np.array([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0]]), np.array([[0, 1, 2]])

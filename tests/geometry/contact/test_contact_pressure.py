@@ -28,11 +28,11 @@ def plates():
 def test_contact_pressure_is_where_plates_are_near_and_grows_as_they_near(plates):
     mesh, labels, sheet = plates
     pressure = ContactPressure(mesh, labels, NEAR)
-    assert not pressure.at(mesh.V)[sheet < 2].any()
+    assert not pressure.relative_pressure(mesh.V)[sheet < 2].any()
     U = mesh.V.copy()
     x, upper = mesh.V[:, 0], sheet == 1
     U[upper, 2] = 0.005 + 0.05 * np.abs(x[upper] - 0.7) ** 2 + (np.abs(x[upper] - 0.7) > 0.35)
-    found = pressure.at(U)
+    found = pressure.relative_pressure(U)
     assert np.isnan(found[sheet == 2]).all(), "nothing keeps a loose part apart"
     assert np.nanmax(found) == 1.0
     gap = cKDTree(U[upper]).query(U[sheet == 0])[0]
@@ -49,6 +49,6 @@ def test_contact_pressure_is_where_plates_are_near_and_grows_as_they_near(plates
 def test_contact_pressure_is_none_where_all_stand_free_of_each_other(plates):
     mesh, labels, sheet = plates
     U = mesh.V + (sheet == 1)[:, None] * np.array([0.0, 0.0, 3.0])
-    found = ContactPressure(mesh, labels, None).at(U)
+    found = ContactPressure(mesh, labels, None).relative_pressure(U)
     assert not found[sheet < 2].any()
     assert np.isnan(found[sheet == 2]).all()

@@ -5,7 +5,7 @@ from meshes import grid
 
 from apd_viewer.geometry.analysis.self_intersections import crossing_pairs, crossings
 from apd_viewer.geometry.contact.contact import Contact
-from apd_viewer.geometry.contact.exempt_zones import exempt_zones, near_crossing
+from apd_viewer.geometry.contact.exempt_zones import exempt_zones, is_near_crossing
 
 AWAY = np.array([5.0, 0.0, 0.0])
 
@@ -34,7 +34,7 @@ def test_exempt_zones_are_one_for_each_place_and_what_crosses_shares_one():
     corners = zone[F[pairs]].reshape(len(pairs), -1)
     assert (corners == corners[:, :1]).all()
     assert corners.min() > 0
-    assert np.array_equal(zone > 0, near_crossing(F, np.unique(pairs), len(V)))
+    assert np.array_equal(zone > 0, is_near_crossing(F, np.unique(pairs), len(V)))
 
 
 def test_exempt_zones_are_none_where_nothing_crosses():
@@ -50,10 +50,10 @@ def test_contact_keeps_places_that_cross_at_rest_apart_from_each_other():
     through, beside = V.copy(), V.copy()
     through[second] -= 0.9 * AWAY
     beside[second] -= 0.4 * AWAY
-    assert not contact.may_enter(through)
-    assert contact.may_enter(beside)
-    assert not contact.leads_to(through)
-    assert contact.leads_to(beside)
+    assert not contact.can_start_at(through)
+    assert contact.can_start_at(beside)
+    assert not contact.move_to(through)
+    assert contact.move_to(beside)
 
 
 def test_contact_lets_what_crosses_at_rest_go_on_crossing():
@@ -63,5 +63,5 @@ def test_contact_lets_what_crosses_at_rest_go_on_crossing():
     along = V.copy()
     along[upright, 2] += 0.1
     assert len(crossings(along, F))
-    assert contact.may_enter(along)
-    assert contact.leads_to(along)
+    assert contact.can_start_at(along)
+    assert contact.move_to(along)

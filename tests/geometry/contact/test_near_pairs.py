@@ -44,7 +44,7 @@ def walk(V, F, reach, seed, steps, size):
         )
         W = U + velocity
         for _ in range(20):
-            shares = near.examine(U, W)
+            shares = near.find_free_shares(U, W)
             if shares is None:
                 break
             refused += 1
@@ -53,7 +53,7 @@ def walk(V, F, reach, seed, steps, size):
         else:
             velocity = np.zeros_like(V)
             continue
-        near.accept()
+        near.accept_step()
         U = W
         energy, count, least = every.energy(U)
         assert least > 0.0
@@ -89,7 +89,7 @@ def test_near_pairs_enter_a_shape_as_if_it_had_been_walked_to():
     V, F = grid(7, 7)
     _, _, U = walk(V, F, 0.05, 1, 40, 0.05)
     near = NearPairs(V, F, np.zeros((1, len(V)), np.int64), 0.05)
-    near.enter(U)
+    near.rebuild_at(U)
     energy, count, _ = BruteForce(V, F, 0.05).energy(U)
     assert count
     assert near.energy_ahead == pytest.approx(energy, rel=1e-12)
@@ -99,11 +99,11 @@ def test_near_pairs_leave_out_pairs_of_one_group():
     V, F = grid(7, 7)
     _, _, U = walk(V, F, 0.05, 1, 40, 0.05)
     near = NearPairs(V, F, np.ones((1, len(V)), np.int64), 0.05)
-    near.enter(U)
+    near.rebuild_at(U)
     assert near.energy_ahead == 0.0
     some = np.stack([np.zeros(len(V), np.int64), (np.arange(len(V)) % 2) + 1])
     near = NearPairs(V, F, some, 0.05)
-    near.enter(U)
+    near.rebuild_at(U)
     every = BruteForce(V, F, 0.05)
     apart = (some[1][every.pairs] != some[1][every.pairs[:, :1]]).any(axis=1)
     every.pairs, every.edges, every.reach = every.pairs[apart], every.edges[apart], every.reach[apart]
@@ -114,7 +114,7 @@ def test_near_pairs_leave_out_pairs_of_one_group():
 def test_near_pairs_shorten_a_way_for_all_that_is_too_long_at_once():
     V, F = grid(7, 7)
     near = NearPairs(V, F, np.zeros((1, len(V)), np.int64), 0.05)
-    shares = near.examine(V, V + np.random.default_rng(0).normal(size=V.shape) * 50.0)
+    shares = near.find_free_shares(V, V + np.random.default_rng(0).normal(size=V.shape) * 50.0)
     assert shares.min() == shares.max() < 0.1
 
 
@@ -127,7 +127,7 @@ def test_near_pairs_far_from_the_origin_have_the_energy_of_those_at_it():
 
     def energy(height):
         near = NearPairs(V + [0.0, 0.0, height], F, np.zeros((1, 2 * n), np.int64), 0.05)
-        near.enter(U + [0.0, 0.0, height])
+        near.rebuild_at(U + [0.0, 0.0, height])
         return near.energy_ahead
 
     assert energy(0.0) > 0.0
@@ -139,8 +139,8 @@ def test_pair_search_knows_of_far_patches_how_far_they_are():
     V, F = grid(15, 15)
     E = np.unique(np.sort(F[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0)
     patches, reach = Patches(V, F, E), 0.05
-    between, apart = patches.near(patches.boxes(V), np.inf)
+    between, apart = patches.near_pairs(patches.boxes(V), np.inf)
     search = PairSearch(V, F, E, patches, np.zeros((1, len(V)), np.int64), reach)
-    _, bound = search.near(V, between, np.zeros(len(between)))
+    _, bound = search.near_pairs(V, between, np.zeros(len(between)))
     assert (apart > reach).any()
     assert bound == pytest.approx(np.maximum(apart - reach, 0.0))

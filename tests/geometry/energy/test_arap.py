@@ -6,11 +6,11 @@ import oracle
 import pytest
 from meshes import box, ends, grid, moved, rotation, sphere, tube
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.deformation_result import deform
 
 # name: rotation of the handle about its centroid, and its shift in heights of the mesh
 MOVES = {
@@ -107,11 +107,11 @@ def test_solve_mesh_energy_of_a_stretched_triangle_is_that_by_hand():
 
 @pytest.mark.parametrize("mesh", [OBTUSE, box(2, 2, 5)], ids=["tube", "box"])
 @pytest.mark.parametrize("move", MOVES)
-def test_elastic_never_raises_the_energy_and_its_rotations_stay_rotations(mesh, move):
+def test_elastic_surface_never_raises_the_energy_and_its_rotations_stay_rotations(mesh, move):
     V, F = mesh
     fixed, _, targets = held_ends(V, move)
     rest = SolveMesh(V, F)
-    arap = Elastic(rest, fixed)
+    arap = ElasticSurface(rest, fixed)
     energies = []
     for _ in range(40):
         arap.iterate(targets)
@@ -121,11 +121,11 @@ def test_elastic_never_raises_the_energy_and_its_rotations_stay_rotations(mesh, 
     assert (np.diff(energies) <= 1e-12 * energies[0]).all()
 
 
-def test_elastic_ends_at_a_minimum_of_the_energy_in_every_direction():
+def test_elastic_surface_ends_at_a_minimum_of_the_energy_in_every_direction():
     V, F = OBTUSE
     fixed, _, targets = held_ends(V, "bend")
     rest = SolveMesh(V, F)
-    arap = Elastic(rest, fixed)
+    arap = ElasticSurface(rest, fixed)
     for _ in range(1500):
         arap.iterate(targets)
     rng = np.random.default_rng(0)

@@ -6,10 +6,10 @@ import pytest
 from meshes import sphere, tube
 
 from apd_viewer.geometry.energy.area_barrier import AreaBarrier
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation_result import deform
 
 V, F = sphere(2)
 
@@ -58,11 +58,11 @@ def test_area_barrier_stays_finite_with_slivers_and_flat_triangles():
 
 
 @pytest.mark.parametrize("bending", [1e-3, 1e-2])
-def test_elastic_iterate_reduces_the_energy_without_the_area_barrier(bending):
+def test_elastic_surface_iterate_reduces_the_energy_without_the_area_barrier(bending):
     """Half of a crumpled sphere is held: on the way back nothing sends the other half to and fro."""
     rng = np.random.default_rng(0)
     held, U = np.flatnonzero(rng.random(len(V)) < 0.5), crumpled(0.25)
-    elastic, barrier = Elastic(SolveMesh(V, F), held, Material(bending=bending)), AreaBarrier(V, F)
+    elastic, barrier = ElasticSurface(SolveMesh(V, F), held, Material(bending=bending)), AreaBarrier(V, F)
     elastic.local_step(U)
     energies = []
     for _ in range(20):

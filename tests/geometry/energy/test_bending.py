@@ -5,17 +5,17 @@ import oracle
 import pytest
 from meshes import box, ends, grid, moved, rotation, sphere, tube
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation_result import deform
 
 MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "sphere": sphere(2)}
 
 
 def bent(rest, U):
     """The bending energy of ``U`` with the rotations that are optimal for its cells."""
-    elastic = Elastic(rest, np.array([0]), Material(bending=1.0))
+    elastic = ElasticSurface(rest, np.array([0]), Material(bending=1.0))
     elastic.restart(U)
     return rest.bending.energy(U, elastic.q)
 
@@ -148,11 +148,11 @@ def test_deform_shapes_a_stiff_sheet_alike_however_finely_it_is_divided():
 
 @pytest.mark.parametrize("stiffness", [1e-3, 0.1])
 @pytest.mark.parametrize("mesh", MESHES)
-def test_elastic_with_bending_never_raises_the_energy_and_its_slope_is_the_force(mesh, stiffness):
+def test_elastic_surface_with_bending_never_raises_the_energy_and_its_slope_is_the_force(mesh, stiffness):
     V, F = MESHES[mesh]
     base, handle = ends(V)
     targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 1.5), [0.3, 0, 0.2])])
-    elastic = Elastic(SolveMesh(V, F), np.concatenate([base, handle]), Material(bending=stiffness))
+    elastic = ElasticSurface(SolveMesh(V, F), np.concatenate([base, handle]), Material(bending=stiffness))
     energies = []
     for _ in range(50):
         elastic.iterate(targets)

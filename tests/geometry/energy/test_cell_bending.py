@@ -57,7 +57,7 @@ def rolled(V, turn, curvature):
 def bending_stiffness(V, F, curvature=0.1):
     """Of the cells: their energy less that of their strain, over ``A k^2``, mean of eight directions."""
     mesh, area = SolveMesh(V, F), face_areas(V, F).sum()
-    strain, found = Membrane(V, mesh.whole, 2.0, 0.0), []
+    strain, found = Membrane(V, mesh.all_triangles, 2.0, 0.0), []
     for turn in np.arange(8) * np.pi / 8.0:
         U = rolled(V, turn, curvature)
         strain.local_step(U)

@@ -6,14 +6,14 @@ import pytest
 from meshes import box, ends, rotation, tube
 from remote_factor_double import Elsewhere
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_SHEAR_STIFFNESS,
     METHODS,
-    material_of,
+    method_material,
 )
 
 V, F = box(2, 2, 6)
@@ -39,8 +39,8 @@ def test_frame_energy_is_equation_one_with_the_best_rotations_without_other_term
 @pytest.mark.parametrize("method", ["exact", "paper", "local"])
 def test_frame_energy_has_the_terms_of_the_material(method):
     solver = Deformation(V, F, FIXED, method=method, handle=HANDLE, stiffness=0.05)
-    material = material_of(METHODS[method], 0.05, DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS)
-    afresh = Elastic(RestMesh(V, F).shape, np.sort(FIXED), material)
+    material = method_material(METHODS[method], 0.05, DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS)
+    afresh = ElasticSurface(RestMesh(V, F).solve_mesh, np.sort(FIXED), material)
     solver.aim(targets())
     for _ in range(6):
         frame = solver.step()
@@ -61,7 +61,7 @@ def test_frame_energy_is_of_the_shape_shown_while_a_coarse_one_leads_and_others_
     hid = 0
     for _ in range(400):
         frame = solver.step()
-        hid += solver.solver.hides
+        hid += solver.solver.is_iterate_hidden
         assert frame.energy == pytest.approx(rest.energy(frame.U), rel=1e-6)
         if hid > 3 or solver.settled:
             break

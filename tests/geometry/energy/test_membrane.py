@@ -9,14 +9,14 @@ from meshes import box, ends, grid, moved, rotation, sphere, tube
 from scipy.optimize import minimize_scalar
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.membrane_lanes import LANES, ROWS, project_lanes
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.mesh.weighted_areas import Patch
+from apd_viewer.geometry.solver.deformation_result import deform
 
 MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "sphere": sphere(2)}
 
@@ -85,7 +85,7 @@ def test_membrane_forces_are_the_slope_of_the_energy(mesh):
     rng = np.random.default_rng(0)
     U, direction = V + 0.05 * rng.normal(size=V.shape), rng.normal(size=V.shape)
     membrane.local_step(U)
-    slope = (4 * (membrane.K @ U - membrane.pull()) * direction).sum()
+    slope = (4 * (membrane.K @ U - membrane.right_hand_side()) * direction).sum()
     h = 1e-6
     quotient = (energy(membrane, U + h * direction) - energy(membrane, U - h * direction)) / (2 * h)
     assert quotient == pytest.approx(slope, rel=1e-6)
@@ -113,11 +113,11 @@ def test_membrane_area_term_lets_a_sheet_shear_freely():
 
 @pytest.mark.parametrize("material", [Material(0.1, 0.1, 20.0), Material(1.0, 2.0, 0.0), Material(0.5, 0, 3)])
 @pytest.mark.parametrize("mesh", MESHES)
-def test_elastic_with_a_membrane_never_raises_the_energy(mesh, material):
+def test_elastic_surface_with_a_membrane_never_raises_the_energy(mesh, material):
     V, F = MESHES[mesh]
     base, handle = ends(V)
     targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 2.0), [0.3, 0, 0.2])])
-    elastic = Elastic(SolveMesh(V, F), np.concatenate([base, handle]), material)
+    elastic = ElasticSurface(SolveMesh(V, F), np.concatenate([base, handle]), material)
     energies = []
     for _ in range(60):
         elastic.iterate(targets)
@@ -159,6 +159,6 @@ def test_membrane_stays_finite_with_needles():
     membrane = membrane_of(V, F, 0.1, 20.0)
     U = V @ rotation([1, 0, 0], 1.0).T
     membrane.local_step(U)
-    assert np.isfinite(membrane.pull()).all()
+    assert np.isfinite(membrane.right_hand_side()).all()
     assert np.isfinite(membrane.K.toarray()).all()
     assert energy(membrane, U) <= 1e-8

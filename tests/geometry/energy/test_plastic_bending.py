@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from meshes import grid, moved, rotation, tube
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.pressing.press_options import PressOptions
-from apd_viewer.geometry.pressing.pressing import Pressing
+from apd_viewer.geometry.pressing.press_solver import PressSolver
 
 NOTHING = (), np.zeros((0, 3))
 V, F = tube(12, 8, height=3.0, shear=0.6)
@@ -17,7 +17,7 @@ HELD = np.array([0, 5])
 
 
 def surface(yield_curvature=np.inf):
-    return Elastic(SolveMesh(V, F), HELD, Material(bending=0.01, yield_curvature=yield_curvature))
+    return ElasticSurface(SolveMesh(V, F), HELD, Material(bending=0.01, yield_curvature=yield_curvature))
 
 
 def at_rest_with(elastic, U):
@@ -64,7 +64,7 @@ def test_plastic_bending_changes_nothing_below_the_yield_curvature():
     plain, yielding = surface(), surface(1e6)
     assert at_rest_with(yielding, U) == pytest.approx(at_rest_with(plain, U), rel=1e-12)
     assert yielding.residual(targets) == pytest.approx(plain.residual(targets), abs=1e-12)
-    yielding.keep_creases()
+    yielding.commit_creases()
     assert yielding.energy == pytest.approx(plain.energy, rel=1e-12)
 
 
@@ -74,7 +74,7 @@ def test_plastic_bending_forces_are_the_slope_of_the_energy(kept):
     elastic = surface(0.5)
     if kept:
         at_rest_with(elastic, shaken(0.05))
-        elastic.keep_creases()
+        elastic.commit_creases()
     U, h = shaken(0.05, seed=4), 1e-5
     way = np.random.default_rng(5).normal(size=V.shape)
     way[HELD] = 0.0
@@ -84,23 +84,23 @@ def test_plastic_bending_forces_are_the_slope_of_the_energy(kept):
     assert (ends[1] - ends[0]) / (2 * h) == pytest.approx(slope, rel=1e-4)
 
 
-def test_keep_creases_changes_no_energy_but_the_forces():
+def test_commit_creases_changes_no_energy_but_the_forces():
     """What flow has taken is counted, and a shape that yields is drawn back less."""
     elastic, U = surface(0.5), shaken(0.1)
     E = at_rest_with(elastic, U)
     before = np.linalg.norm(elastic.residual(U[HELD]))
-    elastic.keep_creases()
+    elastic.commit_creases()
     assert elastic.energy == pytest.approx(E, rel=1e-12)
-    assert 0.0 < elastic.material.bending * elastic.creases.dissipated < E
+    assert 0.0 < elastic.material.bending * elastic.creases.dissipated_energy < E
     at_rest_with(elastic, U)
     assert np.linalg.norm(elastic.residual(U[HELD])) <= before
 
 
-def test_keep_creases_knows_no_place_and_no_turn():
+def test_commit_creases_knows_no_place_and_no_turn():
     """The energy is the same wherever the creased shape is, and however it is turned."""
     elastic, U = surface(0.5), shaken(0.1)
     at_rest_with(elastic, U)
-    elastic.keep_creases()
+    elastic.commit_creases()
     E = at_rest_with(elastic, shaken(0.1, seed=9))
     turned = moved(shaken(0.1, seed=9), rotation([1, 2, 3], 1.2), [3, -2, 1])
     assert at_rest_with(elastic, turned) == pytest.approx(E, rel=1e-9)
@@ -115,7 +115,7 @@ def test_plastic_bending_lets_a_bent_strip_keep_all_but_the_angle_of_yield(count
     for by, left in ((angle, angle - yields), (0.9 * yields, 0.0)):
         start = bent(X, np.radians(by))
         options = PressOptions(method="arap", stiffness=0.01, yield_radius=radius, start=start)
-        free = Pressing(RestMesh(X, triangles), *NOTHING, options)
+        free = PressSolver(RestMesh(X, triangles), *NOTHING, options)
         while not free.settled:
             free.iterate()
         assert np.degrees(angle_of(X, free.U)) == pytest.approx(left, abs=0.02 * (angle - yields))

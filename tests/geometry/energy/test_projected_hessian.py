@@ -5,10 +5,10 @@ import pytest
 import scipy.sparse as sp
 from meshes import box, ends, rotation, sphere, tube
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.pose.constraints import Soft
+from apd_viewer.geometry.pose.constraints import SoftConstraints
 
 MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "sphere": sphere(1)}
 LOCAL = Material(0.1, 0.1, 20.0)
@@ -16,7 +16,7 @@ LOCAL = Material(0.1, 0.1, 20.0)
 
 def dense(hessian, U, least=0.0):
     size = 3 * (len(hessian.start) - 1)
-    blocks = hessian.at(U, least), hessian.column, hessian.start
+    blocks = hessian.blocks_at(U, least), hessian.column, hessian.start
     return sp.bsr_array(blocks, shape=(size, size)).toarray()
 
 
@@ -26,7 +26,7 @@ def crumpled(V, size=1.1):
 
 def elastic_of(mesh, material=LOCAL, **options):
     V, F = MESHES[mesh]
-    return Elastic(SolveMesh(V, F), ends(V)[0], material, **options)
+    return ElasticSurface(SolveMesh(V, F), ends(V)[0], material, **options)
 
 
 @pytest.mark.parametrize("size", [0.7, 1.0, 1.3])
@@ -39,7 +39,7 @@ def test_projected_hessian_unclamped_is_the_derivative_of_the_gradient(mesh, she
 
     def gradient(U):
         membrane.local_step(U)
-        return (membrane.K @ U - membrane.pull())[free].ravel()
+        return (membrane.K @ U - membrane.right_hand_side())[free].ravel()
 
     of_cells = np.kron((0.5 * elastic.rest.L)[free][:, free].toarray(), np.eye(3))
     found = dense(elastic.hessian, U, -np.inf) - of_cells
@@ -79,7 +79,7 @@ def test_projected_hessian_turns_with_the_shape():
 
 
 def test_projected_hessian_has_the_constant_matrices_of_bending_and_springs():
-    soft = Soft(np.array([10, 11]), np.zeros(2, dtype=int), np.ones(2), np.array([3.0, 0.5]))
+    soft = SoftConstraints(np.array([10, 11]), np.zeros(2, dtype=int), np.ones(2), np.array([3.0, 0.5]))
     plain, full = elastic_of("tube"), elastic_of("tube", Material(0.1, 0.1, 20.0, 0.01), soft=soft)
     U = crumpled(plain.rest.V)
     difference = dense(full.hessian, U) - dense(plain.hessian, U)
@@ -99,6 +99,6 @@ def test_projected_hessian_factored_at_a_shape_solves(mesh):
     elastic = elastic_of(mesh)
     U = crumpled(elastic.rest.V)
     b = np.random.default_rng(2).normal(size=(len(elastic.free), 3))
-    x = elastic.hessian.factored_at(U).solve(b)
+    x = elastic.hessian.factor_at(U).solve(b)
     expected = np.linalg.solve(dense(elastic.hessian, U), b.ravel()).reshape(-1, 3)
     assert np.abs(x - expected).max() <= 1e-5 * np.abs(expected).max()

@@ -5,7 +5,7 @@ import pytest
 from meshes import grid
 from scipy.optimize import minimize_scalar
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.solver.methods import METHODS
@@ -28,9 +28,9 @@ def test_young_is_the_modulus_by_which_a_sheet_resists(method, area, shear, know
     """Energy per area E t e^2 / 2, at the width that it takes by itself; one strain in all triangles."""
     V, F = grid(6, 6)
     material = METHODS[method].material(0.001, area, shear)
-    surface = Elastic(SolveMesh(V, F), np.arange(0), material)
+    surface = ElasticSurface(SolveMesh(V, F), np.arange(0), material)
     found = minimize_scalar(
-        lambda across: surface.energy_after(V * [1.0 + STRAIN, 1.0 + across, 1.0]),
+        lambda across: surface.energy_after_local_step(V * [1.0 + STRAIN, 1.0 + across, 1.0]),
         bounds=(-2.0 * STRAIN, STRAIN),
         method="bounded",
         options={"xatol": 1e-9},

@@ -6,11 +6,11 @@ from meshes import character, rotation, tube
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals import calm_parts
-from apd_viewer.geometry.goals.calm_parts import calm_levels, calmness, flux, share_calm
+from apd_viewer.geometry.goals.calm_parts import calm_levels, calm_share, calmness, gesture_flux
 from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.pose.constraints import FREE, NO_SOFT, Soft
+from apd_viewer.geometry.pose.constraints import FREE, NO_SOFT_CONSTRAINTS, SoftConstraints
 from apd_viewer.geometry.solver.deformation import Deformation
 
 V, F = character()
@@ -57,8 +57,8 @@ def test_calm_parts_keep_the_area_of_limbs_and_all_goals_hold_in_every_frame(ges
         frame = solver.step()
         iterations += 1
         assert abs(frame.area_error) <= 1e-9
-        assert len(solver.solver.values) > 1
-        assert solver.missed is None
+        assert len(solver.solver.goal_values) > 1
+        assert solver.missed_goals_sentence is None
         assert np.array_equal(frame.U[FIXED], GESTURES[gesture])
         assert iterations < 2000
     for part in LIMBS.values():
@@ -122,8 +122,8 @@ def test_calm_parts_let_other_goals_hold_beside_them(asked):
         if solver.settled:
             break
         solver.iterate()
-    assert solver.missed is None
-    assert len(solver.solver.values) > 1 + len(asked)
+    assert solver.missed_goals_sentence is None
+    assert len(solver.solver.goal_values) > 1 + len(asked)
     legs = change(solver.frame().U, LIMBS["legs"])
     assert abs(legs - (asked.get("area", 100.0) / 100.0 - 1.0)) <= 5e-3
 
@@ -151,23 +151,23 @@ def held():
 
 def test_calm_levels_share_the_calm_vertices_among_them():
     ids, handle_of = held()
-    x = flux(REST.shape, ids, handle_of, NO_SOFT)
-    levels = calm_levels(REST.shape, ids, handle_of, NO_SOFT)
+    x = gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS)
+    levels = calm_levels(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS)
     assert levels.min() >= 0.0
-    inside = np.setdiff1d(ids, REST.shape.F[~np.isin(REST.shape.F, ids).all(axis=1)])
+    inside = np.setdiff1d(ids, REST.solve_mesh.F[~np.isin(REST.solve_mesh.F, ids).all(axis=1)])
     assert len(inside) > 0
     assert not levels[:, inside].any()
-    free = np.setdiff1d(np.arange(len(REST.shape.V)), ids)
+    free = np.setdiff1d(np.arange(len(REST.solve_mesh.V)), ids)
     np.testing.assert_allclose(
         levels[:, free].sum(axis=0), np.clip((-0.5 - x[free]) / 0.5, 0.0, 1.0), rtol=0, atol=1e-12
     )
-    assert share_calm(np.array([0.0, -0.5, -4.0, -9.0])) == pytest.approx([0.0, 0.0, 1.0, 1.0])
+    assert calm_share(np.array([0.0, -0.5, -4.0, -9.0])) == pytest.approx([0.0, 0.0, 1.0, 1.0])
 
 
 def test_calm_levels_keep_the_area_of_their_largest_part_apart_from_the_others():
     """The legs, which are connected below the base, and the arms."""
-    levels = calm_levels(REST.shape, *held(), NO_SOFT)
-    legs, arms = REST.shape.V[:, 1] < -0.8, np.abs(REST.shape.V[:, 0]) > 2.0
+    levels = calm_levels(REST.solve_mesh, *held(), NO_SOFT_CONSTRAINTS)
+    legs, arms = REST.solve_mesh.V[:, 1] < -0.8, np.abs(REST.solve_mesh.V[:, 0]) > 2.0
     last = levels[-2:]
     assert last[0][legs].min() == 1.0
     assert not last[0][arms].any()
@@ -175,39 +175,41 @@ def test_calm_levels_keep_the_area_of_their_largest_part_apart_from_the_others()
     assert not last[1][legs].any()
 
 
-def test_flux_of_a_bar_is_the_same_everywhere():
+def test_gesture_flux_of_a_bar_is_the_same_everywhere():
     W, G = tube(24, 40)
     z = W[:, 2]
     ids = np.flatnonzero((z == z.min()) | (z == z.max()))
-    x = flux(RestMesh(W, G).shape, ids, (z[ids] > z.mean()).astype(int), NO_SOFT)
+    x = gesture_flux(RestMesh(W, G).solve_mesh, ids, (z[ids] > z.mean()).astype(int), NO_SOFT_CONSTRAINTS)
     np.testing.assert_allclose(x, 0.0, atol=1e-9)
 
 
-def test_flux_lets_each_handle_reach_its_own_part():
+def test_gesture_flux_lets_each_handle_reach_its_own_part():
     """An arm that is a handle too is as little calm as the neck."""
-    ids = np.unique(np.append(REST.weld.inverse[FIXED], np.flatnonzero(REST.shape.V[:, 0] > 2.5)))
+    ids = np.unique(np.append(REST.weld.inverse[FIXED], np.flatnonzero(REST.solve_mesh.V[:, 0] > 2.5)))
     base = REST.weld.inverse[BASE]
-    number = np.where(np.isin(ids, base), 0, np.where(REST.shape.V[ids, 0] > 2.5, 2, 1))
-    x, (alone, handle_of) = flux(REST.shape, ids, number, NO_SOFT), held()
-    arm = (REST.shape.V[:, 0] > 1.3) & (REST.shape.V[:, 0] < 2.3)
+    number = np.where(np.isin(ids, base), 0, np.where(REST.solve_mesh.V[ids, 0] > 2.5, 2, 1))
+    x, (alone, handle_of) = gesture_flux(REST.solve_mesh, ids, number, NO_SOFT_CONSTRAINTS), held()
+    arm = (REST.solve_mesh.V[:, 0] > 1.3) & (REST.solve_mesh.V[:, 0] < 2.3)
     assert x[arm].min() > -2.0
-    assert flux(REST.shape, alone, handle_of, NO_SOFT)[arm].max() < -2.0
+    assert gesture_flux(REST.solve_mesh, alone, handle_of, NO_SOFT_CONSTRAINTS)[arm].max() < -2.0
 
 
-def test_flux_tells_that_what_a_handle_draws_softly_is_not_calm():
+def test_gesture_flux_tells_that_what_a_handle_draws_softly_is_not_calm():
     ids, handle_of = held()
-    x = REST.shape.V[:, 0]
+    x = REST.solve_mesh.V[:, 0]
     arm, before = np.flatnonzero((x > 1.5) & (x < 2.5)), np.flatnonzero((x > 1.2) & (x < 1.4))
-    soft = Soft(arm, np.ones(len(arm)), np.full(len(arm), 100.0), np.zeros(len(arm), dtype=np.int64))
-    assert flux(REST.shape, ids, handle_of, NO_SOFT)[before].max() < -1.5
-    assert flux(REST.shape, ids, handle_of, soft)[before].min() > -0.5
+    soft = SoftConstraints(
+        arm, np.ones(len(arm)), np.full(len(arm), 100.0), np.zeros(len(arm), dtype=np.int64)
+    )
+    assert gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS)[before].max() < -1.5
+    assert gesture_flux(REST.solve_mesh, ids, handle_of, soft)[before].min() > -0.5
 
 
-def test_flux_of_a_thinned_mesh_tells_about_the_same(monkeypatch):
+def test_gesture_flux_of_a_thinned_mesh_tells_about_the_same(monkeypatch):
     ids, handle_of = held()
-    fine = share_calm(flux(REST.shape, ids, handle_of, NO_SOFT))
+    fine = calm_share(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))
     monkeypatch.setattr(calm_parts, "LARGE", 100)
-    thin = share_calm(flux(REST.shape, ids, handle_of, NO_SOFT))
+    thin = calm_share(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))
     free = np.setdiff1d(np.arange(len(fine)), ids)
     assert np.abs(thin - fine)[free].mean() <= 0.02
 
@@ -216,16 +218,18 @@ def test_flux_of_a_thinned_mesh_tells_about_the_same(monkeypatch):
 def test_calm_levels_find_no_gesture_without_a_base_or_a_handle(missing):
     ids, handle_of = held()
     number = np.zeros_like(handle_of) if missing == "handle" else np.ones_like(handle_of)
-    assert len(calm_levels(REST.shape, ids, number, NO_SOFT)) == 0
+    assert len(calm_levels(REST.solve_mesh, ids, number, NO_SOFT_CONSTRAINTS)) == 0
 
 
 def test_calmness_is_shown_for_the_vertices_of_the_file():
     labels = np.full(len(V), FREE)
     labels[BASE], labels[HEAD] = 0, 2
     ids, handle_of = held()
-    expected = share_calm(flux(REST.shape, ids, handle_of, NO_SOFT))[REST.weld.inverse]
-    shown = calmness(Mesh(V, F), labels, NO_SOFT)
+    expected = calm_share(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))[
+        REST.weld.inverse
+    ]
+    shown = calmness(Mesh(V, F), labels, NO_SOFT_CONSTRAINTS)
     assert np.isnan(shown[FIXED]).all()
     free = labels == FREE
     np.testing.assert_allclose(shown[free], expected[free], rtol=0, atol=1e-12)
-    assert not calmness(Mesh(V, F), np.full(len(V), FREE), NO_SOFT).any(), "nothing is painted"
+    assert not calmness(Mesh(V, F), np.full(len(V), FREE), NO_SOFT_CONSTRAINTS).any(), "nothing is painted"

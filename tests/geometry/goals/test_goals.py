@@ -6,7 +6,7 @@ from meshes import box, soup, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals, patch_of
+from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals, region_patch
 from apd_viewer.geometry.mesh.operators import face_areas
 
 V, F = box(2, 3, 4)
@@ -45,8 +45,8 @@ def test_goal_measures_have_values_and_gradients_that_belong_together():
     quotients = (measures.values(U + 1e-5 * direction) - measures.values(U - 1e-5 * direction)) / 2e-5
     np.testing.assert_allclose(quotients, (g * direction).sum(axis=(1, 2)), rtol=1e-6)
     for goal in goals:
-        assert goal.miss(goal.target) == 0.0
-        assert goal.miss(goal.rest) == pytest.approx(1 - goal.target / goal.rest)
+        assert goal.relative_miss(goal.target) == 0.0
+        assert goal.relative_miss(goal.rest) == pytest.approx(1 - goal.target / goal.rest)
 
 
 def test_make_goals_asks_a_level_of_calmness_for_what_the_area_is_but_not_in_a_region():
@@ -57,25 +57,25 @@ def test_make_goals_asks_a_level_of_calmness_for_what_the_area_is_but_not_in_a_r
     assert make_goals(REST, None, None, [], CALM) == ()
 
 
-def test_patch_of_a_region_is_the_triangles_with_all_corners_in_it():
-    patch = patch_of(REST, Region("lid", TOP))
+def test_region_patch_a_region_is_the_triangles_with_all_corners_in_it():
+    patch = region_patch(REST, Region("lid", TOP))
     assert (V[patch.F][:, :, 2] == 4).all()
     assert len(patch.F) == 2 * 6
-    assert len(patch_of(REST, Region("a point", TOP[:1])).F) == 0
+    assert len(region_patch(REST, Region("a point", TOP[:1])).F) == 0
 
 
-def test_patch_of_a_region_goes_over_seams():
+def test_region_patch_a_region_goes_over_seams():
     """Only one of the copies at each place is named."""
     X, G = soup(V, F)
     rest = RestMesh(X, G)
     named = rest.weld.first[X[rest.weld.first][:, 2] == 4]
-    assert len(patch_of(rest, Region("lid", named)).F) == 2 * 6
+    assert len(region_patch(rest, Region("lid", named)).F) == 2 * 6
 
 
 def test_goal_shortfall_has_words_for_what_is_not_reached():
     (area,) = make_goals(REST, 10, None, [])
-    assert area.shortfall(52 * 0.31234) == "the area is at 31.23 % instead of 10 %"
-    assert area.shortfall(52 * 0.1 * (1 + 2e-7)) == "the area is at 10.000002 % instead of 10 %"
+    assert area.shortfall_sentence(52 * 0.31234) == "the area is at 31.23 % instead of 10 %"
+    assert area.shortfall_sentence(52 * 0.1 * (1 + 2e-7)) == "the area is at 10.000002 % instead of 10 %"
 
 
 @pytest.mark.parametrize("percent", [0, -5, 1001, np.nan, np.inf, "all", True])
@@ -94,10 +94,10 @@ def test_make_goals_needs_something_to_measure():
     assert make_goals(REST, None, None, [Region("speck", TOP[:2])]) == ()
     for ids in ([-1], [len(V)]):
         with pytest.raises(InputError, match="“lid” has a vertex that does not exist"):
-            patch_of(REST, Region("lid", np.array(ids)))
+            region_patch(REST, Region("lid", np.array(ids)))
 
 
 @pytest.mark.parametrize("region", ["lid", ("lid", TOP), Region("", TOP), None])
-def test_patch_of_refuses_what_is_no_region(region):
+def test_region_patch_refuses_what_is_no_region(region):
     with pytest.raises(InputError, match="Regions must be a list of Region"):
-        patch_of(REST, region)
+        region_patch(REST, region)

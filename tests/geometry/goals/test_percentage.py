@@ -5,7 +5,12 @@ import pytest
 
 import apd_viewer
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals.percentage import LEAST, MOST, percentage, said_with_sign
+from apd_viewer.geometry.goals.percentage import (
+    LEAST_PERCENTAGE,
+    MOST_PERCENTAGE,
+    percentage,
+    percentage_text,
+)
 
 # A tetrahedron of which one corner is moved.
 V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -34,9 +39,9 @@ def test_deform_asks_about_every_target_that_could_be_a_factor():
 
 
 def test_percentage_reads_again_what_said_with_sign_writes():
-    for value in [*np.geomspace(LEAST, MOST, 50).tolist(), 5.0, 10.0]:
-        assert percentage(said_with_sign(value), "the area") == value
-    assert said_with_sign(None) is None
+    for value in [*np.geomspace(LEAST_PERCENTAGE, MOST_PERCENTAGE, 50).tolist(), 5.0, 10.0]:
+        assert percentage(percentage_text(value), "the area") == value
+    assert percentage_text(None) is None
 
 
 @pytest.mark.parametrize("wrong", ["abc", "", "%", "0.5%", 0.5, 1001, "nan", "inf%", True, None])

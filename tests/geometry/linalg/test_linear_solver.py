@@ -7,7 +7,7 @@ import scipy.sparse as sp
 from meshes import box, grid, sample_bottle, sphere, tube
 from scipy.sparse.linalg import spsolve
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import linear_solver
@@ -24,7 +24,7 @@ RNG = np.random.default_rng(0)
 @pytest.fixture(autouse=True)
 def of_any_size(monkeypatch):
     """Let small systems have supernodal factors as well."""
-    monkeypatch.setattr(linear_solver, "LARGE", 0)
+    monkeypatch.setattr(linear_solver, "FEWEST_SUPERNODAL_UNKNOWNS", 0)
 
 
 def pinned(V, F, held=1):
@@ -61,7 +61,7 @@ def badly_scaled():
 
 def elastic(**moduli):
     V, F = tube(24, 30)
-    surface = Elastic(SolveMesh(V, F), np.arange(24), Material(**moduli))
+    surface = ElasticSurface(SolveMesh(V, F), np.arange(24), Material(**moduli))
     return surface.factored_matrix, V[surface.free]
 
 
@@ -152,7 +152,7 @@ class TestTheWayBack:
         self.check(LinearSolver(system[0]), system[0])
 
     def test_linear_solver_takes_cholmod_for_small_systems(self, system, monkeypatch):
-        monkeypatch.setattr(linear_solver, "LARGE", 10**6)
+        monkeypatch.setattr(linear_solver, "FEWEST_SUPERNODAL_UNKNOWNS", 10**6)
         self.check(LinearSolver(*system), system[0])
 
     def test_linear_solver_takes_cholmod_where_the_factor_would_be_dense(self, system):
@@ -162,7 +162,7 @@ class TestTheWayBack:
         self.check(LinearSolver(A, nowhere), A)
 
     def test_linear_solver_takes_cholmod_where_single_precision_is_not_enough(self, system, monkeypatch):
-        monkeypatch.setattr(linear_solver, "MOST_LOST", 1e-12)
+        monkeypatch.setattr(linear_solver, "LARGEST_RELATIVE_ERROR", 1e-12)
         self.check(LinearSolver(*system), system[0])
 
     @pytest.mark.parametrize("fault", ["wrong", "raises"])

@@ -7,7 +7,7 @@ from meshes import box, grid, sphere
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.measuring.geodesics import geodesic_path, path_length
-from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
 
 MIDDLE = (1 / 3, 1 / 3, 1 / 3)
 
@@ -37,7 +37,7 @@ def length(V, F, start, end):
 def test_geodesic_path_is_straight_on_a_plate():
     V, F = grid(5, 4)
     a, b = SurfacePoint(0, MIDDLE), SurfacePoint(33, (0.2, 0.7, 0.1))
-    ends = positions([a, b], V, F)
+    ends = point_positions([a, b], V, F)
     path = geodesic_path(V, F, a, b)
     assert np.allclose(path[[0, -1]], ends)
     assert path_length(path) == pytest.approx(np.linalg.norm(ends[1] - ends[0]), rel=1e-12)
@@ -79,7 +79,7 @@ def test_geodesic_path_is_as_exact_as_libigl(seed):
 def test_geodesic_path_between_inner_points_is_that_of_a_mesh_that_has_them():
     V, F = bumpy()
     a, b = SurfacePoint(20, (0.5, 0.3, 0.2)), SurfacePoint(300, (0.1, 0.1, 0.8))
-    W = np.vstack([V, positions([a, b], V, F)])
+    W = np.vstack([V, point_positions([a, b], V, F)])
     G = np.delete(F, [20, 300], axis=0)
     for k, face in ((len(V), 20), (len(V) + 1, 300)):
         i, j, m = F[face]
@@ -105,7 +105,7 @@ def test_geodesic_path_is_no_shorter_than_a_line():
     for _ in range(8):
         faces, weights = rng.integers(0, len(F), 2), rng.dirichlet([1, 1, 1], 2)
         a, b = (SurfacePoint(int(f), tuple(w)) for f, w in zip(faces, weights, strict=True))
-        p, q = positions([a, b], V, F)
+        p, q = point_positions([a, b], V, F)
         assert length(V, F, a, b) >= np.linalg.norm(p - q) * (1 - 1e-12)
 
 
@@ -113,7 +113,7 @@ def test_geodesic_path_joins_points_on_edges_and_in_one_triangle():
     V, F = grid(4, 4)
     on_edge = SurfacePoint(0, (0.5, 0.5, 0.0))
     far = SurfacePoint(30, (0.0, 0.5, 0.5))
-    p, q = positions([on_edge, far], V, F)
+    p, q = point_positions([on_edge, far], V, F)
     assert length(V, F, on_edge, far) == pytest.approx(np.linalg.norm(p - q), rel=1e-9)
     assert length(V, F, SurfacePoint(3, MIDDLE), SurfacePoint(3, (1.0, 0.0, 0.0))) > 0.0
     assert length(V, F, 5, 5) == 0.0

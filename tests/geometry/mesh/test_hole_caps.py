@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.deformation_result import deform
 
 AWAY = np.array([300.0, -70.0, 20.0])
 
@@ -34,7 +34,7 @@ def sewn(V, F, caps):
 
 def test_capped_volume_of_a_box_without_its_top_is_that_of_the_box():
     V, F = opened_box()
-    caps = Caps.of(F, len(V))
+    caps = Caps.from_triangles(F, len(V))
     assert caps.count == 1
     assert capped_volume(caps, V, F) == pytest.approx(20.0, rel=1e-14)
     assert capped_volume(caps, V, F[:, ::-1]) != pytest.approx(20.0)
@@ -43,7 +43,7 @@ def test_capped_volume_of_a_box_without_its_top_is_that_of_the_box():
 
 def test_caps_turn_a_tube_into_a_prism_with_two_caps():
     V, F = tube(9, 7, height=3.0)
-    caps, floor = Caps.of(F, len(V)), 9 / 2 * np.sin(2 * np.pi / 9)
+    caps, floor = Caps.from_triangles(F, len(V)), 9 / 2 * np.sin(2 * np.pi / 9)
     assert caps.count == 2
     assert caps.area(V) == pytest.approx(2 * floor, rel=1e-13)
     assert capped_volume(caps, V, F) == pytest.approx(sewn(V, F, caps)[0], rel=1e-13)
@@ -55,7 +55,7 @@ def test_capped_volume_of_a_wild_surface_is_that_of_the_one_with_the_caps_sewn_i
     V, F = rabbit()
     rng = np.random.default_rng(seed)
     U = (V + 0.1 * rng.normal(size=V.shape)) @ rotation(rng.normal(size=3), 2.0).T + seed * AWAY
-    caps = Caps.of(F, len(U))
+    caps = Caps.from_triangles(F, len(U))
     assert caps.count == 2
     assert_allclose(capped_volume(caps, U, F), sewn(U, F, caps)[0], rtol=1e-10)
     assert caps.area(U) <= sewn(U, F, caps)[1]
@@ -66,26 +66,30 @@ def test_caps_area_of_a_cap_that_is_no_convex_polygon_is_its_own():
     V, F = box(3, 3, 2)
     middle = V[F].mean(axis=1)
     mouth = (middle[:, 2] == 2) & ((middle[:, 0] < 1) | (middle[:, 1] < 1))
-    caps = Caps.of(F[~mouth], len(V))
+    caps = Caps.from_triangles(F[~mouth], len(V))
     assert caps.area(V) == pytest.approx(5.0, rel=1e-13)
     assert capped_volume(caps, V, F[~mouth]) == pytest.approx(18.0, rel=1e-13)
 
 
 def test_caps_cover_nothing_that_they_would_not_close():
     V, F = sphere(1)
-    assert Caps.of(F, len(V)) is None, "it is closed"
+    assert Caps.from_triangles(F, len(V)) is None, "it is closed"
     turned = F[1:].copy()
     turned[7] = turned[7, ::-1]
-    assert Caps.of(turned, len(V)) is None, "the sides differ"
-    assert Caps.of(np.vstack([F[1:], [[F[5, 0], F[5, 1], len(V)]]]), len(V) + 1) is None, "not manifold"
+    assert Caps.from_triangles(turned, len(V)) is None, "the sides differ"
+    assert Caps.from_triangles(np.vstack([F[1:], [[F[5, 0], F[5, 1], len(V)]]]), len(V) + 1) is None, (
+        "not manifold"
+    )
     V, F = grid(4, 4)
-    assert capped_volume(Caps.of(F, len(V)), V @ rotation([1, 2, 3], 1.0).T + AWAY, F) is None, "a flat sheet"
+    assert capped_volume(Caps.from_triangles(F, len(V)), V @ rotation([1, 2, 3], 1.0).T + AWAY, F) is None, (
+        "a flat sheet"
+    )
 
 
 def test_inspect_says_what_is_capped_and_leaves_the_volume_alone():
     found = inspect(Mesh(*soup(*opened_box())))
     assert found.volume is None
-    assert found.why_no_volume == "the surface is open (8 boundary edges)"
+    assert found.missing_volume_reason == "the surface is open (8 boundary edges)"
     assert found.volume_capped == pytest.approx(20.0, rel=1e-14)
     assert found.openings == 1
     closed, sheet = inspect(Mesh(*box())), inspect(Mesh(*grid()))
@@ -103,10 +107,14 @@ def test_deformation_frames_all_have_the_volume_with_the_mouth_capped():
         frame = solver.step()
         joined = Mesh(frame.U, F).joined_F
         assert frame.volume is None
-        assert frame.volume_capped == pytest.approx(sewn(frame.U, joined, Caps.of(joined, len(V)))[0])
+        assert frame.volume_capped == pytest.approx(
+            sewn(frame.U, joined, Caps.from_triangles(joined, len(V)))[0]
+        )
     result = deform(V, F, fixed, targets)
     assert result.volume_capped_rest == pytest.approx(20.0, rel=1e-13)
     assert result.openings == 1
     assert result.volume is None
-    assert result.volume_capped == pytest.approx(sewn(result.U, joined, Caps.of(joined, len(V)))[0])
+    assert result.volume_capped == pytest.approx(
+        sewn(result.U, joined, Caps.from_triangles(joined, len(V)))[0]
+    )
     assert result.volume_capped < 19.9

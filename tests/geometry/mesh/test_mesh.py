@@ -9,7 +9,7 @@ from meshes import box, grid, soup, sphere
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import check_mesh
-from apd_viewer.geometry.mesh.components import pieces
+from apd_viewer.geometry.mesh.components import vertex_components
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.weld import Weld
 
@@ -21,14 +21,14 @@ lattice = arrays(
 
 @given(lattice)
 def test_weld_joins_what_coincides_and_nothing_else(V):
-    weld = Weld.of(V)
+    weld = Weld.from_positions(V)
     same = (V[:, None] == V[None]).all(axis=2)
     assert np.array_equal(weld.inverse[:, None] == weld.inverse[None], same)
 
 
 @given(lattice)
 def test_weld_maps_lead_back_and_keep_the_order_of_the_file(V):
-    weld = Weld.of(V)
+    weld = Weld.from_positions(V)
     assert np.array_equal(V[weld.first][weld.inverse], V)
     assert np.array_equal(weld.inverse[weld.first], np.arange(len(weld.first)))
     assert (np.diff(weld.first) > 0).all()
@@ -40,25 +40,25 @@ def test_weld_maps_lead_back_and_keep_the_order_of_the_file(V):
 
 def test_weld_takes_a_nearly_equal_position_for_another():
     V = np.array([[1.0, 0, 0], [np.nextafter(1.0, 2), 0, 0]])
-    assert len(Weld.of(V).first) == 2
+    assert len(Weld.from_positions(V).first) == 2
 
 
 def test_weld_undoes_a_soup():
     V, F = sphere(1)
-    weld = Weld.of(soup(V, F)[0])
+    weld = Weld.from_positions(soup(V, F)[0])
     assert len(weld.first) == len(V)
     assert np.array_equal(soup(V, F)[0][weld.first][weld.inverse], V[F].reshape(-1, 3))
 
 
 def test_weld_without_repeated_positions_is_the_identity():
     V, _ = box(2, 2, 2)
-    weld = Weld.of(V)
+    weld = Weld.from_positions(V)
     assert np.array_equal(weld.first, np.arange(len(V)))
     assert np.array_equal(weld.inverse, np.arange(len(V)))
 
 
 @given(arrays(np.int64, st.tuples(st.integers(1, 20), st.just(3)), elements=st.integers(0, 24)))
-def test_pieces_are_what_edges_join(F):
+def test_vertex_components_are_what_edges_join(F):
     n = 25
     label = list(range(n))
     for _ in range(n):
@@ -67,7 +67,7 @@ def test_pieces_are_what_edges_join(F):
             for v in f:
                 label[v] = low
     expected = np.array(label)
-    found = pieces(F, n)
+    found = vertex_components(F, n)
     assert np.array_equal(found[:, None] == found[None], expected[:, None] == expected[None])
 
 

@@ -12,10 +12,10 @@ from apd_viewer.geometry.mesh.laplacian import cotangents, edge_weights, laplaci
 from apd_viewer.geometry.mesh.operators import (
     area,
     face_areas,
+    missing_volume_reason,
     vertex_areas,
     vertex_neighbours,
     volume,
-    why_no_volume,
 )
 
 MESHES = {
@@ -102,44 +102,48 @@ def two_cubes():
 
 
 @pytest.mark.parametrize("mesh", [CUBE, sphere(1), two_cubes()])
-def test_why_no_volume_has_nothing_against_closed_surfaces(mesh):
+def test_missing_volume_reason_has_nothing_against_closed_surfaces(mesh):
     V, F = mesh
-    assert why_no_volume(F, len(V)) is None
-    assert why_no_volume(F[:, ::-1], len(V)) is None
+    assert missing_volume_reason(F, len(V)) is None
+    assert missing_volume_reason(F[:, ::-1], len(V)) is None
 
 
-def test_why_no_volume_takes_no_surface_for_open_because_of_a_face_without_extent():
+def test_missing_volume_reason_takes_no_surface_for_open_because_of_a_face_without_extent():
     V, F = CUBE
-    assert why_no_volume(np.vstack([F, [[0, 0, 1], [2, 2, 2]]]), len(V)) is None
+    assert missing_volume_reason(np.vstack([F, [[0, 0, 1], [2, 2, 2]]]), len(V)) is None
 
 
-def test_why_no_volume_says_how_open_a_surface_is():
+def test_missing_volume_reason_says_how_open_a_surface_is():
     V, F = CUBE
-    assert why_no_volume(F[1:], len(V)) == "the surface is open (3 boundary edges)"
+    assert missing_volume_reason(F[1:], len(V)) == "the surface is open (3 boundary edges)"
     V, F = tube(7, 3)
-    assert why_no_volume(F, len(V)) == "the surface is open (14 boundary edges)"
+    assert missing_volume_reason(F, len(V)) == "the surface is open (14 boundary edges)"
     V, F = soup(*CUBE)
-    assert why_no_volume(F, len(V)) == "the surface is open (36 boundary edges)"
+    assert missing_volume_reason(F, len(V)) == "the surface is open (36 boundary edges)"
 
 
-def test_why_no_volume_says_that_a_surface_with_three_faces_at_an_edge_is_not_manifold():
+def test_missing_volume_reason_says_that_a_surface_with_three_faces_at_an_edge_is_not_manifold():
     V, F = two_cubes()
     a, b = F[0, :2]
     glued = F.copy()
     for mine, other in ((a, a + len(CUBE[0])), (b, b + len(CUBE[0]))):
         glued[glued == other] = mine
-    assert "not manifold (1 edge" in why_no_volume(glued, len(V))
+    assert "not manifold (1 edge" in missing_volume_reason(glued, len(V))
     # A closed surface and a copy of it: every edge is used twice in either direction.
-    assert "not manifold" in why_no_volume(np.vstack([F, F]), len(V))
-    assert "not manifold (1 edge" in why_no_volume(glued[1:], len(V)), "a cap mends an opening, not this"
+    assert "not manifold" in missing_volume_reason(np.vstack([F, F]), len(V))
+    assert "not manifold (1 edge" in missing_volume_reason(glued[1:], len(V)), (
+        "a cap mends an opening, not this"
+    )
 
 
-def test_why_no_volume_notices_a_flipped_face():
+def test_missing_volume_reason_notices_a_flipped_face():
     V, F = CUBE
     F = F.copy()
     F[3] = F[3, ::-1]
-    assert "not consistently oriented" in why_no_volume(F, len(V))
-    assert "not consistently oriented" in why_no_volume(F[:-1], len(V)), "a cap mends an opening, not this"
+    assert "not consistently oriented" in missing_volume_reason(F, len(V))
+    assert "not consistently oriented" in missing_volume_reason(F[:-1], len(V)), (
+        "a cap mends an opening, not this"
+    )
 
 
 @every_mesh

@@ -11,13 +11,13 @@ from apd_viewer.geometry.analysis.shape_findings import SEAMS
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.seams import Seams
-from apd_viewer.geometry.mesh.weld import SEAM, Weld
+from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, Weld
 
 ROWS = 12
 
 
 def seams(V, F):
-    return Seams.of(V, F, Weld.of(V, F))
+    return Seams.from_mesh(V, F, Weld.from_positions(V, F))
 
 
 def kinds(mesh):
@@ -31,7 +31,7 @@ def torn(V, F, U):
     return np.linalg.norm(U[apart] - U[to[apart]], axis=1)
 
 
-@pytest.mark.parametrize("by", [1e-6, 1e-5, 0.9 * SEAM])
+@pytest.mark.parametrize("by", [1e-6, 1e-5, 0.9 * SEAM_TOLERANCE])
 def test_seams_whose_sides_nearly_meet_are_said_and_welded(by):
     V, F = halves(by)
     mesh = Mesh(V, F)
@@ -42,7 +42,7 @@ def test_seams_whose_sides_nearly_meet_are_said_and_welded(by):
     welded = mesh.welded()
     assert len(welded.weld.first) == len(V) - 2 * (ROWS + 1)
     assert SEAMS not in kinds(welded)
-    assert inspect(welded).pieces == 1
+    assert inspect(welded).components == 1
     assert welded.V is mesh.V
     assert welded.F is mesh.F
 
@@ -67,11 +67,11 @@ def test_deform_twists_a_welded_tube_as_a_whole_one(method):
 def test_weld_spread_leaves_what_does_not_move_where_it_was_to_the_bit():
     V, F = halves(3.3e-5)
     weld = Mesh(V + [1e-4, 3e-5, 1e-3], F).welded().weld
-    assert np.array_equal(weld.spread(weld.V[weld.first]), weld.V)
+    assert np.array_equal(weld.to_file(weld.V[weld.first]), weld.V)
 
 
 def test_seams_beyond_the_tolerance_are_neither_said_nor_welded():
-    V, F = halves(1.5 * SEAM)
+    V, F = halves(1.5 * SEAM_TOLERANCE)
     assert SEAMS not in kinds(Mesh(V, F))
     assert len(Mesh(V, F).welded().weld.first) == len(V)
 

@@ -6,7 +6,7 @@ from meshes import box, grid, rotation, soup
 
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.weld import TOLERANCE, Weld
+from apd_viewer.geometry.mesh.weld import WELD_TOLERANCE, Weld
 from apd_viewer.geometry.solver.deformation import Deformation
 
 V, F = box(3, 3, 9)
@@ -32,14 +32,14 @@ def settled(solver):
     return frame
 
 
-@pytest.mark.parametrize("by", [0.0, 0.3 * TOLERANCE])
+@pytest.mark.parametrize("by", [0.0, 0.3 * WELD_TOLERANCE])
 def test_weld_closes_cracks_within_the_tolerance(by):
     W, G = cracked(by)
     mesh = Mesh(W, G)
     assert len(mesh.weld.first) == len(V)
     kinds = [finding.kind for finding in inspect(mesh).findings]
     assert ("cracks" in kinds) == (by > 0.0)
-    assert inspect(mesh).pieces == 1
+    assert inspect(mesh).components == 1
     fixed, targets = held(W)
     for method in ("exact", "arap"):
         solver = Deformation(W, G, fixed, method=method)
@@ -53,21 +53,21 @@ def test_weld_closes_cracks_within_the_tolerance(by):
 
 
 def test_weld_leaves_cracks_beyond_the_tolerance_open():
-    W, G = cracked(300.0 * TOLERANCE)
+    W, G = cracked(300.0 * WELD_TOLERANCE)
     assert len(Mesh(W, G).weld.first) == len(W)
 
 
 def test_weld_never_joins_a_closed_mesh_by_tolerance():
     tiny = V.copy()
     tiny[:, 0] *= 1e-9  # walls far nearer to each other than the tolerance
-    assert len(Weld.of(tiny, F).first) == len(V)
+    assert len(Weld.from_positions(tiny, F).first) == len(V)
 
 
 def test_weld_keeps_the_two_ends_of_a_short_edge_two():
     (P, T) = grid(2, 2)
     P = P.copy()
     P[1] = P[0] + [1e-9, 0.0, 0.0]
-    assert len(Weld.of(P, T).first) == len(P)
+    assert len(Weld.from_positions(P, T).first) == len(P)
 
 
 def test_deformation_carries_a_vertex_of_no_face_rigidly():

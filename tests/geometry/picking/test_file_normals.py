@@ -5,8 +5,8 @@ import pytest
 from meshes import box, grid, rotation
 
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.normals import CornerNormals, turned_normals
-from apd_viewer.geometry.picking.surface_index import Skin
+from apd_viewer.geometry.mesh.normals import CornerNormals, rotated_normals
+from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 
 RNG = np.random.default_rng(3)
 
@@ -17,9 +17,9 @@ def unit(X):
 
 def drawn(V, F, N, normal_of, U):
     """Points and normals at the corners of the triangles, (m, 3, 3) each."""
-    skin = Skin.of(F, len(V), V=V, normals=CornerNormals.read(N, normal_of, V, F))
-    rendered = skin.rendered(sharp=True, filed=True)
-    points, normals = np.full((2, len(V) + len(rendered.copied), 3), np.nan, dtype=np.float32)
+    skin = SurfaceIndex.from_triangles(F, len(V), V=V, normals=CornerNormals.from_normals(N, normal_of, V, F))
+    rendered = skin.render_mesh(sharp=True, with_file_normals=True)
+    points, normals = np.full((2, len(V) + len(rendered.repeated_vertices), 3), np.nan, dtype=np.float32)
     rendered.drape(frozen(np.array(U, dtype=float)), np.zeros(3), points, normals)
     return points[rendered.F], normals[rendered.F]
 
@@ -40,7 +40,7 @@ def test_corner_normals_shade_a_deformed_shape_as_its_export_would_be():
     V, F = box()
     N = unit(RNG.standard_normal((len(V), 3)))
     U = V + 0.1 * RNG.standard_normal(V.shape)
-    expected = unit(turned_normals(V, U, F, N, F))[F]
+    expected = unit(rotated_normals(V, U, F, N, F))[F]
     np.testing.assert_allclose(drawn(V, F, N, F, U)[1], expected, atol=1e-4)
 
 
@@ -51,4 +51,4 @@ def test_corner_normals_that_are_missing_are_those_of_the_triangles():
     normals = drawn(V, F, N, normal_of, V)[1]
     np.testing.assert_allclose(normals[0], np.tile([1.0, 0.0, 0.0], (3, 1)), atol=1e-6)
     assert np.abs(np.abs(normals[1:, :, 2]) - 1.0).max() < 1e-6
-    assert CornerNormals.read(N[1:], np.zeros_like(F), V, F) is None
+    assert CornerNormals.from_normals(N[1:], np.zeros_like(F), V, F) is None

@@ -4,7 +4,7 @@ import scipy.sparse as sp
 import trimesh
 
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
-from apd_viewer.geometry.picking.picking import BLOCK, boxes, brush, ray_hit
+from apd_viewer.geometry.picking.picking import BLOCK, block_boxes, ray_hit, vertices_under_brush
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def test_ray_hit_meets_what_linear_algebra_says_it_meets():
     U, F = np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int32)
     met = 0
     for origin, direction in rays(200):
-        face, distance, b1, b2 = ray_hit(origin, direction, U, F, boxes(U, F))
+        face, distance, b1, b2 = ray_hit(origin, direction, U, F, block_boxes(U, F))
         assert distance == pytest.approx(nearest_by_linear_algebra(origin, direction, U, F), abs=1e-9)
         if face >= 0:
             met += 1
@@ -46,7 +46,7 @@ def test_ray_hit_meets_what_linear_algebra_says_it_meets():
     assert 50 < met < 200
 
 
-def test_boxes_hide_nothing_that_one_look_at_all_triangles_finds():
+def test_block_boxes_hide_nothing_that_one_look_at_all_triangles_finds():
     """Flat triangles along the axes and rays along them, on their very edges, far from the origin or not."""
     rng = np.random.default_rng(7)
     U = rng.integers(0, 6, size=(900, 3)).astype(float)
@@ -55,7 +55,7 @@ def test_boxes_hide_nothing_that_one_look_at_all_triangles_finds():
     ways = rng.integers(-1, 2, size=(300, 3)).astype(float)
     met = 0
     for shift in (0.0, 1e5):
-        around = boxes(U + shift, F)
+        around = block_boxes(U + shift, F)
         assert around.shape == everything.shape
         for direction in ways[ways.any(axis=1)]:
             origin = rng.integers(0, 6, size=3) + shift - 9.0 * direction
@@ -67,7 +67,7 @@ def test_boxes_hide_nothing_that_one_look_at_all_triangles_finds():
 
 def test_ray_hit_says_so_when_it_meets_nothing(slab):
     F, U = slab
-    assert ray_hit(np.array([0.0, 0.0, 5.0]), np.array([0.0, 0.0, 1.0]), U, F, boxes(U, F))[:2] == (
+    assert ray_hit(np.array([0.0, 0.0, 5.0]), np.array([0.0, 0.0, 1.0]), U, F, block_boxes(U, F))[:2] == (
         -1,
         np.inf,
     )
@@ -76,13 +76,13 @@ def test_ray_hit_says_so_when_it_meets_nothing(slab):
 def test_ray_hit_meets_a_face_from_behind():
     U, F = np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)
     towards = np.ones(3) / np.sqrt(3)
-    assert ray_hit(np.zeros(3), towards, U, F, boxes(U, F))[0] == 0
-    assert ray_hit(2 * towards, -towards, U, F, boxes(U, F))[0] == 0
+    assert ray_hit(np.zeros(3), towards, U, F, block_boxes(U, F))[0] == 0
+    assert ray_hit(2 * towards, -towards, U, F, block_boxes(U, F))[0] == 0
 
 
 def test_ray_hit_never_meets_degenerate_triangles():
     U, F = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]), np.array([[0, 1, 2], [1, 1, 1]], dtype=np.int32)
-    assert ray_hit(np.array([0.5, 0.0, 1.0]), np.array([0.0, 0.0, -1.0]), U, F, boxes(U, F))[0] == -1
+    assert ray_hit(np.array([0.5, 0.0, 1.0]), np.array([0.0, 0.0, -1.0]), U, F, block_boxes(U, F))[0] == -1
 
 
 def capsule_component(F, U, seeds, a, b, radius):
@@ -101,7 +101,7 @@ def capsule_component(F, U, seeds, a, b, radius):
 
 
 @pytest.mark.parametrize("radius", [0.001, 0.1, 0.3, 0.7, 5.0])
-def test_brush_covers_the_connected_part_of_the_capsule(slab, radius):
+def test_vertices_under_brush_covers_the_connected_part_of_the_capsule(slab, radius):
     F, U = slab
     graph = vertex_neighbours(F, len(U))
     rng = np.random.default_rng(5)
@@ -109,35 +109,37 @@ def test_brush_covers_the_connected_part_of_the_capsule(slab, radius):
         faces = rng.integers(len(F), size=2)
         a, b = U[F[faces]].mean(axis=1)
         seeds = F[faces].ravel()
-        covered = brush(*graph, U, seeds, a, b, radius)
+        covered = vertices_under_brush(*graph, U, seeds, a, b, radius)
         assert len(np.unique(covered)) == len(covered)
         np.testing.assert_array_equal(np.sort(covered), capsule_component(F, U, seeds, a, b, radius))
 
 
-def test_brush_does_not_bleed_through_a_thin_wall(slab):
+def test_vertices_under_brush_does_not_bleed_through_a_thin_wall(slab):
     F, U = slab
     graph = vertex_neighbours(F, len(U))
-    face, distance, _, _ = ray_hit(np.array([0.05, 0.02, 1.0]), np.array([0.0, 0.0, -1.0]), U, F, boxes(U, F))
+    face, distance, _, _ = ray_hit(
+        np.array([0.05, 0.02, 1.0]), np.array([0.0, 0.0, -1.0]), U, F, block_boxes(U, F)
+    )
     hit = np.array([0.05, 0.02, 1.0 - distance])
-    covered = brush(*graph, U, F[face], hit, hit, 0.6)
+    covered = vertices_under_brush(*graph, U, F[face], hit, hit, 0.6)
     ball = np.flatnonzero(np.linalg.norm(U - hit, axis=1) <= 0.6)
     assert len(covered) > 50
     assert (U[covered, 2] > 0).all()
     np.testing.assert_array_equal(np.sort(covered), ball[U[ball, 2] > 0])
 
 
-def test_brush_finer_than_the_mesh_paints_the_nearest_corner(slab):
+def test_vertices_under_brush_finer_than_the_mesh_paints_the_nearest_corner(slab):
     F, U = slab
     graph = vertex_neighbours(F, len(U))
     hit = 0.6 * U[F[7, 1]] + 0.2 * U[F[7, 0]] + 0.2 * U[F[7, 2]]
-    assert brush(*graph, U, F[7], hit, hit, 1e-6).tolist() == [F[7, 1]]
+    assert vertices_under_brush(*graph, U, F[7], hit, hit, 1e-6).tolist() == [F[7, 1]]
 
 
 def test_ray_hit_towards_a_vertex_meets_the_surface_there():
     """It meets only corners of triangles, where each one alone may round it away."""
     mesh = trimesh.creation.icosphere(subdivisions=3)
     U, F = np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int32)
-    around = boxes(U, F)
+    around = block_boxes(U, F)
     eye = np.array([3.1, 2.3, 1.7])
     front = U[np.einsum("ij,ij->i", mesh.vertex_normals, eye - U) > 0.2]
     assert len(front) > 100

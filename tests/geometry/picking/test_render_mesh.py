@@ -7,17 +7,17 @@ from meshes import box, grid, rotation, soup, sphere
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.render_mesh import SHARP
-from apd_viewer.geometry.picking.surface_index import Skin
+from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 
 
 def skin_of(V, F):
     mesh = Mesh(V, F)
-    return mesh, Skin.of(mesh.F, len(mesh.V), mesh.joined_F, mesh.V)
+    return mesh, SurfaceIndex.from_triangles(mesh.F, len(mesh.V), mesh.joined_F, mesh.V)
 
 
 def corners(mesh, rendered, U):
     """Points and normals at the corners of the triangles, (m, 3, 3) each."""
-    count = len(mesh.V) + len(rendered.copied)
+    count = len(mesh.V) + len(rendered.repeated_vertices)
     points, normals = np.full((2, count, 3), np.nan, dtype=np.float32)
     rendered.drape(frozen(np.array(U, dtype=float)), np.zeros(3), points, normals)
     return points[rendered.F], normals[rendered.F]
@@ -53,7 +53,7 @@ def test_render_mesh_of_a_box_has_the_normals_of_its_sides(torn):
 def test_render_mesh_repeats_nothing_without_sharp_edges(torn):
     _, skin = skin_of(*(soup(*sphere(3)) if torn else sphere(3)))
     assert skin.sharp is skin.smooth
-    assert skin.rendered(sharp=True) is skin.sharp
+    assert skin.render_mesh(sharp=True) is skin.sharp
 
 
 @pytest.mark.parametrize("flip", [False, True])
@@ -65,7 +65,7 @@ def test_render_mesh_takes_an_edge_for_sharp_above_thirty_degrees(degrees, flip)
         F = np.where(right[:, None], F[:, ::-1], F)
     mesh, skin = skin_of(V, F)
     along = np.isclose(mesh.V[:, 0], np.median(mesh.V[:, 0])).sum()
-    assert len(skin.sharp.copied) == (along if abs(np.deg2rad(degrees)) > SHARP else 0)
+    assert len(skin.sharp.repeated_vertices) == (along if abs(np.deg2rad(degrees)) > SHARP else 0)
 
 
 def test_render_mesh_has_the_sharp_edges_of_the_rest_shape():
@@ -82,5 +82,5 @@ def test_render_mesh_gives_a_vertex_of_two_fans_a_normal_for_each():
     points, normals = corners(mesh, skin.sharp, V)
     np.testing.assert_array_equal(points, V[F].astype(np.float32))
     np.testing.assert_allclose(np.linalg.norm(normals, axis=2), 1.0, atol=1e-6)
-    assert skin.sharp.F.max() < len(V) + len(skin.sharp.copied)
-    np.testing.assert_array_equal(np.append(np.arange(len(V)), skin.sharp.copied)[skin.sharp.F], F)
+    assert skin.sharp.F.max() < len(V) + len(skin.sharp.repeated_vertices)
+    np.testing.assert_array_equal(np.append(np.arange(len(V)), skin.sharp.repeated_vertices)[skin.sharp.F], F)

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from meshes import box, grid, rotation, soup, sphere, tube
 from scipy.spatial import Delaunay
 
-from apd_viewer.geometry.mesh.adjacency import ALONE, CROWDED, filled, opposite_corners
+from apd_viewer.geometry.mesh.adjacency import BOUNDARY, NON_MANIFOLD, flood_fill, opposite_half_edges
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
-from apd_viewer.geometry.picking.surface_index import Skin
-from apd_viewer.geometry.picking.vertex_paths import border_loop, inside, piece_of
-from apd_viewer.geometry.picking.vertex_sets import RINGS, grown, mirrored, shrunk, smoothed
+from apd_viewer.geometry.picking.surface_index import SurfaceIndex
+from apd_viewer.geometry.picking.vertex_paths import border_loop, component_of, is_inside_polygon
+from apd_viewer.geometry.picking.vertex_sets import RINGS, grown_set, mirrored_set, shrunk_set, smoothed_set
 from apd_viewer.geometry.pose.mirror import MirrorPlane
 
 N = 9  # vertices of the triangles that hypothesis makes up
@@ -58,7 +58,7 @@ def corners_of_edges(F):
 def joined(V, F):
     """The skin of a mesh like an STL file, and which vertex of ``V`` each of its vertices is."""
     torn = Mesh(*soup(V, F))
-    return torn.V, Skin.of(torn.F, len(torn.V), torn.joined_F), np.ravel(F)
+    return torn.V, SurfaceIndex.from_triangles(torn.F, len(torn.V), torn.joined_F), np.ravel(F)
 
 
 def border_length(F, member):
@@ -67,19 +67,19 @@ def border_length(F, member):
 
 
 @given(triangles, sets)
-def test_grown_and_shrunk_are_what_their_neighbours_say(F, member):
+def test_grown_set_and_shrunk_are_what_their_neighbours_say(F, member):
     graph, ring = vertex_neighbours(F, N), around(F)
-    larger, smaller = grown(*graph, member), shrunk(*graph, member)
+    larger, smaller = grown_set(*graph, member), shrunk_set(*graph, member)
     for v in range(N):
         assert larger[v] == (member[v] or any(member[w] for w in ring[v]))
         assert smaller[v] == (member[v] and all(member[w] for w in ring[v]))
 
 
-def test_grown_and_shrunk_cross_seams():
+def test_grown_set_and_shrunk_cross_seams():
     V, F = box(3, 3, 3)
     U, skin, where = joined(V, F)
     whole, torn = V[:, 2] > 2.5, U[:, 2] > 2.5
-    for act in (grown, shrunk):
+    for act in (grown_set, shrunk_set):
         expected = act(*vertex_neighbours(F, len(V)), whole)
         named = np.unique(skin.joined)
         np.testing.assert_array_equal(
@@ -88,114 +88,114 @@ def test_grown_and_shrunk_cross_seams():
 
 
 @pytest.mark.parametrize("turned", [False, True])
-def test_smoothed_makes_a_jagged_border_straight_and_leaves_a_straight_one(turned):
+def test_smoothed_set_makes_a_jagged_border_straight_and_leaves_a_straight_one(turned):
     V, F = grid(20, 20)
     graph = vertex_neighbours(F, len(V))
     x, y = V[:, :2].T[:: -1 if turned else 1]
     for jagged in (x <= 10 + y % 2, x <= 10 + 2 * (y // 2 % 2), x <= 10 + 3 * (y % 2)):
-        smooth = smoothed(*graph, V, jagged)
+        smooth = smoothed_set(*graph, V, jagged)
         assert border_length(F, smooth) == border_length(F, x <= 10) < border_length(F, jagged)
         assert (smooth | (x > 10)).all()
         assert (~smooth | (x <= 13)).all()
-        np.testing.assert_array_equal(smoothed(*graph, V, smooth), smooth)
-    np.testing.assert_array_equal(smoothed(*graph, V, x <= 10), x <= 10)
+        np.testing.assert_array_equal(smoothed_set(*graph, V, smooth), smooth)
+    np.testing.assert_array_equal(smoothed_set(*graph, V, x <= 10), x <= 10)
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_smoothed_lets_no_half_plane_creep_however_often_it_is_called(seed):
+def test_smoothed_set_lets_no_half_plane_creep_however_often_it_is_called(seed):
     rng = np.random.default_rng(seed)
     X = rng.uniform(size=(1500, 2)) * 20
     F, V = Delaunay(X).simplices, np.column_stack([X, np.zeros(1500)])
     graph = vertex_neighbours(F, len(V))
     for member in (X[:, 0] < 10, X[:, 0] + rng.normal(size=1500) < 10):
-        first, before = smoothed(*graph, V, member), member
+        first, before = smoothed_set(*graph, V, member), member
         while (before != member).any() or before is member:
-            before, member = member, smoothed(*graph, V, member)
+            before, member = member, smoothed_set(*graph, V, member)
             assert border_length(F, member) <= 1.05 * border_length(F, first)
         assert (member != first).sum() <= 12
         assert border_length(F, member) < 1.1 * border_length(F, X[:, 0] < 10)
 
 
 @given(st.lists(st.booleans(), min_size=225, max_size=225))
-def test_smoothed_treats_both_sides_alike_and_stays_near_the_border(drawn):
+def test_smoothed_set_treats_both_sides_alike_and_stays_near_the_border(drawn):
     V, F = grid(14, 14)
     graph, member = vertex_neighbours(F, len(V)), np.array(drawn)
-    smooth = smoothed(*graph, V, member)
-    np.testing.assert_array_equal(smoothed(*graph, V, ~member), ~smooth)
+    smooth = smoothed_set(*graph, V, member)
+    np.testing.assert_array_equal(smoothed_set(*graph, V, ~member), ~smooth)
     patch = (V[:, 0] < 7) & ((V[:, 0] > 3) | member)
-    change = np.flatnonzero(smoothed(*graph, V, patch) != patch)
-    away = rings(F, np.flatnonzero(grown(*graph, patch) & ~shrunk(*graph, patch)).tolist())
+    change = np.flatnonzero(smoothed_set(*graph, V, patch) != patch)
+    away = rings(F, np.flatnonzero(grown_set(*graph, patch) & ~shrunk_set(*graph, patch)).tolist())
     assert max((away[v] for v in change.tolist()), default=0) < RINGS
 
 
-def test_smoothed_lets_vertices_at_almost_one_place_go_with_most_of_them():
+def test_smoothed_set_lets_vertices_at_almost_one_place_go_with_most_of_them():
     V, F = grid(8, 8)
     graph, column = vertex_neighbours(F, len(V)), V[:, 0].copy()
     V[:, 0] = np.where((column >= 3) & (column <= 5), 3 + 1e-6 * column, column)
-    np.testing.assert_array_equal(smoothed(*graph, V, column <= 3), column <= 2)
-    np.testing.assert_array_equal(smoothed(*graph, V, column <= 4), column <= 5)
+    np.testing.assert_array_equal(smoothed_set(*graph, V, column <= 3), column <= 2)
+    np.testing.assert_array_equal(smoothed_set(*graph, V, column <= 4), column <= 5)
 
 
-def test_smoothed_bears_vertices_at_one_place_and_sets_without_a_border():
+def test_smoothed_set_bears_vertices_at_one_place_and_sets_without_a_border():
     V, F = grid(6, 6)
     V[V[:, 0] < 3] = 0.0
     graph = vertex_neighbours(F, len(V))
-    assert smoothed(*graph, V, V[:, 0] > 4).sum() in range(7, 22)
+    assert smoothed_set(*graph, V, V[:, 0] > 4).sum() in range(7, 22)
     for whole in (True, False):
-        assert (smoothed(*graph, V, np.full(len(V), whole)) == whole).all()
+        assert (smoothed_set(*graph, V, np.full(len(V), whole)) == whole).all()
 
 
 @pytest.mark.parametrize("axis", range(3))
-def test_mirrored_is_the_mirror_image_of_a_set_on_a_symmetric_mesh(axis):
+def test_mirrored_set_is_the_mirror_image_of_a_set_on_a_symmetric_mesh(axis):
     V, F = box(4, 2, 6)
     graph, middle = vertex_neighbours(F, len(V)), np.array([2.0, 1.0, 3.0])
     rng = np.random.default_rng(axis)
     for member in rng.random((5, len(V))) < 0.2:
-        image = mirrored(*graph, V, member, MirrorPlane(axis, middle[axis]))
+        image = mirrored_set(*graph, V, member, MirrorPlane(axis, middle[axis]))
         flipped = V[member] + (2 * (middle - V[member])) * (np.arange(3) == axis)
         assert sorted(map(tuple, V[image])) == sorted(map(tuple, flipped))
-        np.testing.assert_array_equal(mirrored(*graph, V, image, MirrorPlane(axis, middle[axis])), member)
-    assert not mirrored(*graph, V, np.zeros(len(V), dtype=bool), MirrorPlane(axis, middle[axis])).any()
+        np.testing.assert_array_equal(mirrored_set(*graph, V, image, MirrorPlane(axis, middle[axis])), member)
+    assert not mirrored_set(*graph, V, np.zeros(len(V), dtype=bool), MirrorPlane(axis, middle[axis])).any()
 
 
-def test_mirrored_has_no_image_of_a_vertex_without_a_counterpart():
+def test_mirrored_set_has_no_image_of_a_vertex_without_a_counterpart():
     V, F = grid(4, 2)
     V, F = np.vstack([V, [[0.0, 0.0, 9.0], [4.0, 0.0, 9.0]]]), F.astype(np.int32)
     graph = vertex_neighbours(F, len(V))
     everything = np.ones(len(V), dtype=bool)
     # Nobody names the last two; those at x = 4 are mirrored to x = -0.5, and to x = -0.7, too far away.
-    np.testing.assert_array_equal(mirrored(*graph, V, everything, MirrorPlane(0, 2.0))[:-2], True)
-    assert not mirrored(*graph, V, everything, MirrorPlane(0, 2.0))[-2:].any()
+    np.testing.assert_array_equal(mirrored_set(*graph, V, everything, MirrorPlane(0, 2.0))[:-2], True)
+    assert not mirrored_set(*graph, V, everything, MirrorPlane(0, 2.0))[-2:].any()
     right = V[:, 0] == 4.0
-    assert mirrored(*graph, V, right, MirrorPlane(0, 1.75))[:-2].sum() == 3
-    assert not mirrored(*graph, V, right, MirrorPlane(0, 1.65)).any()
-    assert not mirrored(*graph, V, right, MirrorPlane(0, -98.0)).any()
-    ends = mirrored(*graph, V, right | (V[:, 0] == 0.0), MirrorPlane(0, 1.65))
+    assert mirrored_set(*graph, V, right, MirrorPlane(0, 1.75))[:-2].sum() == 3
+    assert not mirrored_set(*graph, V, right, MirrorPlane(0, 1.65)).any()
+    assert not mirrored_set(*graph, V, right, MirrorPlane(0, -98.0)).any()
+    ends = mirrored_set(*graph, V, right | (V[:, 0] == 0.0), MirrorPlane(0, 1.65))
     np.testing.assert_array_equal(ends[:-2], V[:-2, 0] == 3.0)
 
 
-def test_mirrored_has_only_named_vertices_at_seams():
+def test_mirrored_set_has_only_named_vertices_at_seams():
     V, F = box(2, 2, 2)
     U, skin, where = joined(V, F)
-    image = mirrored(skin.start, skin.neighbour, U, U[:, 0] > 1.5, MirrorPlane(0, 1.0))
+    image = mirrored_set(skin.start, skin.neighbour, U, U[:, 0] > 1.5, MirrorPlane(0, 1.0))
     assert set(np.flatnonzero(image)) <= set(skin.joined.ravel())
     assert sorted(where[image]) == np.flatnonzero(V[:, 0] < 0.5).tolist()
 
 
 @given(triangles, st.integers(0, N - 1))
-def test_piece_of_a_vertex_is_what_can_be_reached(F, seed):
-    assert set(np.flatnonzero(piece_of(*vertex_neighbours(F, N), seed))) == set(rings(F, [seed]))
+def test_component_of_a_vertex_is_what_can_be_reached(F, seed):
+    assert set(np.flatnonzero(component_of(*vertex_neighbours(F, N), seed))) == set(rings(F, [seed]))
 
 
 @given(triangles)
-def test_opposite_corners_are_those_of_the_same_edge(F):
-    expected = np.full(F.size, CROWDED)
+def test_opposite_half_edges_are_those_of_the_same_edge(F):
+    expected = np.full(F.size, NON_MANIFOLD)
     for here in corners_of_edges(F).values():
         if len(here) == 1:
-            expected[here] = ALONE
+            expected[here] = BOUNDARY
         elif len(here) == 2:
             expected[here] = here[::-1]
-    np.testing.assert_array_equal(opposite_corners(F, N).ravel(), expected)
+    np.testing.assert_array_equal(opposite_half_edges(F, N).ravel(), expected)
 
 
 @given(triangles, st.lists(st.integers(0, N - 1), max_size=3))
@@ -208,19 +208,19 @@ def test_border_loop_is_the_nearest_loop_of_a_border(F, seeds):
     away = rings(F, seeds)
     nearest = min((away[v] for v in loops if v in away), default=None)
     found = set(
-        np.flatnonzero(border_loop(F, opposite_corners(F, N), *vertex_neighbours(F, N), seeds)).tolist()
+        np.flatnonzero(border_loop(F, opposite_half_edges(F, N), *vertex_neighbours(F, N), seeds)).tolist()
     )
     assert found in ([loops[v] for v in loops if away.get(v) == nearest] if nearest is not None else [set()])
 
 
 def test_border_loop_is_an_end_of_a_tube_and_nothing_on_closed_surfaces():
     V, F = tube(12, 9)
-    graph, opposite = vertex_neighbours(F, len(V)), opposite_corners(F, len(V))
+    graph, opposite = vertex_neighbours(F, len(V)), opposite_half_edges(F, len(V))
     for seed, z in ((24, V[:, 2].min()), (12 * 7, V[:, 2].max())):
         loop = border_loop(F, opposite, *graph, np.array([seed]))
         np.testing.assert_array_equal(loop, np.abs(V[:, 2] - z) < 1e-9)
     V, F = sphere(1)
-    loop = border_loop(F, opposite_corners(F, len(V)), *vertex_neighbours(F, len(V)), np.array([3]))
+    loop = border_loop(F, opposite_half_edges(F, len(V)), *vertex_neighbours(F, len(V)), np.array([3]))
     assert (loop.shape, loop.any()) == ((len(V),), False)
 
 
@@ -232,11 +232,11 @@ def test_border_loop_takes_loops_that_touch_for_one():
     graph = vertex_neighbours(F, len(V))
     for out, count in ((hole, 4), (hole | corner, 24 + 3)):
         left = F[~out]
-        assert border_loop(left, opposite_corners(left, len(V)), *graph, seeds).sum() == count
+        assert border_loop(left, opposite_half_edges(left, len(V)), *graph, seeds).sum() == count
 
 
 @given(triangles, st.floats(0.0, 3.2), st.integers(0, 99))
-def test_filled_reaches_what_a_plain_search_reaches(F, crease, seed):
+def test_flood_fill_reaches_what_a_plain_search_reaches(F, crease, seed):
     U = np.random.default_rng(seed).normal(size=(N, 3))
     across = {h: here for here in corners_of_edges(F).values() if len(here) == 2 for h in here}
     normals = np.cross(U[F[:, 1]] - U[F[:, 0]], U[F[:, 2]] - U[F[:, 0]])
@@ -255,12 +255,12 @@ def test_filled_reaches_what_a_plain_search_reaches(F, crease, seed):
                 if angle <= crease and s not in reached:
                     reached.add(s)
                     todo.append(s)
-    member = filled(F, opposite_corners(F, N), U, 0, crease)
+    member = flood_fill(F, opposite_half_edges(F, N), U, 0, crease)
     assert set(np.flatnonzero(member)) == set(F[list(reached)].ravel())
 
 
 @pytest.mark.parametrize("torn", [False, True])
-def test_filled_on_a_cube_is_a_side_or_everything(torn):
+def test_flood_fill_on_a_cube_is_a_side_or_everything(torn):
     V, F = box(3, 3, 3)
     rng = np.random.default_rng(1)
     flipped = np.where((rng.random(len(F)) < 0.5)[:, None], F[:, ::-1], F)
@@ -269,36 +269,36 @@ def test_filled_on_a_cube_is_a_side_or_everything(torn):
         U, skin, _ = joined(V, flipped)
         G = skin.joined
     U = U @ rotation([1.0, 2.0, 3.0], 0.7).T
-    opposite = opposite_corners(G, len(U))
+    opposite = opposite_half_edges(G, len(U))
     assert (opposite >= 0).all()
     for face in range(0, len(G), 7):
         axis = np.flatnonzero(np.ptp(V[F[face]], axis=0) == 0)[0]
         side = V[:, axis] == V[F[face, 0], axis]
         for degrees, expected in ((0, side), (1, side), (89, side), (91, side | True), (360, side | True)):
-            member = filled(G, opposite, U, face, np.deg2rad(degrees))
+            member = flood_fill(G, opposite, U, face, np.deg2rad(degrees))
             assert set(map(tuple, U[member])) == set(
                 map(tuple, (V @ rotation([1.0, 2.0, 3.0], 0.7).T)[expected])
             )
 
 
-def test_filled_goes_through_triangles_without_area_but_not_around_the_corner_by_them():
+def test_flood_fill_goes_through_triangles_without_area_but_not_around_the_corner_by_them():
     # 4 lies on the edge from 0 to 1, and the triangle of these three closes the gap.
     V = np.array([[0.0, 0, 0], [2, 0, 0], [1, 2, 0], [1, -2, 0], [1, 0, 0]])
     F = np.array([[0, 4, 2], [4, 1, 2], [0, 1, 4], [1, 0, 3]], dtype=np.int32)
-    opposite = opposite_corners(F, 5)
+    opposite = opposite_half_edges(F, 5)
     for face in range(4):
-        assert filled(F, opposite, V, face, 0.1).all()
+        assert flood_fill(F, opposite, V, face, 0.1).all()
     V[3] = [1, 0, -2]
-    assert np.flatnonzero(filled(F, opposite, V, 0, 0.1)).tolist() == [0, 1, 2, 4]
-    assert np.flatnonzero(filled(F, opposite, V, 3, 0.1)).tolist() == [0, 1, 3, 4]
-    assert filled(F, opposite, V, 3, 1.6).all()
+    assert np.flatnonzero(flood_fill(F, opposite, V, 0, 0.1)).tolist() == [0, 1, 2, 4]
+    assert np.flatnonzero(flood_fill(F, opposite, V, 3, 0.1)).tolist() == [0, 1, 3, 4]
+    assert flood_fill(F, opposite, V, 3, 1.6).all()
 
 
 corners = st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6)), max_size=9)
 
 
 @given(corners)
-def test_inside_holds_points_from_which_a_ray_crosses_the_outline_an_odd_number_of_times(corners):
+def test_is_inside_polygon_holds_points_from_which_a_ray_crosses_the_outline_an_odd_number_of_times(corners):
     x, y = np.meshgrid(np.arange(-1.0, 7.5, 0.5) + 0.21, np.arange(-1.0, 7.5, 0.5) + 0.17)
     points = np.column_stack([x.ravel(), y.ravel()])
     expected = np.zeros(len(points), dtype=bool)
@@ -307,32 +307,32 @@ def test_inside_holds_points_from_which_a_ray_crosses_the_outline_an_odd_number_
             if (ay < py) != (by < py):
                 expected[i] ^= Fraction(px) < ax + (Fraction(py) - ay) / (by - ay) * (bx - ax)
     polygon = np.array(corners, dtype=float).reshape(-1, 2)
-    np.testing.assert_array_equal(inside(points, polygon), expected)
-    np.testing.assert_array_equal(inside(points, polygon[::-1].copy()), expected)
+    np.testing.assert_array_equal(is_inside_polygon(points, polygon), expected)
+    np.testing.assert_array_equal(is_inside_polygon(points, polygon[::-1].copy()), expected)
 
 
-def test_inside_leaves_out_the_middle_of_a_star_and_what_is_no_number():
+def test_is_inside_polygon_leaves_out_the_middle_of_a_star_and_what_is_no_number():
     angle = np.arange(5) * 4 * np.pi / 5
     star = np.column_stack([np.sin(angle), np.cos(angle)])
     points = np.array([[0.0, 0.0], [0.0, 0.9], [0.0, 1.1], [np.nan, 0.0], [0.0, np.nan], [np.inf, 0.0]])
-    assert inside(points, star).tolist() == [False, True, False, False, False, False]
-    assert inside(np.empty((0, 2)), star).shape == (0,)
+    assert is_inside_polygon(points, star).tolist() == [False, True, False, False, False, False]
+    assert is_inside_polygon(np.empty((0, 2)), star).shape == (0,)
 
 
-def test_inside_finds_every_point_once_in_tiles_that_share_their_sides():
+def test_is_inside_polygon_finds_every_point_once_in_tiles_that_share_their_sides():
     tiles = [np.array([[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1.0]]) for x in range(3) for y in range(3)]
     points = np.stack(np.meshgrid(np.arange(0, 3, 0.5), np.arange(0, 3, 0.5)), axis=-1).reshape(-1, 2)
-    assert (sum(inside(points, tile).astype(int) for tile in tiles) == 1).all()
+    assert (sum(is_inside_polygon(points, tile).astype(int) for tile in tiles) == 1).all()
 
 
 def test_vertex_sets_welcome_read_only_arrays():
     V, F = sphere(1)
-    skin, U = Skin.of(F, len(V)), V.copy()
+    skin, U = SurfaceIndex.from_triangles(F, len(V)), V.copy()
     U.setflags(write=False)
     member = U[:, 2] > 0
     member.setflags(write=False)
-    graph, opposite = (skin.start, skin.neighbour), opposite_corners(skin.joined, len(U))
-    assert smoothed(*graph, U, member).any()
-    assert mirrored(*graph, U, member, MirrorPlane(2, 0.0)).any()
-    assert filled(skin.joined, opposite, U, 0, 4.0).all()
-    assert piece_of(*graph, 5).all()
+    graph, opposite = (skin.start, skin.neighbour), opposite_half_edges(skin.joined, len(U))
+    assert smoothed_set(*graph, U, member).any()
+    assert mirrored_set(*graph, U, member, MirrorPlane(2, 0.0)).any()
+    assert flood_fill(skin.joined, opposite, U, 0, 4.0).all()
+    assert component_of(*graph, 5).all()

@@ -7,14 +7,16 @@ from hypothesis import strategies as st
 from meshes import box, grid, moved, rotation, soup, sphere, tube
 
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.picking.bounding_hierarchy import FAN, bounding_hierarchy
-from apd_viewer.geometry.picking.surface_index import Skin
-from apd_viewer.geometry.picking.visibility import TOUCHING, visible
+from apd_viewer.geometry.picking.bounding_hierarchy import BRANCHING, bounding_hierarchy
+from apd_viewer.geometry.picking.surface_index import SurfaceIndex
+from apd_viewer.geometry.picking.visibility import TOUCHING_DISTANCE, is_visible
 
 
 def seen(eye, U, F, ids=None):
     ids = np.arange(len(U)) if ids is None else ids
-    return visible(np.array(eye, dtype=float), U, bounding_hierarchy(U, np.asarray(F, dtype=np.int32)), ids)
+    return is_visible(
+        np.array(eye, dtype=float), U, bounding_hierarchy(U, np.asarray(F, dtype=np.int32)), ids
+    )
 
 
 def seen_by_linear_algebra(eye, U, F, ids):
@@ -26,7 +28,7 @@ def seen_by_linear_algebra(eye, U, F, ids):
         A = np.stack([U[T[:, 1]] - a, U[T[:, 2]] - a, np.broadcast_to(-d, a.shape)], axis=2)
         good = np.abs(np.linalg.det(A)) > 1e-12
         b1, b2, t = np.linalg.solve(A[good], (eye - a[good])[..., None])[..., 0].T
-        met = (b1 >= 0) & (b2 >= 0) & (b1 + b2 <= 1) & (t > 0) & (t < 1 - TOUCHING)
+        met = (b1 >= 0) & (b2 >= 0) & (b1 + b2 <= 1) & (t > 0) & (t < 1 - TOUCHING_DISTANCE)
         found.append(not met.any())
     return np.array(found)
 
@@ -53,7 +55,7 @@ def cup(around=24, wall=0.03):
     return V, np.vstack(F).astype(np.int32), within
 
 
-def test_visible_from_above_is_the_inside_of_a_cup_and_nothing_of_its_outside():
+def test_is_visible_from_above_is_the_inside_of_a_cup_and_nothing_of_its_outside():
     V, F, within = cup()
     for tilt in (0.0, 0.01):
         np.testing.assert_array_equal(seen([tilt, 0.0, 4.0], V, F), within)
@@ -66,7 +68,7 @@ def test_visible_from_above_is_the_inside_of_a_cup_and_nothing_of_its_outside():
 
 @pytest.mark.parametrize("way", [[0.3, 0.2, 0.9], [-1.0, 0.1, 0.2], [0.5, -2.0, -0.4]])
 @pytest.mark.parametrize("distance", [0.4, 1.7, 30.0])
-def test_visible_is_what_linear_algebra_says_for_each_triangle(way, distance):
+def test_is_visible_is_what_linear_algebra_says_for_each_triangle(way, distance):
     eye = distance * np.array(way)
     for V, F in (cup()[:2], sphere(3), tube(20, 9, height=2.0)):
         ids = np.arange(0, len(V), 1 + len(V) // 90)
@@ -75,7 +77,10 @@ def test_visible_is_what_linear_algebra_says_for_each_triangle(way, distance):
     assert found.any()
 
 
-@given(st.integers(0, 10**6), st.sampled_from([1, FAN - 1, FAN + 1, FAN**2, FAN**2 + 1, 600]))
+@given(
+    st.integers(0, 10**6),
+    st.sampled_from([1, BRANCHING - 1, BRANCHING + 1, BRANCHING**2, BRANCHING**2 + 1, 600]),
+)
 def test_bounding_hierarchy_hides_no_triangle(seed, count):
     """Triangles of all sizes in no order."""
     rng = np.random.default_rng(seed)
@@ -87,7 +92,7 @@ def test_bounding_hierarchy_hides_no_triangle(seed, count):
 
 
 @pytest.mark.parametrize("shift", [0.0, 1e5])
-def test_visible_lets_no_ray_slip_through_between_two_triangles(shift):
+def test_is_visible_lets_no_ray_slip_through_between_two_triangles(shift):
     """Those to the far side pass exactly through vertices and edges of the near one."""
     V, F = box(4, 4, 4)
     for axis in range(3):
@@ -96,7 +101,7 @@ def test_visible_lets_no_ray_slip_through_between_two_triangles(shift):
             np.testing.assert_array_equal(seen(middle + shift, V + shift, F), V[:, axis] == end)
 
 
-def test_visible_is_all_within_a_ball_and_outside_it_the_corners_of_what_faces_the_eye():
+def test_is_visible_is_all_within_a_ball_and_outside_it_the_corners_of_what_faces_the_eye():
     V, F = sphere(3)
     assert seen([0.1, 0.2, 0.3], V, F).all()
     eye = np.array([0.2, 0.5, 2.0])
@@ -105,7 +110,7 @@ def test_visible_is_all_within_a_ball_and_outside_it_the_corners_of_what_faces_t
     assert set(np.flatnonzero(seen(eye, V, F))) == set(F[facing].ravel())
 
 
-def test_visible_depends_neither_on_the_order_of_triangles_nor_on_a_rigid_motion():
+def test_is_visible_depends_neither_on_the_order_of_triangles_nor_on_a_rigid_motion():
     V, F, _ = cup()
     eye, rng = np.array([2.0, 1.1, 1.7]), np.random.default_rng(5)
     expected = seen(eye, V, F)
@@ -115,17 +120,17 @@ def test_visible_depends_neither_on_the_order_of_triangles_nor_on_a_rigid_motion
     np.testing.assert_array_equal(seen(carried[-1], carried[:-1], F), expected)
 
 
-def test_visible_sees_a_mesh_of_seams_as_if_it_were_whole():
+def test_is_visible_sees_a_mesh_of_seams_as_if_it_were_whole():
     V, F = box(3, 3, 3)
     torn = Mesh(*soup(V, F))
-    skin, eye = Skin.of(torn.F, len(torn.V), torn.joined_F), [5.0, 6.0, 8.0]
+    skin, eye = SurfaceIndex.from_triangles(torn.F, len(torn.V), torn.joined_F), [5.0, 6.0, 8.0]
     named = np.unique(skin.joined)
     np.testing.assert_array_equal(
         seen(eye, torn.V, skin.joined, named), seen(eye, V, F)[np.ravel(F)[named]], strict=True
     )
 
 
-def test_visible_does_not_hide_a_vertex_behind_what_touches_it():
+def test_is_visible_does_not_hide_a_vertex_behind_what_touches_it():
     """Two sheets of unjoined triangles at one place, and a third behind them by more than the tolerance."""
     V, F = grid(3, 3)
     sheets = np.vstack([V, V + [0, 0, 1e-8], V - [0, 0, 1e-3]])
@@ -135,7 +140,7 @@ def test_visible_does_not_hide_a_vertex_behind_what_touches_it():
     assert not found[2, inner].any()
 
 
-def test_visible_lets_triangles_without_area_or_seen_edge_on_hide_nothing():
+def test_is_visible_lets_triangles_without_area_or_seen_edge_on_hide_nothing():
     V = np.array([[0.0, 0, 0], [-1, 0, 1], [1, 0, 1], [0, 0, 1], [0, -1, 2], [0, 1, 2], [0, 0, 3]])
     F = np.array([[1, 2, 3], [2, 2, 2], [4, 5, 6]], dtype=np.int32)
     for angle in range(30):
@@ -143,15 +148,15 @@ def test_visible_lets_triangles_without_area_or_seen_edge_on_hide_nothing():
         assert seen(turned[-1], turned[:-1], F, np.array([0])).all()
 
 
-def test_visible_works_with_nothing_asked_or_in_the_way():
+def test_is_visible_works_with_nothing_asked_or_in_the_way():
     V, F = sphere(1)
     assert seen([0.0, 0.0, 9.0], V, F, np.empty(0, dtype=np.int64)).shape == (0,)
     assert seen([0.0, 0.0, 9.0], V, np.empty((0, 3), dtype=np.int32)).all()
     assert seen(V[5], V, F, np.array([5])).all()
 
 
-def test_visible_welcomes_read_only_arrays():
+def test_is_visible_welcomes_read_only_arrays():
     V, F = sphere(1)
-    skin, U = Skin.of(F, len(V)), V.copy()
+    skin, U = SurfaceIndex.from_triangles(F, len(V)), V.copy()
     U.setflags(write=False)
     np.testing.assert_array_equal(seen([0.0, 0.5, 9.0], U, skin.joined), seen([0.0, 0.5, 9.0], V, F))

@@ -8,7 +8,14 @@ from hypothesis.extra.numpy import arrays
 from meshes import rotation
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, constraints, transform, what_is_missing
+from apd_viewer.geometry.pose.constraints import (
+    BASE,
+    FREE,
+    HANDLE,
+    constraints,
+    next_paint_sentence,
+    transform,
+)
 
 labelled = arrays(int, st.integers(1, 12), elements=st.sampled_from([BASE, FREE, HANDLE]))
 
@@ -41,14 +48,14 @@ def test_constraints_use_every_labelling_or_refuse_it_with_the_right_sentence(la
     grip = np.arange(3.0 * len(labels)).reshape(-1, 3)
     has = {code: (labels == code).any() for code in (BASE, FREE, HANDLE)}
     if all(has.values()):
-        assert what_is_missing(labels) is None
+        assert next_paint_sentence(labels) is None
         held = constraints(labels, grip, [pose(shift=[100.0, 0.0, 0.0])])
         assert held.fixed.tolist() == [i for i, code in enumerate(labels) if code != FREE]
         assert held.handles[0].tolist() == [i for i, code in enumerate(labels) if code == HANDLE]
         expected = grip + np.where(labels[:, None] == HANDLE, [100.0, 0.0, 0.0], 0.0)
         assert np.array_equal(held.targets, expected[held.fixed])
         return
-    sentence = what_is_missing(labels)
+    sentence = next_paint_sentence(labels)
     expected = "base" if not has[BASE] else "handle" if not has[HANDLE] else "Everything is painted"
     assert expected in sentence
     with pytest.raises(InputError) as refused:

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from meshes import box, rotation
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
-from apd_viewer.geometry.pose.falloff import distances, edge_graph, softened, strengths
+from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
+from apd_viewer.geometry.pose.falloff import distances, edge_graph, soft_constraints, strengths
 from apd_viewer.geometry.solver.deformation import Deformation
 
 
@@ -24,11 +24,13 @@ def plate(n: int) -> tuple[np.ndarray, np.ndarray]:
     return V, np.vstack([np.column_stack([i, i + 1, i + n + 2]), np.column_stack([i, i + n + 2, i + n + 1])])
 
 
-def around(V: np.ndarray, F: np.ndarray, handle: np.ndarray, fixed: np.ndarray, falloff: float) -> Soft:
+def around(
+    V: np.ndarray, F: np.ndarray, handle: np.ndarray, fixed: np.ndarray, falloff: float
+) -> SoftConstraints:
     free = np.ones(len(V), dtype=bool)
     free[fixed] = False
     strength = strengths(distances(edge_graph(V, F), handle, falloff), falloff)
-    return softened(free, strength[None], np.array([falloff]))
+    return soft_constraints(free, strength[None], np.array([falloff]))
 
 
 def poked(n: int, falloff: float, method: str = "arap", **options) -> np.ndarray:
@@ -37,7 +39,7 @@ def poked(n: int, falloff: float, method: str = "arap", **options) -> np.ndarray
     border = np.flatnonzero(((V[:, :2] == 0) | (V[:, :2] == 1)).any(axis=1))
     handle = np.flatnonzero((V[:, :2] == 0.5).all(axis=1))
     fixed = np.concatenate([border, handle])
-    soft = around(V, F, handle, fixed, falloff) if falloff else NO_SOFT
+    soft = around(V, F, handle, fixed, falloff) if falloff else NO_SOFT_CONSTRAINTS
     solver = Deformation(V, F, fixed, method=method, handle=handle, soft=soft, **options)
     up = np.array([0.0, 0.0, 0.1])
     solver.aim(V[fixed] + np.isin(fixed, handle)[:, None] * up, None, V[soft.ids] + up)
@@ -75,23 +77,23 @@ def test_distances_are_those_of_a_search_by_hand(seed, limit):
     np.testing.assert_allclose(distances(edge_graph(V, F), start, limit), brute_force(V, F, start, limit))
 
 
-def test_softened_gives_what_two_handles_draw_to_the_stronger_and_only_what_is_free():
+def test_soft_constraints_gives_what_two_handles_draw_to_the_stronger_and_only_what_is_free():
     strength = np.array([[1.0, 0.5, 0.2, 0.0, 0.9], [0.3, 0.6, 0.0, 0.0, 0.1]])
-    soft = softened(np.array([False, True, True, True, True]), strength, np.array([2.0, 4.0]))
+    soft = soft_constraints(np.array([False, True, True, True, True]), strength, np.array([2.0, 4.0]))
     assert soft.ids.tolist() == [1, 2, 4]
     assert soft.handle.tolist() == [1, 0, 0]
     np.testing.assert_allclose(soft.density * np.array([16.0, 4.0, 4.0]) / soft.strength, 25.0)
 
 
 @pytest.mark.parametrize("material", [Material(), Material(0.1, 2.0, 5.0), Material(bending=0.02)])
-def test_elastic_residual_is_a_quarter_of_the_gradient_of_the_energy(material):
+def test_elastic_surface_residual_is_a_quarter_of_the_gradient_of_the_energy(material):
     rng = np.random.default_rng(1)
     V, F = box(2, 2, 4)
     fixed = np.flatnonzero(V[:, 2] == 0)
     handle = np.flatnonzero(V[:, 2] == 4)
     held = np.concatenate([fixed, handle])
     soft = around(V, F, handle, held, 2.5)
-    elastic = Elastic(RestMesh(V, F).shape, held, material, soft=soft)
+    elastic = ElasticSurface(RestMesh(V, F).solve_mesh, held, material, soft=soft)
     targets = np.concatenate([V[held], V[soft.ids] @ rotation((0, 0, 1), 0.4).T])
     U = V + rng.normal(scale=0.05, size=V.shape)
     U[held] = V[held]
@@ -104,7 +106,7 @@ def test_elastic_residual_is_a_quarter_of_the_gradient_of_the_energy(material):
                 X = U.copy()
                 X[elastic.free[k], axis] += step
                 elastic.local_step(X)
-                elastic.from_held(targets)
+                elastic.held_contribution(targets)
                 E.append(elastic.energy)
             assert (E[0] - E[1]) / 2e-5 == pytest.approx(found[k, axis], abs=1e-5 * np.abs(found).max())
 

@@ -4,10 +4,10 @@ import numpy as np
 
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.fitted_motion import fitted_motion
-from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
+from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation
 
 RNG = np.random.default_rng(5)
-MOTION = shifted([3, 1, -2]) @ turned_about([1, 0, 4], [1, -2, 2], 2.7) @ scaled_about([0, 1, 0], 1.7)
+MOTION = translation([3, 1, -2]) @ rotation_about([1, 0, 4], [1, -2, 2], 2.7) @ scaling_about([0, 1, 0], 1.7)
 
 
 def test_fitted_motion_finds_a_similarity_from_points_in_space_or_in_a_plane():
@@ -25,9 +25,13 @@ def test_fitted_motion_fits_no_worse_than_any_other():
 
     for _ in range(100):
         axis, centre = RNG.normal(size=(2, 3))
-        near = turned_about(centre, axis, 1e-3 * RNG.normal()) @ shifted(1e-3 * RNG.normal(size=3)) @ fitted
+        near = (
+            rotation_about(centre, axis, 1e-3 * RNG.normal())
+            @ translation(1e-3 * RNG.normal(size=3))
+            @ fitted
+        )
         assert error(near) >= error(fitted)
-        assert error(scaled_about(centre, 1.0 + 1e-3 * RNG.normal()) @ fitted) >= error(fitted)
+        assert error(scaling_about(centre, 1.0 + 1e-3 * RNG.normal()) @ fitted) >= error(fitted)
 
 
 def test_fitted_motion_moves_few_points_onto_their_targets():
@@ -37,4 +41,4 @@ def test_fitted_motion_moves_few_points_onto_their_targets():
         np.testing.assert_allclose(transform(fitted, X), transform(MOTION, X), atol=1e-12)
         assert np.linalg.det(fitted[:3, :3]) > 0.0
     same = np.ones((4, 3))
-    np.testing.assert_allclose(fitted_motion(same, same + 1.0), shifted([1, 1, 1]), atol=1e-12)
+    np.testing.assert_allclose(fitted_motion(same, same + 1.0), translation([1, 1, 1]), atol=1e-12)

@@ -16,10 +16,10 @@ ONE = np.ones(12, int)
 def test_held_path_of_a_rigid_motion_is_rigid_all_the_way(degrees, axis):
     Y = moved(X, rotation(axis, np.radians(degrees)), (0.5, 0.0, 2.0))
     path = HeldPath(X, Y, ONE)
-    assert np.array_equal(path.at(1.0), Y)
+    assert np.array_equal(path.positions_at(1.0), Y)
     last = X
     for share in np.linspace(0.0, 1.0, 21):
-        now = path.at(share)
+        now = path.positions_at(share)
         assert np.allclose(pdist(now), pdist(X), rtol=1e-9)
         assert np.linalg.norm(now - last, axis=1).max() <= 1.05 * path.length / 20 + 1e-9, (
             "no jump at the end"
@@ -28,7 +28,9 @@ def test_held_path_of_a_rigid_motion_is_rigid_all_the_way(degrees, axis):
 
 
 def test_held_path_of_half_a_turn_goes_the_same_way_round_whatever_rounding_says():
-    ways = [HeldPath(X, moved(X, rotation((0, 1, 0), angle)), ONE).at(0.5) for angle in (np.pi, -np.pi)]
+    ways = [
+        HeldPath(X, moved(X, rotation((0, 1, 0), angle)), ONE).positions_at(0.5) for angle in (np.pi, -np.pi)
+    ]
     assert np.allclose(*ways, atol=1e-6)
 
 
@@ -37,7 +39,7 @@ def test_held_path_leads_each_handle_its_own_way_and_the_rest_stays():
     Y = X.copy()
     Y[2:6] = moved(X[2:6], rotation((0, 0, 1), 1.0))
     Y[6:] = X[6:] ** 3
-    now = HeldPath(X, Y, handle_of).at(0.5)
+    now = HeldPath(X, Y, handle_of).positions_at(0.5)
     assert np.array_equal(now[:2], X[:2])
     assert np.allclose(pdist(now[2:6]), pdist(X[2:6]))
     assert np.allclose(now[6:], 0.5 * (X[6:] + Y[6:])), "what is deformed goes straight"

@@ -8,8 +8,8 @@ from scipy.linalg import expm, logm
 from scipy.spatial.transform import Rotation
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.pose.screw_motion import Turn, path_of
-from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
+from apd_viewer.geometry.pose.screw_motion import RotationPath, screw_path
+from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation
 
 coordinates = st.floats(-10, 10)
 points = st.tuples(coordinates, coordinates, coordinates).map(np.array)
@@ -20,7 +20,7 @@ parts = st.floats(-0.5, 1.6)
 
 
 def composed(displacement, axis, angle, centre):
-    return shifted(displacement) @ turned_about(centre, axis, angle)
+    return translation(displacement) @ rotation_about(centre, axis, angle)
 
 
 rigid = st.builds(composed, points, axes, angles, points)
@@ -31,61 +31,65 @@ def close(actual, expected, atol=1e-9):
 
 
 @given(rigid, points, st.floats(0.2, 5))
-def test_path_of_a_motion_begins_with_nothing_and_ends_with_the_motion(pose, pivot, factor):
-    for whole in (pose, pose @ scaled_about(pivot, factor), pose @ scaled_about(pivot, [factor, 1, 0.5])):
-        path = path_of(whole, pivot)
-        close(path.at(0.0), np.eye(4), 1e-7)
-        close(path.at(1.0), whole, 1e-8)
+def test_screw_path_a_motion_begins_with_nothing_and_ends_with_the_motion(pose, pivot, factor):
+    for whole in (pose, pose @ scaling_about(pivot, factor), pose @ scaling_about(pivot, [factor, 1, 0.5])):
+        path = screw_path(whole, pivot)
+        close(path.pose_at(0.0), np.eye(4), 1e-7)
+        close(path.pose_at(1.0), whole, 1e-8)
 
 
 @given(rigid, points, parts, parts)
-def test_path_of_a_rigid_motion_has_parts_that_follow_each_other_as_their_sum(pose, pivot, s, t):
-    path = path_of(pose, pivot)
-    close(path.at(s) @ path.at(t), path.at(s + t), 1e-6)
+def test_screw_path_a_rigid_motion_has_parts_that_follow_each_other_as_their_sum(pose, pivot, s, t):
+    path = screw_path(pose, pivot)
+    close(path.pose_at(s) @ path.pose_at(t), path.pose_at(s + t), 1e-6)
 
 
 @settings(max_examples=20)  # SciPy takes long
 @given(st.builds(composed, plain, plain.filter(np.any), st.floats(0.01, 3.0), plain), points, parts)
-def test_path_of_a_rigid_motion_is_the_exponential_of_a_part_of_the_logarithm(pose, pivot, part):
-    close(path_of(pose, pivot).at(part), expm(part * logm(pose)).real, 1e-5)
+def test_screw_path_a_rigid_motion_is_the_exponential_of_a_part_of_the_logarithm(pose, pivot, part):
+    close(screw_path(pose, pivot).pose_at(part), expm(part * logm(pose)).real, 1e-5)
 
 
 @given(points, axes, angles.filter(lambda a: a > 1e-3), points, parts)
-def test_path_of_a_bend_goes_along_its_arc(point, axis, angle, pivot, part):
+def test_screw_path_a_bend_goes_along_its_arc(point, axis, angle, pivot, part):
     """Not along the chord, which would come nearer to the line that is turned about."""
     close(
-        path_of(turned_about(point, axis, angle), pivot).at(part),
-        turned_about(point, axis, part * angle),
+        screw_path(rotation_about(point, axis, angle), pivot).pose_at(part),
+        rotation_about(point, axis, part * angle),
         1e-6,
     )
 
 
 @given(points, points, parts)
-def test_path_of_a_shift_goes_straight(way, pivot, part):
-    close(path_of(shifted(way), pivot).at(part), shifted(part * way))
+def test_screw_path_a_shift_goes_straight(way, pivot, part):
+    close(screw_path(translation(way), pivot).pose_at(part), translation(part * way))
 
 
 @given(points, st.floats(0.1, 8), st.floats(0, 1.5))
-def test_path_of_a_stretch_grows_by_equal_factors_about_the_pivot(pivot, factor, part):
-    close(path_of(scaled_about(pivot, factor), pivot).at(part), scaled_about(pivot, factor**part), 1e-7)
+def test_screw_path_a_stretch_grows_by_equal_factors_about_the_pivot(pivot, factor, part):
+    close(
+        screw_path(scaling_about(pivot, factor), pivot).pose_at(part),
+        scaling_about(pivot, factor**part),
+        1e-7,
+    )
 
 
 @given(points, axes, st.floats(-20, 20), parts)
-def test_turn_may_go_around_more_than_once(point, axis, angle, part):
+def test_rotation_path_may_go_around_more_than_once(point, axis, angle, part):
     R = Rotation.from_rotvec(part * angle * axis / np.linalg.norm(axis)).as_matrix()
-    close(Turn(point, axis, angle).at(part)[:3, :3], R)
-    close((Turn(point, axis, angle).at(part) @ [*point, 1.0])[:3], point)
+    close(RotationPath(point, axis, angle).pose_at(part)[:3, :3], R)
+    close((RotationPath(point, axis, angle).pose_at(part) @ [*point, 1.0])[:3], point)
 
 
 @pytest.mark.parametrize(
     ("pose", "words"),
     [
-        (turned_about([1, 2, 3], [0, 1, 1], np.pi), "half turn.+twist of 180deg"),
-        (scaled_about([0, 0, 0], [1, 1, -1]), "mirrors or flattens"),
+        (rotation_about([1, 2, 3], [0, 1, 1], np.pi), "half turn.+twist of 180deg"),
+        (scaling_about([0, 0, 0], [1, 1, -1]), "mirrors or flattens"),
         (np.diag([1.0, 1.0, 0.0, 1.0]), "mirrors or flattens"),
         (np.diag([0.0, 0.0, 0.0, 1.0]), "mirrors or flattens"),
     ],
 )
-def test_path_of_refuses_what_has_no_one_way(pose, words):
+def test_screw_path_refuses_what_has_no_one_way(pose, words):
     with pytest.raises(InputError, match=words):
-        path_of(pose, np.ones(3))
+        screw_path(pose, np.ones(3))

@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.transforms import (
     bend,
-    decomposed,
-    scaled_about,
-    shifted,
-    turned_about,
+    rigid_transform,
+    rotation_about,
+    scaling_about,
+    translation,
     twist,
 )
 
@@ -46,7 +46,7 @@ def close(actual, expected, scale=1.0):
 
 def composed(displacement, axis, angle, centre):
     """The rotation about the centre followed by the translation: what is decomposed."""
-    return shifted(displacement) @ turned_about(centre, axis, angle)
+    return translation(displacement) @ rotation_about(centre, axis, angle)
 
 
 def is_rigid(pose):
@@ -65,8 +65,8 @@ def raised(call, *given):
 
 
 @given(points, units, lengths, angles)
-def test_turned_about_is_what_scipy_says_and_leaves_its_axis(point, unit, length, angle):
-    pose = turned_about(point, unit * length, angle)
+def test_rotation_about_is_what_scipy_says_and_leaves_its_axis(point, unit, length, angle):
+    pose = rotation_about(point, unit * length, angle)
     close(pose[:3, :3], Rotation.from_rotvec(unit * angle).as_matrix())
     for t in (-3.0, 0.0, 2.0):
         close(at(pose, point + t * unit), point + t * unit, 100)
@@ -75,48 +75,48 @@ def test_turned_about_is_what_scipy_says_and_leaves_its_axis(point, unit, length
 
 
 @given(points, axes, angles, angles)
-def test_turned_about_one_line_adds_up_and_is_undone(point, axis, a, b):
-    both = turned_about(point, axis, a) @ turned_about(point, axis, b)
-    close(both, turned_about(point, axis, a + b), 1000)
-    close(turned_about(point, -axis, a), turned_about(point, axis, -a), 1000)
-    close(turned_about(point, axis, a) @ turned_about(point, axis, -a), np.eye(4), 1000)
+def test_rotation_about_one_line_adds_up_and_is_undone(point, axis, a, b):
+    both = rotation_about(point, axis, a) @ rotation_about(point, axis, b)
+    close(both, rotation_about(point, axis, a + b), 1000)
+    close(rotation_about(point, -axis, a), rotation_about(point, axis, -a), 1000)
+    close(rotation_about(point, axis, a) @ rotation_about(point, axis, -a), np.eye(4), 1000)
 
 
 @given(points, axes)
-def test_turned_about_by_no_angle_is_exactly_no_motion(point, axis):
-    assert np.array_equal(turned_about(point, axis, 0.0), np.eye(4))
+def test_rotation_about_by_no_angle_is_exactly_no_motion(point, axis):
+    assert np.array_equal(rotation_about(point, axis, 0.0), np.eye(4))
 
 
-def test_turned_about_makes_a_quarter_turn_counter_clockwise_seen_from_the_tip():
-    close(at(turned_about([1, 0, 0], Z, np.pi / 2), [2, 0, 5]), [1, 1, 5])
+def test_rotation_about_makes_a_quarter_turn_counter_clockwise_seen_from_the_tip():
+    close(at(rotation_about([1, 0, 0], Z, np.pi / 2), [2, 0, 5]), [1, 1, 5])
 
 
 @given(points, points)
-def test_shifted_adds_up_translations(a, b):
-    assert np.array_equal(shifted(a) @ shifted(b), shifted(a + b))
-    assert is_rigid(shifted(a))
+def test_translation_adds_up_translations(a, b):
+    assert np.array_equal(translation(a) @ translation(b), translation(a + b))
+    assert is_rigid(translation(a))
 
 
 @given(points, points, st.tuples(*[st.sampled_from([-2.0, 0.5, 1.0, 3.0])] * 3))
-def test_scaled_about_leaves_its_point_and_multiplies_offsets(point, offset, factors):
-    pose = scaled_about(point, factors)
+def test_scaling_about_leaves_its_point_and_multiplies_offsets(point, offset, factors):
+    pose = scaling_about(point, factors)
     close(at(pose, point), point, 1000)
     close(at(pose, point + offset), point + offset * factors, 1000)
     assert np.linalg.det(pose[:3, :3]) == pytest.approx(np.prod(factors))
 
 
-def test_scaled_about_takes_one_factor_for_three():
-    assert np.array_equal(scaled_about([1, 2, 3], 1.5), scaled_about([1, 2, 3], [1.5, 1.5, 1.5]))
+def test_scaling_about_takes_one_factor_for_three():
+    assert np.array_equal(scaling_about([1, 2, 3], 1.5), scaling_about([1, 2, 3], [1.5, 1.5, 1.5]))
 
 
 @pytest.mark.parametrize("factors", [0, -0.0, np.inf, np.nan, (1, 0, 2), (1, 2, -np.inf)])
-def test_scaled_about_refuses_a_scale_that_flattens_or_bursts(factors):
-    assert "scale" in raised(scaled_about, ORIGIN, factors)
+def test_scaling_about_refuses_a_scale_that_flattens_or_bursts(factors):
+    assert "scale" in raised(scaling_about, ORIGIN, factors)
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 0), (np.nan, 0, 1), (np.inf, 0, 0)])
-def test_turned_about_and_bend_refuse_an_axis_without_a_direction(axis):
-    assert "axis" in raised(turned_about, ORIGIN, axis, 1.0)
+def test_rotation_about_and_bend_refuse_an_axis_without_a_direction(axis):
+    assert "axis" in raised(rotation_about, ORIGIN, axis, 1.0)
     assert "axis" in raised(bend, ORIGIN, axis, 0.0)
 
 
@@ -127,7 +127,7 @@ def test_twist_leaves_the_line_between_the_centres(base, axis, angle):
     close(at(pose, base), base, 100)
     close(at(pose, handle), handle, 100)
     close(pose, bend(base, handle - base, angle), 100)
-    assert decomposed(pose, base).angle == pytest.approx(abs(np.arctan2(np.sin(angle), np.cos(angle))))
+    assert rigid_transform(pose, base).angle == pytest.approx(abs(np.arctan2(np.sin(angle), np.cos(angle))))
 
 
 @pytest.mark.parametrize("apart", [0.0, 1e-15])
@@ -139,10 +139,10 @@ def test_twist_refuses_centres_that_coincide_and_have_no_line_between_them(apart
 
 
 @given(points, units, readable, points)
-def test_decomposed_says_what_the_motion_is(displacement, axis, angle, centre):
+def test_rigid_transform_says_what_the_motion_is(displacement, axis, angle, centre):
     pose = composed(displacement, axis, angle, centre)
     close(at(pose, centre), centre + displacement, 1000)
-    said = decomposed(pose, centre)
+    said = rigid_transform(pose, centre)
     close(said.displacement, displacement, 100)
     assert 0.0 <= said.angle <= np.pi
     assert said.angle == pytest.approx(angle, rel=1e-9, abs=1e-14)
@@ -155,29 +155,29 @@ def test_decomposed_says_what_the_motion_is(displacement, axis, angle, centre):
 
 
 @given(points, st.integers(0, 2**32 - 1))
-def test_decomposed_says_what_scipy_says(centre, seed):
+def test_rigid_transform_says_what_scipy_says(centre, seed):
     R = Rotation.random(rng=np.random.default_rng(seed))
     pose = np.eye(4)
     pose[:3, :3] = R.as_matrix()
-    said = decomposed(pose, centre)
+    said = rigid_transform(pose, centre)
     close(said.axis * said.angle, R.as_rotvec(), 100)
     close(said.displacement, R.apply(centre) - centre, 100)
 
 
-def test_decomposed_reads_no_motion_as_nothing():
-    said = decomposed(np.eye(4), [5.0, 1e9, -3.0])
+def test_rigid_transform_reads_no_motion_as_nothing():
+    said = rigid_transform(np.eye(4), [5.0, 1e9, -3.0])
     assert (*said.displacement, *said.axis, said.angle) == (0, 0, 0, 0, 0, 1, 0)
 
 
 @pytest.mark.parametrize("i", range(3))
-def test_decomposed_reads_half_a_turn_about_an_axis(i):
-    said = decomposed(np.diag([*(2 * np.eye(3)[i] - 1), 1.0]), ORIGIN)
+def test_rigid_transform_reads_half_a_turn_about_an_axis(i):
+    said = rigid_transform(np.diag([*(2 * np.eye(3)[i] - 1), 1.0]), ORIGIN)
     assert said.angle == np.pi
     assert np.array_equal(np.abs(said.axis), np.eye(3)[i])
 
 
-def test_turned_about_stays_rigid_over_many_rotations_one_after_another():
+def test_rotation_about_stays_rigid_over_many_rotations_one_after_another():
     pose, rng = np.eye(4), np.random.default_rng(0)
     for _ in range(2000):
-        pose = turned_about(rng.normal(size=3), rng.normal(size=3), rng.normal()) @ pose
+        pose = rotation_about(rng.normal(size=3), rng.normal(size=3), rng.normal()) @ pose
     assert is_rigid(pose)

@@ -64,12 +64,12 @@ def test_press_with_much_gas_keeps_the_volume_and_with_little_lets_it_go():
     assert much[-1].load_low > 1.2 * free[-1].load_low
 
 
-def test_pressing_has_the_load_as_the_slope_of_the_energy_with_that_of_the_gas():
+def test_press_solver_has_the_load_as_the_slope_of_the_energy_with_that_of_the_gas():
     V, F = sphere(3)
     plates = PlatePress(
         RestMesh(V, F), Z, 1.5, 1, options=PressOptions(method="arap", stiffness=0.002, gas=0.5)
     )
-    pressing, found = plates.pressing, []
+    pressing, found = plates.solver, []
     for share in (0.995, 1.0):
         pressing.aim(share)
         while not pressing.settled:
@@ -78,8 +78,8 @@ def test_pressing_has_the_load_as_the_slope_of_the_energy_with_that_of_the_gas()
         low, high = pressing.loads @ Z
         found.append((pressing.energy, 0.5 * (high - low)))
     (before, first), (after, last) = found
-    assert 0.5 * (first + last) == pytest.approx((after - before) / (0.005 * plates.way.length), rel=0.01)
-    assert pressing.gas.ratio(pressing.U) < 1.0
+    assert 0.5 * (first + last) == pytest.approx((after - before) / (0.005 * plates.travel.length), rel=0.01)
+    assert pressing.gas.volume_ratio(pressing.U) < 1.0
 
 
 @pytest.mark.parametrize(

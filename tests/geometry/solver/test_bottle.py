@@ -5,13 +5,13 @@ import pytest
 from meshes import moved, rotation, sample_bottle
 from scipy.spatial import cKDTree
 
-from apd_viewer.files.samples import open_sample, resource
+from apd_viewer.files.samples import open_sample, resource_path
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.operators import area, face_areas, volume
 from apd_viewer.geometry.pose.constraints import HANDLE, constraints
-from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.deformation_result import deform
 
 MESH, LABELS = open_sample("bottle")
 V, F = MESH.V, MESH.F
@@ -62,7 +62,7 @@ def local_change(U):
 
 
 def test_deform_by_local_keeps_every_triangles_area_on_a_twist_by_120_degrees():
-    held = constraints(LABELS, V, [read_transform(resource("bottle-twist-120.def"))])
+    held = constraints(LABELS, V, [read_transform(resource_path("bottle-twist-120.def"))])
     arap, local, both = (
         deform(V, F, held.fixed, held.targets, method, 90, handle=held.handles, area=percent)
         for method, percent in (("arap", None), ("local", None), ("local", 100.0))
@@ -109,7 +109,7 @@ def test_deform_shapes_a_stiff_bottle_alike_however_many_vertices_it_has(edges, 
     shapes = []
     for edge in edges:
         X, G, labels = sample_bottle(edge)
-        held = constraints(labels, X, [read_transform(resource(f"bottle-twist-{degrees}.def"))])
+        held = constraints(labels, X, [read_transform(resource_path(f"bottle-twist-{degrees}.def"))])
         result = deform(X, G, held.fixed, held.targets, "arap", 100, stiffness=1e-3, handle=held.handles)
         shapes.append((result.U, G))
     assert [len(U) for U, _ in shapes] == pytest.approx(counts, rel=0.02)

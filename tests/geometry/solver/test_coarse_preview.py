@@ -46,7 +46,7 @@ ASKED = {
 
 
 @pytest.mark.parametrize("asked", ASKED)
-def test_preview_always_holds_what_is_asked(asked, factor):
+def test_coarse_preview_always_holds_what_is_asked(asked, factor):
     caps = {"area": (V, F), "volume": closed(), "all": closed()}[asked]
     solver = Deformation(*caps, FIXED, method="arap", factored=factor, **ASKED[asked])
     wished = ASKED[asked]
@@ -55,11 +55,11 @@ def test_preview_always_holds_what_is_asked(asked, factor):
         solver.aim(targets(0.04 * k, (0, 0, 0)))
         solver.iterate()
         method = solver.solver
-        assert method.hides, "it is none of its own shapes"
-        assert method.met
+        assert method.is_iterate_hidden, "it is none of its own shapes"
+        assert method.has_met_goals
         assert np.array_equal(method.U[FIXED], targets(0.04 * k, (0, 0, 0)))
         for goal in goals:
-            assert abs(goal.miss(GoalMeasures((goal,)).values(method.U)[0])) <= (
+            assert abs(goal.relative_miss(GoalMeasures((goal,)).values(method.U)[0])) <= (
                 1e-9 if asked == "all" else 1e-10
             )
         assert not solver.frame().settled
@@ -72,7 +72,7 @@ def closed():
     return V, np.vstack([F, low, top + low[:, ::-1]])
 
 
-def test_preview_shows_a_motion_of_the_whole_as_it_is(factor):
+def test_coarse_preview_shows_a_motion_of_the_whole_as_it_is(factor):
     solver = Deformation(V, F, FIXED, factored=factor)
     R, shift = rotation([1, 2, 3], 1.1), [3.0, -1.0, 0.5]
     solver.aim(V[FIXED] @ R.T + shift)
@@ -80,7 +80,7 @@ def test_preview_shows_a_motion_of_the_whole_as_it_is(factor):
     assert np.abs(solver.frame().U - (V @ R.T + shift)).max() <= 1e-4 * solver.rest.diagonal
 
 
-def test_preview_begins_at_the_shape_that_was_there(factor):
+def test_coarse_preview_begins_at_the_shape_that_was_there(factor):
     """Details that only the fine surface knows are not lost by touching the handle."""
     bumpy = V + 0.002 * np.random.default_rng(0).normal(size=V.shape)
     solver = Deformation(bumpy, F, FIXED, factored=factor)
@@ -98,7 +98,7 @@ def test_preview_begins_at_the_shape_that_was_there(factor):
     "method",
     [pytest.param("arap", marks=pytest.mark.night), "exact", pytest.param("local", marks=pytest.mark.night)],
 )
-def test_preview_lets_the_deformation_end_where_it_would_without_and_nothing_jumps(method, factor):
+def test_coarse_preview_lets_the_deformation_end_where_it_would_without_and_nothing_jumps(method, factor):
     asked = targets(0.5)
     plain = Deformation(V, F, FIXED, method=method, stiffness=1e-3)
     solver = Deformation(V, F, FIXED, method=method, stiffness=1e-3, factored=factor)
@@ -109,10 +109,10 @@ def test_preview_lets_the_deformation_end_where_it_would_without_and_nothing_jum
     factor.there = True
     assert solver.ready
     first = solver.step()
-    assert not solver.solver.hides
+    assert not solver.solver.is_iterate_hidden
     diagonal = solver.rest.diagonal
     assert np.abs(first.U - preview).max() <= 0.01 * diagonal
-    normals = [vertex_normals(U, solver.rest.shape.F) for U in (preview, first.U)]
+    normals = [vertex_normals(U, solver.rest.solve_mesh.F) for U in (preview, first.U)]
     apart = np.degrees(np.arccos(np.clip((normals[0] * normals[1]).sum(axis=1), -1.0, 1.0)))
     assert np.percentile(apart, 90) <= 3.0
     while not (settled := solver.step()).settled:
@@ -124,7 +124,7 @@ def test_preview_lets_the_deformation_end_where_it_would_without_and_nothing_jum
     assert energies[0] == pytest.approx(energies[1], rel=1e-3)
 
 
-def test_preview_follows_a_hand_that_moves_on_from_the_last_full_shape(factor):
+def test_coarse_preview_follows_a_hand_that_moves_on_from_the_last_full_shape(factor):
     factor.there = True
     solver = Deformation(V, F, FIXED, factored=factor)
     solver.aim(targets(0.3))
@@ -133,7 +133,7 @@ def test_preview_follows_a_hand_that_moves_on_from_the_last_full_shape(factor):
     for shift in (0.25, 0.3, 0.25, 0.2):
         solver.aim(targets(0.3, (0.1, 0.0, shift)))
         solver.iterate()
-        assert solver.solver.hides
+        assert solver.solver.is_iterate_hidden
     while not (frame := solver.step()).settled:
         pass
     assert np.abs(frame.U - rest.U).max() <= 5e-3 * solver.rest.diagonal
@@ -172,11 +172,11 @@ def test_deformation_waits_for_the_factor_where_it_follows_no_coarse_surface(met
     solver.step()
 
 
-def test_expected_end_is_foretold_while_the_factor_is_missing(factor, monkeypatch):
+def test_preview_forecast_is_foretold_while_the_factor_is_missing(factor, monkeypatch):
     solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor)
     solver.aim(targets(0.3))
     until_the_coarse_one_is_done(solver)
-    expected, before = solver.solver.inner.expected, solver.frame().seconds_left
+    expected, before = solver.solver.inner.forecast, solver.frame().seconds_left
     assert before > expected.descent_seconds > 0.0
     monkeypatch.setattr(Elsewhere, "seconds", 0.5 * expected.factor_seconds)
     solver.solver.inner.step()
@@ -184,12 +184,12 @@ def test_expected_end_is_foretold_while_the_factor_is_missing(factor, monkeypatc
     assert solver.frame().seconds_left == pytest.approx(half, abs=0.05)
 
 
-def test_expected_end_foretells_the_descent_by_its_own_pace(factor, monkeypatch):
+def test_preview_forecast_foretells_the_descent_by_its_own_pace(factor, monkeypatch):
     solver, now = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor), 0.0
     monkeypatch.setattr(coarse_preview, "time", SimpleNamespace(monotonic=lambda: now))
     solver.aim(targets(0.3))
     until_the_coarse_one_is_done(solver)
-    factor.there, expected = True, solver.solver.inner.expected.iterations
+    factor.there, expected = True, solver.solver.inner.forecast.iterations
     for done in range(1, 6):
         solver.iterate()
         pace = 2.0 * (done - 1) / done
@@ -197,7 +197,7 @@ def test_expected_end_foretells_the_descent_by_its_own_pace(factor, monkeypatch)
         now += 2.0
 
 
-def test_expected_end_is_not_foretold_while_the_coarse_surface_converges(factor):
+def test_preview_forecast_is_not_foretold_while_the_coarse_surface_converges(factor):
     solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor)
     solver.aim(targets(2.5))
     assert solver.step().seconds_left is None
@@ -205,7 +205,7 @@ def test_expected_end_is_not_foretold_while_the_coarse_surface_converges(factor)
 
 @pytest.mark.parametrize("method", ["exact", "local", "arap"])
 @pytest.mark.parametrize("angle", [0.3, 1.0])
-def test_preview_goes_the_whole_way_of_the_handle_with_contact(factor, method, angle):
+def test_coarse_preview_goes_the_whole_way_of_the_handle_with_contact(factor, method, angle):
     """Each part of the way is gone as soon as the coarse surface has come to rest at the last."""
     solver = Deformation(V, F, FIXED, method=method, stiffness=1e-3, factored=factor, contact=True)
     solver.aim(targets(angle, (0, 0, 0)))
@@ -216,7 +216,7 @@ def test_preview_goes_the_whole_way_of_the_handle_with_contact(factor, method, a
     assert not frame.settled
 
 
-def test_preview_that_contact_refuses_is_followed_by_others_without_the_factor(factor):
+def test_coarse_preview_that_contact_refuses_is_followed_by_others_without_the_factor(factor):
     """Contact itself cannot do without it: it would answer nobody for as long as that takes."""
     box_, faces = box(20, 20, 40)
     fixed, top = np.flatnonzero(np.isin(box_[:, 2], (0, 40))), box_[:, 2] == 40
@@ -231,7 +231,7 @@ def test_preview_that_contact_refuses_is_followed_by_others_without_the_factor(f
 
 
 @pytest.mark.parametrize(("angle", "is_foretold"), [(0.02, True), (2.0, False)])
-def test_expected_end_is_foretold_with_contact_once_the_held_vertices_have_arrived(
+def test_preview_forecast_is_foretold_with_contact_once_the_held_vertices_have_arrived(
     factor, angle, is_foretold
 ):
     solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor, contact=True)
@@ -241,7 +241,7 @@ def test_expected_end_is_foretold_with_contact_once_the_held_vertices_have_arriv
     assert (solver.frame().seconds_left is not None) == is_foretold
 
 
-def test_expected_end_is_not_foretold_where_nothing_is_waited_for():
+def test_preview_forecast_is_not_foretold_where_nothing_is_waited_for():
     solver = Deformation(V, F, FIXED)
     solver.aim(targets(0.3))
     assert solver.step().seconds_left is None

@@ -7,7 +7,7 @@ from meshes import ends, rotation, tube
 
 import apd_viewer
 from apd_viewer.geometry.solver import methods
-from apd_viewer.geometry.solver.methods import METHODS, MOST_IN_CONTACT, contact_by_default
+from apd_viewer.geometry.solver.methods import METHODS, MOST_VERTICES_IN_CONTACT, contact_by_default
 
 V, F = tube(16, 14)
 BASE, HANDLE = ends(V)
@@ -26,9 +26,11 @@ def crosses(result):
 
 @pytest.mark.parametrize("name", METHODS)
 def test_contact_by_default_is_on_for_methods_that_can_touch_up_to_a_number_of_vertices(name):
-    touches = METHODS[name].may_touch
+    touches = METHODS[name].may_use_contact
     assert touches == (name in ("exact", "local", "arap"))
-    assert [contact_by_default(name, n) for n in (4, MOST_IN_CONTACT, MOST_IN_CONTACT + 1)] == [
+    assert [
+        contact_by_default(name, n) for n in (4, MOST_VERTICES_IN_CONTACT, MOST_VERTICES_IN_CONTACT + 1)
+    ] == [
         touches,
         touches,
         False,
@@ -63,7 +65,7 @@ def test_deform_lets_plain_iterations_stay_plain():
 
 
 def test_deform_says_of_larger_meshes_that_walls_may_pass(monkeypatch):
-    monkeypatch.setattr(methods, "MOST_IN_CONTACT", len(V) - 1)
+    monkeypatch.setattr(methods, "MOST_VERTICES_IN_CONTACT", len(V) - 1)
     large, without = (twisted(**said) for said in ({}, {"contact": False}))
     np.testing.assert_array_equal(large.U, without.U)
     (sentence,) = set(large.warnings) - set(without.warnings)

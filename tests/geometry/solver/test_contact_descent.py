@@ -14,8 +14,8 @@ from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.distances import gaps
 from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.operators import volume
-from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.deformation_result import deform
 from apd_viewer.geometry.solver.touching_surface import TouchingSurface
 
 Y, Z = np.eye(3)[1:]
@@ -65,7 +65,7 @@ def closed_hairpin():
 
 def settle(solver, targets, most=1500, area_too=True, **more):
     """Iterate to the end; every third frame and the last are checked. That one, and how many there were."""
-    checked = CrossingCheck(solver.rest.shape.V, solver.rest.shape.F)
+    checked = CrossingCheck(solver.rest.solve_mesh.V, solver.rest.solve_mesh.F)
     solver.aim(targets, **more)
     for count in range(most):
         if solver.settled:
@@ -163,7 +163,7 @@ def test_touching_surface_follows_held_vertices_that_touch_it():
     surface, shift = TouchingSurface(inside.elastic, inside.contact), np.array([1.0, 2.0, 3.0])
     assert surface.renew_springs()
     assert inside.contact.springs(surface.U)[~held][:, held].nnz > 0
-    there = surface.following(inside.held, inside.held + shift)
+    there = surface.following_positions(inside.held_positions, inside.held_positions + shift)
     assert np.allclose(there - surface.U[surface.free], shift, atol=1e-6)
 
 
@@ -176,13 +176,13 @@ def test_contact_energy_at_is_that_of_the_shape_even_after_a_refused_move():
     held = np.zeros(len(V), np.int64)
     held[fixed] = 1
     held[upper] = 2
-    reach, stiffness = 1e-3 * solver.rest.diagonal, float(solver.rest.shape.L.diagonal().mean())
+    reach, stiffness = 1e-3 * solver.rest.diagonal, float(solver.rest.solve_mesh.L.diagonal().mean())
     fresh, seen = Contact(V, F, held, stiffness, reach), 0
     for step in range(150):
         solver.iterate()
-        if step % 5 == 0 and inside.contact.touching:
+        if step % 5 == 0 and inside.contact.touching_pairs:
             U = inside.U
-            fresh.enter(U)
+            fresh.start_at(U)
             seen += fresh.energy_at(U) > 0.0
             assert inside.contact.energy_at(inside.U) == pytest.approx(fresh.energy_at(U), rel=1e-9)
     assert seen >= 5
@@ -234,7 +234,7 @@ def test_contact_descent_lets_what_crosses_at_rest_stay_and_nothing_else_cross()
     solver = Deformation(V, F, fixed, handle=lid, contact=True)
     U = V.copy()
     U[lid] += [-0.8, 0.0, -0.6]
-    exempt = solver.contact.contact.exempt
+    exempt = solver.contact.contact.exempt_vertices
     checked = CrossingCheck(V, F, exempt)
     solver.aim(U[fixed])
     for count in range(100):
@@ -298,12 +298,12 @@ def test_contact_descent_stops_at_a_loose_piece_in_the_way_which_passes_through_
     assert "Contact stops the handle" in frame.unreached
 
 
-def test_loose_parts_choose_lets_no_other_pieces_stay_where_no_free_way_may_lead():
+def test_loose_components_choose_lets_no_other_pieces_stay_where_no_free_way_may_lead():
     V, F, fixed, upper = hairpin_with_ball(-0.11)
     solver = Deformation(V, F, fixed, handle=upper, contact=True, loose="go")
-    solver.loose.choose("go")
+    solver.loose.choose_loose("go")
     with pytest.raises(InputError, match="make another Deformation"):
-        solver.loose.choose("stay")
+        solver.loose.choose_loose("stay")
 
 
 def test_contact_descent_lets_a_loose_piece_cross_the_wall_that_carries_it():

@@ -5,7 +5,7 @@ import pytest
 from meshes import box, ends, rotation, sphere
 
 from apd_viewer import Convergence, Deformation, InputError, deform
-from apd_viewer.geometry.solver.convergence import MEMORY, StepLengths, step_gap
+from apd_viewer.geometry.solver.convergence import MEMORY, StepConvergence, step_ratio
 
 V, F = box(2, 2, 8)
 BASE, HANDLE = ends(V)
@@ -92,14 +92,14 @@ def test_check_convergence_refuses_criteria_that_cannot_be_used(criteria, senten
         result(**criteria)
 
 
-def test_step_gap_says_nothing_of_steps_to_come_where_they_hardly_become_shorter():
-    assert step_gap([*[1.0] * MEMORY, 1.0 - 1e-16], 1e-5) is None
-    assert step_gap([0.5**k for k in range(MEMORY + 1)], 1e-5) == pytest.approx(0.5**MEMORY / 1e-5)
+def test_step_ratio_says_nothing_of_steps_to_come_where_they_hardly_become_shorter():
+    assert step_ratio([*[1.0] * MEMORY, 1.0 - 1e-16], 1e-5) is None
+    assert step_ratio([0.5**k for k in range(MEMORY + 1)], 1e-5) == pytest.approx(0.5**MEMORY / 1e-5)
 
 
-def test_step_lengths_do_not_end_where_what_stood_still_at_first_moves_now():
+def test_step_convergence_do_not_end_where_what_stood_still_at_first_moves_now():
     """Found by chance in a session of many verbs."""
-    lengths = StepLengths()
+    lengths = StepConvergence()
     for step in [0.0] + [1e-6] * MEMORY:
         lengths.append(step)
-    assert not lengths.end(Convergence())
+    assert not lengths.has_converged(Convergence())

@@ -8,8 +8,8 @@ from meshes import box, ends, grid, moved, rotation, soup, sphere, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.deformation_result import deform
 
 V, F = box(2, 2, 5)
 BASE, HANDLE = ends(V)

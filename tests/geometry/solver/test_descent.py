@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from meshes import box, ends, moved, rotation, sample_bottle, sphere, tube
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals
-from apd_viewer.geometry.linalg.lbfgs import QuasiNewtonMemory
+from apd_viewer.geometry.linalg.lbfgs import LbfgsMemory
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
-from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.deformation_result import deform
 
 MESHES = {"tube": tube(16, 20), "box": box(3, 3, 8), "sphere": sphere(3)}
 MATERIALS = {
@@ -44,15 +44,15 @@ def test_constrained_descent_lowers_the_energy_and_keeps_the_goals_met(mesh, mat
     V, F = MESHES[mesh]
     rest, (fixed, targets) = RestMesh(V, F), twisted(V)
     order = np.argsort(fixed)
-    elastic = Elastic(rest.shape, fixed[order], MATERIALS[material])
+    elastic = ElasticSurface(rest.solve_mesh, fixed[order], MATERIALS[material])
     method = ConstrainedDescent(elastic, some_goals(rest, kind))
     method.aim(targets[order])
     method.step()
-    assert method.met
+    assert method.has_met_goals
     before = elastic.energy
     for _ in range(60):
         method.step()
-        assert method.met
+        assert method.has_met_goals
         assert np.array_equal(method.U[fixed[order]], targets[order])
         assert elastic.energy <= before * (1 + 1e-14)
         before = elastic.energy
@@ -82,7 +82,7 @@ def test_constrained_descent_ends_where_nothing_pulls_but_the_goals(kind):
     V, F = MESHES["box"]
     rest, (fixed, targets) = RestMesh(V, F), twisted(V, 0.6)
     order = np.argsort(fixed)
-    elastic = Elastic(rest.shape, fixed[order])
+    elastic = ElasticSurface(rest.solve_mesh, fixed[order])
     method = ConstrainedDescent(elastic, some_goals(rest, kind))
     method.aim(targets[order])
     for _ in range(200):
@@ -141,20 +141,20 @@ def dense_directions(H0, pairs, gradient):
 
 def remember(memory, step, change):
     """A step, with the change of the slope over it."""
-    memory.move(np.zeros_like(step), step, np.arange(len(step)))
-    memory.learn(change, np.zeros_like(change))
+    memory.note_step(np.zeros_like(step), step, np.arange(len(step)))
+    memory.store_gradients(change, np.zeros_like(change))
 
 
-def test_quasi_newton_memory_directions_are_those_of_the_matrix():
+def test_lbfgs_memory_directions_are_those_of_the_matrix():
     rng = np.random.default_rng(3)
     n = 7
     root = rng.normal(size=(3 * n, 3 * n))
     A = root @ root.T + np.eye(3 * n)
     H0 = np.kron(np.diag(rng.uniform(0.5, 2.0, n)), np.eye(3))
-    memory, pairs = QuasiNewtonMemory(n, 4), []
+    memory, pairs = LbfgsMemory(n, 4), []
     for _ in range(9):
         slope = rng.normal(size=(n, 3))
-        got, along = memory.direction(slope, lambda b: (H0 @ b.ravel()).reshape(-1, 3))
+        got, along = memory.descent_direction(slope, lambda b: (H0 @ b.ravel()).reshape(-1, 3))
         expected = dense_directions(H0, pairs[-4:], slope.ravel())
         assert np.abs(got.ravel() - expected).max() <= 1e-9 * np.abs(expected).max()
         assert along == pytest.approx(slope.ravel() @ got.ravel(), rel=1e-12)
@@ -164,14 +164,14 @@ def test_quasi_newton_memory_directions_are_those_of_the_matrix():
         pairs.append((step.astype(float), change.astype(float)))
 
 
-def test_quasi_newton_memory_leaves_out_a_step_over_which_the_slope_fell():
-    memory = QuasiNewtonMemory(2, 3)
+def test_lbfgs_memory_leaves_out_a_step_over_which_the_slope_fell():
+    memory = LbfgsMemory(2, 3)
     remember(memory, np.ones((2, 3)), -np.ones((2, 3)))
     remember(memory, np.ones((2, 3)), np.zeros((2, 3)))
     assert len(memory) == 0
     remember(memory, np.ones((2, 3)), np.ones((2, 3)))
     assert len(memory) == 1
-    memory.forget()
-    way, along = memory.direction(np.ones((2, 3)), lambda b: 2 * b)
+    memory.clear()
+    way, along = memory.descent_direction(np.ones((2, 3)), lambda b: 2 * b)
     assert np.array_equal(way, np.full((2, 3), -2.0))
     assert along == -12.0

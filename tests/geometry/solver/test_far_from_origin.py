@@ -8,7 +8,7 @@ import apd_viewer
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import far_centre
+from apd_viewer.geometry.mesh.arrays import local_origin
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import METHODS
 
@@ -76,7 +76,7 @@ def test_deformation_far_from_the_origin_is_pushed_the_same_by_obstacles():
     for place in (0.0, FAR):
         ball = apd_viewer.sphere(np.array([3.0, 0.0, 2.0]) + place, 0.5)
         solver = apd_viewer.Deformation(V + place, F, FIXED, handle=HIGH, contact=True, obstacles=[ball])
-        solver.surround([ball])
+        solver.replace_obstacles([ball])
         solver.aim(V[FIXED] + place, U=V + place, shifts=np.array([[-1.8, 0.0, 0.0]]), begin=np.zeros((1, 3)))
         while np.abs((frame := solver.step()).loads).max() <= 0.1:
             assert not frame.settled
@@ -116,16 +116,16 @@ def test_inspect_and_check_shape_read_the_same_far_from_the_origin(make):
     assert q.hull.sides == pytest.approx(p.hull.sides, rel=1e-12)
 
 
-def test_far_centre_leaves_what_is_about_the_origin_as_it_is():
+def test_local_origin_leaves_what_is_about_the_origin_as_it_is():
     for X in (V, V + [2.0, -3.0, 1.0], 1e6 * V, 1e-9 * V):
-        assert not far_centre(X).any()
+        assert not local_origin(X).any()
         assert RestMesh(X, F).V is X
-    assert not far_centre(np.zeros((3, 3))).any()
+    assert not local_origin(np.zeros((3, 3))).any()
 
 
 @pytest.mark.parametrize("place", [1e5, 1e6, 3.3e7, 1e12])
-def test_far_centre_rounds_at_most_the_last_bit(place):
+def test_local_origin_rounds_at_most_the_last_bit(place):
     X = V + place * np.array([1.0, -0.7, 0.013])
-    centre = far_centre(X)
+    centre = local_origin(X)
     assert np.abs(X - centre).max() < 9.0 * np.linalg.norm(np.ptp(X, axis=0))
     assert np.abs((X - centre) + centre - X).max() <= np.spacing(np.abs(X).max())

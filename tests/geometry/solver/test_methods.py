@@ -8,8 +8,8 @@ import pytest
 
 import apd_viewer
 from apd_viewer.errors import InputError
-from apd_viewer.figures.style import METHOD_LOOKS
-from apd_viewer.geometry.solver.methods import COMPARED, DEFAULT_METHOD, METHODS, check_method
+from apd_viewer.figures.style import METHOD_STYLES
+from apd_viewer.geometry.solver.methods import COMPARED_METHODS, DEFAULT_METHOD, METHODS, check_method
 
 PACKAGE = Path(apd_viewer.__file__).parent
 NAMES = "|".join(map(re.escape, METHODS))
@@ -28,9 +28,9 @@ def test_methods_is_the_only_module_that_compares_names_of_methods():
 
 
 def test_methods_can_all_be_offered_and_drawn():
-    assert set(COMPARED) <= set(METHODS)
-    assert DEFAULT_METHOD in COMPARED
-    assert set(METHOD_LOOKS) == set(METHODS)
+    assert set(COMPARED_METHODS) <= set(METHODS)
+    assert DEFAULT_METHOD in COMPARED_METHODS
+    assert set(METHOD_STYLES) == set(METHODS)
 
 
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 from meshes import rotation, sample_bottle, soup, sphere, tube
 
-from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.goals import Region, make_goals
-from apd_viewer.geometry.linalg.quaternions import blended, difference
-from apd_viewer.geometry.mesh.measures import area_of
+from apd_viewer.geometry.linalg.quaternions import blended_rotations, relative_rotations
+from apd_viewer.geometry.mesh.weighted_areas import total_area
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.multilevel import Multilevel, make_ready, multilevel
+from apd_viewer.geometry.solver.multilevel import MultilevelDescent, compute_decimations, multilevel_descent
 from apd_viewer.geometry.solver.restarts import Restarts
 
 TUBE = tube(60, 90, height=4.0)
@@ -35,7 +35,7 @@ def held(V, angle=1.5, shift=(0.2, 0, 0.3)):
 
 
 def coarse_of(V, F, fixed):
-    return CoarseLevel(Elastic(RestMesh(V, F).shape, fixed), (), ConstrainedDescent)
+    return CoarseLevel(ElasticSurface(RestMesh(V, F).solve_mesh, fixed), (), ConstrainedDescent)
 
 
 @pytest.mark.parametrize("mesh", [TUBE, sphere(5)], ids=["tube", "sphere"])
@@ -45,7 +45,7 @@ def test_coarse_level_is_a_smaller_mesh_of_the_same_shape(mesh):
     assert 0.2 * len(V) < len(coarse.vertices) < 0.6 * len(V)
     assert len(np.unique(coarse.vertices)) == len(coarse.vertices)
     assert (np.sort(coarse.F, axis=1)[:, :-1] < np.sort(coarse.F, axis=1)[:, 1:]).all()
-    assert area_of(V[coarse.vertices], coarse.F) == pytest.approx(area_of(V, F), rel=0.02)
+    assert total_area(V[coarse.vertices], coarse.F) == pytest.approx(total_area(V, F), rel=0.02)
 
 
 def test_coarse_level_hears_of_a_handle_of_one_vertex():
@@ -55,14 +55,14 @@ def test_coarse_level_hears_of_a_handle_of_one_vertex():
         assert lonely in coarse.vertices
 
 
-def test_thinning_lets_every_vertex_turn_with_those_near_it_on_its_own_side():
+def test_decimation_lets_every_vertex_turn_with_those_near_it_on_its_own_side():
     """A cup of two walls, nearer to each other than the coarse vertices are."""
     V, F = TUBE
     n = len(V)
     inner = V * [0.99, 0.99, 1.0]
     both, faces = np.vstack([V, inner]), np.vstack([F, F[:, ::-1] + n])
-    thinning = SolveMesh(both, faces).thinning
-    near = thinning.vertices[thinning.near]
+    thinning = SolveMesh(both, faces).decimation
+    near = thinning.vertices[thinning.coarse_neighbours]
     assert ((near < n) == (np.arange(2 * n) < n)[:, None])[thinning.weight > 1e-6].all()
     assert np.abs(thinning.weight.sum(axis=1) - 1.0).max() <= 1e-12
 
@@ -75,12 +75,14 @@ def test_coarse_level_turns_pieces_by_themselves():
     coarse = coarse_of(both, faces, fixed)
     coarse.aim(V[fixed] @ rotation([0, 0, 1], 0.7).T)
     coarse.iterate(400)
-    turns = coarse.turns()
+    turns = coarse.take_rotations()
     half = np.array([np.cos(0.35), 0, 0, np.sin(0.35)])
     assert np.abs(np.abs(turns[:n] @ half) - 1.0).max() <= 1e-6
     assert np.abs(turns[n:] - [1.0, 0, 0, 0]).max() <= 1e-15
     coarse.iterate(10)
-    assert np.abs(np.abs(coarse.turns()[:, 0]) - 1.0).max() <= 1e-6, "what was handed over is not again"
+    assert np.abs(np.abs(coarse.take_rotations()[:, 0]) - 1.0).max() <= 1e-6, (
+        "what was handed over is not again"
+    )
 
 
 def test_coarse_level_has_goals_of_the_coarse_surface():
@@ -94,7 +96,7 @@ def test_coarse_level_has_goals_of_the_coarse_surface():
         own.update((goal.name, goal) for goal in goals)
         return ConstrainedDescent(elastic, goals)
 
-    CoarseLevel(Elastic(rest.shape, np.arange(3)), goals, solver_of)
+    CoarseLevel(ElasticSurface(rest.solve_mesh, np.arange(3)), goals, solver_of)
     assert list(own) == ["the area", "“upper”", "the volume"], "what has no triangle cannot be asked for"
     assert own["the area"].rest == pytest.approx(goals[0].rest, rel=0.02)
     for goal in goals:
@@ -102,18 +104,18 @@ def test_coarse_level_has_goals_of_the_coarse_surface():
             assert own[goal.name].target / own[goal.name].rest == pytest.approx(goal.target / goal.rest)
 
 
-def test_blended_gives_back_what_is_alone_or_alike_and_difference_from_itself_is_none():
+def test_blended_rotations_gives_back_what_is_alone_or_alike_and_difference_from_itself_is_none():
     rng = np.random.default_rng(0)
     q, p = (x / np.linalg.norm(x, axis=1, keepdims=True) for x in rng.normal(size=(2, 50, 4)))
-    assert np.abs(difference(q, q) - [1, 0, 0, 0]).max() <= 1e-15
+    assert np.abs(relative_rotations(q, q) - [1, 0, 0, 0]).max() <= 1e-15
     near = rng.integers(50, size=(200, 4)).astype(np.int32)
     alone = np.zeros((200, 4))
     alone[:, 2] = 1.0
-    assert np.abs(np.abs((blended(q, near, alone) * q[near[:, 2]]).sum(axis=1)) - 1).max() <= 1e-14
+    assert np.abs(np.abs((blended_rotations(q, near, alone) * q[near[:, 2]]).sum(axis=1)) - 1).max() <= 1e-14
     same = np.tile(p[:1], (50, 1)) * np.where(rng.random(50) < 0.5, 1, -1)[:, None]
     weight = rng.random((200, 4))
-    assert np.abs(np.abs(blended(same, near, weight) @ p[0]) - 1).max() <= 1e-14
-    assert np.array_equal(blended(q, near, np.zeros((200, 4))), np.tile([1.0, 0, 0, 0], (200, 1)))
+    assert np.abs(np.abs(blended_rotations(same, near, weight) @ p[0]) - 1).max() <= 1e-14
+    assert np.array_equal(blended_rotations(q, near, np.zeros((200, 4))), np.tile([1.0, 0, 0, 0], (200, 1)))
 
 
 @pytest.mark.parametrize(
@@ -123,13 +125,13 @@ def test_blended_gives_back_what_is_alone_or_alike_and_difference_from_itself_is
 def test_multilevel_holds_what_is_held_and_what_is_kept_in_every_iteration(material):
     V, F = TUBE
     rest, (fixed, targets) = RestMesh(V, F), held(V)
-    elastic = Elastic(rest.shape, fixed, material)
-    method = multilevel(elastic, make_goals(rest, 100.0, None, ()))
-    assert isinstance(method, Multilevel)
+    elastic = ElasticSurface(rest.solve_mesh, fixed, material)
+    method = multilevel_descent(elastic, make_goals(rest, 100.0, None, ()))
+    assert isinstance(method, MultilevelDescent)
     method.aim(targets)
     for _ in range(40):
         method.step()
-        assert method.met
+        assert method.has_met_goals
         assert np.array_equal(method.U[fixed], targets)
         assert np.isfinite(method.U).all()
 
@@ -204,11 +206,11 @@ def test_deformation_lets_triangles_that_nothing_joins_go_alone():
 
 
 @pytest.mark.parametrize("mesh", [TUBE, sphere(5)], ids=["tube", "sphere"])
-def test_make_ready_leaves_nothing_to_be_looked_for_again(mesh, monkeypatch):
+def test_compute_decimations_leaves_nothing_to_be_looked_for_again(mesh, monkeypatch):
     V, F = mesh
     rest = RestMesh(V, F)
-    make_ready(rest)
-    monkeypatch.delattr("apd_viewer.geometry.energy.solve_mesh.thinned")
+    compute_decimations(rest)
+    monkeypatch.delattr("apd_viewer.geometry.energy.solve_mesh.decimated")
     for method in ("arap", "exact", "local"):
         assert isinstance(Deformation(V, F, ends_of(V)[0], method=method, rest=rest).solver, Restarts)
 

@@ -18,12 +18,12 @@ FIXED = np.flatnonzero((Z < 0.15) | (Z > 0.85))
 
 @pytest.fixture(scope="module")
 def thinning():
-    return SolveMesh(V, F).thinning
+    return SolveMesh(V, F).decimation
 
 
 @pytest.fixture(scope="module")
 def prolongation(thinning):
-    return Prolongation(V, thinning.vertices, thinning.F, thinning.near[:, 0], FIXED)
+    return Prolongation(V, thinning.vertices, thinning.F, thinning.coarse_neighbours[:, 0], FIXED)
 
 
 def angles(U, F):
@@ -38,16 +38,16 @@ def angles(U, F):
 def test_prolongation_carries_rigid_motions_exactly(prolongation, thinning):
     R, shift, X = rotation([1, 2, 3], 0.8), np.array([0.3, -0.2, 1.0]), V[thinning.vertices]
     q = np.tile([np.cos(0.4), *np.sin(0.4) * np.array([1, 2, 3]) / np.sqrt(14)], (len(X), 1))
-    U = prolongation.carried(V, X, q, X @ R.T + shift - X)
+    U = prolongation.moved_positions(V, X, q, X @ R.T + shift - X)
     assert np.abs(U - V @ R.T - shift).max() <= 1e-6
 
 
 def test_prolongation_interpolates_and_gathers_by_transposed_weights(prolongation, thinning):
     rng, rows = np.random.default_rng(0), np.arange(0, len(V), 3)
     x, b = rng.normal(size=(len(thinning.vertices), 3)), rng.normal(size=(len(rows), 3))
-    there = (prolongation.interpolated(x, rows) * b).sum()
-    assert there == pytest.approx((x * prolongation.gathered(b, rows)).sum(), rel=1e-10)
-    ones = prolongation.interpolated(np.ones_like(x), rows)
+    there = (prolongation.prolonged(x, rows) * b).sum()
+    assert there == pytest.approx((x * prolongation.restricted(b, rows)).sum(), rel=1e-10)
+    ones = prolongation.prolonged(np.ones_like(x), rows)
     assert np.abs(ones - 1.0).max() <= 1e-6
 
 
@@ -91,7 +91,7 @@ def test_preview_of_a_stiff_surface_is_as_smooth_at_first_as_at_last(monkeypatch
 @pytest.mark.parametrize("motion", ["pulled", pytest.param("twisted", marks=pytest.mark.night)])
 def test_prolongation_gives_previews_no_crease_along_the_border_of_what_is_held(motion, monkeypatch):
     """Four fine edges to a coarse one: it was 3.6 and 3.8 times as sharp as at rest."""
-    monkeypatch.setattr(solve_mesh, "MOST", 2_560)
+    monkeypatch.setattr(solve_mesh, "MOST_COARSE_VERTICES", 2_560)
     monkeypatch.setattr(Elsewhere, "there", False)
     ball, faces = sphere(6)
     V = ball * [1.0, 1.0, 2.0]

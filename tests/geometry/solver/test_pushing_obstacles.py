@@ -7,14 +7,14 @@ from meshes import ends, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.clearance import clearance
-from apd_viewer.geometry.contact.obstacles import capsule, plate, sphere
+from apd_viewer.geometry.contact.contact_obstacles import capsule, plate, sphere
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.pose.fitted_motion import fitted_motion
 from apd_viewer.geometry.pressing.plate_press import PlatePress
 from apd_viewer.geometry.pressing.press_options import PressOptions
-from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.deformation_result import deform
 
 X, Y, Z = np.eye(3)
 NOBODY = np.zeros((0, 3))
@@ -41,7 +41,7 @@ def beside(kind):
 
 def settle(solver, obstacles, most=2500):
     """Iterate to the end; every fifth frame and the last are looked at, by another library too."""
-    check, F = CrossingCheck(solver.rest.shape.V, solver.rest.shape.F), solver.rest.F
+    check, F = CrossingCheck(solver.rest.solve_mesh.V, solver.rest.solve_mesh.F), solver.rest.F
     for count in range(most + 1):
         if not solver.settled and count % 5:
             solver.iterate()
@@ -51,7 +51,7 @@ def settle(solver, obstacles, most=2500):
         assert abs(frame.area_error) <= 1e-9
         for obstacle, shift in zip(obstacles, frame.shifts, strict=True):
             assert clearance(obstacle, shift, frame.U, F) > 0.0
-            assert obstacle.outwards(obstacle.points + shift, frame.U)[0].min() > 0.0
+            assert obstacle.distances_and_directions(obstacle.points + shift, frame.U)[0].min() > 0.0
         if solver.settled:
             break
     return frame
@@ -112,11 +112,11 @@ def test_deformation_between_two_plates_is_a_press():
     V, F = tube(16, 16)
     rest = RestMesh(V, F)
     press = PlatePress(rest, X, 1.6, 2, options=PressOptions(stiffness=0.001))
-    steps, way = list(press.steps()), press.way
+    steps, way = list(press.steps()), press.travel
     places = rest.centre + np.outer([way.low, way.high], X)
     plates = [plate(place, side * X, rest.diagonal) for place, side in zip(places, (1.0, -1.0), strict=True)]
     solver = Deformation(V, F, [], obstacles=plates, **STIFF)
-    whole = 0.5 * press.way.length
+    whole = 0.5 * press.travel.length
     for k, step in enumerate(steps[1:], start=1):
         solver.aim(NOBODY, shifts=k / 2 * whole * np.array([X, -X]))
         frame = settle(solver, plates)
@@ -194,7 +194,7 @@ def test_deformation_surround_needs_no_other_factor_for_other_obstacles():
 
     solver = Deformation(V, F, fixed, obstacles=[beside("sphere")], factored=factored, **STIFF)
     before = len(made)
-    solver.surround([beside("cylinder")])
+    solver.replace_obstacles([beside("cylinder")])
     solver.aim(V[fixed], V, shifts=[-0.6 * X])
     frame = settle(solver, [beside("cylinder")])
     assert len(made) == before

@@ -59,7 +59,7 @@ STEPS = """
         if solver.contact:
             # Steps are rounded to single precision, which hides most of what the forces differ by.
             near, closer = NearPairs(V, F, np.zeros((1, len(V)), np.int64), 0.3), V * [1.0, 1.0, 0.2]
-            near.enter(closer)
+            near.rebuild_at(closer)
             force, touching, least = near.gradient(closer)
             assert touching > 1_000
             said.update(force.tobytes())

@@ -7,9 +7,9 @@ import pytest
 from crossing_check import CrossingCheck
 from meshes import ends, moved, rotation, tube
 
-from apd_viewer.geometry.pose.constraints import Soft
-from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.pose.constraints import SoftConstraints
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.deformation_result import deform
 
 Z = np.eye(3)[2]
 TWIST = rotation(Z, np.radians(150.0))
@@ -45,15 +45,15 @@ def test_touching_descent_never_raises_the_energy_of_shape_and_gaps_while_handle
     inside, energies, judged, tolerances = solver.contact, [], 0, []
     for _ in range(250):
         solver.iterate()
-        if inside.is_on_its_way or not inside.contact.touching:
+        if inside.is_on_its_way or not inside.contact.touching_pairs:
             energies = []
             continue
         energies.append(inside.energy + inside.contact.energy_at(inside.U))
         if len(energies) > 1:
             assert energies[-1] <= energies[-2] * (1.0 + 1e-9)
             judged += 1
-        if len(energies) > 10 and inside.gap:
-            tolerances.append((energies[-11] - energies[-1]) / (energies[-1] * inside.gap))
+        if len(energies) > 10 and inside.convergence_ratio:
+            tolerances.append((energies[-11] - energies[-1]) / (energies[-1] * inside.convergence_ratio))
     assert judged >= 20
     assert tolerances == pytest.approx([tolerances[0]] * len(tolerances), rel=1e-6), "ten steps and no fewer"
 
@@ -61,7 +61,7 @@ def test_touching_descent_never_raises_the_energy_of_shape_and_gaps_while_handle
 def test_touching_descent_lets_no_vertices_drawn_softly_cross():
     V, F, fixed, high, targets = twisted()
     near = np.setdiff1d(np.flatnonzero(V[:, 2] > np.quantile(V[:, 2], 0.7)), fixed)
-    soft = Soft(near, np.ones(len(near)), np.full(len(near), 10.0), np.zeros(len(near), np.int64))
+    soft = SoftConstraints(near, np.ones(len(near)), np.full(len(near), 10.0), np.zeros(len(near), np.int64))
     drawn = moved(V[near], TWIST)
     solver, check = Deformation(V, F, fixed, handle=high, soft=soft, contact=True), CrossingCheck(V, F)
     solver.aim(targets, soft_targets=drawn)
@@ -108,7 +108,7 @@ def test_touching_descent_moves_needles_and_slivers_along_and_they_do_not_cross(
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
     assert (edges.max(axis=1) / edges.min(axis=1)).max() > 0.5 / short
     solver = Deformation(V, F, fixed, handle=high, contact=True)
-    check = CrossingCheck(V, F, solver.contact.contact.exempt)
+    check = CrossingCheck(V, F, solver.contact.contact.exempt_vertices)
     solver.aim(targets)
     for count in range(250):
         frame = solver.step()

@@ -7,8 +7,8 @@ import pytest
 from meshes import sample_bottle, sphere
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.geometry.pose.transforms import turned_about
-from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.pose.transforms import rotation_about
+from apd_viewer.geometry.solver.deformation_result import deform
 
 Y = np.array([0.0, 1.0, 0.0])
 
@@ -26,7 +26,7 @@ def turned_bottle(degrees, axis=Y, point=(0.0, 0.0, 0.0), **how):
     count = int(abs(degrees) // 50) + 1
     places = []
     for step in range(1, count + 1):
-        R = turned_about(point, axis, np.deg2rad(degrees * step / count))
+        R = rotation_about(point, axis, np.deg2rad(degrees * step / count))
         U = V.copy()
         U[cap] = V[cap] @ R[:3, :3].T + R[:3, 3]
         places.append(U[held])

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from meshes import rotation
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.pose.transforms import turned_about
-from apd_viewer.geometry.pose.winding import pose_of, rotation_vector
-from apd_viewer.geometry.turns.held_turn import passing_warnings
-from apd_viewer.geometry.turns.held_turns import held_turns, ways_of
+from apd_viewer.geometry.pose.transforms import rotation_about
+from apd_viewer.geometry.pose.waypoint_path import rotation_pose, rotation_vector
+from apd_viewer.geometry.turns.held_turn import pass_through_warnings
+from apd_viewer.geometry.turns.held_turns import held_turns, relative_paths
 from apd_viewer.notation import Notation, notation, use_notation
 
 AROUND, ALONG, HEIGHT = 16, 81, 8.0
@@ -43,7 +43,7 @@ def turned_by(radians, X=V):
 
 def way(degrees, axis=Z, steps=15):
     """Poses on the way of a turn about an axis through the origin."""
-    return [turned_about([0, 0, 0], axis, np.deg2rad(degrees) * k / steps) for k in range(1, steps + 1)]
+    return [rotation_about([0, 0, 0], axis, np.deg2rad(degrees) * k / steps) for k in range(1, steps + 1)]
 
 
 def turns_of(U, *degrees, labels=LABELS, X=V, G=F, axis=Z):
@@ -75,7 +75,7 @@ def test_held_turns_miss_what_was_unwound(degrees, lost):
     left = degrees - 360.0 * lost
     U = turned_by(np.deg2rad(left) * GROWING)
     assert held(U, degrees) == pytest.approx([left], abs=1e-6)
-    assert turns_of(U, degrees)[0].passed_through
+    assert turns_of(U, degrees)[0].has_lost_whole_turns
 
 
 @settings(max_examples=20, deadline=None)
@@ -145,7 +145,7 @@ def test_held_turns_take_half_a_turn_either_way_round():
 
 @settings(max_examples=20, deadline=None)
 @given(st.floats(-1000, 1000), st.integers(0, 10**6))
-def test_ways_of_reads_what_was_asked_from_places_on_the_way(degrees, seed):
+def test_relative_paths_reads_what_was_asked_from_places_on_the_way(degrees, seed):
     chance = np.random.default_rng(seed)
     X, labels = chance.normal(size=(12, 3)), np.repeat([BASE, HANDLE], 6)
     axis, all_of_it = chance.normal(size=3), rotation(chance.normal(size=3), 2.0)
@@ -156,17 +156,17 @@ def test_ways_of_reads_what_was_asked_from_places_on_the_way(degrees, seed):
         Y = X.copy()
         Y[6:] = X[6:] @ rotation(axis, np.deg2rad(degrees * step / count)).T + step
         ways.append(Y @ all_of_it.T)  # all together: the base turns as well
-    (poses,) = ways_of(X, np.array(ways), labels)
+    (poses,) = relative_paths(X, np.array(ways), labels)
     found = rotation_vector(poses[:-1], poses[-1])
     assert np.rad2deg(found @ axis) == pytest.approx(degrees, abs=1e-6)
 
 
 def warnings(turns, contact=False, may_touch=True, names=(), volumes=(None, None)):
     frame = SimpleNamespace(volume=volumes[0], share_reached=1.0)
-    return passing_warnings(turns, frame, volumes[1], contact, may_touch, names)
+    return pass_through_warnings(turns, frame, volumes[1], contact, may_touch, names)
 
 
-def test_passing_warnings_say_that_a_closed_surface_turned_inside_out():
+def test_pass_through_warnings_say_that_a_closed_surface_turned_inside_out():
     (said,) = warnings((), volumes=(-3.0, 4.0))
     assert said.startswith("The surface has turned inside out: without contact it passed through itself")
     assert warnings((), volumes=(3.0, -4.0)) == (said,), "the triangles looked inwards at first"
@@ -174,7 +174,7 @@ def test_passing_warnings_say_that_a_closed_surface_turned_inside_out():
         assert warnings((), volumes=volumes) == ()
 
 
-def test_passing_warnings_say_what_is_held_and_what_to_do():
+def test_pass_through_warnings_say_what_is_held_and_what_to_do():
     turns = turns_of(turned_by(np.deg2rad(40.0) * GROWING), 400.0)
     begin = "The surface holds 40 of the 400 degrees asked: "
     without = "without contact it passed through itself; turn contact on."
@@ -190,7 +190,7 @@ def test_passing_warnings_say_what_is_held_and_what_to_do():
     assert two == ("Neck: " + begin + "it passed through itself.",)
 
 
-def test_passing_warnings_write_angles_in_the_notation_in_use():
+def test_pass_through_warnings_write_angles_in_the_notation_in_use():
     less = turns_of(turned_by(np.deg2rad(340.5) * GROWING), 400.0)
     assert warnings(less) == ("The surface holds 340.5 of the 400 degrees asked.",)
     used = notation()
@@ -214,7 +214,7 @@ def test_held_turns_about_several_axes_raise_no_alarm_and_a_lost_one_does(seed, 
             R = rotation(axis, np.deg2rad(degrees[k]) * np.clip(3.0 * part - k, 0.0, 1.0)) @ R
         return R
 
-    passed = [pose_of(rotation_at(part)) for part in np.linspace(0.0, 1.0, 25)[1:]]
+    passed = [rotation_pose(rotation_at(part)) for part in np.linspace(0.0, 1.0, 25)[1:]]
     # A slender one on the curve that its rings stand across of; and a turn more that nobody asked for.
     slender, rows = V * [0.01, 0.01, 1.0], np.arange(len(V)) % ALONG
     R = np.array([rotation_at(part) for part in GROWING[:ALONG]])
@@ -225,4 +225,4 @@ def test_held_turns_about_several_axes_raise_no_alarm_and_a_lost_one_does(seed, 
     U = curve[rows] + np.einsum("ijk,ik->ij", R[rows], about)
     (turn,) = held_turns(slender, U, F, LABELS, [passed])
     assert turn.held is not None
-    assert turn.passed_through == loses
+    assert turn.has_lost_whole_turns == loses

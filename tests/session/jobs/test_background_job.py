@@ -16,8 +16,8 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD
 from apd_viewer.session import file_jobs
-from apd_viewer.session.processes.worker import Worker
-from apd_viewer.session.store import Activity
+from apd_viewer.session.processes.solver_worker import SolverWorker
+from apd_viewer.session.state_store import Activity
 
 
 @pytest.fixture
@@ -209,7 +209,7 @@ def test_files_export_tells_of_what_cannot_be_written_and_it_stays_unsaved(sessi
     finish(session)
     assert len(session.failed) == 1
     assert session.store.state is before
-    assert session.saved_work.unsaved
+    assert session.saved_work.is_unsaved
 
 
 # Closing
@@ -280,7 +280,7 @@ def test_session_close_works_twice_and_before_anything_is_open():
 
 def test_session_leaves_no_thread_and_no_worker():
     others, sessions = set(threading.enumerate()), []
-    workers = living(Worker)
+    workers = living(SolverWorker)
     for k in range(20):
         session = Driven()
         session.show_now(bar())
@@ -294,7 +294,7 @@ def test_session_leaves_no_thread_and_no_worker():
     gc.collect()
     assert set(threading.enumerate()) <= others
     assert [ref() for ref in sessions if ref() is not None] == []
-    assert living(Worker) == workers
+    assert living(SolverWorker) == workers
 
 
 def test_jobs_tell_input_errors_in_sentences_without_a_traceback(session, tmp_path, capfd):

@@ -18,15 +18,15 @@ def test_mailbox_lets_the_newest_value_win_and_gives_it_once():
     assert [mailbox.take(), mailbox.take()] == [99, None]
 
 
-def test_waiting_tells_of_a_value_and_of_the_end():
+def test_is_ready_tells_of_a_value_and_of_the_end():
     mailbox = Mailbox()
-    assert not mailbox.waiting
+    assert not mailbox.is_ready
     mailbox.put("value")
-    assert mailbox.waiting
+    assert mailbox.is_ready
     mailbox.take()
-    assert not mailbox.waiting
+    assert not mailbox.is_ready
     mailbox.close()
-    assert mailbox.waiting
+    assert mailbox.is_ready
 
 
 def _waiter(mailbox: Mailbox, got: list) -> threading.Thread:

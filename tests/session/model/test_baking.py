@@ -9,12 +9,12 @@ from driven_session import BENT, Driven, pose
 from meshes import box, rotation
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
+from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.session.model.baking import baked
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.baking import baked_state
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import open_session, save_session
 
@@ -38,13 +38,13 @@ def test_bake_puts_the_shape_at_rest_as_a_mesh_of_that_shape_would_be(session):
     before = session.store.state
     bake(session)
     state, document = session.store.state, session.store.state.document
-    alone = opened(Mesh(before.frame.U, before.document.mesh.F))
+    alone = initial_state(Mesh(before.frame.U, before.document.mesh.F))
     assert state.frame.U is document.mesh.V
     assert np.array_equal(state.frame.U, before.frame.U)
     assert state.frame.area == state.inspection.area == alone.inspection.area
     assert state.inspection.volume == alone.inspection.volume
     assert state.frame.regions == document.region_areas(document.mesh.V) == before.frame.regions
-    assert (document.area, document.regions[0].area, document.posed) == (100.0, 100.0, False)
+    assert (document.area, document.regions[0].area, document.is_posed) == (100.0, 100.0, False)
     assert document.labels is before.document.labels
     assert session.store.state.is_at_rest
     assert "104.000 %" in session.told[-1]
@@ -110,11 +110,11 @@ def test_bake_refuses_what_has_been_dragged_on_meanwhile(session):
     assert "bake it again" in session.failed[-1]
 
 
-def test_baked_refuses_a_shape_without_area():
-    state = opened(Mesh(*box(1, 1, 2)))
-    flat = state.at(frame=replace(state.frame, U=np.zeros_like(state.frame.U)))
+def test_baked_state_refuses_a_shape_without_area():
+    state = initial_state(Mesh(*box(1, 1, 2)))
+    flat = state.updated(frame=replace(state.frame, U=np.zeros_like(state.frame.U)))
     with pytest.raises(InputError, match="no area"):
-        baked(flat)
+        baked_state(flat)
 
 
 def turned(mesh: Mesh):
@@ -123,11 +123,11 @@ def turned(mesh: Mesh):
     upper = U[:, 2] > 2.5
     U[upper] = U[upper] @ rotation((0, 0, 1), 0.3).T + (0.1, 0.0, 1.0 / 3.0)
     U.flags.writeable = False
-    state = opened(mesh)
-    return baked(state.at(frame=replace(state.frame, U=U)))
+    state = initial_state(mesh)
+    return baked_state(state.updated(frame=replace(state.frame, U=U)))
 
 
-@pytest.mark.parametrize("suffix", WRITTEN)
+@pytest.mark.parametrize("suffix", WRITABLE_FORMATS)
 def test_save_mesh_writes_a_baked_mesh_into_its_file_as_any_shape(suffix, tmp_path):
     path = tmp_path / f"bar{suffix}"
     save_mesh(made := Mesh(*box(2, 2, 6)), made.V, path)
@@ -142,7 +142,7 @@ def test_save_mesh_writes_a_baked_mesh_into_its_file_as_any_shape(suffix, tmp_pa
     assert again.origin.mesh is mesh, "not one origin within another"
 
 
-@pytest.mark.parametrize("suffix", WRITTEN)
+@pytest.mark.parametrize("suffix", WRITABLE_FORMATS)
 def test_open_session_brings_a_baked_mesh_back_with_its_file(suffix, tmp_path):
     path = tmp_path / f"bar{suffix}"
     save_mesh(made := Mesh(*box(2, 2, 6)), made.V, path)

@@ -11,20 +11,20 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import without_handle, without_region
-from apd_viewer.session.model.named_parts import Handle, NamedRegion
-from apd_viewer.session.model.names import new_name, next_name
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.handles_and_regions import Handle, NamedRegion
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.targets import targets_of
+from apd_viewer.session.model.unique_names import next_name, unique_name
 
 
 def document(mesh: Mesh | None = None) -> Document:
     """A bar with base, two handles and two regions."""
-    said = opened(mesh or Mesh(*box(2, 2, 6))).document
+    said = initial_state(mesh or Mesh(*box(2, 2, 6))).document
     base, top = ends(said.mesh.V)
     left = top[said.mesh.V[top, 0] == 0.0]
-    said = said.painted(base, BASE).painted(top, HANDLE + 1).painted(left, HANDLE)
+    said = said.with_label(base, BASE).with_label(top, HANDLE + 1).with_label(left, HANDLE)
     z = said.mesh.V[:, 2]
-    said = said.painted_region(np.flatnonzero(z < 3), 1).painted_region(np.flatnonzero(z >= 3), 2)
+    said = said.with_region_number(np.flatnonzero(z < 3), 1).with_region_number(np.flatnonzero(z >= 3), 2)
     return dataclasses.replace(
         said,
         handles=(Handle("left"), Handle("right")),
@@ -60,7 +60,7 @@ def test_targets_of_asks_nothing_of_a_region_until_it_covers_a_triangle():
     said = document()
     for ids, expected in (([], None), ([0], None), (said.mesh.F[0], 90.0)):
         some = dataclasses.replace(said, member=frozen(np.zeros_like(said.member)))
-        asked = targets_of(some.painted_region(np.array(ids, dtype=int), 1))
+        asked = targets_of(some.with_region_number(np.array(ids, dtype=int), 1))
         assert [region.name for region in asked.regions] == ["low", "high"]
         assert [region.area for region in asked.regions] == [expected, None]
 
@@ -73,7 +73,7 @@ def test_region_areas_are_those_of_the_triangles_that_lie_in_the_regions():
     assert said.region_areas(2.0 * said.mesh.V) == pytest.approx((4 * low, 4 * high))
 
 
-def test_painted_region_reaches_across_seams():
+def test_with_region_number_reaches_across_seams():
     """A soup repeats every vertex: the regions of both are the same surface."""
     whole, torn = document(), document(Mesh(*soup(*box(2, 2, 6))))
     assert torn.region_areas(torn.mesh.V) == pytest.approx(whole.region_areas(whole.mesh.V))
@@ -82,20 +82,20 @@ def test_painted_region_reaches_across_seams():
         assert len(region.vertices) == sum(tuple(x) in places for x in torn.mesh.V)
 
 
-def test_painted_region_puts_a_vertex_in_one_region_and_leaves_its_label():
+def test_with_region_number_puts_a_vertex_in_one_region_and_leaves_its_label():
     said = document()
     ids = np.flatnonzero(said.mesh.V[:, 2] == 6.0)
-    again = said.painted_region(ids, 1)
+    again = said.with_region_number(ids, 1)
     assert again.labels is said.labels
     assert (again.member[ids] == 1).all()
     assert np.array_equal(np.delete(again.member, ids), np.delete(said.member, ids))
-    assert said.painted(ids, BASE).member is said.member
+    assert said.with_label(ids, BASE).member is said.member
 
 
-def test_painted_leaves_the_very_document_where_the_paint_is_there_already():
+def test_with_label_leaves_the_very_document_where_the_paint_is_there_already():
     said = document()
-    assert said.painted(np.flatnonzero(said.labels == HANDLE), HANDLE) is said
-    assert said.painted_region(np.flatnonzero(said.member == 2), 2) is said
+    assert said.with_label(np.flatnonzero(said.labels == HANDLE), HANDLE) is said
+    assert said.with_region_number(np.flatnonzero(said.member == 2), 2) is said
 
 
 @pytest.mark.parametrize("k", [0, 1])
@@ -112,7 +112,7 @@ def test_without_handle_frees_what_it_held_and_the_others_count_down(k):
 def test_without_handle_leaves_an_empty_one_after_the_last():
     none = without_handle(without_handle(document(), 0), 0)
     assert [handle.name for handle in none.handles] == ["Handle 1"]
-    assert "no handle" in none.problem
+    assert "no handle" in none.paint_problem
 
 
 @pytest.mark.parametrize("k", [0, 1])
@@ -136,14 +136,14 @@ def test_document_arrays_are_read_only_after_every_change():
 def test_at_rest_keeps_the_paint_and_what_is_free():
     said = dataclasses.replace(document(), area=120.0, volume=None).with_pose(1, 2 * np.eye(4))
     rest = said.at_rest()
-    assert not rest.posed
-    assert rest.percentages == (100.0, None, 100.0, 100.0)
+    assert not rest.is_posed
+    assert rest.target_percentages == (100.0, None, 100.0, 100.0)
     assert (rest.labels, rest.member, rest.grip) == (said.labels, said.member, said.mesh.V)
 
 
-def test_opened_brings_the_handles_from_labels_of_several():
+def test_initial_state_brings_the_handles_from_labels_of_several():
     labels = document().labels
-    assert [handle.name for handle in opened(document().mesh, labels).document.handles] == [
+    assert [handle.name for handle in initial_state(document().mesh, labels).document.handles] == [
         "Handle 1",
         "Handle 2",
     ]
@@ -152,8 +152,8 @@ def test_opened_brings_the_handles_from_labels_of_several():
 def test_next_name_counts_on_and_new_name_tells_names_apart():
     assert next_name("Handle", []) == "Handle 1"
     assert next_name("Handle", ["Handle 1", "Neck", "Handle 3"]) == "Handle 2"
-    assert new_name(" Neck ", "Handle 1", ["Handle 1", "Handle 2"]) == "Neck"
-    assert new_name("  ", "Handle 1", ["Handle 1"]) == "Handle 1"
-    assert new_name("Handle 1", "Handle 1", ["Handle 1"]) == "Handle 1"
-    assert new_name("Neck", "Handle 1", ["Handle 1", "Neck"]) == "Neck 2"
-    assert new_name("Neck", "Neck 2", ["Neck", "Neck 2"]) == "Neck 2"
+    assert unique_name(" Neck ", "Handle 1", ["Handle 1", "Handle 2"]) == "Neck"
+    assert unique_name("  ", "Handle 1", ["Handle 1"]) == "Handle 1"
+    assert unique_name("Handle 1", "Handle 1", ["Handle 1"]) == "Handle 1"
+    assert unique_name("Neck", "Handle 1", ["Handle 1", "Neck"]) == "Neck 2"
+    assert unique_name("Neck", "Neck 2", ["Neck", "Neck 2"]) == "Neck 2"

@@ -9,17 +9,17 @@ from driven_session import BENT, document
 from apd_viewer.files.mesh_location import MissingMesh
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Measurement
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_next_region
 from apd_viewer.session.model.factor_key import FACTORED, factored_fields
+from apd_viewer.session.model.handles_and_regions import Handle, NamedPose, NamedRegion, PartFlags
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
-from apd_viewer.session.model.named_parts import Handle, NamedPose, NamedRegion, PartFlags
-from apd_viewer.session.processes.deforming import deformation_of
-from apd_viewer.session.processes.requests import alike, factored_for
+from apd_viewer.session.processes.document_deformation import deformation_of
+from apd_viewer.session.processes.request_and_reply import are_same_keys, factor_key
 
 METHODS = ["arap", "paper", "exact", "local"]
 
@@ -32,9 +32,9 @@ BELOW = NamedObstacle("Plate 1", ObstacleKind.PLATE, frozen(np.array([0.0, 0.0, 
 # Another value for every field.
 OF_DOCUMENT = {
     "mesh": lambda said: replace(said, mesh=said.mesh.baked(frozen(said.mesh.V * [1.0, 1.0, 2.0]))),
-    "labels": lambda said: said.painted(np.flatnonzero(said.mesh.V[:, 2] == 1.0), 0),
+    "labels": lambda said: said.with_label(np.flatnonzero(said.mesh.V[:, 2] == 1.0), 0),
     "grip": lambda said: replace(said, grip=frozen(said.grip + 0.25)),
-    "member": lambda said: said.painted_region(np.flatnonzero(said.mesh.V[:, 2] < 5.0), 1),
+    "member": lambda said: said.with_region_number(np.flatnonzero(said.mesh.V[:, 2] < 5.0), 1),
     "handles": lambda said: said.with_pose(0, BENT @ BENT),
     "regions": lambda said: said.with_region(0, NamedRegion("Waist", 90.0)),
     "method": lambda said: replace(said, method="exact" if said.method == "local" else "local"),
@@ -49,13 +49,15 @@ OF_DOCUMENT = {
     "contact": lambda said: replace(said, contact=True),
     "thickness": lambda said: replace(said, contact=True, thickness=0.125),
     "obstacles": lambda said: replace(said, contact=True, obstacles=(BELOW,)),
-    "staying": lambda said: replace(said, staying=(0,)),
+    "staying_components": lambda said: replace(said, staying_components=(0,)),
     "base": lambda said: replace(said, base=PartFlags(hidden=True)),
-    "mirror": lambda said: replace(said, mirror=0),
+    "mirror_axis": lambda said: replace(said, mirror_axis=0),
     "poses": lambda said: replace(said, poses=(NamedPose("Open", ()),)),
-    "measurements": lambda said: replace(said, measurements=(Measurement("Width", Kind.DISTANCE),)),
-    "target": lambda said: replace(said, target=TargetShape(said.mesh)),
-    "missing_target": lambda said: replace(said, missing_target=MissingMesh({}, "It is gone.")),
+    "measurements": lambda said: replace(
+        said, measurements=(Measurement("Width", MeasurementKind.DISTANCE),)
+    ),
+    "target_shape": lambda said: replace(said, target_shape=TargetShape(said.mesh)),
+    "missing_target_shape": lambda said: replace(said, missing_target_shape=MissingMesh({}, "It is gone.")),
     "convergence": lambda said: replace(said, convergence=Convergence(100)),
 }
 OF_HANDLE = {
@@ -65,15 +67,15 @@ OF_HANDLE = {
     "waypoints": lambda said: of_handle(said, waypoints=(frozen(BENT.copy()),)),
     "falloff": lambda said: of_handle(said, falloff=2.0),
     "flags": lambda said: of_handle(said, flags=PartFlags(locked=True)),
-    "line": lambda said: of_handle(said, line=frozen(np.ones(3))),
-    "earlier": lambda said: of_handle(said, earlier=(frozen(BENT.copy()),)),
+    "former_twist_axis": lambda said: of_handle(said, former_twist_axis=frozen(np.ones(3))),
+    "earlier_poses": lambda said: of_handle(said, earlier_poses=(frozen(BENT.copy()),)),
 }
 CHANGES = OF_DOCUMENT | OF_HANDLE
 
 
 def start(method: str) -> Document:
     said = document(method)
-    said = with_next_region(said).painted_region(np.flatnonzero(said.mesh.V[:, 2] < 3.0), 1)
+    said = with_next_region(said).with_region_number(np.flatnonzero(said.mesh.V[:, 2] < 3.0), 1)
     return said.with_region(0, NamedRegion("Waist", 105.0))
 
 
@@ -120,10 +122,10 @@ def test_factored_fields_notices_a_field_that_declares_nothing():
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", CHANGES)
-def test_factored_for_gives_the_same_key_only_for_the_same_matrices(name, method):
+def test_factor_key_gives_the_same_key_only_for_the_same_matrices(name, method):
     before = start(method)
     after = CHANGES[name](before)
-    assert not alike(factored_for(before), factored_for(after)) or same_matrices(before, after)
+    assert not are_same_keys(factor_key(before), factor_key(after)) or same_matrices(before, after)
 
 
 @pytest.mark.parametrize("name", [*factored_fields(Document), *factored_fields(Handle)])

@@ -10,10 +10,10 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.history import History, held
-from apd_viewer.session.model.state import State, opened
+from apd_viewer.session.model.history import History, array_bytes
+from apd_viewer.session.model.state import State, initial_state
 
-REST = opened(Mesh(*box(1, 1, 2)))
+REST = initial_state(Mesh(*box(1, 1, 2)))
 
 
 def _states(count: int) -> list[State]:
@@ -43,7 +43,7 @@ def test_history_limit_drops_the_oldest_at_once_under_a_smaller_budget():
     history = History()
     for state in states:
         history.record("step", state)
-    history.limit(1)
+    history.limit_memory(1)
     assert _undone(history) == states[-1:], "one always stays"
 
 
@@ -51,10 +51,10 @@ def test_history_tells_of_what_is_dropped_once_nothing_keeps_it():
     history, alive = History(), []
     for state in _states(3):
         history.record("step", state)
-    first = weakref.ref(history.past[0])
+    first = weakref.ref(history.undo_states[0])
     del state
-    history.forgot = lambda: alive.append(first() is not None)
-    history.limit(1)
+    history.entries_dropped = lambda: alive.append(first() is not None)
+    history.limit_memory(1)
     assert alive == [False]
 
 
@@ -80,7 +80,7 @@ def test_history_record_forgets_what_could_be_redone():
 
 def test_history_drops_the_oldest_entries_when_the_budget_is_spent():
     states = _states(6)
-    rest, U = sum(held(states[0]).values()), states[0].frame.U
+    rest, U = sum(array_bytes(states[0]).values()), states[0].frame.U
     history = History(most_bytes=rest + 3 * U.nbytes)
     for k, state in enumerate(states):
         history.record(str(k), state)
@@ -98,7 +98,7 @@ def test_history_keeps_one_entry_whatever_it_costs():
 
 
 def test_history_counts_the_meshes_that_entries_keep():
-    states = [opened(Mesh(*box(2, 2, 6))) for _ in range(20)]
+    states = [initial_state(Mesh(*box(2, 2, 6))) for _ in range(20)]
     mesh = states[0].document.mesh
     history = History(most_bytes=5 * (mesh.V.nbytes + mesh.F.nbytes))
     for k, state in enumerate(states):
@@ -119,36 +119,36 @@ def test_history_counts_the_regions_that_entries_keep():
     n = len(REST.document.mesh.V)
     members = [frozen(np.full(n, k, dtype=np.uint8)) for k in range(20)]
     states = [replace(REST, document=replace(REST.document, member=member)) for member in members]
-    history = History(most_bytes=sum(held(states[0]).values()) + 4 * n)
+    history = History(most_bytes=sum(array_bytes(states[0]).values()) + 4 * n)
     for k, state in enumerate(states):
         history.record(str(k), state)
     assert len(_undone(history)) == 5
 
 
-def test_held_counts_all_that_a_mesh_keeps_of_its_file(tmp_path):
+def test_array_bytes_counts_all_that_a_mesh_keeps_of_its_file(tmp_path):
     """What a state makes the process hand out is what it counts, whatever its mesh came from."""
     V, F = box(16, 16, 16)
     for suffix in (".obj", ".off", ".ply", ".stl", ".glb"):
         path = tmp_path / f"box{suffix}"
         save_mesh(Mesh(V, F), V, path)
-        kept = [opened(open_mesh(path))]  # what is loaded once is there
+        kept = [initial_state(open_mesh(path))]  # what is loaded once is there
         tracemalloc.start()
-        kept.append(opened(open_mesh(path)))
+        kept.append(initial_state(open_mesh(path)))
         gc.collect()
         taken, _ = tracemalloc.get_traced_memory()
         tracemalloc.stop()
-        assert 0.75 * taken < sum(held(kept[1]).values()) < 1.1 * taken, suffix
+        assert 0.75 * taken < sum(array_bytes(kept[1]).values()) < 1.1 * taken, suffix
 
 
 def test_history_counts_what_is_undone_no_more_and_what_is_redone_again():
     history, states = History(), _states(3)
     for k, state in enumerate(states[:2]):
         history.record(str(k), state)
-    both = history.bytes
+    both = history.undo_bytes
     history.undo(states[2])
-    assert history.bytes == both - states[1].frame.U.nbytes
+    assert history.undo_bytes == both - states[1].frame.U.nbytes
     history.undo(states[1])
-    assert history.bytes == 0
+    assert history.undo_bytes == 0
     history.redo(states[0])
     history.redo(states[1])
-    assert history.bytes == both
+    assert history.undo_bytes == both

@@ -10,10 +10,10 @@ from meshes import box
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.session.model.state import opened
-from apd_viewer.session.model.trace import COLUMNS, MOST, Trace
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.trace import MOST_SAMPLES, TRACE_COLUMNS, Trace
 
-REST = opened(Mesh(*box(1, 1, 2)))
+REST = initial_state(Mesh(*box(1, 1, 2)))
 
 
 class Clock:
@@ -43,9 +43,11 @@ def frame(iteration=1, total=1, **what):
 def test_trace_leads_from_the_state_before_to_the_latest_frame(clock):
     trace = Trace(clock)
     trace.begin(REST)
-    trace.expect(REST.document, REST)
+    trace.begin_with_next_frame(REST.document, REST)
     clock.now += 1.0
-    trace.add(moved(1), frame(2, 2, area=7.5, area_error=-0.25, volume=None, energy=3.0, local_change=0.5))
+    trace.add_frame(
+        moved(1), frame(2, 2, area=7.5, area_error=-0.25, volume=None, energy=3.0, local_change=0.5)
+    )
     assert [trace[name].tolist() for name in ("seconds", "iteration")] == [[0.0, 1.0], [0.0, 2.0]]
     assert trace["area"].tolist() == [REST.frame.area, 7.5]
     assert trace["area_error"].tolist() == [0.0, -0.25]
@@ -53,15 +55,15 @@ def test_trace_leads_from_the_state_before_to_the_latest_frame(clock):
     assert trace["local_change"].tolist() == [0.0, 0.5]
     assert trace["volume"][0] == REST.frame.volume
     assert np.isnan(trace["volume"][1])
-    assert trace.rows.shape == (2, len(COLUMNS))
+    assert trace.rows.shape == (2, len(TRACE_COLUMNS))
     assert not trace.rows.flags.writeable
 
 
 def test_trace_takes_the_miss_against_what_is_asked_for(clock):
     trace = Trace(clock)
     trace.begin(REST)
-    trace.add(replace(REST.document, area=80.0), frame(1, 1, area_error=-0.1))
-    trace.add(replace(REST.document, area=80.0, method="arap"), frame(2, 2, area_error=-0.1))
+    trace.add_frame(replace(REST.document, area=80.0), frame(1, 1, area_error=-0.1))
+    trace.add_frame(replace(REST.document, area=80.0, method="arap"), frame(2, 2, area_error=-0.1))
     assert trace["area_miss"][1:].tolist() == pytest.approx([0.9 / 0.8 - 1.0, 0.1])
 
 
@@ -69,7 +71,7 @@ def test_trace_counts_iterations_that_nobody_saw_too(clock):
     trace = Trace(clock)
     trace.begin(REST)
     for k, (iteration, total) in enumerate([(3, 3), (2, 9), (40, 47), (1, 1)]):
-        trace.add(moved(k), frame(iteration, total))
+        trace.add_frame(moved(k), frame(iteration, total))
     # The last frame is of another solver.
     assert trace["iteration"].tolist() == [0, 3, 9, 47, 48]
 
@@ -77,12 +79,12 @@ def test_trace_counts_iterations_that_nobody_saw_too(clock):
 def test_trace_expect_leaves_answers_to_the_old_question_in_the_old_trace(clock):
     trace, first, second = Trace(clock), moved(1), moved(2)
     trace.begin(REST)
-    trace.add(first, frame(1, 1))
+    trace.add_frame(first, frame(1, 1))
     clock.now += 1.0
-    trace.expect(first, REST.at(frame=frame(area=5.0)))
-    trace.add(first, frame(2, 2))
+    trace.begin_with_next_frame(first, REST.updated(frame=frame(area=5.0)))
+    trace.add_frame(first, frame(2, 2))
     assert len(trace) == 3
-    trace.add(second, frame(1, 3))
+    trace.add_frame(second, frame(1, 3))
     assert len(trace) == 2
     assert trace["area"][0] == 5.0
 
@@ -90,14 +92,14 @@ def test_trace_expect_leaves_answers_to_the_old_question_in_the_old_trace(clock)
 def test_released_at_is_told_from_the_beginning_of_its_own_gesture(clock):
     trace = Trace(clock)
     trace.begin(REST)
-    trace.expect(REST.document, REST)
+    trace.begin_with_next_frame(REST.document, REST)
     clock.now += 2.0
-    trace.release()  # before the first frame has come
+    trace.mark_release()  # before the first frame has come
     assert trace.released_at is None
-    trace.add(moved(1), frame())
+    trace.add_frame(moved(1), frame())
     assert trace.released_at == 2.0
-    trace.expect(moved(1), REST)
-    trace.release()  # of a stroke, which nothing answers
+    trace.begin_with_next_frame(moved(1), REST)
+    trace.mark_release()  # of a stroke, which nothing answers
     assert trace.released_at == 2.0
     trace.begin(REST)
     assert trace.released_at is None
@@ -113,13 +115,13 @@ def test_trace_takes_no_more_memory_for_eleven_thousand_frames_than_for_three_th
         sizes = []
         for k in range(11_000):
             clock.now += 0.01
-            trace.add(documents[k % 2], frame(1, k + 1, area=float(k)))
+            trace.add_frame(documents[k % 2], frame(1, k + 1, area=float(k)))
             if k in (3_000, 10_999):
                 sizes.append(tracemalloc.get_traced_memory()[0])
     finally:
         tracemalloc.stop()
     assert sizes[1] - sizes[0] < 0.05 * trace.rows.nbytes
-    assert MOST / 2 <= len(trace) <= MOST
+    assert MOST_SAMPLES / 2 <= len(trace) <= MOST_SAMPLES
     seconds = trace["seconds"]
     assert (seconds[0], trace["area"][-1], trace["iteration"][-1]) == (0.0, 10_999.0, 11_000.0)
     steps = np.diff(seconds[:-1])
@@ -129,8 +131,8 @@ def test_trace_takes_no_more_memory_for_eleven_thousand_frames_than_for_three_th
 def test_trace_has_the_latest_frame_at_any_time(clock):
     trace = Trace(clock)
     trace.begin(REST)
-    for k in range(3 * MOST):
-        trace.add(moved(1), frame(k + 1, k + 1, area=float(k)))
+    for k in range(3 * MOST_SAMPLES):
+        trace.add_frame(moved(1), frame(k + 1, k + 1, area=float(k)))
         assert trace["area"][-1] == k
         assert trace["area"][0] == REST.frame.area
 
@@ -213,10 +215,10 @@ def test_trace_is_left_alone_by_paint(session):
 def test_trace_takes_steps_that_are_one_for_undo_as_one(session):
     before = session.store.state.frame
     for k in range(1, 4):
-        session.handles.pose(pose(shift=(0.05 * k, 0.0, 0.0)), 0, "Nudge handle", repeats=True)
+        session.handles.set_pose(pose(shift=(0.05 * k, 0.0, 0.0)), 0, "Nudge handle", is_repeat=True)
         session.settle()
     assert session.store.trace["volume"][0] == before.volume
     check_leads_to_the_screen(session.store.trace, session.store.state.frame)
-    session.handles.pose(pose(shift=(0.3, 0.0, 0.0)), 0, "Move along X")
+    session.handles.set_pose(pose(shift=(0.3, 0.0, 0.0)), 0, "Move along X")
     session.settle()
     assert session.store.trace["volume"][0] != before.volume

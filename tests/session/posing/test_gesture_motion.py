@@ -8,9 +8,9 @@ from meshes import box, ends
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.pose.transforms import turned_about
+from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.gesture_motion import gesture_motion
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
@@ -23,8 +23,8 @@ def turned(document, degrees, step=30):
     start = round(np.degrees(document.handles[0].rotation[2]))
     step = step if degrees > start else -step
     for angle in range(start + step, degrees + np.sign(step), step):
-        document = document.moved(0, turned_about([1, 1, 0], AXIS, np.deg2rad(angle)))
-    return document.moved(0, turned_about([1, 1, 0], AXIS, np.deg2rad(degrees)))
+        document = document.with_handle_moved(0, rotation_about([1, 1, 0], AXIS, np.deg2rad(angle)))
+    return document.with_handle_moved(0, rotation_about([1, 1, 0], AXIS, np.deg2rad(degrees)))
 
 
 def shown(state, document):
@@ -40,7 +40,7 @@ def state():
     base, handle = ends(V)
     labels = np.ones(len(V), dtype=np.uint8)
     labels[base], labels[handle] = 0, 2
-    return opened(Mesh(V, F), frozen(labels))
+    return initial_state(Mesh(V, F), frozen(labels))
 
 
 @pytest.mark.parametrize("step", [10, 30, 70])
@@ -75,7 +75,7 @@ def test_gesture_motion_is_none_for_what_is_no_motion_of_handles_alone(state):
     assert gesture_motion(before, moved) is not None
     assert gesture_motion(before, document) is None
     assert gesture_motion(before, replace(document, stiffness=0.1)) is None
-    assert gesture_motion(before, moved.painted(np.array([0]), 1)) is None
+    assert gesture_motion(before, moved.with_label(np.array([0]), 1)) is None
     assert gesture_motion(before, replace(moved, grip=frozen(V.copy()))) is None
     pushed = NamedObstacle("Ball", ObstacleKind.SPHERE, np.full(3, 9.0), radius=1.0, shift=np.ones(3))
     assert gesture_motion(before, replace(moved, obstacles=(pushed,))) is None

@@ -8,12 +8,12 @@ from meshes import box, ends, rotation
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.model.state import opened
-from apd_viewer.session.posing.motion_path import motion_paths, posed_along
-from apd_viewer.session.posing.motion_step import MotionStep, check_amounts, motion_of
-from apd_viewer.session.posing.motion_text import parsed_motion
-from apd_viewer.session.posing.typed_motion import names_of, poses_along
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.posing.motion_path import document_along, motion_paths
+from apd_viewer.session.posing.motion_step import MotionStep, check_amounts, motion_steps
+from apd_viewer.session.posing.motion_text import parse_motion
+from apd_viewer.session.posing.typed_motion import named_lengths, poses_along
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
@@ -25,13 +25,15 @@ def state():
     labels = np.ones(len(V), dtype=np.uint8)
     base, handle = ends(V)
     labels[base], labels[handle], labels[V[:, 2] == 3] = 0, 2, 3
-    return opened(Mesh(V, F), labels)
+    return initial_state(Mesh(V, F), labels)
 
 
 def paths(state, text):
-    steps = parsed_motion(text)
+    steps = parse_motion(text)
     check_amounts(steps, Unit.MILLIMETRE)
-    return motion_paths(state.document, motion_of(state.document, steps, names_of(state), Unit.MILLIMETRE))
+    return motion_paths(
+        state.document, motion_steps(state.document, steps, named_lengths(state), Unit.MILLIMETRE)
+    )
 
 
 def turned(axis, degrees, about):
@@ -64,14 +66,14 @@ def test_motion_paths_end_where_the_words_say(text, state):
     elif text.startswith("scale"):
         wanted[:3, 3] = TOP - 1.5 * TOP
     path, other = paths(state, text)
-    np.testing.assert_allclose(path.at(1.0), wanted, atol=1e-12)
-    np.testing.assert_array_equal(path.at(0.0), np.eye(4))
-    assert not other.moves
+    np.testing.assert_allclose(path.pose_at(1.0), wanted, atol=1e-12)
+    np.testing.assert_array_equal(path.pose_at(0.0), np.eye(4))
+    assert not other.has_motion
 
 
 def test_motion_paths_let_all_amounts_grow_together(state):
     whole, half = (paths(state, text)[0] for text in ("twist 300deg; push 40%", "twist 150deg; push 20%"))
-    np.testing.assert_allclose(whole.at(0.5), half.at(1.0), atol=1e-12)
+    np.testing.assert_allclose(whole.pose_at(0.5), half.pose_at(1.0), atol=1e-12)
     assert np.degrees(whole.angle) == pytest.approx(300)
 
 
@@ -79,38 +81,38 @@ def test_motion_paths_follow_steps_in_turn_for_the_handles_that_they_name(state)
     top, middle = paths(state, "turn 90 about x; move 0 0 1; Handle 2: push 1; scale 2")
     pose = turned([1, 0, 0], 90, TOP)
     pose[2, 3] += 1
-    np.testing.assert_allclose(top.at(1.0), pose, atol=1e-12)
-    np.testing.assert_allclose(middle.at(1.0) @ [*MIDDLE, 1], [1, 1, 2, 1], atol=1e-12)
+    np.testing.assert_allclose(top.pose_at(1.0), pose, atol=1e-12)
+    np.testing.assert_allclose(middle.pose_at(1.0) @ [*MIDDLE, 1], [1, 1, 2, 1], atol=1e-12)
 
 
 @pytest.mark.parametrize("degrees", [40, 400, -1000])
 def test_motion_paths_twist_as_the_window_and_the_sweep_do(degrees, state):
     document = state.document
-    *_, pose = poses_along(document, 0, TypedMotion.TWIST, np.radians(degrees))
+    *_, pose = poses_along(document, 0, MotionKind.TWIST, np.radians(degrees))
     path = paths(state, f"twist {degrees}")[0]
-    np.testing.assert_allclose(path.at(1.0), pose, atol=1e-12)
+    np.testing.assert_allclose(path.pose_at(1.0), pose, atol=1e-12)
     swept = sweep_of(
         document, 3, methods=["arap"], motion=[MotionStep(0, "twist", (np.radians(degrees),))]
     ).paths[0]
-    assert all(np.array_equal(path.at(part), swept.at(part)) for part in (0.3, 1.0))
-    posed = posed_along(document, paths(state, f"twist {degrees}"))
+    assert all(np.array_equal(path.pose_at(part), swept.pose_at(part)) for part in (0.3, 1.0))
+    posed = document_along(document, paths(state, f"twist {degrees}"))
     assert np.degrees(posed.handles[0].rotation) == pytest.approx([0, 0, degrees], abs=1e-6)
 
 
-def test_posed_along_makes_no_way_shorter_for_turns_of_opposite_signs(state):
+def test_document_along_makes_no_way_shorter_for_turns_of_opposite_signs(state):
     """The sum of their angles is none, and the way leads through none of the poses between."""
     motion = "turn 200deg about x; turn -200deg about y"
-    posed = posed_along(state.document, paths(state, motion)).handles[0]
+    posed = document_along(state.document, paths(state, motion)).handles[0]
     assert posed.waypoints
-    np.testing.assert_allclose(posed.pose, paths(state, motion)[0].at(1.0), atol=1e-12)
+    np.testing.assert_allclose(posed.pose, paths(state, motion)[0].pose_at(1.0), atol=1e-12)
 
 
 def test_typed_step_writes_its_words_in_one_way():
     first, second = (
-        parsed_motion(text) for text in ("Twist  120deg ;; push 30%", "handle 1: twist 120deg; push 30%")
+        parse_motion(text) for text in ("Twist  120deg ;; push 30%", "handle 1: twist 120deg; push 30%")
     )
     assert first == second
-    assert parsed_motion("; ".join(step.text for step in first)) == first
+    assert parse_motion("; ".join(step.text for step in first)) == first
 
 
 WRONG = {
@@ -134,12 +136,12 @@ WRONG = {
 
 
 @pytest.mark.parametrize("text", WRONG)
-def test_parsed_motion_says_what_is_no_motion(text, state):
+def test_parse_motion_says_what_is_no_motion(text, state):
     with pytest.raises(InputError, match=WRONG[text]):
         paths(state, text)
 
 
 def test_check_amounts_needs_the_unit_of_the_mesh_for_a_length(state):
     with pytest.raises(InputError, match="unit of the mesh is not set; choose it") as refused:
-        check_amounts(parsed_motion("push 2mm"), Unit.NONE)
+        check_amounts(parse_motion("push 2mm"), Unit.NONE)
     assert str(pickle.loads(pickle.dumps(refused.value))) == str(refused.value)

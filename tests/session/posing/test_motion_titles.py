@@ -6,11 +6,11 @@ import driven_session
 import numpy as np
 import pytest
 
-from apd_viewer.geometry.pose.transforms import shifted, turned_about
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.model.named_parts import Handle
+from apd_viewer.geometry.pose.transforms import rotation_about, translation
+from apd_viewer.session.model.handles_and_regions import Handle
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.posing.motion_plan import MotionPlan
-from apd_viewer.session.posing.motion_titles import title_between
+from apd_viewer.session.posing.motion_titles import motion_title_between
 from apd_viewer.session.quantities.units import Unit
 
 
@@ -22,50 +22,57 @@ def rest():
 @pytest.fixture(scope="module")
 def posed(rest):
     """The document with its handle turned about an axis of no motion here."""
-    return rest.moved(0, turned_about([1.0, 1.0, 6.0], [1.0, 2.0, 3.0], 1.0))
+    return rest.with_handle_moved(0, rotation_about([1.0, 1.0, 6.0], [1.0, 2.0, 3.0], 1.0))
 
 
 def titles(start, motion, amount):
     """The title of a typed motion, and that of a drag by the same."""
     plan = MotionPlan(start, 0, motion, amount)
-    end = plan.end()
-    return plan.title(end, Unit.MILLIMETRE), title_between(start, end, 0, Unit.MILLIMETRE)
+    end = plan.end_document()
+    return plan.title(end, Unit.MILLIMETRE), motion_title_between(start, end, 0, Unit.MILLIMETRE)
 
 
 @pytest.mark.parametrize("amount", [0.3, -2.5, 4.0, -7.0, 20.0])
 @pytest.mark.parametrize("kind", ["TURN", "MOVE"])
-def test_title_between_names_a_drag_as_the_motion_typed(rest, posed, kind, amount):
+def test_motion_title_between_names_a_drag_as_the_motion_typed(rest, posed, kind, amount):
     for start in (rest, posed):
         for letter in "XYZ":
-            typed, dragged = titles(start, TypedMotion[f"{kind}_{letter}"], amount)
+            typed, dragged = titles(start, MotionKind[f"{kind}_{letter}"], amount)
             assert dragged == typed
             assert "−" in typed if amount < 0 else "+" in typed
 
 
-def test_title_between_names_a_scaling_by_its_factor(posed):
-    typed, dragged = titles(posed, TypedMotion.SCALE, 0.8)
+def test_motion_title_between_names_a_scaling_by_its_factor(posed):
+    typed, dragged = titles(posed, MotionKind.SCALE, 0.8)
     assert dragged == typed == "Scale ×0.8 (Handle 1)"
 
 
-def test_title_between_gives_turning_back_the_opposite_sign(rest):
-    turned = MotionPlan(rest, 0, TypedMotion.TURN_Y, 7.0).end()
-    back = MotionPlan(turned, 0, TypedMotion.TURN_Y, -6.0).end()
-    assert title_between(turned, back, 0, Unit.NONE) == f"Rotate about y −{np.rad2deg(6.0):.4g}° (Handle 1)"
+def test_motion_title_between_gives_turning_back_the_opposite_sign(rest):
+    turned = MotionPlan(rest, 0, MotionKind.TURN_Y, 7.0).end_document()
+    back = MotionPlan(turned, 0, MotionKind.TURN_Y, -6.0).end_document()
+    assert (
+        motion_title_between(turned, back, 0, Unit.NONE)
+        == f"Rotate about y −{np.rad2deg(6.0):.4g}° (Handle 1)"
+    )
 
 
-def test_title_between_has_the_amount_alone_along_no_axis(rest):
-    moved = rest.moved(0, shifted([3.0, 4.0, 0.0]))
-    assert title_between(rest, moved, 0, Unit.MILLIMETRE) == "Move 5\u00a0mm (Handle 1)"
-    turned = rest.moved(0, turned_about([1, 1, 6], [1, 1, 0], 0.5))
-    assert title_between(rest, turned, 0, Unit.NONE) == "Rotate +28.65° (Handle 1)"
+def test_motion_title_between_has_the_amount_alone_along_no_axis(rest):
+    moved = rest.with_handle_moved(0, translation([3.0, 4.0, 0.0]))
+    assert motion_title_between(rest, moved, 0, Unit.MILLIMETRE) == "Move 5\u00a0mm (Handle 1)"
+    turned = rest.with_handle_moved(0, rotation_about([1, 1, 6], [1, 1, 0], 0.5))
+    assert motion_title_between(rest, turned, 0, Unit.NONE) == "Rotate +28.65° (Handle 1)"
 
 
-def test_title_between_has_no_amount_for_a_motion_of_several_kinds(rest):
-    screw = shifted([0.0, 2.0, 0.0]) @ turned_about([1, 1, 6], [0, 1, 0], 0.5)
-    assert title_between(rest, rest.moved(0, screw), 0, Unit.NONE) == "Move handle (Handle 1)"
+def test_motion_title_between_has_no_amount_for_a_motion_of_several_kinds(rest):
+    screw = translation([0.0, 2.0, 0.0]) @ rotation_about([1, 1, 6], [0, 1, 0], 0.5)
+    assert (
+        motion_title_between(rest, rest.with_handle_moved(0, screw), 0, Unit.NONE) == "Move handle (Handle 1)"
+    )
 
 
-def test_title_between_names_all_moved_handles(rest):
+def test_motion_title_between_names_all_moved_handles(rest):
     two = replace(rest, handles=(*rest.handles, Handle("Tail"), Handle("Ear")))
-    moved = two.moved(0, shifted([1.0, 0.0, 0.0])).moved(1, shifted([1.0, 0.0, 0.0]))
-    assert title_between(two, moved, 0, Unit.NONE) == "Move along x +1 (Handle 1, Tail)"
+    moved = two.with_handle_moved(0, translation([1.0, 0.0, 0.0])).with_handle_moved(
+        1, translation([1.0, 0.0, 0.0])
+    )
+    assert motion_title_between(two, moved, 0, Unit.NONE) == "Move along x +1 (Handle 1, Tail)"

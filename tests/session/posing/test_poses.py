@@ -5,8 +5,8 @@ import pytest
 from driven_session import BENT, VIEW, Driven, pose
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.posing.named_poses import is_at, placements
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.named_poses import handle_placements, is_in_pose
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 
@@ -18,10 +18,10 @@ def kept(session) -> Driven:
     session.parts.add_handle()
     session.stroke(np.flatnonzero((V[:, 2] >= 5.0) & (V[:, 0] > 1.5)), HANDLE + 1)
     session.drag(pose(0.3))
-    session.poses.keep()
+    session.poses.add()
     session.drag(BENT)
     session.drag(pose(0.4, (0.0, 0.3, 0.0)), which=1)
-    session.poses.keep()
+    session.poses.add()
     session.settle()
     return session
 
@@ -41,16 +41,16 @@ def test_poses_keep_says_the_kept_pose_by_name(kept):
 def test_poses_go_is_one_step_that_the_shape_follows(kept):
     assert [each.name for each in document(kept).poses] == ["Pose 1", "Pose 2"]
     before, second = kept.store.state, where(kept)
-    kept.poses.go(0)
+    kept.poses.go_to(0)
     assert kept.gestures.history.next_undo == "Go to “Pose 1”"
     np.testing.assert_array_equal(where(kept), [pose(0.3), np.eye(4)])
     kept.settle()
     held = document(kept).constraints()
     np.testing.assert_allclose(kept.U[held.fixed], held.targets, atol=1e-9)
-    steps = len(kept.gestures.history.done)
-    kept.poses.go(0)
-    assert len(kept.gestures.history.done) == steps, "it is there"
-    kept.poses.go(1)
+    steps = len(kept.gestures.history.undo_names)
+    kept.poses.go_to(0)
+    assert len(kept.gestures.history.undo_names) == steps, "it is there"
+    kept.poses.go_to(1)
     np.testing.assert_array_equal(where(kept), second)
     kept.gestures.undo()
     kept.gestures.undo()
@@ -58,17 +58,17 @@ def test_poses_go_is_one_step_that_the_shape_follows(kept):
 
 
 def test_poses_step_goes_around_both_ways_and_does_not_stop_at_the_same_place(kept):
-    kept.poses.keep()
-    assert is_at(document(kept), document(kept).poses[2])
-    kept.poses.step(1)
-    assert is_at(document(kept), document(kept).poses[0])
-    kept.poses.step(1)
-    assert is_at(document(kept), document(kept).poses[1])
-    kept.poses.step(-1)
-    assert is_at(document(kept), document(kept).poses[0])
-    kept.handles.reset(0)
-    kept.poses.step(-1)
-    assert is_at(document(kept), document(kept).poses[2])
+    kept.poses.add()
+    assert is_in_pose(document(kept), document(kept).poses[2])
+    kept.poses.go_to_neighbour(1)
+    assert is_in_pose(document(kept), document(kept).poses[0])
+    kept.poses.go_to_neighbour(1)
+    assert is_in_pose(document(kept), document(kept).poses[1])
+    kept.poses.go_to_neighbour(-1)
+    assert is_in_pose(document(kept), document(kept).poses[0])
+    kept.handles.reset_handle(0)
+    kept.poses.go_to_neighbour(-1)
+    assert is_in_pose(document(kept), document(kept).poses[2])
 
 
 def test_poses_are_renamed_updated_and_removed_and_all_is_undone(kept):
@@ -77,7 +77,7 @@ def test_poses_are_renamed_updated_and_removed_and_all_is_undone(kept):
     assert [each.name for each in document(kept).poses] == ["Pose 2 2", "Pose 2"]
     kept.poses.rename(0, " Open ")
     kept.poses.update(0)
-    assert is_at(document(kept), document(kept).poses[0])
+    assert is_in_pose(document(kept), document(kept).poses[0])
     kept.poses.remove(1)
     assert [each.name for each in document(kept).poses] == ["Open"]
     for _ in range(4):
@@ -86,45 +86,45 @@ def test_poses_are_renamed_updated_and_removed_and_all_is_undone(kept):
 
 
 def test_poses_keep_full_turns_too(kept):
-    kept.handles.move_by(TypedMotion.TURN_Y, "400deg", 0)
-    kept.poses.keep()
+    kept.handles.move_by(MotionKind.TURN_Y, "400deg", 0)
+    kept.poses.add()
     turned = document(kept).handles[0].rotation
-    kept.poses.go(0)
-    assert not document(kept).winds
-    kept.poses.go(2)
+    kept.poses.go_to(0)
+    assert not document(kept).has_half_turn
+    kept.poses.go_to(2)
     np.testing.assert_allclose(document(kept).handles[0].rotation, turned, atol=1e-9)
-    kept.handles.move_by(TypedMotion.TURN_Y, "-360deg", 0)
-    assert not is_at(document(kept), document(kept).poses[2])
+    kept.handles.move_by(MotionKind.TURN_Y, "-360deg", 0)
+    assert not is_in_pose(document(kept), document(kept).poses[2])
 
 
 def test_poses_stay_where_they_are_when_paint_grips_anew(kept):
-    there = placements(document(kept))
+    there = handle_placements(document(kept))
     free = np.flatnonzero(document(kept).labels == FREE)
     kept.stroke(free[:3], BASE)
     assert document(kept).grip is not document(kept).mesh.V
     np.testing.assert_array_equal(where(kept)[0], np.eye(4))
-    for mine, before in zip(placements(document(kept)), there, strict=True):
+    for mine, before in zip(handle_placements(document(kept)), there, strict=True):
         np.testing.assert_allclose(mine.pose, before.pose, atol=1e-9)
-    assert is_at(document(kept), document(kept).poses[1])
-    kept.poses.go(0)
-    np.testing.assert_allclose(placements(document(kept))[0].pose, pose(0.3), atol=1e-9)
+    assert is_in_pose(document(kept), document(kept).poses[1])
+    kept.poses.go_to(0)
+    np.testing.assert_allclose(handle_placements(document(kept))[0].pose, pose(0.3), atol=1e-9)
     kept.rest_shape.restore()
-    kept.poses.go(1)
+    kept.poses.go_to(1)
     np.testing.assert_allclose(where(kept)[0], BENT, atol=1e-9)
 
 
 def test_poses_are_the_same_places_after_baking(kept):
-    kept.poses.go(0)
+    kept.poses.go_to(0)
     kept.settle()
     mine = document(kept).labels == HANDLE
     there = document(kept).constraints()
-    kept.poses.go(1)
+    kept.poses.go_to(1)
     kept.settle()
     kept.rest_shape.bake()
     kept.until(lambda: kept.jobs.current is None)
-    assert not document(kept).posed
-    assert is_at(document(kept), document(kept).poses[1])
-    kept.poses.go(0)
+    assert not document(kept).is_posed
+    assert is_in_pose(document(kept), document(kept).poses[1])
+    kept.poses.go_to(0)
     found = document(kept).constraints()
     ids = np.flatnonzero(mine)
     rows = np.searchsorted(found.fixed, ids), np.searchsorted(there.fixed, ids)
@@ -134,12 +134,12 @@ def test_poses_are_the_same_places_after_baking(kept):
 def test_poses_go_names_a_handle_that_is_gone_and_the_others_go(kept):
     kept.parts.rename_handle(0, "Head")
     kept.parts.remove_handle(1)
-    kept.poses.go(0)
+    kept.poses.go_to(0)
     assert "“Handle 2”" in kept.told[-1]
-    assert is_at(document(kept), document(kept).poses[0])
+    assert is_in_pose(document(kept), document(kept).poses[0])
     kept.stroke(np.flatnonzero(document(kept).labels == HANDLE), FREE)
     before = kept.store.state
-    kept.poses.go(1)
+    kept.poses.go_to(1)
     assert "gone or empty" in kept.failed[-1]
     kept.poses.update(1)
     assert "paint one first" in kept.failed[-1]
@@ -147,17 +147,17 @@ def test_poses_go_names_a_handle_that_is_gone_and_the_others_go(kept):
 
 
 def test_poses_answer_in_a_sentence_without_a_pose_or_a_handle(session):
-    session.poses.step(1)
+    session.poses.go_to_neighbour(1)
     assert "keep one first" in session.failed[-1]
     session.stroke(np.flatnonzero(document(session).labels == HANDLE), FREE)
-    session.poses.keep()
+    session.poses.add()
     assert "paint one first" in session.failed[-1]
     assert not document(session).poses
 
 
 def test_poses_are_saved_and_opened(kept, tmp_path):
-    kept.handles.move_by(TypedMotion.TURN_Y, "300deg", 1)
-    kept.poses.keep()
+    kept.handles.move_by(MotionKind.TURN_Y, "300deg", 1)
+    kept.poses.add()
     save_session(tmp_path / "a.apd", kept.store.state, VIEW, embed=True)
     found, _ = open_session(tmp_path / "a.apd")
     for mine, other in zip(found.document.poses, document(kept).poses, strict=True):
@@ -166,4 +166,4 @@ def test_poses_are_saved_and_opened(kept, tmp_path):
             assert one.handle == two.handle
             np.testing.assert_array_equal(one.pose, two.pose)
             np.testing.assert_array_equal(one.waypoints, two.waypoints)
-    assert is_at(found.document, found.document.poses[2])
+    assert is_in_pose(found.document, found.document.poses[2])

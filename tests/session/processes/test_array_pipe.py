@@ -11,7 +11,7 @@ from meshes import box, sphere
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import array_pipe, shared_memory
 
 
@@ -19,15 +19,15 @@ class Line:
     """A packer and an unpacker."""
 
     def __init__(self) -> None:
-        self.packer, self.unpacker = array_pipe.Packer(), array_pipe.Unpacker()
+        self.packer, self.unpacker = array_pipe.ArrayPacker(), array_pipe.ArrayUnpacker()
         self.bytes = 0
 
     def sent(self, value):
-        message = self.packer.packed(value)
+        message = self.packer.packed_message(value)
         self.bytes = len(message)
-        arrived = self.unpacker.unpacked(message)
-        if self.packer.envelope:
-            self.packer.envelope.discard()
+        arrived = self.unpacker.unpacked_value(message)
+        if self.packer.shared_arrays:
+            self.packer.shared_arrays.discard()
         return arrived
 
 
@@ -47,7 +47,7 @@ MESHES = {"small": box(), "large": sphere(4)}
 
 @pytest.mark.parametrize("size", MESHES)
 def test_array_pipe_brings_a_document_with_all_its_arrays_once(line, size):
-    document = opened(Mesh(*MESHES[size])).document.painted(np.arange(5), BASE)
+    document = initial_state(Mesh(*MESHES[size])).document.with_label(np.arange(5), BASE)
     there = line.sent((document, document.labels))
     assert np.array_equal(there[0].labels, document.labels)
     assert there[0].labels is there[1]
@@ -107,37 +107,37 @@ def test_array_pipe_takes_no_array_for_one_that_is_gone_from_its_place(line):
 def test_array_pipe_read_gives_message_after_message_and_ends():
     file = io.BytesIO()
     for message in (b"one", b"", b"three" * 10_000):
-        array_pipe.write(file, message)
+        array_pipe.write_message(file, message)
     whole = file.getvalue()
     file.seek(0)
-    assert [array_pipe.read(file) for _ in range(4)] == [b"one", b"", b"three" * 10_000, None]
+    assert [array_pipe.read_message(file) for _ in range(4)] == [b"one", b"", b"three" * 10_000, None]
     for cut in (0, 3, 9, len(whole) - 1):
         file = io.BytesIO(whole[:cut])
-        while array_pipe.read(file) is not None:
+        while array_pipe.read_message(file) is not None:
             pass
 
 
-def test_tray_tells_each_side_what_the_other_has_done():
-    ours = shared_memory.Tray(4)
-    theirs = shared_memory.Tray(4, ours.name)
-    assert theirs.free
-    assert theirs.seen
+def test_shared_shape_buffer_tells_each_side_what_the_other_has_done():
+    ours = shared_memory.SharedShapeBuffer(4)
+    theirs = shared_memory.SharedShapeBuffer(4, ours.name)
+    assert theirs.is_free
+    assert theirs.is_displayed
     U = np.arange(12.0).reshape(4, 3)
-    number = theirs.put(U)
-    assert not theirs.free
-    assert not theirs.seen
-    assert np.array_equal(ours.carry(number), U)
-    assert theirs.free
-    assert not theirs.seen
-    ours.look(number)
-    assert theirs.seen
+    number = theirs.write_shape(U)
+    assert not theirs.is_free
+    assert not theirs.is_displayed
+    assert np.array_equal(ours.take_shape(number), U)
+    assert theirs.is_free
+    assert not theirs.is_displayed
+    ours.mark_displayed(number)
+    assert theirs.is_displayed
     name = ours.name
     del ours, theirs
     with pytest.raises(FileNotFoundError):
-        shared_memory.Tray(4, name)
+        shared_memory.SharedShapeBuffer(4, name)
 
 
-def test_tray_leaves_nothing_of_a_block_that_cannot_be_had(monkeypatch):
+def test_shared_shape_buffer_leaves_nothing_of_a_block_that_cannot_be_had(monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
@@ -150,6 +150,6 @@ def test_tray_leaves_nothing_of_a_block_that_cannot_be_had(monkeypatch):
     )
     monkeypatch.setattr(shared_memory.os, "posix_fallocate", full)
     with pytest.raises(OSError, match="No space"):
-        shared_memory.Tray(4)
+        shared_memory.SharedShapeBuffer(4)
     with pytest.raises(FileNotFoundError):
         real(name=made[0].name)

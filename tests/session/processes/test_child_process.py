@@ -6,13 +6,13 @@ import time
 
 import pytest
 
-from apd_viewer.session.processes.child_process import START, ChildProcess
+from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
 
 ECHO = """
 import sys
 from apd_viewer.session.processes import array_pipe, child_boot
 def serve(source, sink):
-    while (message := array_pipe.read(source)) is not None:
+    while (message := array_pipe.read_message(source)) is not None:
         if message == b"fail":
             raise RuntimeError("out of luck")
         if message == b"crash":
@@ -22,11 +22,11 @@ def serve(source, sink):
             import time
             time.sleep(60)
         print("printed")
-        array_pipe.write(sink, message)
-child_boot.set_up(owner=int(sys.argv[1]))
-child_boot.run(replies, serve)
+        array_pipe.write_message(sink, message)
+child_boot.set_up_process(owner_pid=int(sys.argv[1]))
+child_boot.run_service(replies, serve)
 """
-LINES = START.split("from apd_viewer")[0] + ECHO
+LINES = START_SCRIPT.split("from apd_viewer")[0] + ECHO
 
 
 @pytest.fixture
@@ -41,11 +41,11 @@ def test_child_process_sends_and_receives_messages_until_it_is_ended(child, capl
     child.start()
     assert child.pid
     for message in (b"one", b"", b"two" * 10_000):
-        assert child.send(message)
+        assert child.send_messages(message)
         assert child.receive() == message
     child.end()
     assert child.pid is None
-    assert not child.send(b"one")
+    assert not child.send_messages(b"one")
     assert child.receive() is None
     child.end()
     assert caplog.text == "", "it was ended on purpose"
@@ -54,7 +54,7 @@ def test_child_process_sends_and_receives_messages_until_it_is_ended(child, capl
 def test_child_process_logs_what_it_prints(child, caplog):
     caplog.set_level("INFO", "apd_viewer")
     child.start()
-    assert child.send(b"one")
+    assert child.send_messages(b"one")
     assert child.receive() == b"one"
     child.end()
     assert caplog.messages == ["The echo process says: printed"]
@@ -62,7 +62,7 @@ def test_child_process_logs_what_it_prints(child, caplog):
 
 def test_child_process_killed_on_purpose_is_no_failure(child, caplog):
     child.start()
-    child.send(b"sleep")
+    child.send_messages(b"sleep")
     started = time.monotonic()
     child.kill()
     assert child.receive() is None
@@ -73,7 +73,7 @@ def test_child_process_killed_on_purpose_is_no_failure(child, caplog):
 
 def test_child_process_logs_an_exception_with_the_exit_code(child, caplog, capfd):
     child.start()
-    child.send(b"fail")
+    child.send_messages(b"fail")
     assert child.receive() is None
     child.end()
     assert "echo process ended with exit code 1" in caplog.text
@@ -84,7 +84,7 @@ def test_child_process_logs_an_exception_with_the_exit_code(child, caplog, capfd
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to crash by")
 def test_child_process_logs_a_crash_with_where_it_was(child, caplog):
     child.start()
-    child.send(b"crash")
+    child.send_messages(b"crash")
     assert child.receive() is None
     child.end()
     assert "exit code -" in caplog.text
@@ -94,10 +94,10 @@ def test_child_process_logs_a_crash_with_where_it_was(child, caplog):
 
 def test_child_process_can_be_started_again_after_a_failure(child):
     child.start()
-    child.send(b"fail")
+    child.send_messages(b"fail")
     assert child.receive() is None
     child.restart()
-    assert child.send(b"one")
+    assert child.send_messages(b"one")
     assert child.receive() == b"one"
 
 
@@ -112,6 +112,6 @@ def test_child_process_logs_that_it_cannot_be_started(child, caplog, monkeypatch
     not sys.platform.startswith("linux"), reason="prctl is of Linux; elsewhere a child ends with its input"
 )
 def test_child_process_ends_at_once_when_its_owner_has_gone_before_it_began():
-    script, nobody = START.format(module="no_such_module"), "0"
+    script, nobody = START_SCRIPT.format(module="no_such_module"), "0"
     done = subprocess.run([sys.executable, "-c", script, nobody, *sys.path], check=False, timeout=60)
     assert done.returncode == 0

@@ -9,21 +9,21 @@ import pytest
 from meshes import tube
 
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import compilation
-from apd_viewer.session.processes.child_process import START, ChildProcess
+from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
 from apd_viewer.session.processes.compilation import Compilation
-from apd_viewer.session.processes.messages import OrderStage
-from apd_viewer.session.processes.requests import Request
+from apd_viewer.session.processes.messages import RequestStage
+from apd_viewer.session.processes.request_and_reply import Request
 from apd_viewer.session.processes.solver_main import serve
-from apd_viewer.session.processes.worker import Worker
+from apd_viewer.session.processes.solver_worker import SolverWorker
 
 TOLD = """
-from apd_viewer.geometry.warmup import kernel_table, tell_of_compiling, warm_up
+from apd_viewer.geometry.warmup import kernel_table, report_compilations, warm_up
 from numba import njit
 
 told = []
-stop = tell_of_compiling(told.append)
+stop = report_compilations(told.append)
 plain = njit(lambda x: x + 1)
 plain(1)
 plain(2)
@@ -38,7 +38,7 @@ assert told[-1] == share and len(told) < 10, told
 """
 
 
-def test_tell_of_compiling_tells_every_compilation_and_no_call():
+def test_report_compilations_tells_every_compilation_and_no_call():
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     subprocess.run([sys.executable, "-c", TOLD], check=True, env=environment, timeout=60)
 
@@ -50,7 +50,7 @@ def test_compilation_tells_all_last_and_once(monkeypatch):
         monkeypatch.setattr(compilation, "warm_up", lambda **_: [tell(share) for share in (0.5, 1.0, 1.0)])
         return lambda: stopped.append(len(told))
 
-    monkeypatch.setattr(compilation, "tell_of_compiling", listening)
+    monkeypatch.setattr(compilation, "report_compilations", listening)
     Compilation(lambda message: told.append(message.content.share)).run(lambda: False)
     assert told[0] == 0.5
     assert [share == 1.0 for share in told] == [False, False, False, True]
@@ -67,29 +67,29 @@ def test_solver_main_is_not_silent_while_it_compiles():
         os.close(end)
 
     with os.fdopen(source, "rb") as orders:
-        serve(orders, told.append, at_leisure=work_until_something_is_told)
-    assert told[0].content is OrderStage.UNDER_WAY
+        serve(orders, told.append, when_idle=work_until_something_is_told)
+    assert told[0].content is RequestStage.UNDER_WAY
 
 
 @pytest.mark.usefixtures("process")
 def test_compilation_tells_that_it_is_done_with_all_kernels_in_the_cache():
-    worker = Worker(lambda: None)
+    worker = SolverWorker(lambda: None)
     try:
-        state = opened(Mesh(*tube(8, 8)))
-        worker.ask(Request(state.document, 0, state.frame.U, iterate=False))
+        state = initial_state(Mesh(*tube(8, 8)))
+        worker.put_request(Request(state.document, 0, state.frame.U, iterate=False))
         end = time.monotonic() + 120.0
-        while worker.compiled != 1.0 and time.monotonic() < end:
+        while worker.compiled_share != 1.0 and time.monotonic() < end:
             time.sleep(0.05)
-        assert worker.compiled == 1.0
+        assert worker.compiled_share == 1.0
     finally:
         worker.close()
 
 
 def test_compilation_compiles_a_part_in_another_process():
-    process = ChildProcess("compiler", START.format(module="processes.compilation"))
+    process = ChildProcess("compiler", START_SCRIPT.format(module="processes.compilation"))
     process.start()
     try:
-        assert process.send(b"factor")
+        assert process.send_messages(b"factor")
         assert process.receive() == b""
     finally:
         process.end()

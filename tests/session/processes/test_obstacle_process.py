@@ -10,7 +10,7 @@ from meshes import ends, tube
 from apd_viewer.geometry.contact.clearance import clearance
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
-from apd_viewer.session.store import Activity
+from apd_viewer.session.state_store import Activity
 
 pytestmark = pytest.mark.usefixtures("processes")
 SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
@@ -22,7 +22,7 @@ def plates(empty):
     """A tube that nothing holds, with a plate on each side."""
     empty.show_now(Mesh(*tube(12, 12)))
     empty.settings.set_stiffness(0.001)
-    empty.obstacles.put_plates(X)
+    empty.obstacles.add_plates(X)
     empty.settle()
     return empty
 
@@ -36,7 +36,7 @@ def push(session, way):
 
 def check_clear(session):
     state = session.store.state
-    solids = state.document.solids
+    solids = state.document.active_obstacles
     assert len(solids) == len(state.frame.shifts) == 2
     for solid, shift in zip(solids, state.frame.shifts, strict=True):
         assert clearance(solid, shift, state.frame.U, state.document.mesh.F) > 0.0
@@ -62,7 +62,7 @@ def test_obstacles_move_presses_what_nothing_holds_and_undo_takes_it_back(plates
     assert plates.failed == []
 
 
-def test_worker_goes_on_with_plates_where_they_were_after_its_process_is_killed(plates, processes):
+def test_solver_worker_goes_on_with_plates_where_they_were_after_its_process_is_killed(plates, processes):
     before = push(plates, 0.3)
     os.kill(processes[-1].pid, SIGKILL)
     plates.until(lambda: len(plates.told) == 1)
@@ -84,12 +84,12 @@ def test_obstacles_leave_a_base_painted_between_pressed_plates_where_it_is(plate
     assert plates.failed == []
 
 
-def test_keep_apart_leaves_paint_missing_when_off_and_nothing_when_on_again(plates):
+def test_set_contact_leaves_paint_missing_when_off_and_nothing_when_on_again(plates):
     push(plates, 0.2)
-    plates.settings.keep_apart(False)
-    assert "base" in plates.store.state.document.problem
-    plates.settings.keep_apart(True)
+    plates.settings.set_contact(False)
+    assert "base" in plates.store.state.document.paint_problem
+    plates.settings.set_contact(True)
     plates.settle()
-    assert plates.store.state.document.problem is None
+    assert plates.store.state.document.paint_problem is None
     check_clear(plates)
     assert plates.failed == []

@@ -20,12 +20,12 @@ from process_tree import tree_of
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.model.state import opened
-from apd_viewer.session.processes import process_client
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.processes import solver_process
 from apd_viewer.session.processes.child_process import ChildProcess
-from apd_viewer.session.processes.requests import Request
-from apd_viewer.session.processes.worker import Worker
-from apd_viewer.session.store import Activity
+from apd_viewer.session.processes.request_and_reply import Request
+from apd_viewer.session.processes.solver_worker import SolverWorker
+from apd_viewer.session.state_store import Activity
 
 pytestmark = pytest.mark.usefixtures("processes")
 SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
@@ -61,7 +61,7 @@ def altered(monkeypatch):
     """Processes that are started from now on do something else first."""
 
     def alter(code: str) -> None:
-        monkeypatch.setattr(process_client, "ChildProcess", forked.altered(code))
+        monkeypatch.setattr(solver_process, "ChildProcess", forked.altered(code))
 
     return alter
 
@@ -69,7 +69,7 @@ def altered(monkeypatch):
 # Killed
 
 
-def test_worker_loses_nothing_when_its_process_is_killed_in_a_drag_five_times(session, processes):
+def test_solver_worker_loses_nothing_when_its_process_is_killed_in_a_drag_five_times(session, processes):
     session.settings.set_method("arap")
     session.gestures.begin()
     for k in range(5):  # more often than a request is given up after
@@ -95,7 +95,7 @@ def test_worker_loses_nothing_when_its_process_is_killed_in_a_drag_five_times(se
     assert "nothing was lost" in session.told[0]
 
 
-def test_worker_goes_on_from_the_last_shape_without_a_word_from_the_user(empty, altered, processes):
+def test_solver_worker_goes_on_from_the_last_shape_without_a_word_from_the_user(empty, altered, processes):
     altered(
         """
         import time
@@ -122,7 +122,7 @@ def test_worker_goes_on_from_the_last_shape_without_a_word_from_the_user(empty, 
         assert np.abs(state.frame.U - U).max() < 0.2 * np.abs(U - rest).max()
 
 
-def test_worker_replaces_a_process_killed_at_rest_and_nothing_moves(session, processes):
+def test_solver_worker_replaces_a_process_killed_at_rest_and_nothing_moves(session, processes):
     session.drag(BENT)
     session.settle()
     state = session.store.state
@@ -137,9 +137,9 @@ def test_worker_replaces_a_process_killed_at_rest_and_nothing_moves(session, pro
     assert session.store.activity is Activity.SETTLED
 
 
-def test_worker_gives_up_in_a_sentence_a_request_that_kills_every_process(empty, altered, monkeypatch):
+def test_solver_worker_gives_up_in_a_sentence_a_request_that_kills_every_process(empty, altered, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr(process_client, "ChildProcess", forked.Quick)  # again in the end
+        patch.setattr(solver_process, "ChildProcess", forked.Quick)  # again in the end
         altered(
             """
             import os
@@ -164,7 +164,7 @@ def test_worker_gives_up_in_a_sentence_a_request_that_kills_every_process(empty,
     assert len(empty.failed) == 1
 
 
-def test_worker_gets_an_error_in_its_process_into_the_log_of_its_owner(empty, altered, caplog):
+def test_solver_worker_gets_an_error_in_its_process_into_the_log_of_its_owner(empty, altered, caplog):
     altered(
         """
         from apd_viewer.geometry.solver.deformation import Deformation
@@ -184,10 +184,10 @@ def test_worker_gets_an_error_in_its_process_into_the_log_of_its_owner(empty, al
 # Not started
 
 
-def test_worker_says_that_its_process_ends_at_once(empty, monkeypatch):
+def test_solver_worker_says_that_its_process_ends_at_once(empty, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(
-            process_client, "ChildProcess", lambda title, _: ChildProcess(title, "raise SystemExit(3)")
+            solver_process, "ChildProcess", lambda title, _: ChildProcess(title, "raise SystemExit(3)")
         )
         empty.show_now(bar())
         empty.until(lambda: empty.failed)
@@ -200,9 +200,9 @@ def test_worker_says_that_its_process_ends_at_once(empty, monkeypatch):
     assert empty.store.activity is Activity.SETTLED
 
 
-def test_worker_says_that_its_process_cannot_be_started(empty, monkeypatch):
+def test_solver_worker_says_that_its_process_cannot_be_started(empty, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr(process_client, "ChildProcess", ChildProcess)
+        patch.setattr(solver_process, "ChildProcess", ChildProcess)
         patch.setattr(sys, "executable", "/no/such/python")
         empty.show_now(bar())
         empty.until(lambda: empty.failed)
@@ -222,8 +222,8 @@ def endless(altered):
     """Large meshes take a minute to factor, all the time with the interpreter held."""
     altered(
         """
-        from apd_viewer.session.processes import remote_factor, solver
-        solver.LARGE = 2500
+        from apd_viewer.session.processes import remote_factor, request_solver
+        request_solver.REMOTE_FACTOR_ROWS = 2500
         slow = "from apd_viewer.geometry.linalg.linear_solver import LinearSolver; import ctypes\\n"
         slow += "LinearSolver.from_rows = lambda *_: ctypes.PyDLL(None).sleep(60)\\nmain(replies)"
         real = remote_factor.ChildProcess
@@ -271,7 +271,7 @@ def test_far_factor_that_is_needed_goes_on_whatever_the_pose(factoring, processe
 
 @linux
 @pytest.mark.parametrize("method", ["exact", "local", "arap"])
-def test_solver_lets_the_shape_follow_the_hand_while_it_is_factored(factoring, method):
+def test_request_solver_lets_the_shape_follow_the_hand_while_it_is_factored(factoring, method):
     factoring.settings.set_method(method)
     factoring.gestures.begin()
     for k in range(10):
@@ -317,24 +317,26 @@ def test_far_factor_that_dies_is_begun_again(factoring, processes):
     assert factoring.failed == factoring.told == []
 
 
-def test_worker_ask_never_waits(endless):
+def test_solver_worker_ask_never_waits(endless):
     mesh = Mesh(*box(20, 20, 40))
     base, top = ends(mesh.V)
-    document = opened(mesh).document.painted(base, BASE).painted(top, HANDLE)
+    document = initial_state(mesh).document.with_label(base, BASE).with_label(top, HANDLE)
     slowest = 0.0
-    with closing(Worker(lambda: None)) as worker:
+    with closing(SolverWorker(lambda: None)) as worker:
         for k in range(200):
             request = Request(document.with_pose(0, pose(0.01 * k)), 99, mesh.V, iterate=True)
             started = time.perf_counter()
-            worker.ask(request)
+            worker.put_request(request)
             slowest = max(slowest, time.perf_counter() - started)
             time.sleep(0.0005)
     assert slowest < 0.05
 
 
 @linux
-def test_solver_ends_with_a_large_mesh_where_it_would_with_a_small_one(empty, altered, processes):
-    altered("from apd_viewer.session.processes import solver; solver.LARGE = 2500\n")
+def test_request_solver_ends_with_a_large_mesh_where_it_would_with_a_small_one(empty, altered, processes):
+    altered(
+        "from apd_viewer.session.processes import request_solver; request_solver.REMOTE_FACTOR_ROWS = 2500\n"
+    )
     empty.show_now(Mesh(*box(20, 20, 40)))
     empty.paint_ends()
     empty.drag(pose(0.2), pose(0.4))
@@ -351,24 +353,24 @@ def test_solver_ends_with_a_large_mesh_where_it_would_with_a_small_one(empty, al
     assert empty.store.state.frame.converged
 
 
-def test_worker_keeps_what_is_known_of_a_mesh_beyond_its_process(empty, altered, processes, capfd):
+def test_solver_worker_keeps_what_is_known_of_a_mesh_beyond_its_process(empty, altered, processes, capfd):
     altered(
         """
         import sys
         from apd_viewer.geometry.energy import solve_mesh
-        from apd_viewer.session.processes import solver
-        solver.LARGE = 2500
-        real = solve_mesh.thinned
+        from apd_viewer.session.processes import request_solver
+        request_solver.REMOTE_FACTOR_ROWS = 2500
+        real = solve_mesh.decimated
         def thinned(V, F, count):
             print(f"thinned {len(V)}", file=sys.stderr, flush=True)
             return real(V, F, count)
-        solve_mesh.thinned = thinned
+        solve_mesh.decimated = thinned
 
         import time
         from apd_viewer.session.jobs.mailbox import Mailbox
         take = Mailbox.wait
         def late(self):
-            while not self.waiting:
+            while not self.is_ready:
                 time.sleep(0.001)
             time.sleep(0.3)  # so the first order of the second process is never looked at
             return take(self)
@@ -503,19 +505,19 @@ def test_session_takes_no_more_memory_with_the_events_of_a_drag(session, process
 
 @linux
 @pytest.mark.night
-def test_solver_gives_the_memory_of_a_drag_back_in_a_pause(empty, processes, monkeypatch):
-    monkeypatch.setattr(process_client, "ChildProcess", ChildProcess)  # only such a one keeps freed memory
+def test_request_solver_gives_the_memory_of_a_drag_back_in_a_pause(empty, processes, monkeypatch):
+    monkeypatch.setattr(solver_process, "ChildProcess", ChildProcess)  # only such a one keeps freed memory
     empty.show_now(Mesh(*box(30, 30, 30)))
     empty.paint_ends()
     empty.drag(pose(0.1))
-    empty.until(lambda: empty.store.compiled == 1.0, 60.0)
+    empty.until(lambda: empty.store.compiled_share == 1.0, 60.0)
     empty.drag(pose(0.2))
     empty.settle()
     before = resident(processes[-1].pid)
     empty.until(lambda: before - resident(processes[-1].pid) > SPARE, 10.0)
 
 
-def test_solver_factors_the_last_painted_labels(session):
+def test_request_solver_factors_the_last_painted_labels(session):
     """Strokes follow each other faster than they are made ready."""
     z = session.store.state.document.mesh.V[:, 2]
     for k in range(1, 5):
@@ -524,4 +526,4 @@ def test_solver_factors_the_last_painted_labels(session):
     session.settle()
     held = session.store.state.document.constraints()
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-9)
-    assert opened(session.store.state.document.mesh).document.problem
+    assert initial_state(session.store.state.document.mesh).document.paint_problem

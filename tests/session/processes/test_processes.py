@@ -7,7 +7,7 @@ import sys
 import pytest
 from driven_session import BENT
 
-from apd_viewer.session.processes import solver
+from apd_viewer.session.processes import request_solver
 
 # More than glibc keeps by itself, in pieces that it does not map one by one.
 CHURN = """
@@ -87,9 +87,9 @@ def test_give_back_freed_memory_gives_kept_memory_back():
     assert int(done.stdout) >= 15 * (1 << 22), "the arrays have 64 MiB"
 
 
-def test_solver_gives_freed_memory_back_in_a_pause(session, monkeypatch):
+def test_request_solver_gives_freed_memory_back_in_a_pause(session, monkeypatch):
     given = []
-    monkeypatch.setattr(solver, "give_back_freed_memory", lambda: given.append("all"))
+    monkeypatch.setattr(request_solver, "give_back_freed_memory", lambda: given.append("all"))
     session.drag(BENT)
     session.settle()
     assert not given, "the frames of the next gesture can use it"

@@ -13,7 +13,7 @@ from scipy.sparse import csr_array, diags_array
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.session.processes import remote_factor
 from apd_viewer.session.processes.child_process import ChildProcess
-from apd_viewer.session.processes.remote_factor import FarFactor
+from apd_viewer.session.processes.remote_factor import RemoteFactor
 
 N = 500
 A = csr_array(diags_array([-np.ones(N - 1), np.full(N, 2.5), -np.ones(N - 1)], offsets=[-1, 0, 1]))
@@ -23,7 +23,7 @@ SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 
 
 def far(matrix=A):
-    return FarFactor(lambda: matrix, V)
+    return RemoteFactor(lambda: matrix, V)
 
 
 @pytest.fixture(autouse=True)
@@ -59,7 +59,7 @@ def kill(processes):
     os.kill(processes[-1].pid, SIGKILL)
 
 
-def test_far_factor_solves_as_one_that_is_near_does(factor):
+def test_remote_factor_solves_as_one_that_is_near_does(factor):
     expected = LinearSolver(A).solve(B)
     for k in range(3):
         assert np.array_equal(factor.solve(k * B), LinearSolver(A).solve(k * B))
@@ -69,19 +69,19 @@ def test_far_factor_solves_as_one_that_is_near_does(factor):
     solution += 1.0  # it is the caller's own
 
 
-def test_far_factor_says_when_it_is_there(factor):
+def test_remote_factor_says_when_it_is_there(factor):
     assert factor.seconds == 0.0
     wait_for(factor)
     took = factor.seconds
     assert took > 0.0
     time.sleep(0.01)
     assert factor.seconds == took
-    assert factor.elsewhere
-    assert not LinearSolver(A).elsewhere
+    assert factor.is_in_other_process
+    assert not LinearSolver(A).is_in_other_process
     assert LinearSolver(A).ready
 
 
-def test_far_factor_says_that_a_matrix_cannot_be_factored():
+def test_remote_factor_says_that_a_matrix_cannot_be_factored():
     factor = far(csr_array(-A))
     try:
         wait_for(factor)
@@ -91,21 +91,21 @@ def test_far_factor_says_that_a_matrix_cannot_be_factored():
         factor.close()
 
 
-def test_far_factor_that_dies_is_replaced(factor, processes):
+def test_remote_factor_that_dies_is_replaced(factor, processes):
     expected = factor.solve(B)
     for _ in range(5):
         kill(processes)
         assert np.array_equal(factor.solve(B), expected)
 
 
-def test_far_factor_that_dies_while_it_factors_is_replaced(factor, processes):
+def test_remote_factor_that_dies_while_it_factors_is_replaced(factor, processes):
     factor.begin()
     kill(processes)
     wait_for(factor)
     assert np.array_equal(factor.solve(B), LinearSolver(A).solve(B))
 
 
-def test_far_factor_that_always_dies_is_given_up(monkeypatch):
+def test_remote_factor_that_always_dies_is_given_up(monkeypatch):
     monkeypatch.setattr(
         remote_factor, "ChildProcess", lambda title, _: ChildProcess(title, "raise SystemExit(3)")
     )
@@ -116,14 +116,14 @@ def test_far_factor_that_always_dies_is_given_up(monkeypatch):
     factor.close()
 
 
-def test_far_factor_says_that_it_cannot_be_started(monkeypatch):
+def test_remote_factor_says_that_it_cannot_be_started(monkeypatch):
     monkeypatch.setattr(remote_factor, "ChildProcess", ChildProcess)
     monkeypatch.setattr(sys, "executable", "/no/such/python")
     with pytest.raises(OSError, match="such"):
         far().begin()
 
 
-def test_far_factor_close_does_not_wait_for_the_factor(monkeypatch, tmp_path):
+def test_remote_factor_close_does_not_wait_for_the_factor(monkeypatch, tmp_path):
     begun = tmp_path / "begun"
     slow = f"""
         import time

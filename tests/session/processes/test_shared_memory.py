@@ -11,31 +11,31 @@ from numba import njit
 
 from apd_viewer.geometry.linalg import atomic_access
 from apd_viewer.session.processes import shared_memory
-from apd_viewer.session.processes.shared_memory import Tray
+from apd_viewer.session.processes.shared_memory import SharedShapeBuffer
 
 # Puts shapes of one number each, as soon as the last one has been copied.
 WRITER = """
 import sys
 import numpy as np
-from apd_viewer.session.processes.shared_memory import Tray, leave_blocks_to_their_owner
-leave_blocks_to_their_owner()
+from apd_viewer.session.processes.shared_memory import SharedShapeBuffer, untrack_shared_memory
+untrack_shared_memory()
 name, n, times = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
-tray = Tray(n, name)
+tray = SharedShapeBuffer(n, name)
 for k in range(1, times + 1):
-    while not tray.free:
+    while not tray.is_free:
         pass
-    tray.put(np.full((n, 3), float(k)))
+    tray.write_shape(np.full((n, 3), float(k)))
 """
 
 
-def test_tray_hands_shapes_over_whole():
+def test_shared_shape_buffer_hands_shapes_over_whole():
     """The litmus test of message passing, both ways: no torn shape, no message but the counters."""
     n, times = 50, 20_000
-    tray = Tray(n)
+    tray = SharedShapeBuffer(n)
     command = [sys.executable, "-c", WRITER, tray.name, str(n), str(times)]
     with subprocess.Popen(command) as writer:
         for k in range(1, times + 1):
-            U = tray.carry(k)
+            U = tray.take_shape(k)
             assert np.ptp(U) == 0.0
             assert U[0, 0] == k
         assert writer.wait(60) == 0

@@ -12,8 +12,8 @@ import pytest
 from driven_session import pose
 
 from apd_viewer.session.jobs.silence_watch import SilenceWatch
-from apd_viewer.session.processes import process_client
-from apd_viewer.session.store import Activity
+from apd_viewer.session.processes import solver_process
+from apd_viewer.session.state_store import Activity
 
 SOON = 12.0  # s; it is told after 5
 TWISTED = 0.4
@@ -37,21 +37,21 @@ def test_store_says_that_a_solver_is_stopped_until_it_goes_on_or_is_restarted(pr
     session.settle()
     stop(session, processes)
     began = time.monotonic()
-    session.until(lambda: session.store.silence, SOON)
+    session.until(lambda: session.store.silence_text, SOON)
     assert time.monotonic() - began > 3.0
-    assert "restart" in session.store.silence
-    assert session.told == [session.store.silence]
+    assert "restart" in session.store.silence_text
+    assert session.told == [session.store.silence_text]
     os.kill(processes[-1].pid, signal.SIGCONT)
-    session.until(lambda: not session.store.silence, SOON)
+    session.until(lambda: not session.store.silence_text, SOON)
     session.settle()
     reached = session.U
     session.gestures.undo()
     session.settle()
 
     stop(session, processes)
-    session.until(lambda: session.store.silence, SOON)
+    session.until(lambda: session.store.silence_text, SOON)
     session.store.restart_solver()
-    session.until(lambda: not session.store.silence, SOON)
+    session.until(lambda: not session.store.silence_text, SOON)
     session.settle()
     assert len(processes) == 2
     assert session.store.activity is Activity.SETTLED
@@ -78,7 +78,7 @@ Deformation.iterate = iterate
 @pytest.fixture
 def hanging(processes, monkeypatch):
     """The solver computes for long in its first iteration, and waits for ever in its second."""
-    monkeypatch.setattr(process_client, "ChildProcess", forked.altered(HANGS))
+    monkeypatch.setattr(solver_process, "ChildProcess", forked.altered(HANGS))
 
 
 def test_silence_watch_takes_no_long_iteration_for_one_that_hangs(hanging, session):
@@ -87,7 +87,7 @@ def test_silence_watch_takes_no_long_iteration_for_one_that_hangs(hanging, sessi
     before = session.U
     session.until(lambda: session.U is not before)
     assert session.told == [], "it computed for longer than it may be silent"
-    session.until(lambda: session.store.silence, SOON)
+    session.until(lambda: session.store.silence_text, SOON)
     session.gestures.cancel()
 
 
@@ -109,10 +109,10 @@ def wait(happened, seconds=5.0):
 
 def test_silence_watch_tells_silence_once_and_so_its_end(heard):
     told, watch = heard
-    watch.expect(1, 2)
+    watch.expect_answer(1, 2)
     wait(lambda: told)
-    watch.hear()
-    watch.hear()
+    watch.note_message()
+    watch.note_message()
     began = time.monotonic()
     assert (told[0] > 0, told[1:]) == (True, [0])
     wait(lambda: len(told) == 3)
@@ -123,10 +123,10 @@ def test_silence_watch_tells_silence_once_and_so_its_end(heard):
 
 def test_silence_watch_misses_nothing_where_nothing_is_awaited(heard):
     told, watch = heard
-    watch.expect(1, 1)
-    watch.expect(2, 1)
-    watch.hear(answered=2)
-    watch.hear(answered=1)  # of an order that was overtaken
+    watch.expect_answer(1, 1)
+    watch.expect_answer(2, 1)
+    watch.note_message(answer=2)
+    watch.note_message(answer=1)  # of an order that was overtaken
     time.sleep(2.5)
     assert told == []
 
@@ -134,8 +134,8 @@ def test_silence_watch_misses_nothing_where_nothing_is_awaited(heard):
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads the clock of another thread")
 def test_silence_watch_rests_while_nothing_is_awaited(heard):
     _, watch = heard
-    watch.expect(1, 1)
-    watch.hear(answered=1)
+    watch.expect_answer(1, 1)
+    watch.note_message(answer=1)
     (thread,) = (thread for thread in threading.enumerate() if thread.name == "silence")
     clock = time.pthread_getcpuclockid(thread.ident)
 

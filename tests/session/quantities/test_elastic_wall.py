@@ -9,10 +9,10 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.session.quantities.elastic_wall import (
     ElasticWall,
-    metres,
-    poisson_ratio,
-    too_low,
-    young_modulus,
+    metres_per_unit,
+    parse_poisson_ratio,
+    parse_young_modulus,
+    underestimate_factor,
 )
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_materials import WALL_MATERIALS, wall_material, yield_radius
@@ -27,12 +27,17 @@ def newtons_per_millimetre(around, unit, radius, wall):
     across = np.array([1.0, 0.0, 0.0])
     extent = np.ptp(V @ across)
     last = press(V, F, across, extent - 0.02 * radius, 1, method="arap", stiffness=STIFFNESS).steps[-1]
-    deflection = (extent - np.ptp(last.U @ across)) * metres(unit)
+    deflection = (extent - np.ptp(last.U @ across)) * metres_per_unit(unit)
     load = 0.5 * (last.load_low + last.load_high)
-    return 1e-3 * load * wall.newtons(STIFFNESS, face_areas(V, F).sum(), metres(unit)) / deflection
+    return (
+        1e-3
+        * load
+        * wall.newtons_per_load(STIFFNESS, face_areas(V, F).sum(), metres_per_unit(unit))
+        / deflection
+    )
 
 
-def test_newtons_of_a_ring_of_plastic_are_what_the_formula_says():
+def test_newton_conversion_of_a_ring_of_plastic_are_what_the_formula_says():
     """An inextensional ring: F = deflection E t³ w / (12 (1 - nu²) (pi/4 - 2/pi) R³) [Timoshenko].
 
     Cells resist bending in proportion to the square of the edges: two resolutions are extrapolated to none.
@@ -45,10 +50,10 @@ def test_newtons_of_a_ring_of_plastic_are_what_the_formula_says():
     assert fine + (fine - coarse) / 3.0 == pytest.approx(known, rel=0.08)
 
 
-def test_newtons_do_not_depend_on_the_unit_of_the_mesh():
+def test_newton_conversion_do_not_depend_on_the_unit_of_the_mesh():
     wall = ElasticWall(0.3e-3, 2.8e9)
     found = [
-        newtons_per_millimetre(24, unit, 0.03 / metres(unit), wall)
+        newtons_per_millimetre(24, unit, 0.03 / metres_per_unit(unit), wall)
         for unit in (Unit.MILLIMETRE, Unit.METRE, Unit.INCH)
     ]
     assert found == pytest.approx([found[0]] * 3, rel=1e-3)
@@ -57,54 +62,56 @@ def test_newtons_do_not_depend_on_the_unit_of_the_mesh():
 @pytest.mark.parametrize(
     ("unit", "known"), [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("ft", 0.3048)]
 )
-def test_metres_says_how_long_a_unit_is(unit, known):
-    assert metres(Unit(unit)) == pytest.approx(known, rel=1e-12)
-    assert metres(Unit.NONE) is None
+def test_metres_per_unit_says_how_long_a_unit_is(unit, known):
+    assert metres_per_unit(Unit(unit)) == pytest.approx(known, rel=1e-12)
+    assert metres_per_unit(Unit.NONE) is None
 
 
 @pytest.mark.parametrize("young", [4.0, 1.18])
-def test_stiffness_of_a_wall_is_that_of_its_rigidities(young):
+def test_model_stiffness_of_a_wall_is_that_of_its_rigidities(young):
     """In the model bending has D = 2 s A and stretching a Young's modulus: D over E t alike."""
     wall, area = ElasticWall(0.3e-3, 2.8e9, 0.4), 430.0
-    own = wall.stiffness(area, 0.01, young)
+    own = wall.model_stiffness(area, 0.01, young)
     model = 2.0 * own * area * 0.01**2 / young
     assert model == pytest.approx(wall.rigidity / (wall.young * wall.thickness))
     assert 1e-7 < own < 1e-6
 
 
-def test_too_low_is_what_a_thinner_wall_resists_stretching_more():
+def test_underestimate_factor_is_what_a_thinner_wall_resists_stretching_more():
     """The load of a sphere, in proportion to the root of D E t, over that of the conversion by D alone."""
     thick, thin = (8.0 * (t**3 / 12.0 * t) ** 0.5 for t in (0.1, 0.001))
     converted = thick * (0.001 / 0.1) ** 3
-    assert too_low((0.1 / 0.001) ** 2, 0.5, 4.0 * np.pi) == pytest.approx(thin / converted)
+    assert underestimate_factor((0.1 / 0.001) ** 2, 0.5, 4.0 * np.pi) == pytest.approx(thin / converted)
 
 
-def test_too_low_differs_from_one_only_where_the_shape_has_to_stretch():
-    assert too_low(2500.0, 0.3, 0.1) == 1.0, "a thick tube, which need not"
-    assert too_low(2500.0, 0.3, 4.0 * np.pi) == 50.0
-    assert too_low(2500.0, 0.02, 4.0 * np.pi) == 1.0, "it does not"
-    assert too_low(2500.0, 1.0, 0.1) == 2500.0, "a tube along its axis"
-    assert too_low(0.01, 0.5, 4.0 * np.pi) == pytest.approx(0.1), "a wall that is thicker than the model"
+def test_underestimate_factor_differs_from_one_only_where_the_shape_has_to_stretch():
+    assert underestimate_factor(2500.0, 0.3, 0.1) == 1.0, "a thick tube, which need not"
+    assert underestimate_factor(2500.0, 0.3, 4.0 * np.pi) == 50.0
+    assert underestimate_factor(2500.0, 0.02, 4.0 * np.pi) == 1.0, "it does not"
+    assert underestimate_factor(2500.0, 1.0, 0.1) == 2500.0, "a tube along its axis"
+    assert underestimate_factor(0.01, 0.5, 4.0 * np.pi) == pytest.approx(0.1), (
+        "a wall that is thicker than the model"
+    )
 
 
 @pytest.mark.parametrize(
     ("text", "pascals"),
     [("2.8GPa", 2.8e9), ("2.8", 2.8e9), (" 2800 MPa ", 2.8e9), ("406 ksi", 2.799e9), ("5/2 gpa", 2.5e9)],
 )
-def test_young_modulus_has_a_unit_or_is_in_gigapascals(text, pascals):
-    assert young_modulus(text) == pytest.approx(pascals, rel=1e-3)
+def test_parse_young_modulus_has_a_unit_or_is_in_gigapascals(text, pascals):
+    assert parse_young_modulus(text) == pytest.approx(pascals, rel=1e-3)
 
 
 @pytest.mark.parametrize("text", ["", "GPa", "2 kg", "-1", "0", "1e9 GPa", "half", "nan"])
-def test_young_modulus_refuses_what_is_no_modulus(text):
+def test_parse_young_modulus_refuses_what_is_no_modulus(text):
     with pytest.raises(InputError, match="Young's modulus"):
-        young_modulus(text)
+        parse_young_modulus(text)
 
 
 @pytest.mark.parametrize("text", ["-0.1", "0.51", "nan"])
-def test_poisson_ratio_refuses_what_is_no_ratio(text):
+def test_parse_poisson_ratio_refuses_what_is_no_ratio(text):
     with pytest.raises(InputError):
-        poisson_ratio(text)
+        parse_poisson_ratio(text)
 
 
 def test_wall_materials_have_each_a_name_of_its_own_a_source_and_sound_numbers():

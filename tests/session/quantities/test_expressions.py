@@ -7,7 +7,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from apd_viewer.errors import InputError
-from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, angle, length, number
+from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, parse_angle, parse_length, parse_number
 from apd_viewer.session.quantities.units import Unit
 
 NAMES = {"L": 2.0, "D": 3.5}
@@ -34,18 +34,18 @@ WORDS = ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "abs")
 @given(finite)
 def test_expressions_read_a_printed_number_back(value):
     for text in (repr(value), f"  {value!r}\u00a0", f"({value!r})", repr(value).replace("-", "−")):
-        assert number(text, {}) == value
-        assert length(text, Unit.NONE, {}) == value
-        assert angle(text, {}) == math.radians(value)
+        assert parse_number(text, {}) == value
+        assert parse_length(text, Unit.NONE, {}) == value
+        assert parse_angle(text, {}) == math.radians(value)
 
 
 @given(st.integers(0, 10**6), st.integers(0, 10**6))
-def test_number_reads_a_decimal_comma_unless_it_could_part_thousands(whole, part):
+def test_parse_number_reads_a_decimal_comma_unless_it_could_part_thousands(whole, part):
     text = f"{whole},{part}"
     if 0 < whole < 1000 and 100 <= part < 1000:
-        assert "can mean" in refused(number, text, {})
+        assert "can mean" in refused(parse_number, text, {})
     else:
-        assert number(text, {}) == float(f"{whole}.{part}")
+        assert parse_number(text, {}) == float(f"{whole}.{part}")
 
 
 @st.composite
@@ -76,16 +76,16 @@ arithmetic = st.recursive(
 @example("1.0/(2.0-2.0)")
 @example("(0.0)**-1.0")
 @example("(9.0)**2.0**2.0**2.0**2.0**2.0")
-def test_number_does_the_arithmetic_of_python(text):
+def test_parse_number_does_the_arithmetic_of_python(text):
     try:
         expected = eval(text)
     except (ZeroDivisionError, OverflowError):
         expected = math.nan
     if isinstance(expected, complex) or not math.isfinite(expected):
-        refused(number, text, {})
+        refused(parse_number, text, {})
     else:
-        assert number(text, {}) == expected
-        assert number(text.replace("**", "^").replace("*", "×").replace("/", "÷"), {}) == expected
+        assert parse_number(text, {}) == expected
+        assert parse_number(text.replace("**", "^").replace("*", "×").replace("/", "÷"), {}) == expected
 
 
 @pytest.mark.parametrize(
@@ -128,24 +128,26 @@ def test_number_does_the_arithmetic_of_python(text):
         ("--+L", 2.0),
     ],
 )
-def test_length_reads_names(text, expected):
+def test_parse_length_reads_names(text, expected):
     if expected is None:
-        refused(length, text, Unit.NONE, NAMES)
+        refused(parse_length, text, Unit.NONE, NAMES)
     else:
-        assert length(text, Unit.NONE, NAMES) == pytest.approx(expected, rel=1e-14)
+        assert parse_length(text, Unit.NONE, NAMES) == pytest.approx(expected, rel=1e-14)
 
 
 @given(positive, st.sampled_from(KNOWN))
-def test_length_converts_units(value, unit):
+def test_parse_length_converts_units(value, unit):
     for text in (f"{value!r}{unit.value}", f"{value!r} {unit.value}", f"({value!r})\u00a0{unit.value}"):
-        assert length(text, unit, {}) == value
+        assert parse_length(text, unit, {}) == value
     for smaller, larger, times in (
         ("mm", "cm", 10),
         ("um", "mm", 1000),
         ("in", "ft", 12),
         ("mm", "in", 25.4),
     ):
-        one, many = (length(f"{v!r}{w}", unit, {}) for v, w in ((value, larger), (value * times, smaller)))
+        one, many = (
+            parse_length(f"{v!r}{w}", unit, {}) for v, w in ((value, larger), (value * times, smaller))
+        )
         assert one == pytest.approx(many, rel=1e-14)
 
 
@@ -171,20 +173,20 @@ def test_length_converts_units(value, unit):
         ("max(1 mm, 1 cm, 0.5)", MM, 10.0),
     ],
 )
-def test_length_reads_expressions_with_units(text, unit, expected):
+def test_parse_length_reads_expressions_with_units(text, unit, expected):
     if expected is None:
-        refused(length, text, unit, NAMES)
+        refused(parse_length, text, unit, NAMES)
     else:
-        assert length(text, unit, NAMES) == pytest.approx(expected, rel=1e-14)
+        assert parse_length(text, unit, NAMES) == pytest.approx(expected, rel=1e-14)
 
 
 @given(st.floats(-1e6, 1e6))
-def test_angle_converts_units(value):
+def test_parse_angle_converts_units(value):
     text = repr(value)
     for degrees in (f"{text}deg", f"{text}°", f"{text} °", f"{text} deg", text):
-        assert angle(degrees, {}) == math.radians(value)
-    assert angle(f"{text} rad", {}) == pytest.approx(value, rel=1e-14)
-    assert angle(f"{text} turn", {}) == pytest.approx(2 * math.pi * value, rel=1e-14)
+        assert parse_angle(degrees, {}) == math.radians(value)
+    assert parse_angle(f"{text} rad", {}) == pytest.approx(value, rel=1e-14)
+    assert parse_angle(f"{text} turn", {}) == pytest.approx(2 * math.pi * value, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -204,18 +206,18 @@ def test_angle_converts_units(value):
         ("1/8 turn", 45),
     ],
 )
-def test_angle_reads_expressions_of_angles(text, expected):
-    assert angle(text, NAMES) == pytest.approx(math.radians(expected), rel=1e-14)
+def test_parse_angle_reads_expressions_of_angles(text, expected):
+    assert parse_angle(text, NAMES) == pytest.approx(math.radians(expected), rel=1e-14)
 
 
-def test_number_reads_percentages_ratios_functions_and_commas():
-    assert number("15%", {}) == 0.15
-    assert number("7 %", {}) == 0.07
-    assert number("D/L", NAMES) == 1.75
-    assert number("cos(60) + sin(30deg)", {}) == pytest.approx(1.0)
-    assert number("2pi", {}) == 2 * math.pi
-    assert number("1234,567", {}) == 1234.567
-    assert number("0,125", {}) == 0.125
+def test_parse_number_reads_percentages_ratios_functions_and_commas():
+    assert parse_number("15%", {}) == 0.15
+    assert parse_number("7 %", {}) == 0.07
+    assert parse_number("D/L", NAMES) == 1.75
+    assert parse_number("cos(60) + sin(30deg)", {}) == pytest.approx(1.0)
+    assert parse_number("2pi", {}) == 2 * math.pi
+    assert parse_number("1234,567", {}) == 1234.567
+    assert parse_number("0,125", {}) == 0.125
 
 
 @pytest.mark.parametrize(
@@ -277,30 +279,30 @@ def test_number_reads_percentages_ratios_functions_and_commas():
         ("1" * (MOST_CHARACTERS + 1), "too long"),
     ],
 )
-def test_length_refuses_what_is_none_in_a_sentence_that_says_why(text, words):
-    assert words in refused(length, text, MM, NAMES)
+def test_parse_length_refuses_what_is_none_in_a_sentence_that_says_why(text, words):
+    assert words in refused(parse_length, text, MM, NAMES)
 
 
-def test_length_with_a_unit_needs_that_of_the_mesh():
-    assert "choose" in refused(length, "5mm", Unit.NONE, NAMES)
-    assert length("5", Unit.NONE, NAMES) == 5.0
+def test_parse_length_with_a_unit_needs_that_of_the_mesh():
+    assert "choose" in refused(parse_length, "5mm", Unit.NONE, NAMES)
+    assert parse_length("5", Unit.NONE, NAMES) == 5.0
 
 
 @pytest.mark.parametrize("text", ["5mm", "L", "5 in"])
-def test_angle_and_number_refuse_a_length(text):
-    for call in (angle, number):
+def test_parse_angle_and_number_refuse_a_length(text):
+    for call in (parse_angle, parse_number):
         assert "length" in refused(call, text, NAMES)
-    assert "an angle" in refused(number, "60deg", NAMES)
+    assert "an angle" in refused(parse_number, "60deg", NAMES)
 
 
-def test_length_takes_a_name_before_a_unit():
-    assert length("2m", MM, {"m": 7.0}) == 14.0
-    assert length("min", MM, {"min": 7.0}) == 7.0
+def test_parse_length_takes_a_name_before_a_unit():
+    assert parse_length("2m", MM, {"m": 7.0}) == 14.0
+    assert parse_length("min", MM, {"min": 7.0}) == 7.0
 
 
-def test_number_takes_long_sums_and_many_signs_as_not_nested():
-    assert number("+".join("1" * 100), {}) == 100.0
-    assert number("-" * 100 + "1", {}) == 1.0
+def test_parse_number_takes_long_sums_and_many_signs_as_not_nested():
+    assert parse_number("+".join("1" * 100), {}) == 100.0
+    assert parse_number("-" * 100 + "1", {}) == 1.0
 
 
 pieces = st.sampled_from(
@@ -317,10 +319,10 @@ likely = st.lists(pieces, min_size=1, max_size=12).map("".join)
 def test_expressions_make_whatever_is_typed_a_finite_number_or_a_sentence(text):
     for names in (NAMES, {"L": 1.0, "D": 0.0}):
         for read, given_ in (
-            (length, (MM, names)),
-            (length, (Unit.NONE, names)),
-            (angle, (names,)),
-            (number, (names,)),
+            (parse_length, (MM, names)),
+            (parse_length, (Unit.NONE, names)),
+            (parse_angle, (names,)),
+            (parse_number, (names,)),
         ):
             try:
                 value = read(text, *given_)

@@ -4,7 +4,7 @@ import pytest
 
 from apd_viewer.errors import InputError
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_mass import Wall, density, mass
+from apd_viewer.session.quantities.wall_mass import Wall, parse_density, wall_mass
 
 MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
 
@@ -24,13 +24,13 @@ MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
         (("0.1mm + 0.2mm", "2 * 0.69"), 500.0, CM, 500 * 0.03 * 1.38),
     ],
 )
-def test_mass_is_area_times_thickness_times_density(wall, area, unit, grams):
-    assert mass(Wall(*wall), area, unit) == pytest.approx(grams, rel=1e-12)
+def test_mass_unit_is_area_times_thickness_times_density(wall, area, unit, grams):
+    assert wall_mass(Wall(*wall), area, unit) == pytest.approx(grams, rel=1e-12)
 
 
-def test_mass_is_none_where_nothing_is_typed():
-    assert mass(Wall(), 1.0, NONE) is None
-    assert mass(Wall(" ", ""), 1.0, CM) is None
+def test_mass_unit_is_none_where_nothing_is_typed():
+    assert wall_mass(Wall(), 1.0, NONE) is None
+    assert wall_mass(Wall(" ", ""), 1.0, CM) is None
 
 
 @pytest.mark.parametrize(
@@ -50,18 +50,18 @@ def test_mass_is_none_where_nothing_is_typed():
         (("0.3mm", "1mm"), CM, "“1mm” is not a density"),
     ],
 )
-def test_mass_says_in_a_sentence_what_makes_no_sense(wall, unit, words):
+def test_mass_unit_says_in_a_sentence_what_makes_no_sense(wall, unit, words):
     with pytest.raises(InputError, match=words):
-        mass(Wall(*wall), 1.0, unit)
+        wall_mass(Wall(*wall), 1.0, unit)
 
 
-def test_density_is_the_same_in_all_its_units():
+def test_parse_density_is_the_same_in_all_its_units():
     alike = ("1.2", "1.2g/cm3", "1.2 g / cm³", "1.2 kg/l", "1200kg/m3", "1.2 t/m3", "1.2 g/ml", "1,2 kg/dm³")
-    assert {round(density(text), 12) for text in alike} == {1.2}
+    assert {round(parse_density(text), 12) for text in alike} == {1.2}
 
 
-def test_litres_convert_a_volume_from_the_unit_of_length():
-    assert [unit.litres(1.0) for unit in (MM, CM, M, NONE)] == pytest.approx([1e-6, 1e-3, 1e3, None])
+def test_to_litres_convert_a_volume_from_the_unit_of_length():
+    assert [unit.to_litres(1.0) for unit in (MM, CM, M, NONE)] == pytest.approx([1e-6, 1e-3, 1e3, None])
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_litres_convert_a_volume_from_the_unit_of_length():
     ],
 )
 def test_wall_written_gives_a_bare_number_the_unit_that_it_is_in(wall, unit, said):
-    assert Wall(*wall).written(unit) == said
+    assert Wall(*wall).text(unit) == said
 
 
 @pytest.mark.parametrize(
@@ -90,8 +90,8 @@ def test_wall_written_gives_a_bare_number_the_unit_that_it_is_in(wall, unit, sai
         (Unit.CENTIMETRE, float("nan"), 3, Unit.CENTIMETRE, 1.0),
     ],
 )
-def test_legible_gives_large_areas_and_volumes_a_larger_unit(unit, value, power, legible, factor):
-    assert unit.legible(value, power) == (legible, pytest.approx(factor))
+def test_legible_unit_gives_large_areas_and_volumes_a_larger_unit(unit, value, power, legible, factor):
+    assert unit.legible_unit(value, power) == (legible, pytest.approx(factor))
 
 
 @pytest.mark.parametrize(
@@ -104,8 +104,8 @@ def test_legible_gives_large_areas_and_volumes_a_larger_unit(unit, value, power,
         (Unit.FOOT, 37.85411784, (10.0, "gal")),
     ],
 )
-def test_capacity_is_in_what_goes_with_the_unit_of_length(unit, litres, said):
-    symbol, factor = unit.capacity(litres)
+def test_capacity_unit_is_in_what_goes_with_the_unit_of_length(unit, litres, said):
+    symbol, factor = unit.capacity_unit(litres)
     assert (litres * factor, symbol) == (pytest.approx(said[0], rel=1e-4), said[1])
 
 
@@ -120,15 +120,15 @@ def test_capacity_is_in_what_goes_with_the_unit_of_length(unit, litres, said):
     ],
 )
 def test_unit_mass_is_in_what_goes_with_the_unit_of_length(unit, grams, said):
-    symbol, factor = unit.mass(grams)
+    symbol, factor = unit.mass_unit(grams)
     assert (grams * factor, symbol) == (pytest.approx(said[0]), said[1])
 
 
 @pytest.mark.parametrize("thickness", ["", "1mm"])
-def test_mass_of_a_double_wall_is_that_of_what_is_between_its_surfaces(thickness):
-    assert mass(Wall(thickness, "1.36"), 35_000.0, MM, 17_400.0) == pytest.approx(17.4 * 1.36)
+def test_mass_unit_of_a_double_wall_is_that_of_what_is_between_its_surfaces(thickness):
+    assert wall_mass(Wall(thickness, "1.36"), 35_000.0, MM, 17_400.0) == pytest.approx(17.4 * 1.36)
 
 
-def test_mass_of_a_wall_in_inches_is_what_it_is_in_centimetres():
-    inches = mass(Wall("1/100 in", "1.38"), 100.0, Unit.INCH)
-    assert inches == pytest.approx(mass(Wall("0.254mm", "1.38"), 100.0 * 2.54**2, CM), rel=1e-12)
+def test_mass_unit_of_a_wall_in_inches_is_what_it_is_in_centimetres():
+    inches = wall_mass(Wall("1/100 in", "1.38"), 100.0, Unit.INCH)
+    assert inches == pytest.approx(wall_mass(Wall("0.254mm", "1.38"), 100.0 * 2.54**2, CM), rel=1e-12)

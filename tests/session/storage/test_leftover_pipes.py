@@ -3,14 +3,14 @@
 import pytest
 from watched_pipe import WatchedPipe
 
-from apd_viewer.session.storage.recovery import leftovers
+from apd_viewer.session.storage.recovery_file import find_recovery_files
 
 
 @pytest.mark.parametrize("ending", ["apd", "lock"])
-def test_leftovers_does_not_wait_for_a_pipe_among_them(ending, tmp_path):
+def test_find_recovery_files_does_not_wait_for_a_pipe_among_them(ending, tmp_path):
     pipe = WatchedPipe(tmp_path / f"1-1.{ending}")
     try:
-        assert leftovers(tmp_path) == []
+        assert find_recovery_files(tmp_path) == []
         assert not pipe.opened
     finally:
         pipe.close()

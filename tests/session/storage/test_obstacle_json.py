@@ -10,19 +10,19 @@ from meshes import tube
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.solver.deform import iterated
+from apd_viewer.geometry.solver.deformation_result import iterate_to_result
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
-from apd_viewer.session.model.state import State, opened
+from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import View
-from apd_viewer.session.processes.deforming import deformation_of
-from apd_viewer.session.processes.walk import Walk
-from apd_viewer.session.storage.obstacle_json import obstacle_of, obstacle_said
+from apd_viewer.session.processes.document_deformation import deformation_of
+from apd_viewer.session.processes.path_iteration import PathIteration
+from apd_viewer.session.storage.obstacle_json import obstacle_from_json, obstacle_to_json
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.storage.session_json import document_said, frame_said
-from apd_viewer.session.studies.replay import replay
+from apd_viewer.session.storage.session_json import document_to_json, frame_to_json
+from apd_viewer.session.studies.session_replay import replay_session
 
 X, Y, Z = map(frozen, np.eye(3))
 ROD = NamedObstacle("Stab «é»", ObstacleKind.CYLINDER, frozen(np.array([1.31, 0.0, 2.7])), Y, 0.3, 1 / 3)
@@ -34,13 +34,13 @@ def pressed(path) -> State:
     """A tube that nothing holds, pressed by a rod against a wall."""
     mesh = Mesh(*tube(12, 12))
     save_mesh(mesh, mesh.V, path)
-    state = opened(open_mesh(path))
-    obstacles = (ROD.shifted(-0.2 * X), WALL, BALL)
+    state = initial_state(open_mesh(path))
+    obstacles = (ROD.with_shift(-0.2 * X), WALL, BALL)
     document = replace(state.document, contact=True, obstacles=obstacles, stiffness=0.001)
     solver = deformation_of(document, document.constraints())
-    walk = Walk(solver, document, document.mesh.V, begin=np.zeros((3, 3)))
-    iterated(solver, 0.0)
-    return state.at(document, walk.frame())
+    walk = PathIteration(solver, document, document.mesh.V, start_shifts=np.zeros((3, 3)))
+    iterate_to_result(solver, 0.0)
+    return state.updated(document, walk.frame())
 
 
 def test_obstacle_json_brings_obstacles_back_bit_for_bit_to_be_replayed(tmp_path):
@@ -50,31 +50,31 @@ def test_obstacle_json_brings_obstacles_back_bit_for_bit_to_be_replayed(tmp_path
     save_session(tmp_path / "a.apd", state, View())
     found, _ = open_session(tmp_path / "a.apd")
     check_equal(found, state)
-    _, result = replay(tmp_path / "a.apd")
+    _, result = replay_session(tmp_path / "a.apd")
     assert result.iterations == 0
     assert np.array_equal(result.U, state.frame.U)
-    _, again = replay(tmp_path / "a.apd", from_rest=True)
+    _, again = replay_session(tmp_path / "a.apd", from_rest=True)
     assert again.converged
     assert np.array_equal(again.shifts, state.frame.shifts)
     assert np.allclose(again.loads, state.frame.loads, rtol=0.02, atol=1e-2)
 
 
-def test_document_said_and_frame_said_say_nothing_of_obstacles_without_any():
-    state = opened(Mesh(*tube(8, 4)))
-    assert "obstacles" not in document_said(state.document)
-    assert not {"loads", "shifts"} & set(frame_said(state.frame))
+def test_document_to_json_and_frame_said_say_nothing_of_obstacles_without_any():
+    state = initial_state(Mesh(*tube(8, 4)))
+    assert "obstacles" not in document_to_json(state.document)
+    assert not {"loads", "shifts"} & set(frame_to_json(state.frame))
 
 
 @pytest.mark.parametrize("obstacle", [ROD, WALL, BALL], ids=lambda each: each.name)
-def test_obstacle_of_needs_only_what_the_kind_has(obstacle):
-    said = json.loads(json.dumps(obstacle_said(obstacle)))
+def test_obstacle_from_json_needs_only_what_the_kind_has(obstacle):
+    said = json.loads(json.dumps(obstacle_to_json(obstacle)))
     unused = {"plate": ("radius", "length"), "sphere": ("axis", "length"), "cylinder": ()}
     for key in (*unused[said["kind"]], "shift", "name"):
         del said[key]
-    found = obstacle_of(Fields(said, "obstacle"), "Obstacle 1")
+    found = obstacle_from_json(JsonFields(said, "obstacle"), "Obstacle 1")
     assert found.name == "Obstacle 1"
-    assert np.array_equal(found.solid(1.0).points, obstacle.solid(1.0).points)
-    assert found.solid(1.0).radius == obstacle.radius
+    assert np.array_equal(found.to_obstacle(1.0).points, obstacle.to_obstacle(1.0).points)
+    assert found.to_obstacle(1.0).radius == obstacle.radius
 
 
 @pytest.mark.parametrize(
@@ -93,12 +93,12 @@ def test_obstacle_of_needs_only_what_the_kind_has(obstacle):
         ("name", ""),
     ],
 )
-def test_obstacle_of_refuses_a_damaged_obstacle(key, value):
+def test_obstacle_from_json_refuses_a_damaged_obstacle(key, value):
     with pytest.raises(ValueError, match="“"):
-        obstacle_of(Fields({**obstacle_said(ROD), key: value}, "obstacle"))
+        obstacle_from_json(JsonFields({**obstacle_to_json(ROD), key: value}, "obstacle"))
 
 
-def test_fields_parts_refuses_more_obstacles_than_the_limit():
-    said = Fields({"obstacles": [obstacle_said(BALL)] * (MOST_OBSTACLES + 1)}, "document")
+def test_json_fields_parts_refuses_more_obstacles_than_the_limit():
+    said = JsonFields({"obstacles": [obstacle_to_json(BALL)] * (MOST_OBSTACLES + 1)}, "document")
     with pytest.raises(ValueError, match="obstacles"):
-        said.parts("obstacles", MOST_OBSTACLES)
+        said.nested_list("obstacles", MOST_OBSTACLES)

@@ -13,10 +13,10 @@ from driven_session import check_equal, check_same_array
 
 from apd_viewer.__main__ import main
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.session.model.view import Standpoint, View
+from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.studies.replay import replay
+from apd_viewer.session.studies.session_replay import replay_session
 
 OLD = Path(__file__).with_name("version-1-posed.apd")
 
@@ -54,7 +54,7 @@ def test_open_session_reads_all_that_an_old_session_said():
     weights = document.stiffness, document.area_stiffness, document.shear_stiffness
     assert weights == (0.002, 5.0, 0.5)
     assert (document.area, document.volume) == (102.0, 97.0)
-    camera = Standpoint((6.0, -14.0, 5.0), (0.75, 0.5, 3.0), (0.0, 0.0, 1.0), 0.5)
+    camera = CameraPose((6.0, -14.0, 5.0), (0.75, 0.5, 3.0), (0.0, 0.0, 1.0), 0.5)
     assert view == View(camera, "mm", Wall("1.2", "1.04 g/cm3"), overlay="bending")
 
 
@@ -70,10 +70,10 @@ def test_open_session_measures_the_shape_of_an_old_session_as_it_was():
     assert frame.energy == pytest.approx(2.9413715154653604, rel=1e-12)
 
 
-def test_replay_leads_an_old_session_to_the_same_shape(tmp_path):
+def test_replay_session_leads_an_old_session_to_the_same_shape(tmp_path):
     U = open_session(OLD)[0].frame.U
-    check_same_array(replay(OLD)[1].U, U)
-    again = replay(OLD, from_rest=True)[1]
+    check_same_array(replay_session(OLD)[1].U, U)
+    again = replay_session(OLD, from_rest=True)[1]
     assert again.converged
     assert np.abs(again.U - U).max() < 0.05, "it is stiff, and bending has had another energy since"
     assert main(["replay", str(OLD), "-o", str(tmp_path / "post.obj")]) == 0

@@ -14,8 +14,8 @@ from driven_session import BENT, VIEW, Driven, check_equal, check_same_array, po
 from meshes import box, ends, rotation, soup
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_location import whereabouts
-from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
+from apd_viewer.files.mesh_location import mesh_location_to_json
+from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.arrays import frozen
@@ -24,26 +24,26 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.listener import Listener
-from apd_viewer.session.model.state import State, opened
-from apd_viewer.session.model.view import Standpoint, View
+from apd_viewer.session.model.state import State, initial_state
+from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.session import Session
+from apd_viewer.session.state_store import Activity
 from apd_viewer.session.storage import session_meshes
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.store import Activity
-from apd_viewer.session.studies.replay import replay
+from apd_viewer.session.studies.session_replay import replay_session
 
 # Verbs of the session, and what they are given.
 SETTINGS: dict[str, dict[str, tuple]] = {
     "exact": {},
     "exact, all targets": {"set_area": (104.0,), "set_volume": (97.0,), "set_stiffness": (0.01,)},
-    "local": {"set_method": ("local",), "set_material": (7.0, 0.3)},
-    "local, total area": {"set_method": ("local",), "hold_area": (True,), "set_volume": (100.0,)},
+    "local": {"set_method": ("local",), "set_local_stiffness": (7.0, 0.3)},
+    "local, total area": {"set_method": ("local",), "set_hold_area": (True,), "set_volume": (100.0,)},
     "paper": {"set_method": ("paper",), "set_tolerance": (1e-4,)},
     "converged earlier": {"set_convergence": (Convergence(700, 1e-5, 1e-4),)},
     "arap": {"set_method": ("arap",), "set_stiffness": (1 / 3,)},
     "a soft handle": {"set_falloff": (1, 1.7)},
     "sr-arap": {"set_method": ("sr-arap",), "set_stiffness": (0.02,)},
-    "in contact": {"keep_apart": (True, 0.0123)},
+    "in contact": {"set_contact": (True, 0.0123)},
 }
 assert {settings.get("set_method", ("exact",))[0] for settings in SETTINGS.values()} == set(METHODS)
 
@@ -68,7 +68,7 @@ def bar(tmp_path):
 @pytest.fixture
 def saved(bar, tmp_path):
     """A session beside the folder of its mesh; both in a folder that can be moved."""
-    state = opened(open_mesh(bar))
+    state = initial_state(open_mesh(bar))
     assert save_session(tmp_path / "a.apd", state, VIEW) is False
     return tmp_path / "a.apd"
 
@@ -120,7 +120,7 @@ def test_open_session_opens_a_session_as_it_was_saved_and_it_replays_to_the_same
     check_equal(found, state)
 
     for _ in range(2):
-        document, result = replay(path)
+        document, result = replay_session(path)
         check_same_array(result.U, state.frame.U)
         assert document.mesh.digest == state.document.mesh.digest
         assert (result.method, result.iterations) == (state.document.method, 0)
@@ -128,7 +128,7 @@ def test_open_session_opens_a_session_as_it_was_saved_and_it_replays_to_the_same
         assert result.area == pytest.approx(state.frame.area, rel=1e-12)
         assert result.handle_drift == pytest.approx(state.frame.handle_drift, abs=1e-12)
         assert [part.name for part in result.regions] == ["label «é»", "Region 2"]
-    first, second = (replay(path, from_rest=True)[1] for _ in range(2))
+    first, second = (replay_session(path, from_rest=True)[1] for _ in range(2))
     check_same_array(first.U, second.U)
     assert first.iterations > 0
     assert first.converged
@@ -167,16 +167,16 @@ def test_open_session_and_replay_bring_the_sample_bottle_back_as_it_was_saved(se
     session.until(lambda: session.jobs.current is None)
     assert session.told == ["Saved bottle.apd."]
     check_equal(open_session(path)[0], session.store.state)
-    gone_on, second = (replay(path)[1] for _ in range(2))
+    gone_on, second = (replay_session(path)[1] for _ in range(2))
     check_same_array(gone_on.U, second.U)
     np.testing.assert_allclose(gone_on.U, session.U, rtol=0, atol=1e-12)
-    first, second = (replay(path, from_rest=True)[1] for _ in range(2))
+    first, second = (replay_session(path, from_rest=True)[1] for _ in range(2))
     check_same_array(first.U, second.U)
     assert first.energy == pytest.approx(gone_on.energy, rel=1e-2)
 
 
 def test_open_session_brings_what_is_at_rest_back_as_the_mesh_s_own(tmp_path):
-    state = opened(*open_sample("duck"))
+    state = initial_state(*open_sample("duck"))
     save_session(tmp_path / "a.apd", state, View())
     found, view = open_session(tmp_path / "a.apd")
     check_equal(found, state)
@@ -186,16 +186,16 @@ def test_open_session_brings_what_is_at_rest_back_as_the_mesh_s_own(tmp_path):
         assert archive.namelist() == ["session.json", "labels.npy", "member.npy"]
 
 
-def test_replay_goes_on_with_a_shape_on_its_way_from_where_it_was(session, bar, tmp_path):
+def test_replay_session_goes_on_with_a_shape_on_its_way_from_where_it_was(session, bar, tmp_path):
     two_handles(session, open_mesh(bar))
     session.until(lambda: session.store.state.frame.iteration > 0)
     state = session.store.state
     session.settle()
     if state.frame.settled:
-        state = state.unsettled()
+        state = state.as_unsettled()
     save_session(tmp_path / "a.apd", state, VIEW)
     check_equal(open_session(tmp_path / "a.apd")[0], state)
-    first, second = (replay(tmp_path / "a.apd")[1] for _ in range(2))
+    first, second = (replay_session(tmp_path / "a.apd")[1] for _ in range(2))
     check_same_array(first.U, second.U)
     assert first.converged
     assert first.iterations > 0
@@ -206,7 +206,7 @@ def test_open_session_keeps_what_cannot_be_reached_with_its_sentence(session, ba
     assert state.frame.unreached
     save_session(tmp_path / "a.apd", state, VIEW)
     check_equal(open_session(tmp_path / "a.apd")[0], state)
-    _, result = replay(tmp_path / "a.apd")
+    _, result = replay_session(tmp_path / "a.apd")
     check_same_array(result.U, state.frame.U)
     assert not result.converged
     assert state.frame.unreached in result.warnings
@@ -221,10 +221,10 @@ def test_open_session_brings_back_a_shape_that_is_gripped_where_it_is(session, b
     assert state.document.grip is not state.document.mesh.V
     save_session(tmp_path / "a.apd", state, VIEW)
     check_equal(open_session(tmp_path / "a.apd")[0], state)
-    check_same_array(replay(tmp_path / "a.apd")[1].U, state.frame.U)
+    check_same_array(replay_session(tmp_path / "a.apd")[1].U, state.frame.U)
 
 
-def test_replay_goes_on_with_a_settled_shape_that_is_not_what_it_says(session, bar, tmp_path):
+def test_replay_session_goes_on_with_a_settled_shape_that_is_not_what_it_says(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
     moved = state.document.with_pose(0, pose(0.2))
     for wrong in (
@@ -232,7 +232,7 @@ def test_replay_goes_on_with_a_settled_shape_that_is_not_what_it_says(session, b
         replace(state, document=replace(state.document, area=110.0)),
     ):
         save_session(tmp_path / "a.apd", wrong, VIEW)
-        _, result = replay(tmp_path / "a.apd")
+        _, result = replay_session(tmp_path / "a.apd")
         assert result.iterations > 0
         held = wrong.document.constraints()
         np.testing.assert_allclose(result.U[held.fixed], held.targets, rtol=0, atol=1e-13)
@@ -241,7 +241,7 @@ def test_replay_goes_on_with_a_settled_shape_that_is_not_what_it_says(session, b
 
 def test_open_session_brings_numbers_of_all_sizes_back_bit_for_bit(tmp_path):
     chance = np.random.default_rng(5)
-    state = opened(Mesh(*soup(*box(1, 1, 2))))
+    state = initial_state(Mesh(*soup(*box(1, 1, 2))))
     document = state.document
     P = np.vstack([chance.normal(size=(3, 4)) * 10.0 ** chance.integers(-30, 9, (3, 4)), [[0, 0, 0, 1]]])
     P[0, 0], P[1, 1] = -0.0, 5e-324
@@ -305,7 +305,7 @@ def test_open_session_finds_the_mesh_of_a_session_moved_away_from_it(saved, bar,
 
 def test_open_session_finds_a_session_from_another_folder(bar, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    save_session("a.apd", opened(open_mesh("meshes/bar.obj")), VIEW)
+    save_session("a.apd", initial_state(open_mesh("meshes/bar.obj")), VIEW)
     monkeypatch.chdir(tmp_path / "meshes")
     assert open_session("../a.apd")[0].document.mesh.path == bar
 
@@ -314,8 +314,10 @@ def test_open_session_finds_a_sample_by_its_name(tmp_path, monkeypatch):
     """Another installation has it elsewhere."""
     mesh, _ = open_sample("duck")
     gone = {"path": "/gone/duck.obj", "relative": "gone/duck.obj"}
-    monkeypatch.setattr(session_meshes, "whereabouts", lambda *given: {**whereabouts(*given), **gone})
-    save_session(tmp_path / "a.apd", opened(mesh), VIEW)
+    monkeypatch.setattr(
+        session_meshes, "mesh_location_to_json", lambda *given: {**mesh_location_to_json(*given), **gone}
+    )
+    save_session(tmp_path / "a.apd", initial_state(mesh), VIEW)
     assert open_session(tmp_path / "a.apd")[0].document.mesh.path == mesh.path
 
 
@@ -345,13 +347,13 @@ def test_open_session_does_not_take_a_changed_mesh_for_the_mesh(saved, bar):
     assert open_session(saved)[0].document.mesh.path == saved.parent / "bar.obj"
 
 
-@pytest.mark.parametrize("suffix", WRITTEN)
+@pytest.mark.parametrize("suffix", WRITABLE_FORMATS)
 def test_save_session_takes_a_copy_of_the_mesh_along(suffix, tmp_path):
     path = tmp_path / f"bar{suffix}"
     mesh = Mesh(*box(2, 2, 6))
     save_mesh(mesh, mesh.V, path)
     content, mesh = path.read_bytes(), open_mesh(path)
-    assert save_session(tmp_path / "a.apd", opened(mesh), VIEW, embed=True) is True
+    assert save_session(tmp_path / "a.apd", initial_state(mesh), VIEW, embed=True) is True
     with zipfile.ZipFile(tmp_path / "a.apd") as archive:
         assert archive.read(f"mesh{suffix}") == content
     path.unlink()
@@ -361,7 +363,7 @@ def test_save_session_takes_a_copy_of_the_mesh_along(suffix, tmp_path):
     save_mesh(found, found.V, tmp_path / f"again{suffix}")
     assert (tmp_path / f"again{suffix}").read_bytes() == content
     # And once more, though there is no file any more.
-    assert save_session(tmp_path / "b.apd", opened(found), VIEW) is True
+    assert save_session(tmp_path / "b.apd", initial_state(found), VIEW) is True
     assert open_session(tmp_path / "b.apd")[0].document.mesh.digest == mesh.digest
 
 
@@ -370,7 +372,7 @@ def test_save_session_takes_a_mesh_that_needs_other_files_along_as_arrays(tmp_pa
     for name, content in made.items():
         (tmp_path / name.replace("model", "bar")).write_bytes(content)
     mesh = open_mesh(tmp_path / "bar.gltf")
-    assert save_session(tmp_path / "a.apd", opened(mesh), VIEW, embed=True) is True
+    assert save_session(tmp_path / "a.apd", initial_state(mesh), VIEW, embed=True) is True
     for name in made:
         (tmp_path / name.replace("model", "bar")).unlink()
     found = open_session(tmp_path / "a.apd")[0].document.mesh
@@ -379,7 +381,7 @@ def test_save_session_takes_a_mesh_that_needs_other_files_along_as_arrays(tmp_pa
 
 def test_save_session_always_takes_a_mesh_of_no_file_along(tmp_path):
     mesh = Mesh(*soup(*box(1, 1, 2)))
-    assert save_session(tmp_path / "a.apd", opened(mesh), VIEW) is True
+    assert save_session(tmp_path / "a.apd", initial_state(mesh), VIEW) is True
     found = open_session(tmp_path / "a.apd")[0].document.mesh
     check_same_array(found.V, mesh.V)
     check_same_array(found.F, mesh.F)
@@ -389,7 +391,7 @@ def test_save_session_always_takes_a_mesh_of_no_file_along(tmp_path):
 def test_save_session_takes_a_mesh_along_whose_file_has_changed_since(bar, tmp_path):
     mesh = open_mesh(bar)
     save_mesh(mesh, mesh.V * 2.0, bar)
-    assert save_session(tmp_path / "a.apd", opened(mesh), VIEW) is True
+    assert save_session(tmp_path / "a.apd", initial_state(mesh), VIEW) is True
     assert open_session(tmp_path / "a.apd")[0].document.mesh.digest == mesh.digest
 
 
@@ -397,7 +399,7 @@ def test_save_session_takes_a_mesh_along_whose_file_has_changed_since(bar, tmp_p
 
 
 def test_save_session_leaves_the_file_as_it_was_when_it_cannot_write(saved, bar, monkeypatch):
-    before, state = saved.read_bytes(), opened(open_mesh(bar))
+    before, state = saved.read_bytes(), initial_state(open_mesh(bar))
 
     def full(descriptor):
         raise OSError(28, "No space left on device")
@@ -418,15 +420,15 @@ def test_save_session_leaves_the_file_as_it_was_when_it_cannot_write(saved, bar,
 
 def test_files_save_and_open_sessions_in_the_background(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
-    assert session.saved_work.unsaved
+    assert session.saved_work.is_unsaved
     session.files.save(tmp_path / "a.apd", VIEW)
     assert session.jobs.current.title == "Saving a.apd"
     assert not session.jobs.current.can_be_cancelled
     session.until(lambda: session.jobs.current is None)
-    assert not session.saved_work.unsaved
+    assert not session.saved_work.is_unsaved
     session.settings.set_method("local")
     session.settle()
-    assert session.saved_work.unsaved
+    assert session.saved_work.is_unsaved
     now = session.store.state
     session.files.open(tmp_path / "a.apd")
     assert session.jobs.current.title == "Opening a.apd"
@@ -446,11 +448,11 @@ def test_files_save_and_open_sessions_in_the_background(session, bar, tmp_path):
 
 
 def test_files_open_tells_the_listener_the_view_after_the_state(bar, tmp_path):
-    save_session(tmp_path / "a.apd", opened(open_mesh(bar)), VIEW)
+    save_session(tmp_path / "a.apd", initial_state(open_mesh(bar)), VIEW)
     seen: list[object] = []
-    silent = {"wake": lambda: None, "status_changed": lambda: None, "told": seen.append}
+    silent = {"wake": lambda: None, "status_changed": lambda: None, "message_sent": seen.append}
     listener = Listener(
-        **silent, changed=lambda *_: seen.append("state"), failed=seen.append, viewed=seen.append
+        **silent, changed=lambda *_: seen.append("state"), failed=seen.append, view_opened=seen.append
     )
     session = Session(listener)
     for path in (tmp_path / "a.apd", bar):
@@ -461,7 +463,7 @@ def test_files_open_tells_the_listener_the_view_after_the_state(bar, tmp_path):
 
 
 def test_files_open_lets_a_shape_on_its_way_go_on(session, bar, tmp_path):
-    state = two_handles(session, open_mesh(bar)).unsettled()
+    state = two_handles(session, open_mesh(bar)).as_unsettled()
     session.settle()
     save_session(tmp_path / "a.apd", state, VIEW)
     session.files.open(tmp_path / "a.apd")
@@ -487,7 +489,7 @@ def test_files_open_tells_of_a_session_that_cannot_be_opened_and_changes_nothing
     session.until(lambda: session.jobs.current is None)
     assert [said.split()[0] for said in session.failed] == ["bad.apd", str(tmp_path / "gone" / "a.apd")]
     assert session.store.state is state
-    assert session.saved_work.unsaved
+    assert session.saved_work.is_unsaved
 
 
 def test_open_session_opens_the_first_version_for_ever():
@@ -520,9 +522,9 @@ def test_open_session_opens_the_first_version_for_ever():
     assert frame.area == pytest.approx(22.22, rel=1e-9)
     assert frame.volume == pytest.approx(5.94, rel=1e-9)
     assert frame.regions[1] == pytest.approx(8.2, rel=1e-9)
-    assert view == View(Standpoint((0.0, -12.0, 4.0), (1.0, 0.5, 1.5), (0.0, 0.0, 1.0), 0.5), "cm")
-    check_same_array(replay(path)[1].U, frame.U)
-    assert replay(path, from_rest=True)[1].converged
+    assert view == View(CameraPose((0.0, -12.0, 4.0), (1.0, 0.5, 1.5), (0.0, 0.0, 1.0), 0.5), "cm")
+    check_same_array(replay_session(path)[1].U, frame.U)
+    assert replay_session(path, from_rest=True)[1].converged
 
 
 # Loose parts
@@ -539,7 +541,7 @@ def with_buttons(session: Driven) -> State:
     session.stroke(base, BASE)
     session.stroke(top, HANDLE)
     session.drag(BENT)
-    session.settings.let_stay([n + len(W)], True)
+    session.settings.set_staying([n + len(W)], True)
     session.settle()
     return session.store.state
 
@@ -547,14 +549,14 @@ def with_buttons(session: Driven) -> State:
 def test_save_session_keeps_what_stays_and_it_is_replayed(session, tmp_path):
     state = with_buttons(session)
     first, second = np.split(np.arange(len(state.document.mesh.V))[-16:], 2)
-    assert state.document.staying == (second[0],)
+    assert state.document.staying_components == (second[0],)
     V = state.document.mesh.V
     assert np.array_equal(state.frame.U[second], V[second])
     assert np.abs(state.frame.U[first] - V[first]).max() > 0.1
     save_session(tmp_path / "a.apd", state, VIEW, embed=True)
     check_equal(open_session(tmp_path / "a.apd")[0], state)
-    check_same_array(replay(tmp_path / "a.apd")[1].U, state.frame.U)
-    again = replay(tmp_path / "a.apd", from_rest=True)[1]
+    check_same_array(replay_session(tmp_path / "a.apd")[1].U, state.frame.U)
+    again = replay_session(tmp_path / "a.apd", from_rest=True)[1]
     assert np.array_equal(again.U[second], V[second])
     assert np.abs(again.U[first] - state.frame.U[first]).max() < 1e-3
 
@@ -578,17 +580,17 @@ def test_open_session_lets_loose_parts_of_an_older_session_stay(session, tmp_pat
     path = tmp_path / "a.apd"
     save_session(path, replace(state, frame=replace(state.frame, U=frozen(U))), VIEW, embed=True)
     rewritten(path, lambda said: said.pop("staying"))
-    assert len(open_session(path)[0].document.staying) == 2
-    check_same_array(replay(path)[1].U, U)
-    assert np.array_equal(replay(path, from_rest=True)[1].U[-16:], U[-16:])
+    assert len(open_session(path)[0].document.staying_components) == 2
+    check_same_array(replay_session(path)[1].U, U)
+    assert np.array_equal(replay_session(path, from_rest=True)[1].U[-16:], U[-16:])
 
 
 def test_open_session_lets_loose_parts_of_an_older_session_at_rest_go_along(session, tmp_path):
     state = with_buttons(session)
     path = tmp_path / "a.apd"
-    save_session(path, opened(state.document.mesh, state.document.labels), VIEW, embed=True)
+    save_session(path, initial_state(state.document.mesh, state.document.labels), VIEW, embed=True)
     rewritten(path, lambda said: said.pop("staying"))
-    assert open_session(path)[0].document.staying == ()
+    assert open_session(path)[0].document.staying_components == ()
 
 
 @pytest.mark.parametrize("mirror", ["w", "", "xy", 0])

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.archive import npy
+from apd_viewer.files.storage.archive import npy_content
 from apd_viewer.session.storage.session_file import open_session
 
 GOOD = Path(__file__).with_name("version-1.apd")
@@ -210,7 +210,7 @@ NOT_SHAPES = {
 @pytest.mark.parametrize("case", NOT_SHAPES)
 def test_open_session_refuses_a_wrong_shape(case, refused):
     array, words = NOT_SHAPES[case]
-    assert words in refused(shape_npy=npy(array))
+    assert words in refused(shape_npy=npy_content(array))
 
 
 def _pickled() -> bytes:
@@ -222,10 +222,10 @@ def _pickled() -> bytes:
 HEAD = b"\x93NUMPY\x01\x00"
 NOT_LABELS = {
     "empty": b"",
-    "cut": npy(np.zeros(N, "u1"))[:-1],
-    "longer": npy(np.zeros(N, "u1")) + b"\0",
+    "cut": npy_content(np.zeros(N, "u1"))[:-1],
+    "longer": npy_content(np.zeros(N, "u1")) + b"\0",
     "words": b"labels",
-    "signed": npy(np.zeros(N, "i1")),
+    "signed": npy_content(np.zeros(N, "i1")),
     "objects": _pickled(),
     "huge": HEAD
     + b"\x60\0"
@@ -242,8 +242,8 @@ def test_open_session_refuses_wrong_labels(case, refused):
 
 
 def test_open_session_refuses_labels_and_regions_that_are_not_there(refused):
-    assert "refer to a handle that does not exist" in refused(labels_npy=npy(np.full(N, 4, "u1")))
-    assert "refers to a region that does not exist" in refused(member_npy=npy(np.full(N, 3, "u1")))
+    assert "refer to a handle that does not exist" in refused(labels_npy=npy_content(np.full(N, 4, "u1")))
+    assert "refers to a region that does not exist" in refused(member_npy=npy_content(np.full(N, 3, "u1")))
 
 
 def test_open_session_refuses_a_copy_of_the_mesh_that_is_damaged(refused):

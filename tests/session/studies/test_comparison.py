@@ -9,10 +9,10 @@ import pytest
 from driven_session import BENT, LONG, document
 
 import apd_viewer
-from apd_viewer.geometry.energy import elastic
+from apd_viewer.geometry.energy import elastic_surface
 from apd_viewer.geometry.solver.convergence import Convergence
-from apd_viewer.geometry.solver.methods import COMPARED
-from apd_viewer.session.processes import process_client
+from apd_viewer.geometry.solver.methods import COMPARED_METHODS
+from apd_viewer.session.processes import solver_process
 from apd_viewer.session.studies.comparison import Comparison
 
 
@@ -21,11 +21,11 @@ def begun():
     """Begins comparisons, and closes them at last."""
     made = []
 
-    def begin(asked, methods=COMPARED):
+    def begin(asked, methods=COMPARED_METHODS):
         awake = threading.Event()
         comparison = Comparison(asked, awake.set)
         made.append(comparison)
-        comparison.want(methods)
+        comparison.set_methods(methods)
         return comparison
 
     yield begin
@@ -36,7 +36,7 @@ def begun():
 @pytest.fixture
 def cold(compiled, monkeypatch):
     """Nothing is compiled or loaded beforehand: here nobody compares how long it takes."""
-    monkeypatch.setattr("apd_viewer.session.processes.solver.warm_up", lambda: None)
+    monkeypatch.setattr("apd_viewer.session.processes.request_solver.warm_up", lambda: None)
 
 
 def until(comparison, happened):
@@ -48,14 +48,14 @@ def until(comparison, happened):
 
 
 def finish(comparison):
-    until(comparison, lambda: comparison.under_way is None)
+    until(comparison, lambda: comparison.current_method is None)
 
 
 def test_comparison_brings_each_method_to_what_it_comes_to_alone(begun, cold):
     asked = replace(document(at=BENT), stiffness=0.02, area=102.0)
     comparison = begun(asked)
     finish(comparison)
-    assert list(comparison.outcomes) == list(COMPARED)
+    assert list(comparison.outcomes) == list(COMPARED_METHODS)
     held, mesh = asked.constraints(), asked.mesh
     for method, outcome in comparison.outcomes.items():
         alone = apd_viewer.deform(
@@ -102,24 +102,24 @@ def test_comparison_lets_what_is_not_wanted_any_more_give_way(begun, cold, monke
     endless(monkeypatch)
     comparison = begun(document(at=BENT), ("arap", "exact"))
     until(comparison, lambda: comparison.outcomes["arap"].frame is not None)
-    assert comparison.waiting == ("exact",)
-    comparison.want(("exact", "local"))
+    assert comparison.queued_methods == ("exact",)
+    comparison.set_methods(("exact", "local"))
     assert list(comparison.outcomes) == ["exact"]
     until(comparison, lambda: comparison.outcomes["exact"].frame is not None)
-    assert comparison.under_way == "exact"
+    assert comparison.current_method == "exact"
 
 
 def test_comparison_stopped_in_the_middle_keeps_what_has_come_and_leaves_no_process(
     begun, process, monkeypatch
 ):
     started = []
-    start = process_client.start_process
+    start = solver_process.start_solver_process
 
     def starting():
         started.append(start())
         return started[-1]
 
-    monkeypatch.setattr(process_client, "start_process", starting)
+    monkeypatch.setattr(solver_process, "start_solver_process", starting)
     threads = threading.active_count()
     comparison = begun(document(at=BENT), ("arap", "paper", "exact"))
     until(comparison, lambda: comparison.outcomes["arap"].frame is not None)
@@ -127,8 +127,8 @@ def test_comparison_stopped_in_the_middle_keeps_what_has_come_and_leaves_no_proc
     comparison.stop()
     assert all(one.pid is None for one in started)
     assert threading.active_count() == threads
-    assert comparison.under_way is None
-    assert comparison.waiting == ()
+    assert comparison.current_method is None
+    assert comparison.queued_methods == ()
     assert comparison.outcomes["arap"].frame is not None
 
 
@@ -137,8 +137,8 @@ def test_comparison_ends_its_process_with_the_last_method(begun, cold):
     comparison = begun(document(at=BENT), ("arap",))
     finish(comparison)
     assert threading.active_count() == threads
-    comparison.want(("arap", "paper"))
-    assert comparison.under_way == "paper"
+    comparison.set_methods(("arap", "paper"))
+    assert comparison.current_method == "paper"
     assert comparison.outcomes["arap"].finished
     finish(comparison)
     assert comparison.outcomes["paper"].finished
@@ -146,7 +146,7 @@ def test_comparison_ends_its_process_with_the_last_method(begun, cold):
 
 
 def test_comparison_says_why_a_method_fails_and_the_others_go_on(begun, cold, monkeypatch, capfd):
-    real, calls = elastic.LinearSolver, []
+    real, calls = elastic_surface.LinearSolver, []
 
     def failing_once(A, V):
         calls.append(A)
@@ -154,7 +154,7 @@ def test_comparison_says_why_a_method_fails_and_the_others_go_on(begun, cold, mo
             raise MemoryError
         return real(A, V)
 
-    monkeypatch.setattr(elastic, "LinearSolver", failing_once)
+    monkeypatch.setattr(elastic_surface, "LinearSolver", failing_once)
     comparison = begun(document(at=BENT), ("arap", "exact"))
     finish(comparison)
     arap, exact = comparison.outcomes["arap"], comparison.outcomes["exact"]

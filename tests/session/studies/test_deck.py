@@ -14,11 +14,11 @@ from apd_viewer.files.selections.selection import Selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.session.model.document_selection import with_selection
-from apd_viewer.session.model.state import opened
-from apd_viewer.session.posing.motion_step import motion_of
-from apd_viewer.session.posing.motion_text import parsed_motion
-from apd_viewer.session.posing.typed_motion import names_of
-from apd_viewer.session.quantities.deck_wall import WallWords, deck_wall
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.posing.motion_step import motion_steps
+from apd_viewer.session.posing.motion_text import parse_motion
+from apd_viewer.session.posing.typed_motion import named_lengths
+from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.session.quantities.wall_materials import wall_material
@@ -26,7 +26,7 @@ from apd_viewer.session.studies.deck_setup import deck_of
 
 V, F = box(2, 2, 6)
 BASE, TOP = ends(V)
-BARE = deck_wall(WallWords(), Unit.NONE, 1.0)
+BARE = deck_wall(DeckWallText(), Unit.NONE, 1.0)
 
 
 def painted(V=V, F=F, second=None, name="a\n*STEP.obj"):
@@ -36,9 +36,9 @@ def painted(V=V, F=F, second=None, name="a\n*STEP.obj"):
     labels[base], labels[top] = 0, 2
     if second is not None:
         labels[second] = 3
-    state = opened(Mesh(V, F, Path(name)))
-    selection = Selection.of(labels, member, regions=["half, “lower”, *STEP"])
-    return state.at(with_selection(state.document, selection))
+    state = initial_state(Mesh(V, F, Path(name)))
+    selection = Selection.with_default_names(labels, member, regions=["half, “lower”, *STEP"])
+    return state.updated(with_selection(state.document, selection))
 
 
 @pytest.fixture
@@ -88,7 +88,7 @@ def test_deck_of_ends_held_nodes_where_the_pose_has_them(written):
 
 def test_deck_of_walks_a_turn_in_steps_on_its_arc(written):
     state = painted()
-    motion = motion_of(state.document, parsed_motion("twist 100deg"), names_of(state), Unit.NONE)
+    motion = motion_steps(state.document, parse_motion("twist 100deg"), named_lengths(state), Unit.NONE)
     deck = written(state.document, motion=motion)
     assert len(deck.steps) == 4
     centre = np.append(V[TOP].mean(axis=0)[:2], 0.0)
@@ -120,11 +120,11 @@ def test_deck_of_joins_seams_and_leaves_out_what_cannot_be_computed(written):
     away = np.concatenate([corners, V + 100.0])  # a part that nothing holds
     triangles = np.concatenate([np.arange(F.size).reshape(-1, 3), F + F.size, [[0, 0, 1]]])
     base, top = ends(V)
-    state = opened(Mesh(away, triangles))
+    state = initial_state(Mesh(away, triangles))
     labels = np.ones(len(away), dtype=np.uint8)
     labels[: F.size][np.isin(F.ravel(), base)] = 0
     labels[: F.size][np.isin(F.ravel(), top)] = 2
-    document = with_selection(state.document, Selection.of(labels))
+    document = with_selection(state.document, Selection.with_default_names(labels))
     deck = written(document)
     assert len(deck.elements) == len(F)
     assert len(deck.nodes) == len(V), "of each position one node"
@@ -147,7 +147,7 @@ MM_PET = {"thickness": 0.3, "young": 3400.0, "density": 1.36e-9, "poisson": 0.38
 )
 def test_deck_wall_is_in_consistent_units(unit, factor, says, written):
     """Of one material: N/mm² times mm² and N s²/mm⁴ times mm⁴ in every other unit of length."""
-    wall = deck_wall(WallWords(material=wall_material("pet-bottle")), unit, 1.0)
+    wall = deck_wall(DeckWallText(material=wall_material("pet-bottle")), unit, 1.0)
     deck = written(painted().document, wall)
     assert deck.values["SHELL SECTION"] == pytest.approx([0.3 * factor])
     assert deck.values["ELASTIC"] == pytest.approx([3400.0 / factor**2, 0.38])
@@ -157,7 +157,7 @@ def test_deck_wall_is_in_consistent_units(unit, factor, says, written):
 
 
 def test_deck_wall_takes_what_is_typed_before_the_material(written):
-    words = WallWords(Wall("0.5mm", "1 g/cm3"), "2GPa", "0.3", wall_material("pet-bottle"))
+    words = DeckWallText(Wall("0.5mm", "1 g/cm3"), "2GPa", "0.3", wall_material("pet-bottle"))
     deck = written(painted().document, deck_wall(words, Unit.METRE, 1.0))
     assert deck.values["SHELL SECTION"] == pytest.approx([0.5e-3])
     assert deck.values["ELASTIC"] == pytest.approx([2e9, 0.3])
@@ -165,7 +165,7 @@ def test_deck_wall_takes_what_is_typed_before_the_material(written):
 
 
 def test_deck_wall_says_of_defaults_that_they_are_defaults(written):
-    deck = written(painted().document, deck_wall(WallWords(), Unit.NONE, 7.0))
+    deck = written(painted().document, deck_wall(DeckWallText(), Unit.NONE, 7.0))
     assert deck.values["SHELL SECTION"] == [0.007]
     assert deck.values["ELASTIC"] == [1.0, 0.4]
     assert "DENSITY" not in deck.values
@@ -204,13 +204,13 @@ def test_deck_of_refuses_in_a_sentence_what_cannot_be_a_deck(tmp_path):
     with pytest.raises(InputError, match=r"use the ending \.inp"):
         write_deck(tmp_path / "out.txt", deck)
     with pytest.raises(InputError, match="There is no base"):
-        deck_of(opened(Mesh(V, F)).document, BARE)
+        deck_of(initial_state(Mesh(V, F)).document, BARE)
     with pytest.raises(InputError, match="1 to 1000 steps"):
         deck_of(state.document, BARE, 0)
     for words in (
-        WallWords(young="2GPa"),
-        WallWords(Wall("1", "1.3")),
-        WallWords(material=wall_material("hdpe")),
+        DeckWallText(young="2GPa"),
+        DeckWallText(Wall("1", "1.3")),
+        DeckWallText(material=wall_material("hdpe")),
     ):
         with pytest.raises(InputError, match="needs the unit of the mesh"):
             deck_wall(words, Unit.NONE, 1.0)

@@ -9,13 +9,13 @@ from meshes import box, ends
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
-from apd_viewer.geometry.solver.deform import deform
-from apd_viewer.session.model.state import opened
+from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation
+from apd_viewer.geometry.solver.deformation_result import deform
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion_step import MotionStep
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
-BENT = turned_about([1, 1, 0], [1, 0, 0], 0.8)
+BENT = rotation_about([1, 1, 0], [1, 0, 0], 0.8)
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def bar():
     labels = np.ones(len(V), dtype=np.uint8)
     base, handle = ends(V)
     labels[base], labels[handle] = 0, 2
-    return opened(Mesh(V, F), labels).document
+    return initial_state(Mesh(V, F), labels).document
 
 
 def held_at(document, step):
@@ -34,16 +34,16 @@ def held_at(document, step):
 
 def test_sweep_holds_the_handle_at_each_step_at_its_part_of_the_motion(bar):
     swept = list(sweep_of(bar.with_pose(0, BENT), 4, methods=["arap", "exact"]).steps())
-    assert [(step.method, step.part) for step in swept] == [
+    assert [(step.method, step.share) for step in swept] == [
         (method, part) for method in ("arap", "exact") for part in (0.0, 0.25, 0.5, 0.75, 1.0)
     ]
     X = bar.mesh.V[bar.labels == 2]
     for step in swept:
-        M = turned_about([1, 1, 0], [1, 0, 0], 0.8 * step.part)
+        M = rotation_about([1, 1, 0], [1, 0, 0], 0.8 * step.share)
         np.testing.assert_allclose(held_at(bar, step), X @ M[:3, :3].T + M[:3, 3], atol=1e-12)
-        assert step.degrees == pytest.approx(np.degrees(0.8 * step.part))
+        assert step.degrees == pytest.approx(np.degrees(0.8 * step.share))
         # The chord of the pivot, which is 6 above the line that is turned about.
-        assert step.way == pytest.approx(12 * np.sin(0.4 * step.part), abs=1e-12)
+        assert step.displacement == pytest.approx(12 * np.sin(0.4 * step.share), abs=1e-12)
     np.testing.assert_allclose(swept[0].frame.U, bar.mesh.V, atol=1e-12)
 
 
@@ -98,9 +98,9 @@ def test_sweep_of_a_twist_goes_past_half_a_turn(bar):
 def test_abscissa_is_what_tells_the_steps_apart(bar):
     for pose, kind in (
         (BENT, "degrees"),
-        (shifted([0, 0, 1]), "way"),
-        (shifted([1, 0, 0]) @ BENT, "part"),
-        (scaled_about([1, 1, 6], 1.2), "part"),
+        (translation([0, 0, 1]), "way"),
+        (translation([1, 0, 0]) @ BENT, "part"),
+        (scaling_about([1, 1, 6], 1.2), "part"),
     ):
         assert sweep_of(bar.with_pose(0, pose), 2).abscissa == kind
 
@@ -154,7 +154,7 @@ WRONG = {
         "Unknown method 'fast'",
     ),
     "half turn": (
-        lambda bar: sweep_of(bar.with_pose(0, turned_about([1, 1, 0], [0, 0, 1], np.pi)), 3),
+        lambda bar: sweep_of(bar.with_pose(0, rotation_about([1, 1, 0], [0, 0, 1], np.pi)), 3),
         "twist of 180deg",
     ),
     "no iterations": (lambda bar: sweep_of(bar, 3, iterations=0), "at least one iteration"),
@@ -172,10 +172,12 @@ def test_sweep_says_at_each_step_what_turn_is_held(bar):
     turn = (MotionStep(0, "twist", (np.radians(-400.0),)),)
     sweep = sweep_of(replace(bar, contact=False), 5, methods=["arap"], motion=turn)
     steps = list(sweep.steps())
-    assert [step.turned[0] for step in steps] == pytest.approx([0.0, -80.0, -160.0, -240.0, -320.0, -400.0])
-    held = [step.turned[1] for step in steps]
+    assert [step.turn_degrees[0] for step in steps] == pytest.approx(
+        [0.0, -80.0, -160.0, -240.0, -320.0, -400.0]
+    )
+    held = [step.turn_degrees[1] for step in steps]
     assert held[0] is None
     assert held[1:] == pytest.approx([-80.0, -160.0, 120.0, 40.0, -40.0], abs=1e-6)
-    (said,) = sweep.said_of(steps[-1])
+    (said,) = sweep.warnings_of(steps[-1])
     assert said.startswith("The surface holds -40 of the -400 degrees asked: without contact")
-    assert sweep.said_of(steps[1]) == ()
+    assert sweep.warnings_of(steps[1]) == ()

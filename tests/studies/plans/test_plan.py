@@ -4,12 +4,12 @@ import pytest
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.geometry.pose.transforms import turned_about
-from apd_viewer.session.model.state import opened
+from apd_viewer.geometry.pose.transforms import rotation_about
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.studies.plans.input_files import InputFiles
 from apd_viewer.studies.plans.plan import read_plan
-from apd_viewer.studies.plans.sources import Sources
 
 MISTAKES = {
     "missing mesh": ({"mesh": "gone.off"}, "There is no file"),
@@ -67,26 +67,26 @@ def test_read_plan_says_what_is_no_plan(case, tmp_path):
     content, words = UNREADABLE[case]
     (tmp_path / "plan.csv").write_bytes(content)
     with pytest.raises(InputError, match=words):
-        read_plan(tmp_path / "plan.csv", Sources(tmp_path))
+        read_plan(tmp_path / "plan.csv", InputFiles(tmp_path))
     with pytest.raises(InputError, match="There is no file"):
-        read_plan(tmp_path / "other.csv", Sources(tmp_path))
+        read_plan(tmp_path / "other.csv", InputFiles(tmp_path))
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
 def test_read_plan_takes_what_spreadsheets_separate_in_their_own_way(separator, bar, written):
     text = written({"motion": "twist 40; push 10%", "# note": "a"}, {"motion": "push 5%"}).read_text()
-    usual = read_plan(bar / "plan.csv", Sources(bar / "inputs"))
+    usual = read_plan(bar / "plan.csv", InputFiles(bar / "inputs"))
     cells = [line.split(",") for line in text.splitlines()]
     quoted = [separator.join(f'"{cell}"' if separator in cell else cell for cell in row) for row in cells]
     content = "\ufeff" + "\r\n".join([*quoted, separator * 3, ""]) + "\r\n"
     (bar / "other.csv").write_bytes(content.encode())
-    assert read_plan(bar / "other.csv", Sources(bar / "inputs")) == usual
+    assert read_plan(bar / "other.csv", InputFiles(bar / "inputs")) == usual
 
 
 def test_read_plan_says_that_there_are_too_many_cells(bar, written):
     path = written({})
     path.write_text(path.read_text().rstrip() + ",more\n")
-    (row,) = read_plan(path, Sources(bar / "inputs")).rows
+    (row,) = read_plan(path, InputFiles(bar / "inputs")).rows
     assert "5 cells in 4 columns" in row.mistake
 
 
@@ -116,11 +116,11 @@ def test_study_case_of_another_content_is_another(bar, planned):
 
 
 def test_read_plan_lets_sessions_bring_their_own_motion_paint_and_unit(bar, planned):
-    state = opened(open_mesh(bar / "bar.off"))
+    state = initial_state(open_mesh(bar / "bar.off"))
     labels = state.document.labels.copy()
     labels[:3], labels[-3:] = 0, 2
-    state = opened(open_mesh(bar / "bar.off"), labels)
-    posed = state.at(state.document.with_pose(0, turned_about([1, 1, 0], [1, 0, 0], 0.3)))
+    state = initial_state(open_mesh(bar / "bar.off"), labels)
+    posed = state.updated(state.document.with_pose(0, rotation_about([1, 1, 0], [1, 0, 0], 0.3)))
     save_session(bar / "bar.apd", posed, View(unit="cm"))
     nothing = {"mesh": "", "selection": "", "motion": ""}
     plan = planned(

@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolBar
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 GROW, SHRINK, SMOOTH, INVERT = range(4)
@@ -69,10 +69,10 @@ def test_actions_share_no_shortcut(scene):
     scene.paint(np.ones(len(scene.document.labels), dtype=bool), BASE)
     found = {*in_menus(scene.window), *scene.window.shell.actions()}
     for tool in Tool:
-        scene.take(tool, Way.BRUSH)
+        scene.take(tool, SelectionMode.BRUSH)
         keys = Counter(key.toString() for action in found if action.isEnabled() for key in action.shortcuts())
         assert [key for key, count in keys.items() if count > 1] == []
-    assert all(action.shortcut().toString() for action in scene.window.actions_.select.ways.values())
+    assert all(action.shortcut().toString() for action in scene.window.actions_.select.modes.values())
 
 
 # Ways
@@ -80,36 +80,36 @@ def test_actions_share_no_shortcut(scene):
 
 @pytest.mark.parametrize("tool", [Tool.ORBIT, Tool.MOVE, Tool.BASE, Tool.REGION])
 def test_select_actions_take_a_way_and_a_tool_that_paints_by_a_key(scene, keyboard, tool):
-    for way in reversed(Way):
-        scene.take(tool, Way.BRUSH)
+    for way in reversed(SelectionMode):
+        scene.take(tool, SelectionMode.BRUSH)
         keyboard(getattr(Qt.Key, f"Key_{way.words.key}"))
-        assert scene.canvas.way is way
+        assert scene.canvas.selection_mode is way
         assert scene.canvas.tool is (tool if tool.words.is_brush else Tool.HANDLE)
-        ways = scene.window.actions_.select.ways
-        assert [other for other in Way if ways[other].isChecked()] == [way]
+        ways = scene.window.actions_.select.modes
+        assert [other for other in SelectionMode if ways[other].isChecked()] == [way]
         assert scene.window.actions_.tools[scene.canvas.tool].isChecked()
-        assert [other for other in Way if scene.canvas.ways[other].enabled] == [way]
+        assert [other for other in SelectionMode if scene.canvas.selectors[other].enabled] == [way]
         assert way.words.hint in scene.window.status.words.text()
 
 
-def test_way_bar_is_there_for_the_tools_that_paint_and_its_buttons_work(qtbot, scene):
-    bar = scene.window.way_bar
+def test_selection_mode_bar_is_there_for_the_tools_that_paint_and_its_buttons_work(qtbot, scene):
+    bar = scene.window.mode_bar
     for tool in Tool:
-        scene.take(tool, Way.BRUSH)
+        scene.take(tool, SelectionMode.BRUSH)
         assert bar.isVisible() == tool.words.is_brush
-    scene.take(Tool.BASE, Way.BRUSH)
-    for way, action in scene.window.actions_.select.ways.items():
+    scene.take(Tool.BASE, SelectionMode.BRUSH)
+    for way, action in scene.window.actions_.select.modes.items():
         qtbot.mouseClick(bar.widgetForAction(action), Qt.MouseButton.LeftButton)
-        assert (scene.canvas.way, scene.canvas.tool) == (way, Tool.BASE)
+        assert (scene.canvas.selection_mode, scene.canvas.tool) == (way, Tool.BASE)
         assert bar.widgetForAction(action).isChecked()
 
 
-def test_way_bar_has_room_for_all_of_it_in_the_smallest_window(qtbot, scene):
-    scene.take(Tool.BASE, Way.BRUSH)
+def test_selection_mode_bar_has_room_for_all_of_it_in_the_smallest_window(qtbot, scene):
+    scene.take(Tool.BASE, SelectionMode.BRUSH)
     size = scene.window.shell.size()
     scene.window.shell.resize(scene.window.shell.minimumSize())
     work_off()
-    bar = scene.window.way_bar
+    bar = scene.window.mode_bar
     assert scene.view.rect().contains(bar.geometry())
     for action in bar.actions():
         assert bar.rect().contains(bar.widgetForAction(action).geometry()), action.text()
@@ -118,18 +118,18 @@ def test_way_bar_has_room_for_all_of_it_in_the_smallest_window(qtbot, scene):
 
 
 def test_select_actions_switch_through_and_size_the_brush_by_keys(scene, keyboard):
-    through = scene.window.actions_.select.through
+    through = scene.window.actions_.select.select_hidden
     for on in (True, False):
         keyboard(Qt.Key.Key_T)
         assert through.isChecked() is on
-        assert scene.canvas.ways[Way.BOX].through is on
-        assert scene.canvas.ways[Way.LASSO].through is on
-        assert scene.canvas.ways[Way.POLYGON].through is on
-    radius = scene.canvas.painter.size.radius
+        assert scene.canvas.selectors[SelectionMode.BOX].selects_hidden is on
+        assert scene.canvas.selectors[SelectionMode.LASSO].selects_hidden is on
+        assert scene.canvas.selectors[SelectionMode.POLYGON].selects_hidden is on
+    radius = scene.canvas.brush.size.radius
     keyboard(Qt.Key.Key_BracketRight)
-    assert scene.canvas.painter.size.radius > radius
+    assert scene.canvas.brush.size.radius > radius
     keyboard(Qt.Key.Key_BracketLeft)
-    assert scene.canvas.painter.size.radius == pytest.approx(radius)
+    assert scene.canvas.brush.size.radius == pytest.approx(radius)
 
 
 # Changes of a part
@@ -165,7 +165,7 @@ def expected(scene, tool, change):
 @pytest.mark.parametrize("name", ["rabbit", "seams", "pieces", pytest.param("bent", marks=pytest.mark.night)])
 def test_reshape_makes_a_part_what_sets_say_in_one_step_of_undo(qtbot, theatre, name, change, tool):
     scene = theatre.scene(qtbot, name)
-    scene.take(tool, Way.BRUSH)
+    scene.take(tool, SelectionMode.BRUSH)
     before, steps, action = scene.document, scene.steps, changes(scene)[change]
     wanted = expected(scene, tool, change)
     codes, code, nothing = part_of(scene, tool)
@@ -202,7 +202,7 @@ def test_select_actions_change_a_part_by_keys(scene, keyboard):
 @pytest.mark.parametrize("tool", [Tool.HANDLE, Tool.REGION, Tool.BASE])
 def test_reshape_makes_no_step_where_it_changes_nothing(qtbot, theatre, tool):
     scene = theatre.scene(qtbot, "bare")
-    scene.take(tool, Way.BRUSH)
+    scene.take(tool, SelectionMode.BRUSH)
     everything = len(scene.document.labels)
     for number, action in enumerate(changes(scene)):
         if number != INVERT:
@@ -224,8 +224,8 @@ def test_reshape_makes_no_step_where_it_changes_nothing(qtbot, theatre, tool):
 
 def test_reshape_in_the_middle_of_a_stroke_ends_the_stroke_and_does_no_more(qtbot, theatre):
     scene = theatre.scene(qtbot, "bare")
-    scene.take(Tool.BASE, Way.BRUSH)
-    at, mouse = Gesture(scene.window, Way.BRUSH).press, Mouse(scene.view)
+    scene.take(Tool.BASE, SelectionMode.BRUSH)
+    at, mouse = Gesture(scene.window, SelectionMode.BRUSH).press, Mouse(scene.view)
     mouse.press(at)
     mouse.move(at + (30, 0))
     assert scene.document is not scene.state.document
@@ -235,14 +235,14 @@ def test_reshape_in_the_middle_of_a_stroke_ends_the_stroke_and_does_no_more(qtbo
 
 
 def test_select_actions_choose_nothing_and_break_nothing_without_a_mesh(qtbot, window):
-    for way, action in window.actions_.select.ways.items():
+    for way, action in window.actions_.select.modes.items():
         action.trigger()
-        assert window.canvas.way is way
+        assert window.canvas.selection_mode is way
         mouse = Mouse(window.canvas.viewport)
         mouse.drag((300, 200), (350, 250), (400, 260))
         mouse.double_click((400, 260))
         mouse.wheel((400, 260), 1)
-        preview = getattr(window.canvas.ways[way], "preview", None)
+        preview = getattr(window.canvas.selectors[way], "preview_timer", None)
         qtbot.waitUntil(lambda preview=preview: preview is None or not preview.isActive())
     for action in [*window.actions_.select.changes, *window.actions_.select.mirrors]:
         action.trigger()

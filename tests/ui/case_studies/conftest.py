@@ -6,10 +6,10 @@ from in_thread import InThread
 from PySide6.QtCore import QSettings
 from study_driving import open_bar
 
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.processes import process_client, shape_checker
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.processes import shape_checker, solver_process
 from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.workbench import Workbench
 
@@ -24,15 +24,15 @@ def home(tmp_path_factory):
 def twisted(qapp, home):
     """A window on a bar that is painted and twisted; its solver is a thread."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(process_client, "start_process", InThread)
-        patch.setattr(shape_checker, "AT_FIRST", 1e6)
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+        patch.setattr(solver_process, "start_solver_process", InThread)
+        patch.setattr(shape_checker, "FIRST_PAUSE", 1e6)
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
         settings = QSettings(str(home / "settings.ini"), QSettings.Format.IniFormat)
         settings.setValue("folder", str(home))
         window = Workbench(Shell(settings))
         window.shell.show()
         yield window
-        window.case_studies.run.end_at_once()
+        window.case_studies.run.kill()
         window.shell.close()
         window.shell.deleteLater()
 
@@ -43,7 +43,7 @@ def bar(qtbot, twisted):
     window = twisted
     show(qtbot, window.shell, window.canvas.viewport)
     open_bar(qtbot, window)
-    window.session.handles.move_by(TypedMotion.TWIST, "80deg", 0)
+    window.session.handles.move_by(MotionKind.TWIST, "80deg", 0)
     idle(qtbot, window)
     yield window
     if window.case_studies.dialog is not None:

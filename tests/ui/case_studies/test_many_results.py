@@ -42,7 +42,7 @@ def panels(qtbot, folders):
         panel.show()
         qtbot.waitExposed(panel)
         table = read_results(folder)
-        panel.begin(folder)
+        panel.show_study(folder)
         panel.show_results(ReadResults(table, shown_columns(table)))
     return found
 
@@ -85,8 +85,8 @@ def sort_scattered(panel):
 
 def choose_all(panel):
     panel.table.selectAll()
-    panel.scatter.view.picked.emit(7, True)
-    panel.scatter.view.picked.emit(7, True)
+    panel.scatter.view.dot_picked.emit(7, True)
+    panel.scatter.view.dot_picked.emit(7, True)
     draw(panel)
 
 
@@ -127,13 +127,13 @@ def test_results_view_keeps_rows_chosen_where_all_get_other_places(panels):
     chosen = [3, 4, 5, 90, 400]
     panel.table.choose(chosen)
     heard = []
-    panel.table.chosen.connect(lambda: heard.append(1))
+    panel.table.choice_changed.connect(lambda: heard.append(1))
     for column in range(0, panel.model.columnCount(), 3):
         panel.table.sortByColumn(column, Qt.SortOrder.DescendingOrder)
-        assert sorted(panel.table.rows) == chosen
+        assert sorted(panel.table.chosen_rows) == chosen
     assert not heard, "nobody has chosen anything"
     panel.table.toggle(4)
-    assert sorted(panel.table.rows) == [3, 5, 90, 400]
+    assert sorted(panel.table.chosen_rows) == [3, 5, 90, 400]
     assert heard
 
 
@@ -146,11 +146,14 @@ def test_folder_watch_reads_the_database_elsewhere_than_on_the_ui_thread(qtbot, 
 
     monkeypatch.setattr(folder_watch, "read_results", read)
     watch = FolderWatch(None)
-    with qtbot.waitSignal(watch.read, timeout=10_000) as found:
-        watch.watch(folders[FEW])
+    with qtbot.waitSignal(watch.results_read, timeout=10_000) as found:
+        watch.watch_folder(folders[FEW])
     watch.close()
     assert len(found.args[0].table.rows) == FEW
-    assert all("longest" in column.__dict__ and "keys" in column.__dict__ for column in found.args[0].columns)
+    assert all(
+        "longest_texts" in column.__dict__ and "sort_keys" in column.__dict__
+        for column in found.args[0].columns
+    )
     assert threading.get_ident() not in threads
 
 
@@ -158,13 +161,13 @@ def test_folder_watch_leaves_a_folder_alone_while_nobody_sees_its_results(qtbot,
     """The dock is closed, or behind another one; shown again, it has what is new."""
     study, window = tmp_path / "study", bar
     write_study(study, 5)
-    window.case_studies.open(study)
+    window.case_studies.open_study(study)
     panel, dock = window.case_studies.panel, window.docks["study"]
     qtbot.waitUntil(lambda: len(panel.model.rows) == 5, timeout=10_000)
     dock.hide()
     shutil.rmtree(study)
     write_study(study, 7)
-    assert not any(timer.isActive() for timer in window.case_studies.watch.findChildren(QTimer))
+    assert not any(timer.isActive() for timer in window.case_studies.folder_watch.findChildren(QTimer))
     work_off()
     assert len(panel.model.rows) == 5
     dock.show()

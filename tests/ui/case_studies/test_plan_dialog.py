@@ -13,18 +13,18 @@ from study_driving import click, finished, press_row, tick
 
 from apd_viewer.errors import InputError
 from apd_viewer.studies.case_file import read_case
-from apd_viewer.studies.local_pool import cores
-from apd_viewer.ui.case_studies.scheduler_check import SchedulerCheck, place_of
-from apd_viewer.ui.case_studies.study_files import PLAN
-from apd_viewer.ui.case_studies.study_run import RUN, kept_options, scheduler_in
+from apd_viewer.studies.local_pool import core_count
+from apd_viewer.ui.case_studies.scheduler_check import SchedulerCheck, host_and_port
+from apd_viewer.ui.case_studies.study_files import PLAN_FILE
+from apd_viewer.ui.case_studies.study_run import RUN_FILE, scheduler_option, stored_options
 
 
 @pytest.fixture
 def begun(dialog):
     """What is begun, instead of being run."""
     found = []
-    dialog.begun.disconnect()
-    dialog.begun.connect(lambda folder, options: found.append((folder, options)))
+    dialog.study_designed.disconnect()
+    dialog.study_designed.connect(lambda folder, options: found.append((folder, options)))
     return found
 
 
@@ -44,7 +44,7 @@ def deserted():
 
 
 def rows_of(folder):
-    with (folder / PLAN).open(encoding="utf-8") as stream:
+    with (folder / PLAN_FILE).open(encoding="utf-8") as stream:
         return list(csv.DictReader(stream))
 
 
@@ -116,7 +116,7 @@ def test_engine_fields_hand_the_options_of_a_scheduler_to_the_command(
     ask_scheduler(dialog, listener)
     qtbot.waitUntil(lambda: bool(begun), timeout=5_000)
     assert begun == [(tmp_path / "cluster", ["--scheduler", listener])]
-    assert (tmp_path / "cluster" / PLAN).exists()
+    assert (tmp_path / "cluster" / PLAN_FILE).exists()
 
 
 def test_plan_dialog_begins_what_was_asked_for_whatever_is_typed_meanwhile(
@@ -180,7 +180,7 @@ def test_scheduler_check_gives_up_a_silent_address(qtbot, listener):
     work_off()
     assert len(said) == 1
     assert "no answer within 5 seconds" in said[0]
-    assert not check.waits
+    assert not check.is_waiting
 
 
 def test_plan_dialog_may_be_closed_while_it_connects(qtbot, bar, dialog, begun, listener, tmp_path):
@@ -206,37 +206,39 @@ def test_plan_dialog_may_be_closed_while_it_connects(qtbot, bar, dialog, begun, 
         ("http://lab:80", None),
     ],
 )
-def test_place_of_reads_addresses_as_dask_does(address, place):
+def test_host_and_port_reads_addresses_as_dask_does(address, place):
     if place is None:
         with pytest.raises(InputError, match="no address of a scheduler"):
-            place_of(address)
+            host_and_port(address)
     else:
-        assert place_of(address) == place
+        assert host_and_port(address) == place
 
 
-def test_place_of_reads_the_address_in_the_file_of_a_scheduler(tmp_path):
+def test_host_and_port_reads_the_address_in_the_file_of_a_scheduler(tmp_path):
     file = tmp_path / "scheduler.json"
     with pytest.raises(InputError, match="There is no file"):
-        place_of(str(file))
+        host_and_port(str(file))
     for odd in ("", "[]", "{}", '{"address": 3}'):
         file.write_text(odd, encoding="utf-8")
         with pytest.raises(InputError, match="no address of a scheduler"):
-            place_of(str(file))
+            host_and_port(str(file))
     file.write_text('{"address": "tcp://10.0.0.7:8786"}', encoding="utf-8")
-    assert place_of(str(file)) == ("10.0.0.7", 8786)
+    assert host_and_port(str(file)) == ("10.0.0.7", 8786)
 
 
-def test_kept_options_let_a_folder_give_the_command_no_others(tmp_path):
+def test_stored_options_let_a_folder_give_the_command_no_others(tmp_path):
     """It may come from anybody."""
     for odd in ('["-o", "/elsewhere"]', '["--processes"]', '["--scheduler=tcp://x:1", "2"]', '"--limit"'):
-        (tmp_path / RUN).write_text(f'{{"options": {odd}}}', encoding="utf-8")
-        assert kept_options(tmp_path) == []
-    (tmp_path / RUN).write_text('{"options": ["--limit", "9", "--processes", "900"]}', encoding="utf-8")
-    assert kept_options(tmp_path) == ["--limit", "9", "--processes", str(cores())], (
+        (tmp_path / RUN_FILE).write_text(f'{{"options": {odd}}}', encoding="utf-8")
+        assert stored_options(tmp_path) == []
+    (tmp_path / RUN_FILE).write_text('{"options": ["--limit", "9", "--processes", "900"]}', encoding="utf-8")
+    assert stored_options(tmp_path) == ["--limit", "9", "--processes", str(core_count())], (
         "it is of a larger machine"
     )
-    (tmp_path / RUN).write_text('{"options": ["--limit", "9", "--scheduler", "tcp://x:1"]}', encoding="utf-8")
-    assert scheduler_in(kept_options(tmp_path)) == "tcp://x:1"
+    (tmp_path / RUN_FILE).write_text(
+        '{"options": ["--limit", "9", "--scheduler", "tcp://x:1"]}', encoding="utf-8"
+    )
+    assert scheduler_option(stored_options(tmp_path)) == "tcp://x:1"
 
 
 @pytest.mark.skipif(find_spec("distributed") is not None, reason="Dask is installed, whose lack is tested")
@@ -266,5 +268,5 @@ def test_study_run_runs_a_study_by_a_scheduler_of_dask(qtbot, bar, dialog, home,
     press_row(panel, 1)
     idle(qtbot, bar)
     qtbot.waitUntil(lambda: bar.session.store.state.document.mesh is not before)
-    found = read_case(folder, panel.model.rows[1].key, shape=True)
+    found = read_case(folder, panel.model.rows[1].key, with_shape=True)
     assert bar.session.store.state.frame.U.tobytes() == found.U.tobytes()

@@ -6,7 +6,12 @@ import pytest
 from apd_viewer.studies.plans.plan_columns import COLUMNS
 from apd_viewer.studies.results import ResultRow, ResultTable
 from apd_viewer.ui.case_studies.case_colors import CaseColors, axis_of, dot_colors
-from apd_viewer.ui.case_studies.result_columns import MOTION, PLAN_TITLES, columns_of, shown_columns
+from apd_viewer.ui.case_studies.result_columns import (
+    MOTION_COLUMN,
+    PLAN_TITLES,
+    result_columns,
+    shown_columns,
+)
 
 
 def table(columns, *rows):
@@ -24,9 +29,9 @@ def named(found):
     return {column.title: column for column in found}
 
 
-def test_columns_of_make_columns_of_the_amounts_of_motions_of_a_plan():
+def test_result_columns_make_columns_of_the_amounts_of_motions_of_a_plan():
     found = named(
-        columns_of(
+        result_columns(
             table(
                 ["motion", "stiffness"],
                 (["twist 90deg; push 20%", "0.1"], {}),
@@ -41,40 +46,40 @@ def test_columns_of_make_columns_of_the_amounts_of_motions_of_a_plan():
     assert found["Stiffness"].values == pytest.approx([0.1, 0.001, 0.01])
 
 
-def test_columns_of_tell_handles_apart_only_where_there_are_several():
+def test_result_columns_tell_handles_apart_only_where_there_are_several():
     motion = "handle 1: twist 9deg; handle 2: move 1 0 {}"
-    found = named(columns_of(table(["motion"], *[([motion.format(z)], {}) for z in "34"])))
+    found = named(result_columns(table(["motion"], *[([motion.format(z)], {}) for z in "34"])))
     assert "Move z (handle 2)" in found
     assert found["Move z (handle 2)"].values == pytest.approx([3.0, 4.0])
 
 
-def test_columns_of_leave_out_what_is_the_same_in_all_rows():
+def test_result_columns_leave_out_what_is_the_same_in_all_rows():
     rows = [(["a.apd", "9", area], {}) for area in ("98%", "99%")]
-    found = columns_of(table(["session", "steps", "area"], *rows))
+    found = result_columns(table(["session", "steps", "area"], *rows))
     assert [column.title for column in found] == ["Line", "Target area"]
 
 
-def test_columns_of_leave_out_a_note_that_repeats_a_quantity():
+def test_result_columns_leave_out_a_note_that_repeats_a_quantity():
     columns = ["motion", "area", "#twist", "#by", "#area", "#load"]
     rows = [
         (["twist 30deg; push -1e1%", "98%", "30", "-10", "98", "7"], {}),
         (["twist 45deg; push -20%", "99%", "45", "-20", "99", "30"], {}),
         (["fly 3", "99%", "60", "-30", "99", "45"], {}),
     ]
-    assert [column.title for column in columns_of(table(columns, *rows))[1:]] == [
+    assert [column.title for column in result_columns(table(columns, *rows))[1:]] == [
         *("Twist", "Push", "Target area", "Load"),
     ]
 
 
-def test_columns_of_keep_a_note_that_tells_what_a_motion_does_not_show():
+def test_result_columns_keep_a_note_that_tells_what_a_motion_does_not_show():
     rows = [([f"twist {a}deg; push 1%; twist {a}deg", str(a)], {}) for a in (30, 60)]
-    found = named(columns_of(table(["motion", "#twist"], *rows)))
+    found = named(result_columns(table(["motion", "#twist"], *rows)))
     assert set(found) == {"Line", "Motion", "Twist"}
     assert found["Twist"].values == pytest.approx([30.0, 60.0])
 
 
-def test_columns_of_make_two_columns_of_a_target_and_a_reading_of_one_name():
-    found = columns_of(
+def test_result_columns_make_two_columns_of_a_target_and_a_reading_of_one_name():
+    found = result_columns(
         table(["volume"], (["60%"], {"volume": 300.0, "volume_error": -0.4}), (["70%"], {"volume": 350.0}))
     )
     names = [column.name for column in found]
@@ -83,17 +88,17 @@ def test_columns_of_make_two_columns_of_a_target_and_a_reading_of_one_name():
     assert columns["Volume change"].values == pytest.approx([-40.0, np.nan], nan_ok=True)
     assert columns["Volume change"].texts == ("−40.00 %", "")
     assert columns["Volume"].texts == ("300.0", "350.0")
-    assert columns["Target volume"].asked
+    assert columns["Target volume"].is_from_plan
 
 
 def test_axis_of_is_logarithmic_for_ranges_by_factors():
     rows = [([text], {}) for text in ("1e-4", "0.001", "0.1")]
-    column = named(columns_of(table(["stiffness"], *rows)))["Stiffness"]
+    column = named(result_columns(table(["stiffness"], *rows)))["Stiffness"]
     axis, places = axis_of(column)
     assert places == pytest.approx([-4.0, -3.0, -1.0])
     assert (axis.low, axis.high) == (-4.0, -1.0)
     even = [([f"twist {angle}deg"], {}) for angle in range(1, 1000, 90)]
-    assert axis_of(named(columns_of(table(["motion"], *even)))["Twist"])[0].low == 0.0
+    assert axis_of(named(result_columns(table(["motion"], *even)))["Twist"])[0].low == 0.0
     assert [place for place, _ in axis.ticks(9)] == [-4.0, -3.0, -2.0, -1.0]
     colors = dot_colors(axis, np.append(places, np.nan))
     assert len(set(colors)) == 4
@@ -101,11 +106,11 @@ def test_axis_of_is_logarithmic_for_ranges_by_factors():
 
 def test_case_colors_stay_with_their_cases():
     colors = CaseColors()
-    first = dict(colors.of([4, 9]))
-    second = colors.of([9, 1])
+    first = dict(colors.colors_of([4, 9]))
+    second = colors.colors_of([9, 1])
     assert second[9] == first[9]
     assert second[1] != second[9]
-    assert len(set(colors.of(range(30)).values())) == len(colors.of(range(30))) == 8
+    assert len(set(colors.colors_of(range(30)).values())) == len(colors.colors_of(range(30))) == 8
 
 
 def test_shown_columns_sort_states_by_their_meaning_and_texts_by_the_alphabet():
@@ -115,22 +120,22 @@ def test_shown_columns_sort_states_by_their_meaning_and_texts_by_the_alphabet():
         for k, status in enumerate(states)
     )
     found = {column.name: column for column in shown_columns(ResultTable(("#note",), rows))}
-    assert not found["status"].numeric
-    order = [states[k] for k in np.argsort(found["status"].keys)]
+    assert not found["status"].is_numeric
+    order = [states[k] for k in np.argsort(found["status"].sort_keys)]
     assert order == ["done", "failed", "wrong", "duplicate", "waiting"]
-    assert np.argsort(found["plan #note"].keys).tolist() == [4, 3, 2, 1, 0]
-    assert found["line"].keys.tolist() == [2.0, 3.0, 4.0, 5.0, 6.0]
+    assert np.argsort(found["plan #note"].sort_keys).tolist() == [4, 3, 2, 1, 0]
+    assert found["line"].sort_keys.tolist() == [2.0, 3.0, 4.0, 5.0, 6.0]
     assert list(found)[:3] == ["line", "plan #note", "status"]
     assert list(found)[-1] == "sentence"
 
 
 def test_result_columns_have_a_translatable_title_for_each_column_of_a_plan():
-    assert set(PLAN_TITLES) | {MOTION} == set(COLUMNS)
+    assert set(PLAN_TITLES) | {MOTION_COLUMN} == set(COLUMNS)
 
 
 def test_axis_of_is_no_finer_than_what_is_shown():
     rows = [(["9"], {"area_error": error}) for error in (1e-12, -4e-13)]
-    column = named(columns_of(table(["steps"], *rows)))["Area change"]
+    column = named(result_columns(table(["steps"], *rows)))["Area change"]
     assert set(column.texts) == {"0.00 %"}
     axis, _ = axis_of(column)
     assert axis.high - axis.low >= 0.01

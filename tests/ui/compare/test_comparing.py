@@ -18,11 +18,11 @@ from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.convergence import Convergence
-from apd_viewer.presentation.method_readings import columns
+from apd_viewer.presentation.method_readings import reading_columns
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.compare.method_table import OutcomeTable
+from apd_viewer.ui.compare.method_table import MethodTable
 from apd_viewer.ui.filing import file_dialogs, unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 
 CTRL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
 SETTLED = 30_000
@@ -50,7 +50,7 @@ def paint_ends(window):
 @pytest.fixture
 def ready(compiled, monkeypatch):
     """The solver has its kernels."""
-    monkeypatch.setattr("apd_viewer.session.processes.solver.warm_up", lambda: None)
+    monkeypatch.setattr("apd_viewer.session.processes.request_solver.warm_up", lambda: None)
 
 
 @pytest.fixture
@@ -60,18 +60,18 @@ def bar(qtbot, window, ready):
 
 
 def bent(qtbot, window):
-    window.filing.show_mesh(Mesh(*box(2, 2, 6)))
+    window.files.show_mesh(Mesh(*box(2, 2, 6)))
     idle(qtbot, window)
-    window.session.settings.keep_apart(False)
+    window.session.settings.set_contact(False)
     paint_ends(window)
-    window.session.handles.pose(BENT, 0, "bend")
+    window.session.handles.set_pose(BENT, 0, "bend")
     idle(qtbot, window)
     return window
 
 
 def opened(qtbot, window):
     window.actions_.pose.compare.trigger()
-    side = window.comparing.window
+    side = window.comparison.window
     qtbot.waitExposed(side)
     return side
 
@@ -89,7 +89,7 @@ def another(qapp, tmp_path_factory):
     kept = KeptWindow(QSettings(str(place), QSettings.Format.IniFormat))
     with pytest.MonkeyPatch.context() as patch:
         yield kept
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
         kept.close()
 
 
@@ -97,23 +97,25 @@ def another(qapp, tmp_path_factory):
 def compared(qtbot, another, unasked, ready):
     """The same, for tests that leave the methods and their shapes alone; with the main window."""
     main = another.opened(qtbot)
-    side = main.comparing.window or settled(qtbot, bent(qtbot, main))
+    side = main.comparison.window or settled(qtbot, bent(qtbot, main))
     return main, side
 
 
 def settled(qtbot, bar):
     side = opened(qtbot, bar)
-    qtbot.waitUntil(lambda: all(view.said[0] == "converged" for view in side.views.values()), timeout=SETTLED)
+    qtbot.waitUntil(
+        lambda: all(view.status_texts[0] == "converged" for view in side.views.values()), timeout=SETTLED
+    )
     qtbot.waitUntil(lambda: all(view.values is not None for view in side.views.values()), timeout=SETTLED)
     state = bar.session.store.state
-    change = Deviation(state.document.mesh.V, state.skin.joined, state.skin.source)
+    change = Deviation(state.document.mesh.V, state.surface_index.joined, state.surface_index.source)
     qtbot.waitUntil(lambda: measured(side, change), timeout=SETTLED)
     return side
 
 
 def measured(side, change):
     """Whether what was measured last is what has settled."""
-    return all(np.array_equal(v.values, change.area(v.surface.shape)) for v in side.views.values())
+    return all(np.array_equal(v.values, change.area_change(v.surface.shape)) for v in side.views.values())
 
 
 def cells(side):
@@ -140,7 +142,7 @@ def alone(window, method):
     return apd_viewer.deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles, **given)
 
 
-def test_outcome_table_says_what_each_method_comes_to_alone(compared):
+def test_method_table_says_what_each_method_comes_to_alone(compared):
     bar, side = compared
     found = cells(side)
     assert list(found) == ["ARAP", "Paper (Li & Hui)", "Exact", "Local"]
@@ -163,7 +165,7 @@ def test_outcome_table_says_what_each_method_comes_to_alone(compared):
     [(0.0, "0"), (1e-17, "0"), (0.012345678, "+1.2346"), (-5e-4, "−0.0500"), (-2.66e-15, "−3·10⁻¹³")],
 )
 def test_method_readings_write_errors_with_the_digits_that_count(painted_bottle, value, text):
-    written = {column.title: column.written for column in columns(painted_bottle, Unit.NONE)}
+    written = {column.title: column.cell_text for column in reading_columns(painted_bottle, Unit.NONE)}
     assert written["Area error"]({"area_miss": value}) == text + "\u00a0%"
 
 
@@ -172,22 +174,24 @@ def test_linked_views_turn_all_when_one_is_turned(qtbot, compared):
     views = [view.viewport for view in side.views.values()]
     sizes = {(view.width(), view.height()) for view in views}
     assert max(w for w, _ in sizes) - min(w for w, _ in sizes) <= 1
-    before, draws = views[0].look.eye, [view.draws for view in views]
+    before, draws = views[0].camera_controller.camera, [view.draw_count for view in views]
     Mouse(views[2]).drag((10, 10), (60, 30), (90, 40))
-    assert np.linalg.norm(views[0].look.eye.position - before.position) > 0.1 * before.distance
+    assert (
+        np.linalg.norm(views[0].camera_controller.camera.position - before.position) > 0.1 * before.distance
+    )
     for view in views:
-        assert view.look.eye.key[:9] == views[0].look.eye.key[:9]
-    qtbot.waitUntil(lambda: all(v.draws > n for v, n in zip(views, draws, strict=True)))
+        assert view.camera_controller.camera.key[:9] == views[0].camera_controller.camera.key[:9]
+    qtbot.waitUntil(lambda: all(v.draw_count > n for v, n in zip(views, draws, strict=True)))
     Mouse(views[1]).wheel(centre(views[1]), 2)
-    assert views[3].look.eye.distance < 0.99 * before.distance
+    assert views[3].camera_controller.camera.distance < 0.99 * before.distance
     side.activateWindow()
     qtbot.waitUntil(side.isActiveWindow)
     qtbot.keyClick(views[3], Qt.Key.Key_3)
-    direction = views[0].look.eye.position - views[0].look.eye.focal
+    direction = views[0].camera_controller.camera.position - views[0].camera_controller.camera.focal
     np.testing.assert_allclose(direction / np.linalg.norm(direction), [1.0, 0.0, 0.0], atol=1e-9)
     qtbot.keyClick(views[0], Qt.Key.Key_F)
     for view, shown in zip(views, side.views.values(), strict=True):
-        at = view.look.eye.project(shown.surface.U)
+        at = view.camera_controller.camera.project(shown.surface.U)
         assert (at > 0).all()
         assert (at < [view.width(), view.height()]).all()
 
@@ -204,7 +208,7 @@ def test_shared_scale_gives_equal_values_equal_colors_in_all_views(qtbot, compar
         end = np.log(1.04)
         expected = np.clip(128 + 127 * view.values / end, 1, 255)
         np.testing.assert_allclose(view.surface.shades, expected, atol=0.51)
-        assert view.surface.worn is side.views["arap"].surface.worn
+        assert view.surface.color_map is side.views["arap"].surface.color_map
     assert all(len(shades) == 1 for shades in colors.values())
     assert {1, 255} <= {shade for shades in colors.values() for shade in shades}
     all_values = np.concatenate([view.values for view in side.views.values()])
@@ -218,17 +222,17 @@ def test_shared_scale_gives_equal_values_equal_colors_in_all_views(qtbot, compar
 def test_linked_views_read_the_place_under_the_cursor_on_every_shape(compared):
     _, side = compared
     view = side.views["exact"]
-    at = view.viewport.look.eye.project(view.surface.U.mean(axis=0)[None])[0]
+    at = view.viewport.camera_controller.camera.project(view.surface.U.mean(axis=0)[None])[0]
     Mouse(view.viewport).move(at, NONE)
-    place = view.pointer.place
-    corners = view.surface.skin.F[place.face]
-    point = place.shares @ view.surface.U[corners]
-    np.testing.assert_allclose(view.viewport.look.eye.project(point[None])[0], at, atol=0.1)
+    place = view.probe.marked_point
+    corners = view.surface.surface_index.F[place.face]
+    point = place.weights @ view.surface.U[corners]
+    np.testing.assert_allclose(view.viewport.camera_controller.camera.project(point[None])[0], at, atol=0.1)
     for other in side.views.values():
-        value = 100.0 * np.expm1(place.shares @ other.values[corners])
-        assert number(other.read) == pytest.approx(value, rel=6e-3, abs=1e-2)
+        value = 100.0 * np.expm1(place.weights @ other.values[corners])
+        assert number(other.marked_value) == pytest.approx(value, rel=6e-3, abs=1e-2)
     view.viewport.leaveEvent(None)
-    assert {other.read for other in side.views.values()} == {""}
+    assert {other.marked_value for other in side.views.values()} == {""}
 
 
 def asked(monkeypatch, path):
@@ -270,7 +274,7 @@ def test_write_picture_draws_all_shapes_and_leaves_the_views_as_they_were(
     pixels = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.bytesPerLine())
     pixels = pixels[:, : 3 * image.width()].reshape(image.height(), image.width(), 3).astype(int)
     drawn = (np.ptp(pixels, axis=2) > 60).reshape(image.height(), -1)
-    across = side.linked.across
+    across = side.linked.column_count
     for part in np.array_split(drawn[: image.height() * 3 // 4], across, axis=1):
         assert part.mean() > 0.002, "a view without a shape in colours"
     assert drawn[image.height() * 7 // 8 :].sum() > 100, "no legend"
@@ -290,24 +294,24 @@ def test_comparison_window_says_in_one_sentence_what_cannot_be_written(
 
 
 @pytest.mark.parametrize(("target", "said"), [(100.0, "100"), (97.25, "97.25"), (1000.0, "1000")])
-def test_columns_say_that_the_error_is_that_of_what_is_asked_for(bar, target, said):
+def test_reading_columns_say_that_the_error_is_that_of_what_is_asked_for(bar, target, said):
     bar.session.settings.set_area(target)
-    titles = {column.title: column.tip for column in columns(bar.session.store.state, Unit.NONE)}
+    titles = {column.title: column.tip for column in reading_columns(bar.session.store.state, Unit.NONE)}
     assert titles["Area error"] == f"Deviation of the area from its target of {said} %"
 
 
 def test_comparison_window_compares_two_at_least_and_remembers_the_choice(qtbot, bar, side):
     for method in ("local", "paper"):
         qtbot.mouseClick(side.checks[method], LEFT)
-    assert side.chosen == ["arap", "exact"]
+    assert side.chosen_methods == ["arap", "exact"]
     assert [method for method, check in side.checks.items() if not check.isEnabled()] == ["arap", "exact"]
     qtbot.mouseClick(side.checks["arap"], LEFT)
-    assert side.chosen == ["arap", "exact"]
+    assert side.chosen_methods == ["arap", "exact"]
     assert list(cells(side)) == ["ARAP", "Exact"]
     assert [view.isVisible() for view in side.views.values()] == [True, False, True, False]
     side.close()
     again = opened(qtbot, bar)
-    assert again.chosen == ["arap", "exact"]
+    assert again.chosen_methods == ["arap", "exact"]
 
 
 def endless(monkeypatch):
@@ -328,23 +332,23 @@ def test_comparison_window_leaves_nothing_when_closed_in_the_middle(qtbot, bar, 
     own = len(solvers())
     endless(monkeypatch)
     side = opened(qtbot, bar)
-    qtbot.waitUntil(lambda: side.views["arap"].said[0].startswith("iteration"), timeout=SETTLED)
+    qtbot.waitUntil(lambda: side.views["arap"].status_texts[0].startswith("iteration"), timeout=SETTLED)
     assert len(solvers()) == own + 2
-    assert side.views["exact"].said[0] == "queued"
+    assert side.views["exact"].status_texts[0] == "queued"
     assert re.fullmatch(r"ARAP \(1 of 4\): iteration [\d,]+", side.status.text())
     side.close()
     assert len(solvers()) == own
-    assert bar.comparing.window is None
+    assert bar.comparison.window is None
 
 
 def test_comparison_window_stops_by_esc_and_goes_with_the_main_window(qtbot, bar, monkeypatch):
     own = len(solvers())
     endless(monkeypatch)
     side = opened(qtbot, bar)
-    qtbot.waitUntil(lambda: side.views["arap"].said[0].startswith("iteration"), timeout=SETTLED)
+    qtbot.waitUntil(lambda: side.views["arap"].status_texts[0].startswith("iteration"), timeout=SETTLED)
     qtbot.keyClick(side.views["arap"].viewport, Qt.Key.Key_Escape)
-    assert side.views["arap"].said[0].startswith("stopped at iteration")
-    assert side.views["local"].said[0] == "not started"
+    assert side.views["arap"].status_texts[0].startswith("stopped at iteration")
+    assert side.views["local"].status_texts[0] == "not started"
     assert len(solvers()) == own
     assert side.isVisible()
     bar.shell.close()
@@ -353,7 +357,7 @@ def test_comparison_window_stops_by_esc_and_goes_with_the_main_window(qtbot, bar
 
 def test_comparison_window_takes_again_what_the_main_window_shows_now(qtbot, bar, side):
     before = cells(side)["Exact"]["Energy"]
-    bar.session.handles.reset(0)
+    bar.session.handles.reset_handle(0)
     idle(qtbot, bar)
     bar.session.rest_shape.restore()
     idle(qtbot, bar)
@@ -362,10 +366,10 @@ def test_comparison_window_takes_again_what_the_main_window_shows_now(qtbot, bar
     assert cells(side)["Exact"]["Energy"] == before
     pose = BENT.copy()
     pose[0, 3] += 1.0
-    bar.session.handles.pose(pose, 0, "bend")
+    bar.session.handles.set_pose(pose, 0, "bend")
     qtbot.mouseClick(side.again, LEFT)
     done = side.comparison
-    qtbot.waitUntil(lambda: done.under_way is None, timeout=SETTLED)
+    qtbot.waitUntil(lambda: done.current_method is None, timeout=SETTLED)
     assert number(cells(side)["Exact"]["Energy"]) == pytest.approx(alone(bar, "exact").energy, rel=6e-5)
     assert cells(side)["Exact"]["Energy"] != before
 
@@ -378,7 +382,7 @@ def test_comparison_window_measures_lengths_in_the_unit_that_is_chosen_for_the_m
             unit = {"Energy": "\u00a0cm²", "Handle drift": "\u00a0cm"}.get(title, "")
             assert text == before[method][title] + unit
     assert side.status.text() == status
-    bar.filing.show_mesh(Mesh(*box(2, 2, 4)))
+    bar.files.show_mesh(Mesh(*box(2, 2, 4)))
     idle(qtbot, bar)
     bar.choose_unit(Unit.METRE)
     assert cells(side)["Exact"]["Energy"].endswith("cm²"), "that is another mesh"
@@ -387,18 +391,18 @@ def test_comparison_window_measures_lengths_in_the_unit_that_is_chosen_for_the_m
 def test_comparing_says_what_is_missing(qtbot, window):
     action = window.actions_.pose.compare
     assert not action.isEnabled()
-    window.filing.show_mesh(Mesh(*box(2, 2, 6)))
+    window.files.show_mesh(Mesh(*box(2, 2, 6)))
     idle(qtbot, window)
     assert action.isEnabled()
     window.shell.activateWindow()
     qtbot.waitUntil(window.shell.isActiveWindow)
     qtbot.keyClick(window.canvas.viewport, Qt.Key.Key_M, CTRL_SHIFT)
-    qtbot.waitUntil(lambda: window.notice.text == document(window).problem)
+    qtbot.waitUntil(lambda: window.notice.text == document(window).paint_problem)
     paint_ends(window)
     idle(qtbot, window)
     action.trigger()
     assert "move a handle first" in window.notice.text
-    assert window.comparing.window is None
+    assert window.comparison.window is None
 
 
 def test_method_view_says_that_its_method_has_failed(qtbot, bar, monkeypatch, capfd):
@@ -411,19 +415,19 @@ def test_method_view_says_that_its_method_has_failed(qtbot, bar, monkeypatch, ca
 
     monkeypatch.setattr(apd_viewer.Deformation, "iterate", failing)
     side = opened(qtbot, bar)
-    qtbot.waitUntil(lambda: side.views["local"].said[0] == "converged", timeout=SETTLED)
-    state, note = side.views["paper"].said
+    qtbot.waitUntil(lambda: side.views["local"].status_texts[0] == "converged", timeout=SETTLED)
+    state, note = side.views["paper"].status_texts
     assert state == "failed"
     assert note.startswith("Not enough memory")
     assert set(cells(side)["Paper (Li & Hui)"].values()) == {""}
-    assert side.views["exact"].said == ("converged", "")
+    assert side.views["exact"].status_texts == ("converged", "")
 
 
-def test_outcome_table_does_not_cut_off_titles_of_columns_in_a_narrow_window(qtbot):
-    table = OutcomeTable()
+def test_method_table_does_not_cut_off_titles_of_columns_in_a_narrow_window(qtbot):
+    table = MethodTable()
     qtbot.addWidget(table)
     titles = ["Area", "A title of another language", "Time"]
-    table.begin([SimpleNamespace(title=title, tip="") for title in titles])
+    table.set_columns([SimpleNamespace(title=title, tip="") for title in titles])
     table.resize(200, 100)
     table.show()
     head = table.horizontalHeader()

@@ -23,7 +23,7 @@ def test_file_open_events_open_a_file_from_the_finder_once_there_is_a_session(qa
         path = str(tmp_path / "bottle.obj")
         assert QApplication.sendEvent(qapp, QFileOpenEvent(QUrl.fromLocalFile(path)))
         assert opened == []
-        requests.serve(opened)
+        requests.set_opener(opened)
         assert opened == [path]
         QApplication.sendEvent(qapp, QEvent(QEvent.Type.ApplicationPaletteChange))
         QApplication.sendEvent(qapp, QFileOpenEvent(QUrl("https://example.org/bottle.obj")))

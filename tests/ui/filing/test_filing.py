@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.filing import file_dialogs
@@ -21,24 +21,27 @@ from apd_viewer.ui.workbench import Workbench
 def chosen(monkeypatch):
     """What the next file dialogs answer."""
     answers = {}
-    for name in ("ask_for_session", "ask_for_selection", "ask_where_to_put_selection", "ask_for_mesh"):
+    names = "ask_where_to_put_session", "ask_for_selection", "ask_where_to_put_selection", "ask_for_mesh"
+    for name in names:
         monkeypatch.setattr(file_dialogs, name, lambda *_, name=name: answers[name])
     return answers
 
 
 def test_open_path_shows_the_same_picture_of_a_saved_session_again(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "twisted.apd"
-    bottle.session.handles.move_by(TypedMotion.TWIST, "45", 0)
+    bottle.session.handles.move_by(MotionKind.TWIST, "45", 0)
     bottle.choose_unit(Unit.INCH)
-    bottle.canvas.viewport.look.eye = bottle.canvas.viewport.look.eye.orbited(60, 20)
+    bottle.canvas.viewport.camera_controller.camera = bottle.canvas.viewport.camera_controller.camera.orbited(
+        60, 20
+    )
     idle(qtbot, bottle)
-    chosen["ask_for_session"] = path, False
+    chosen["ask_where_to_put_session"] = path, False
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
     assert path.name in bottle.notice.text
     before, picture = bottle.session.store.state, bottle.canvas.viewport.screenshot()
 
-    bottle.filing.open_sample("duck")
+    bottle.files.open_sample("duck")
     idle(qtbot, bottle)
     assert bottle.session.store.unit is Unit.CENTIMETRE
     chosen["ask_for_mesh"] = path
@@ -51,23 +54,23 @@ def test_open_path_shows_the_same_picture_of_a_saved_session_again(qtbot, bottle
     again = bottle.canvas.viewport.screenshot()
     # Points are drawn in single precision, seen from the middle of the shape that was opened.
     assert np.abs(again.astype(int) - picture).max() <= 1
-    assert path in bottle.memory.recent
+    assert path in bottle.preferences.recent_files
 
 
 def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "s.apd"
-    chosen["ask_for_session"] = path, True
+    chosen["ask_where_to_put_session"] = path, True
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
     size = path.stat().st_size
-    chosen["ask_for_session"] = None
-    bottle.session.handles.move_by(TypedMotion.TWIST, "5", 0)
+    chosen["ask_where_to_put_session"] = None
+    bottle.session.handles.move_by(MotionKind.TWIST, "5", 0)
     idle(qtbot, bottle)
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
     assert path.stat().st_size > size, "the shape is in it now, and the mesh still"
-    assert not bottle.session.saved_work.unsaved
-    bottle.filing.open_sample("duck")
+    assert not bottle.session.saved_work.is_unsaved
+    bottle.files.open_sample("duck")
     idle(qtbot, bottle)
     bottle.actions_.file.save.trigger()  # another mesh is another session: asked again, nothing chosen
     idle(qtbot, bottle)
@@ -76,8 +79,8 @@ def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, t
 
 def test_file_requests_open_a_session_at_the_start_of_a_window(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "s.apd"
-    chosen["ask_for_session"] = path, False
-    bottle.session.handles.move_by(TypedMotion.TWIST, "30", 0)
+    chosen["ask_where_to_put_session"] = path, False
+    bottle.session.handles.move_by(MotionKind.TWIST, "30", 0)
     idle(qtbot, bottle)
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
@@ -125,22 +128,22 @@ WITHOUT_TARGET = [measure for measure in Measure if not measure.name.startswith(
 
 
 @pytest.mark.parametrize("measure", [None, *WITHOUT_TARGET])
-def test_look_as_shows_the_overlay_that_was_shown_with_a_session(qtbot, bottle, tmp_path, measure):
-    heat, path = bottle.looks.heat, tmp_path / "a.apd"
-    heat.choose(measure)
+def test_restore_view_shows_the_overlay_that_was_shown_with_a_session(qtbot, bottle, tmp_path, measure):
+    heat, path = bottle.display_options.overlay, tmp_path / "a.apd"
+    heat.choose_measure(measure)
     bottle.session.files.save(path, bottle.view())
     idle(qtbot, bottle)
-    heat.choose(Measure.STRAIN if measure is Measure.AREA else Measure.AREA)
-    bottle.filing.open_path(path)
+    heat.choose_measure(Measure.STRAIN if measure is Measure.AREA else Measure.AREA)
+    bottle.files.open_path(path)
     qtbot.waitUntil(lambda: heat.measure is measure)
-    assert bottle.actions_.looks.off.isChecked() == (measure is None)
+    assert bottle.actions_.display.no_overlay.isChecked() == (measure is None)
 
 
 @pytest.mark.parametrize("said", [None, "what a later version shows"])
-def test_look_as_leaves_the_overlay_for_a_session_that_says_none_that_there_is(bottle, said):
-    bottle.looks.heat.choose(Measure.AREA)
-    bottle.measuring.look_as(View(overlay=said))
-    assert bottle.looks.heat.measure is Measure.AREA
+def test_restore_view_leaves_the_overlay_for_a_session_that_says_none_that_there_is(bottle, said):
+    bottle.display_options.overlay.choose_measure(Measure.AREA)
+    bottle.volume.restore_view(View(overlay=said))
+    assert bottle.display_options.overlay.measure is Measure.AREA
 
 
 @pytest.mark.parametrize(

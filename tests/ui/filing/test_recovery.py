@@ -16,20 +16,20 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
-from apd_viewer.session.storage.recovery import leftovers
+from apd_viewer.session.storage.recovery_file import find_recovery_files
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.ui.application import recovery_folder
 from apd_viewer.ui.filing import file_dialogs, unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 
 SLOW = 20_000  # ms; nothing here should come near it
 PROGRAM = """
 import sys
 from pathlib import Path
 from PySide6.QtCore import QSettings
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.ui.application import make_application
 application = make_application([])
 from apd_viewer.ui.shell import Shell
@@ -40,7 +40,7 @@ shell.requests.open_sample("bottle")
 shell.show()
 window = Workbench(shell, folder / "recovery")
 assert window.session.wait_idle(20.0)
-window.session.handles.move_by(TypedMotion.TWIST, "20", 0)
+window.session.handles.move_by(MotionKind.TWIST, "20", 0)
 assert window.session.wait_idle(20.0)
 application.exec()
 """
@@ -51,8 +51,8 @@ def duck(tmp_path):
     """A duck of one's own, stretched a little: a state that is in no file."""
     mesh, labels = open_sample("duck")
     save_mesh(mesh, mesh.V, tmp_path / "my duck.obj")
-    state = opened(open_mesh(tmp_path / "my duck.obj"), labels)
-    return state.at(frame=replace(state.frame, U=frozen(state.frame.U * [1.0, 1.1, 1.0])))
+    state = initial_state(open_mesh(tmp_path / "my duck.obj"), labels)
+    return state.updated(frame=replace(state.frame, U=frozen(state.frame.U * [1.0, 1.1, 1.0])))
 
 
 def leave(folder, state, name="1-1", age=185.0):
@@ -90,7 +90,8 @@ def test_autosave_keeps_a_drag_with_the_mouse_and_nothing_without_a_folder(qtbot
     def is_kept():
         state, view = open_session(folder / files(folder)[0])
         assert np.array_equal(state.frame.U, U)
-        assert view == window.measuring.in_view(window.canvas.view.saved(window.session.store.unit.value))
+        saved = window.canvas.view.saved_view(window.session.store.unit.value)
+        assert view == window.volume.with_wall_and_overlay(saved)
 
     qtbot.waitUntil(lambda: files(folder) != [], timeout=SLOW)
     qtbot.waitUntil(is_kept, timeout=SLOW)
@@ -103,15 +104,15 @@ def test_restore_gives_unsaved_work_that_is_saved_only_where_one_says(
     save_session(tmp_path / "earlier.apd", duck, View())
     earlier = (tmp_path / "earlier.apd").read_bytes()
     asked, answers = [], []
-    monkeypatch.setattr(file_dialogs, "ask_for_session", lambda *_: asked.append(1) or answers.pop())
+    monkeypatch.setattr(file_dialogs, "ask_where_to_put_session", lambda *_: asked.append(1) or answers.pop())
     window = started()
     assert window.recovery.text == "Unsaved work: my duck.obj, 3 minutes ago"
-    window.filing.open_path(tmp_path / "earlier.apd")
+    window.files.open_path(tmp_path / "earlier.apd")
     idle(qtbot, window)
-    assert not window.session.saved_work.unsaved
+    assert not window.session.saved_work.is_unsaved
     restore(qtbot, window)
     assert document(window).mesh.name == "my duck.obj"
-    assert window.session.saved_work.unsaved
+    assert window.session.saved_work.is_unsaved
     answers[:] = [None]
     window.actions_.file.save.trigger()
     idle(qtbot, window)
@@ -123,30 +124,30 @@ def test_restore_gives_unsaved_work_that_is_saved_only_where_one_says(
     idle(qtbot, window)
     assert (tmp_path / "mine.apd").exists()
     assert (tmp_path / "earlier.apd").read_bytes() == earlier
-    assert not window.session.saved_work.unsaved
+    assert not window.session.saved_work.is_unsaved
 
 
 def test_restore_brings_what_was_baked_back_with_its_own_file_and_folder(
     qtbot, started, folder, duck, tmp_path
 ):
-    leave(folder, opened(duck.document.mesh.baked(duck.frame.U), duck.document.labels))
+    leave(folder, initial_state(duck.document.mesh.baked(duck.frame.U), duck.document.labels))
     window = started()
     restore(qtbot, window)
     assert document(window).mesh.path == tmp_path / "my duck.obj"
     assert np.array_equal(document(window).mesh.V, duck.frame.U)
-    assert window.shell.memory.recent == [tmp_path / "my duck.obj"]
-    assert window.shell.memory.folder == tmp_path
+    assert window.shell.preferences.recent_files == [tmp_path / "my duck.obj"]
+    assert window.shell.preferences.last_folder == tmp_path
 
 
 def test_restore_does_not_remember_a_mesh_whose_file_is_gone(qtbot, started, folder, duck, tmp_path):
-    leave(folder, opened(duck.document.mesh.baked(duck.frame.U), duck.document.labels))
+    leave(folder, initial_state(duck.document.mesh.baked(duck.frame.U), duck.document.labels))
     (tmp_path / "my duck.obj").unlink()
     window = started()
-    before = window.shell.memory.folder
+    before = window.shell.preferences.last_folder
     restore(qtbot, window)
     assert document(window).mesh.name == "my duck.obj"
-    assert window.shell.memory.recent == []
-    assert window.shell.memory.folder == before
+    assert window.shell.preferences.recent_files == []
+    assert window.shell.preferences.last_folder == before
 
 
 @pytest.mark.night
@@ -161,7 +162,7 @@ def test_autosave_keeps_what_was_restored_for_another_crash(qtbot, started, fold
 
 def test_recovery_bar_offers_the_newest_first_and_the_others_stay(qtbot, started, folder, duck):
     leave(folder, duck, "1-1", age=7300.0)
-    leave(folder, opened(*open_sample("cloth")), "2-1", age=61.0)
+    leave(folder, initial_state(*open_sample("cloth")), "2-1", age=61.0)
     leave(folder, duck, "3-1", age=3 * 86400.0)
     leave(folder, duck, "4-1", age=31 * 86400.0)
     window = started()
@@ -250,7 +251,7 @@ def test_recovery_bar_fits_into_a_small_window_whatever_the_mesh_is_called(
 ):
     path = tmp_path / f"{'long ' * 40}.obj"
     save_mesh(duck.document.mesh, duck.document.mesh.V, path)
-    leave(folder, opened(open_mesh(path)))
+    leave(folder, initial_state(open_mesh(path)))
     window = started()
     window.shell.resize(window.shell.minimumSize())
     work_off()
@@ -266,7 +267,7 @@ def test_autosave_goes_on_in_a_window_that_is_not_closed_because_of_the_question
     restore(qtbot, window)
     qtbot.waitUntil(lambda: "1-1.apd" not in files(folder), timeout=SLOW)
     with monkeypatch.context() as patch:
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.CANCEL)
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.CANCEL)
         assert not window.shell.close()
     assert len(files(folder)) == 1
     assert window.shell.close()
@@ -282,7 +283,7 @@ def test_recovery_bar_offers_the_work_of_a_killed_program_in_the_next_and_not_be
     with subprocess.Popen([sys.executable, "-c", PROGRAM, str(tmp_path)]) as program:
         try:
             qtbot.waitUntil(lambda: files(folder) != [] or program.poll() is not None, timeout=60_000)
-            assert leftovers(folder) == [], "it lives"
+            assert find_recovery_files(folder) == [], "it lives"
             first = started()
             assert not first.recovery.text
         finally:

@@ -6,7 +6,7 @@ from driving import idle
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QImage
 
-from apd_viewer.session.storage.session_picture import PICTURE_SIDE, picture_in
+from apd_viewer.session.storage.session_picture import PICTURE_SIDE, session_picture
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.scene.scene_picture import scene_picture, small_picture
 
@@ -15,7 +15,7 @@ from apd_viewer.ui.scene.scene_picture import scene_picture, small_picture
 def saved(qtbot, bottle, tmp_path, monkeypatch):
     """Saves the session of the window, and returns its file."""
     path = tmp_path / "s.apd"
-    monkeypatch.setattr(file_dialogs, "ask_for_session", lambda *_: (path, True))
+    monkeypatch.setattr(file_dialogs, "ask_where_to_put_session", lambda *_: (path, True))
 
     def save():
         bottle.actions_.file.save.trigger()
@@ -33,7 +33,7 @@ def covered(image):
 
 
 def test_small_picture_is_of_what_the_view_shows_and_of_nothing_around_it(bottle, saved):
-    image = QImage.fromData(picture_in(saved()), "PNG")
+    image = QImage.fromData(session_picture(saved()), "PNG")
     assert max(image.width(), image.height()) == PICTURE_SIDE
     whole = covered(scene_picture(bottle.canvas.viewport, QSize(1200, 800), transparent=True))
     shape = whole.any(axis=1).sum() / whole.any(axis=0).sum()

@@ -44,7 +44,7 @@ def of_inches(tmp_path):
 
 
 def opened(qtbot, window, path):
-    window.filing.open_path(path)
+    window.files.open_path(path)
     idle(qtbot, window)
 
 
@@ -66,11 +66,13 @@ def test_export_turns_inches_into_meters_in_a_glb(qtbot, window, of_inches, tmp_
     assert window.panel.area.unit.text() == "m"
 
 
-def test_health_says_of_an_opened_mesh_that_it_is_in_several_places(qtbot, window, instanced, tmp_path):
+def test_findings_controller_says_that_an_opened_mesh_is_in_several_places(
+    qtbot, window, instanced, tmp_path
+):
     opened(qtbot, window, instanced)
     assert document(window).mesh.unit == "m"
-    qtbot.mouseClick(window.health.badge, Qt.MouseButton.LeftButton)
-    assert "one mesh in 2 places" in window.health.list.rows[0].accessibleName()
+    qtbot.mouseClick(window.findings.badge, Qt.MouseButton.LeftButton)
+    assert "one mesh in 2 places" in window.findings.list.rows[0].accessibleName()
     window.session.files.export(tmp_path / "same.glb")
     idle(qtbot, window)
     assert (tmp_path / "same.glb").read_bytes() == instanced.read_bytes()

@@ -20,11 +20,11 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model import state
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 
 ASK = unsaved_question.ask_before_leaving
 SLOW = 20_000  # ms; nothing here should come near it
@@ -46,7 +46,7 @@ def bar(tmp_path_factory):
     labels = np.full(len(V), FREE, np.uint8)
     for ids, label in zip(ends(V), (BASE, HANDLE), strict=True):
         labels[ids] = label
-    return state.opened(open_mesh(path), labels)
+    return state.initial_state(open_mesh(path), labels)
 
 
 @pytest.fixture
@@ -65,7 +65,7 @@ def pair(qapp, tmp_path_factory):
     pair = [KeptWindow(QSettings(place, QSettings.Format.IniFormat)) for place in places]
     with pytest.MonkeyPatch.context() as patch:
         yield pair
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
         for kept in pair:
             kept.close()
 
@@ -80,13 +80,13 @@ def open_window(qtbot, path, pair, monkeypatch):
         return opened(qtbot, used[-1].opened(qtbot), path)
 
     yield open_window
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
     for kept in used:
         kept.reset(qtbot)
 
 
 def opened(qtbot, window, path):
-    window.filing.open_path(path)
+    window.files.open_path(path)
     idle(qtbot, window)
     return window
 
@@ -102,7 +102,7 @@ def person(monkeypatch):
 
 
 def twist(qtbot, window, degrees=20):
-    window.session.handles.move_by(TypedMotion.TWIST, str(degrees), 0)
+    window.session.handles.move_by(MotionKind.TWIST, str(degrees), 0)
     idle(qtbot, window)
 
 
@@ -129,7 +129,7 @@ def clash(qtbot, open_window, path):
     twist(qtbot, second, -15)
     save(qtbot, first)
     assert np.array_equal(shape(path), first.session.store.state.frame.U)
-    assert not first.session.saved_work.unsaved
+    assert not first.session.saved_work.is_unsaved
     return first, second
 
 
@@ -163,11 +163,11 @@ def test_save_asks_the_second_window_which_loses_nothing_by_a_key(qtbot, open_wi
     assert path.read_bytes() == before
     renamed = answer in (Qt.Key.Key_Return, "Save as…")
     assert person.target.exists() == renamed
-    assert second.session.saved_work.unsaved != renamed
+    assert second.session.saved_work.is_unsaved != renamed
     assert np.array_equal(second.session.store.state.frame.U, U)
     if renamed:
         assert np.array_equal(shape(person.target), U)
-    assert not first.session.saved_work.unsaved
+    assert not first.session.saved_work.is_unsaved
 
 
 def test_saved_work_that_is_overwritten_is_unsaved_where_it_came_from(qtbot, open_window, path, person):
@@ -175,11 +175,11 @@ def test_saved_work_that_is_overwritten_is_unsaved_where_it_came_from(qtbot, ope
     person.will("Overwrite")
     saved(qtbot, person, second)
     assert np.array_equal(shape(path), second.session.store.state.frame.U)
-    assert not second.session.saved_work.unsaved
+    assert not second.session.saved_work.is_unsaved
     come_to(qtbot, first)
     assert first.shell.isWindowModified()
     assert "two.apd has been changed by another window or program" in first.notice.text
-    person.will(Answer.CANCEL)
+    person.will(UnsavedAnswer.CANCEL)
     first.shell.close()
     assert person.asked[1:] == ["Save changes to “two.apd” before closing?"]
     assert first.shell.isVisible()
@@ -191,11 +191,11 @@ def test_decision_to_reload_shows_the_file_and_undo_brings_the_work_back(qtbot, 
     person.will("Reload")
     saved(qtbot, person, second)
     assert np.array_equal(second.session.store.state.frame.U, first.session.store.state.frame.U)
-    assert not second.session.saved_work.unsaved
+    assert not second.session.saved_work.is_unsaved
     save(qtbot, second)
     second.session.gestures.undo()
     assert np.array_equal(second.session.store.state.frame.U, U)
-    assert second.session.saved_work.unsaved
+    assert second.session.saved_work.is_unsaved
     person.will("Cancel")
     saved(qtbot, person, second)
     assert person.asked == [QUESTION] * 2, "what the other window saved is not lost by this way either"
@@ -220,15 +220,15 @@ def test_decision_is_for_what_was_there_and_not_for_what_came_later(
     assert path.read_bytes() == third
 
 
-def test_may_leave_asks_both_questions_and_closes_once_it_is_safe(qtbot, open_window, path, person):
+def test_may_discard_work_asks_both_questions_and_closes_once_it_is_safe(qtbot, open_window, path, person):
     _, second = clash(qtbot, open_window, path)
     U = second.session.store.state.frame.U
-    person.will(Answer.SAVE, "Cancel")
+    person.will(UnsavedAnswer.SAVE, "Cancel")
     second.shell.close()
     qtbot.waitUntil(lambda: person.answers == [], timeout=SLOW)
     work_off()
     assert second.shell.isVisible()
-    person.will(Answer.SAVE, "Overwrite")
+    person.will(UnsavedAnswer.SAVE, "Overwrite")
     second.shell.close()
     qtbot.waitUntil(lambda: second.shell.is_closed, timeout=SLOW)
     assert np.array_equal(shape(path), U)
@@ -258,7 +258,7 @@ def test_save_asks_nobody_about_a_touch_or_the_same_again(qtbot, open_window, pa
         twist(qtbot, window, 5 + k)
         save(qtbot, window)
         os.utime(path, (0, 0))
-    assert not window.session.saved_work.unsaved
+    assert not window.session.saved_work.is_unsaved
     assert np.array_equal(shape(path), window.session.store.state.frame.U)
 
 
@@ -286,7 +286,7 @@ def test_saved_work_that_has_gone_is_unsaved_in_title_recovery_and_question(
     U = window.session.store.state.frame.U
     assert np.array_equal(shape(kept), U)
     person.target = tmp_path / "elsewhere.apd"
-    person.will(Answer.SAVE)
+    person.will(UnsavedAnswer.SAVE)
     with monkeypatch.context() as patch:
         patch.setattr(unsaved_question, "ask_before_leaving", ASK)
         window.shell.close()
@@ -294,10 +294,10 @@ def test_saved_work_that_has_gone_is_unsaved_in_title_recovery_and_question(
     assert np.array_equal(shape(person.target if folder_too else path), U)
 
 
-def test_may_leave_finds_by_closing_alone_that_the_file_has_gone(qtbot, open_window, path, person):
+def test_may_discard_work_finds_by_closing_alone_that_the_file_has_gone(qtbot, open_window, path, person):
     window = open_window()
     path.unlink()
-    person.will(Answer.CANCEL)
+    person.will(UnsavedAnswer.CANCEL)
     window.shell.close()
     assert person.asked == ["Save changes to “two.apd” before closing?"]
     assert window.shell.isVisible()

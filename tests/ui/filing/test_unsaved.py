@@ -10,16 +10,16 @@ from PySide6.QtWidgets import QFileDialog
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 
 ASK = unsaved_question.ask_before_leaving
 CHANGES = {
     "paint": lambda session: paint(session),
     "setting": lambda session: session.settings.set_stiffness(0.01),
-    "shape": lambda session: session.handles.move_by(TypedMotion.TWIST, "20", 0),
+    "shape": lambda session: session.handles.move_by(MotionKind.TWIST, "20", 0),
 }
 
 
@@ -37,7 +37,7 @@ def person(bottle, monkeypatch):
     monkeypatch.setattr(QFileDialog, "getSaveFileName", person.choose)
     monkeypatch.setattr(unsaved_question, "ask_before_leaving", ASK)
     yield person
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
     left, person.answers = person.answers, []  # to be given by nobody in the tests that follow
     assert left == [], "a question was not asked"
 
@@ -67,39 +67,39 @@ def has_left(qtbot, window, leaving, before):
 
 
 CHANGED = {
-    Answer.SAVE: "setting",
-    Answer.EXPORT: "shape",
-    Answer.DISCARD: "paint",
-    Answer.CANCEL: "paint",
+    UnsavedAnswer.SAVE: "setting",
+    UnsavedAnswer.EXPORT: "shape",
+    UnsavedAnswer.DISCARD: "paint",
+    UnsavedAnswer.CANCEL: "paint",
 }
 
 
 @pytest.mark.parametrize("leaving", LEAVING)
-@pytest.mark.parametrize("answer", Answer)
-def test_answer_does_what_it_says(qtbot, bottle, person, tmp_path, leaving, answer):
+@pytest.mark.parametrize("answer", UnsavedAnswer)
+def test_unsaved_answer_does_what_it_says(qtbot, bottle, person, tmp_path, leaving, answer):
     CHANGES[CHANGED[answer]](bottle.session)
     before = bottle.session.store.state
-    person.target = tmp_path / ("mine.apd" if answer is Answer.SAVE else "mine.obj")
+    person.target = tmp_path / ("mine.apd" if answer is UnsavedAnswer.SAVE else "mine.obj")
     person.will(answer)
     LEAVING[leaving](bottle)
-    assert has_left(qtbot, bottle, leaving, before) == (answer is not Answer.CANCEL)
+    assert has_left(qtbot, bottle, leaving, before) == (answer is not UnsavedAnswer.CANCEL)
     assert person.asked == [f"Save changes to “bottle.obj” before {END[leaving]}?"]
-    assert person.target.exists() == (answer in (Answer.SAVE, Answer.EXPORT))
-    if answer is Answer.SAVE:
+    assert person.target.exists() == (answer in (UnsavedAnswer.SAVE, UnsavedAnswer.EXPORT))
+    if answer is UnsavedAnswer.SAVE:
         assert open_session(person.target)[0].document.stiffness == before.document.stiffness
-    if answer is Answer.EXPORT:
+    if answer is UnsavedAnswer.EXPORT:
         assert len(open_mesh(person.target).V) == len(before.frame.U)
-    if answer is Answer.CANCEL:
+    if answer is UnsavedAnswer.CANCEL:
         assert bottle.session.store.state.document is before.document
         assert bottle.shell.isVisible()
 
 
 @pytest.mark.parametrize("leaving", LEAVING)
-def test_may_leave_asks_about_every_change_until_it_is_undone(qtbot, bottle, person, leaving):
+def test_may_discard_work_asks_about_every_change_until_it_is_undone(qtbot, bottle, person, leaving):
     before = bottle.session.store.state
     for change in CHANGES.values():
         change(bottle.session)
-        person.will(Answer.CANCEL)
+        person.will(UnsavedAnswer.CANCEL)
         LEAVING[leaving](bottle)
         assert bottle.shell.isVisible()
         bottle.session.gestures.undo()
@@ -109,8 +109,8 @@ def test_may_leave_asks_about_every_change_until_it_is_undone(qtbot, bottle, per
 
 
 @pytest.mark.parametrize("leaving", LEAVING)
-@pytest.mark.parametrize("answer", [Answer.SAVE, Answer.EXPORT])
-def test_may_leave_takes_no_leave_where_no_file_is_chosen(qtbot, bottle, person, leaving, answer):
+@pytest.mark.parametrize("answer", [UnsavedAnswer.SAVE, UnsavedAnswer.EXPORT])
+def test_may_discard_work_takes_no_leave_where_no_file_is_chosen(qtbot, bottle, person, leaving, answer):
     paint(bottle.session)
     before = bottle.session.store.state
     person.will(answer)
@@ -120,15 +120,15 @@ def test_may_leave_takes_no_leave_where_no_file_is_chosen(qtbot, bottle, person,
 
 
 @pytest.mark.parametrize("leaving", LEAVING)
-def test_may_leave_does_not_leave_what_cannot_be_saved(qtbot, bottle, person, tmp_path, leaving):
+def test_may_discard_work_does_not_leave_what_cannot_be_saved(qtbot, bottle, person, tmp_path, leaving):
     paint(bottle.session)
     before = bottle.session.store.state
     person.target = tmp_path / "gone" / "mine.apd"
-    person.will(Answer.SAVE)
+    person.will(UnsavedAnswer.SAVE)
     LEAVING[leaving](bottle)
     assert not has_left(qtbot, bottle, leaving, before)
     assert "mine.apd" in bottle.notice.text
-    assert bottle.session.saved_work.unsaved
+    assert bottle.session.saved_work.is_unsaved
 
 
 @pytest.mark.parametrize(("key", "closes"), [(Qt.Key.Key_Return, True), (Qt.Key.Key_Escape, False)])
@@ -142,14 +142,14 @@ def test_ask_before_leaving_saves_by_enter_and_stays_by_esc(qtbot, bottle, perso
 
 
 @pytest.mark.parametrize("leaving", LEAVING)
-def test_may_leave_asks_no_question_where_nothing_was_said(qtbot, bottle, person, leaving):
+def test_may_discard_work_asks_no_question_where_nothing_was_said(qtbot, bottle, person, leaving):
     before = bottle.session.store.state
     LEAVING[leaving](bottle)
     assert has_left(qtbot, bottle, leaving, before)
     assert person.asked == []
 
 
-def test_may_leave_saves_a_session_that_was_saved_before_without_asking_for_a_path(
+def test_may_discard_work_saves_a_session_that_was_saved_before_without_asking_for_a_path(
     qtbot, bottle, person, tmp_path
 ):
     paint(bottle.session)
@@ -158,21 +158,21 @@ def test_may_leave_saves_a_session_that_was_saved_before_without_asking_for_a_pa
     idle(qtbot, bottle)
     person.target = ""
     bottle.session.settings.set_stiffness(0.01)
-    person.will(Answer.SAVE)
+    person.will(UnsavedAnswer.SAVE)
     close(bottle)
     assert has_left(qtbot, bottle, "closing", None)
     assert person.asked == ["Save changes to “mine.apd” before closing?"]
     assert open_session(tmp_path / "mine.apd")[0].document.stiffness == 0.01
 
 
-def test_may_leave_asks_about_a_dropped_file_too(qtbot, bottle, person, tmp_path):
+def test_may_discard_work_asks_about_a_dropped_file_too(qtbot, bottle, person, tmp_path):
     paint(bottle.session)
     before = bottle.session.store.state
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(tmp_path / "a.obj"))])
     drop = QDropEvent(QPointF(9, 9), Qt.DropAction.CopyAction, data, LEFT, Qt.KeyboardModifier.NoModifier)
-    person.will(Answer.CANCEL)
+    person.will(UnsavedAnswer.CANCEL)
     bottle.shell.dropEvent(drop)
     qtbot.waitUntil(lambda: person.asked != [])
     assert not has_left(qtbot, bottle, "opening", before)
@@ -182,7 +182,7 @@ def test_begin_tour_does_not_begin_a_declined_tour_later(qtbot, bottle, person):
     bottle.shell.requests.open_sample("duck")
     idle(qtbot, bottle)
     paint(bottle.session)
-    person.will(Answer.CANCEL)
+    person.will(UnsavedAnswer.CANCEL)
     bottle.help.begin_tour()
     qtbot.waitUntil(lambda: person.asked != [])
     bottle.session.settings.set_stiffness(0.01)
@@ -190,7 +190,7 @@ def test_begin_tour_does_not_begin_a_declined_tour_later(qtbot, bottle, person):
     bottle.session.files.open_sample("bottle")
     idle(qtbot, bottle)
     work_off()
-    assert not bottle.help.tour.active
+    assert not bottle.help.tour.is_active
 
 
 # The title

@@ -4,8 +4,8 @@ import pytest
 from driving import LEFT
 from PySide6.QtCore import Qt
 
-from apd_viewer.ui.help import manual, places
-from apd_viewer.ui.help.word_match import Query, Texts, score
+from apd_viewer.ui.help import manual, manual_places
+from apd_viewer.ui.help.search_query import SearchQuery, SearchTexts, match_score
 
 CTRL = Qt.KeyboardModifier.ControlModifier
 # Wishes, and a title that is among the first three.
@@ -58,9 +58,9 @@ def test_command_search_finds_wishes_under_their_words_and_others(search):
 
 def test_command_search_runs_the_marked_command_by_enter(qtbot, bottle, search):
     qtbot.keyClicks(search.search, "wireframe")
-    assert not bottle.canvas.surface.edges
+    assert not bottle.canvas.surface.shows_edges
     qtbot.keyClick(search.search, Qt.Key.Key_Return)
-    assert bottle.canvas.surface.edges
+    assert bottle.canvas.surface.shows_edges
     assert not search.isVisible()
     assert bottle.shell.focusWidget() is bottle.canvas.viewport
 
@@ -105,12 +105,12 @@ def test_command_search_says_of_most_commands_that_a_mesh_is_missing(window):
 
 
 def test_command_search_shows_a_control_and_gives_it_the_keys(qtbot, bottle, search):
-    bottle.panel.measures.folded = True
+    bottle.panel.measures.is_folded = True
     bottle.docks["readings"].hide()
     qtbot.keyClicks(search.search, "density")
     qtbot.keyClick(search.search, Qt.Key.Key_Return)
     qtbot.waitUntil(lambda: bottle.shell.focusWidget() is bottle.panel.measures.density)
-    assert not bottle.panel.measures.folded
+    assert not bottle.panel.measures.is_folded
     qtbot.waitUntil(lambda: not bottle.panel.measures.density.visibleRegion().isEmpty())
 
 
@@ -130,15 +130,15 @@ def test_command_search_explains_the_marked_entry_by_f1_and_its_last_one_searche
     monkeypatch.setattr(manual, "search_manual", opened.append)
     qtbot.keyClicks(search.search, "wireframe")
     qtbot.keyClick(search.search, Qt.Key.Key_F1)
-    assert opened == [places.of_action("edges")]
+    assert opened == [manual_places.action_place("edges")]
     assert found(search, "xqzw")
     qtbot.keyClick(search.search, Qt.Key.Key_Return)
     assert opened[1:] == ["xqzw"]
 
 
-def test_score_matches_words_by_their_beginning_ending_and_with_a_slip():
+def test_match_score_matches_words_by_their_beginning_ending_and_with_a_slip():
     def rank(wish, title):
-        return score(Query.of(wish), Texts(title, ""))
+        return match_score(SearchQuery.from_text(wish), SearchTexts(title, ""))
 
     assert rank("export", "Export") > rank("exp", "Export") > rank("exprot", "Export") > 0
     assert rank("rotating", "Rotate") > 0

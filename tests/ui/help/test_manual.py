@@ -14,8 +14,8 @@ from PySide6.QtGui import QCursor, QDesktopServices
 from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QScrollBar
 
 from apd_viewer.errors import InputError
-from apd_viewer.ui.help import manual, places
-from apd_viewer.ui.help.places import ManualPlace
+from apd_viewer.ui.help import manual, manual_places
+from apd_viewer.ui.help.manual_places import ManualPlace
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.folding_section import Heading
 from apd_viewer.ui.widgets.help_button import HelpButton
@@ -45,7 +45,7 @@ def anchors(shown, monkeypatch):
 def opened(monkeypatch):
     """Places at which the manual was opened."""
     found = []
-    monkeypatch.setattr(manual, "open_manual", lambda place=manual.FIRST: found.append(place))
+    monkeypatch.setattr(manual, "open_manual", lambda place=manual.FIRST_PAGE: found.append(place))
     return found
 
 
@@ -67,23 +67,25 @@ def point(qtbot, widget):
     qtbot.waitUntil(lambda: QCursor.pos() == at)
 
 
-def test_place_of_knows_everything_in_the_window(shown, anchors):
+def test_widget_place_knows_everything_in_the_window(shown, anchors):
     """All actions, and all that takes input in the window and its dialogs, by a walk through them."""
     window = shown
     actions = [entry.action for entry in window.actions_.entries]
     assert len(actions) > 140
-    assert [action.text() for action in actions if places.place_of_action(action) not in anchors] == []
+    assert [
+        action.text() for action in actions if manual_places.menu_entry_place(action) not in anchors
+    ] == []
     controls = [
         widget
         for widget in window_tour.widgets()
         if widget.window() in QApplication.topLevelWidgets() and is_for_the_user(widget)
     ]
     assert len(controls) > 300
-    found = [(one, one.parentWidget(), places.place_of(one)) for one in controls]
+    found = [(one, one.parentWidget(), manual_places.widget_place(one)) for one in controls]
     assert [str(each) for each in found if each[-1] not in anchors] == []
     words = [each for each in window_tour.widgets() if window.panel.isAncestorOf(each)]
-    assert {places.place_of(each) for each in words} <= anchors | {None}
-    paths = {places.path_of(widget)[:2] for widget in controls}
+    assert {manual_places.widget_place(each) for each in words} <= anchors | {None}
+    paths = {manual_places.control_path(widget)[:2] for widget in controls}
     sections = {name for name, part in vars(window.panel).items() if part in window.panel.sections}
     assert {f"panel/{name}" for name in sections} <= {"/".join(path) for path in paths}
     named = {path[0] for path in paths if path}
@@ -96,41 +98,47 @@ def is_for_the_user(widget):
     owners = [owner for owner in (widget, widget.parentWidget()) if owner is not None]
     names = [name for owner in owners for name in (owner.objectName(), owner.metaObject().className())]
     made = any(name.startswith(qts) for name in names)
-    return places.is_control(widget) and not made and not isinstance(widget, QScrollBar | QLabel)
+    return manual_places.is_control(widget) and not made and not isinstance(widget, QScrollBar | QLabel)
 
 
-def test_place_of_a_heading_is_that_of_its_section(window):
-    assert places.place_of(window.panel.volume.heading) == places.of_control(("panel", "volume"))
+def test_widget_place_a_heading_is_that_of_its_section(window):
+    assert manual_places.widget_place(window.panel.volume.heading) == manual_places.control_place(
+        ("panel", "volume")
+    )
     folded = window.panel.method.convergence.findChild(Heading)
-    assert places.place_of(folded) == places.of_control(("panel", "method", "convergence"))
+    assert manual_places.widget_place(folded) == manual_places.control_place(
+        ("panel", "method", "convergence")
+    )
 
 
-def test_place_of_a_caption_is_that_of_its_field_and_of_a_gap_that_of_its_section(window):
+def test_widget_place_a_caption_is_that_of_its_field_and_of_a_gap_that_of_its_section(window):
     handles = window.panel.handles
     caption = next(label for label in handles.findChildren(QLabel) if label.text() == "Drift")
-    assert places.place_of(caption) == places.of_control(("panel", "handles", "drift"))
-    assert places.place_of(caption.parentWidget()) == places.of_control(("panel", "handles"))
-    assert places.place_of(window.panel) is None
+    assert manual_places.widget_place(caption) == manual_places.control_place(("panel", "handles", "drift"))
+    assert manual_places.widget_place(caption.parentWidget()) == manual_places.control_place(
+        ("panel", "handles")
+    )
+    assert manual_places.widget_place(window.panel) is None
 
 
 def test_context_help_explains_by_f1_what_is_under_the_mouse_in_use_or_in_the_hand(qtbot, active, opened):
     panel, view = active.panel, active.canvas.viewport
     qtbot.keyClick(view, Qt.Key.Key_F1)
-    assert opened.pop() == places.of_action("take:MOVE")
-    active.tools.take(Tool.ERASE)
+    assert opened.pop() == manual_places.action_place("take:MOVE")
+    active.tools.choose_tool(Tool.ERASE)
     qtbot.keyClick(view, Qt.Key.Key_F1)
-    assert opened.pop() == places.of_action("take:ERASE")
+    assert opened.pop() == manual_places.action_place("take:ERASE")
     point(qtbot, panel.area.target.slider)
     qtbot.keyClick(view, Qt.Key.Key_F1)
-    assert opened.pop() == places.of_control(("panel", "area", "target"))
+    assert opened.pop() == manual_places.control_place(("panel", "area", "target"))
     panel.area.hold.setFocus() if panel.area.hold.isVisible() else panel.handles.add.setFocus()
-    focused = places.place_of(active.shell.focusWidget())
+    focused = manual_places.widget_place(active.shell.focusWidget())
     qtbot.keyClick(active.shell.focusWidget(), Qt.Key.Key_F1)
-    assert opened.pop() == focused != places.of_control(("panel", "area", "target"))
+    assert opened.pop() == focused != manual_places.control_place(("panel", "area", "target"))
     button = active.actions_.bar.widgetForAction(active.actions_.undo)
     point(qtbot, button)
     qtbot.keyClick(view, Qt.Key.Key_F1)
-    assert opened.pop() == places.of_action("undo")
+    assert opened.pop() == manual_places.action_place("undo")
     assert opened == []
 
 
@@ -140,7 +148,7 @@ def test_context_help_explains_the_marked_entry_of_a_menu_by_f1_and_does_not_cho
     qtbot.waitExposed(menu)
     menu.setActiveAction(active.actions_.settings)
     qtbot.keyClick(menu, Qt.Key.Key_F1)
-    assert opened == [places.of_action("settings")]
+    assert opened == [manual_places.action_place("settings")]
     assert not menu.isVisible()
     assert active.settings_page.dialog is None
 
@@ -148,8 +156,8 @@ def test_context_help_explains_the_marked_entry_of_a_menu_by_f1_and_does_not_cho
 def test_context_help_explains_what_is_clicked_with_the_question_mark_and_does_nothing(qtbot, active, opened):
     count = len(active.session.store.state.document.handles)
     for widget, place in (
-        (active.panel.handles.add, places.of_control(("panel", "handles", "add"))),
-        (active.canvas.viewport, places.of_action("take:MOVE")),
+        (active.panel.handles.add, manual_places.control_place(("panel", "handles", "add"))),
+        (active.canvas.viewport, manual_places.action_place("take:MOVE")),
     ):
         active.actions_.help["help"].trigger()
         qtbot.mouseClick(widget, LEFT)
@@ -165,11 +173,11 @@ def test_help_button_and_the_key_explain_dialogs(qtbot, active, opened):
     dialog = active.settings_page.dialog
     qtbot.waitUntil(dialog.isActiveWindow)
     qtbot.mouseClick(dialog.findChild(HelpButton), LEFT)
-    assert opened.pop() == places.of_control(("settings-dialog",))
+    assert opened.pop() == manual_places.control_place(("settings-dialog",))
     field = dialog.findChild(object, "brush_radius")
     field.setFocus()
     qtbot.keyClick(field, Qt.Key.Key_F1)
-    assert opened.pop() == places.of_setting("brush_radius")
+    assert opened.pop() == manual_places.setting_place("brush_radius")
 
 
 # Opening
@@ -203,7 +211,7 @@ def test_open_manual_opens_the_first_page_as_it_is(browser, package):
 def test_manual_opens_a_page_that_leads_on_to_the_anchor(browser, package, words):
     """What opens files drops what follows their names, so the browser gets a page without it."""
     if words is None:
-        manual.open_manual(places.of_action("up:-X"))
+        manual.open_manual(manual_places.action_place("up:-X"))
     else:
         manual.search_manual(words)
     (url,) = browser

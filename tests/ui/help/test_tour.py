@@ -12,7 +12,7 @@ from PySide6.QtCore import QPoint, QRect, QSize, Qt
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.ui.application import build_workbench
-from apd_viewer.ui.help.tour_card import placed
+from apd_viewer.ui.help.tour_card import card_placement
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
 
@@ -27,7 +27,7 @@ def bottle(sample):
 def toured(qtbot, bottle):
     """The bottle, with the tour at its first step."""
     bottle.actions_.help["tour"].trigger()
-    assert bottle.help.tour.number == 0
+    assert bottle.help.tour.step_number == 0
     return bottle
 
 
@@ -52,14 +52,14 @@ def first(qtbot, settings):
 
     yield begin
     for window in made:
-        window.filing.may_leave = lambda *_, **__: True
+        window.files.may_discard_work = lambda *_, **__: True
         window.shell.close()
         window.shell.deleteLater()
     work_off()
 
 
 def go_to(qtbot, window, number):
-    while window.help.tour.number < number:
+    while window.help.tour.step_number < number:
         qtbot.mouseClick(window.help.tour.card.next, LEFT)
 
 
@@ -76,26 +76,26 @@ def turn(qtbot, window):
 
 def test_tour_comes_at_the_first_start_of_all_and_never_again(qtbot, first, settings):
     window = first()
-    assert window.help.tour.number == 0
+    assert window.help.tour.step_number == 0
     assert card(window).isVisible()
     assert settings.value("tour", type=bool)
     window.shell.close()
-    assert first().help.tour.active is False
+    assert first().help.tour.is_active is False
 
 
 def test_tour_bothers_nobody_who_opens_a_file_at_the_first_start(qtbot, first):
     window = first(on_bottle=False)
-    assert not window.help.tour.active
-    window.filing.open_sample("bottle")
+    assert not window.help.tour.is_active
+    window.files.open_sample("bottle")
     idle(qtbot, window)
     work_off()
-    assert not window.help.tour.active
+    assert not window.help.tour.is_active
     window.shell.close()
-    assert not first().help.tour.active
+    assert not first().help.tour.is_active
 
 
 def test_tour_is_not_begun_by_a_window_alone(qtbot, bottle, settings):
-    assert not bottle.help.tour.active
+    assert not bottle.help.tour.is_active
     assert settings.value("tour") is None
     assert bottle.invitation.isVisible()
 
@@ -103,15 +103,15 @@ def test_tour_is_not_begun_by_a_window_alone(qtbot, bottle, settings):
 def test_tour_can_be_asked_for_on_the_bottle_and_on_another_mesh(qtbot, bottle):
     before = document(bottle).mesh
     bottle.actions_.help["tour"].trigger()
-    assert bottle.help.tour.number == 0
+    assert bottle.help.tour.step_number == 0
     assert document(bottle).mesh is before, "nothing is opened that is open already"
     qtbot.keyClick(card(bottle), Qt.Key.Key_Escape)
-    bottle.filing.open_sample("duck")
+    bottle.files.open_sample("duck")
     idle(qtbot, bottle)
     bottle.actions_.help["tour"].trigger()
-    assert not bottle.help.tour.active, "it waits for the bottle"
+    assert not bottle.help.tour.is_active, "it waits for the bottle"
     idle(qtbot, bottle)
-    qtbot.waitUntil(lambda: bottle.help.tour.number == 0)
+    qtbot.waitUntil(lambda: bottle.help.tour.step_number == 0)
     assert document(bottle).mesh.path.name == "bottle.obj"
 
 
@@ -126,9 +126,9 @@ def test_tour_says_what_the_method_does_to_the_area(qtbot, toured, method, holds
 
 
 def test_tour_ends_with_another_mesh(qtbot, toured):
-    toured.filing.open_sample("duck")
+    toured.files.open_sample("duck")
     idle(qtbot, toured)
-    assert not toured.help.tour.active
+    assert not toured.help.tour.is_active
     assert not card(toured).isVisible()
 
 
@@ -139,7 +139,7 @@ def test_tour_goes_on_and_back_to_the_end(qtbot, toured):
     tour, said = toured.help.tour, []
     assert not card(toured).back.isVisible()
     for number in range(5):
-        assert tour.number == number
+        assert tour.step_number == number
         said.append(card(toured).sentence.text())
         assert f"{number + 1} of 5" in card(toured).accessibleName()
         if number < 4:
@@ -147,11 +147,11 @@ def test_tour_goes_on_and_back_to_the_end(qtbot, toured):
     assert len(set(said)) == 5
     assert card(toured).next.text() == "Done"
     qtbot.mouseClick(card(toured).back, LEFT)
-    assert tour.number == 3
+    assert tour.step_number == 3
     assert card(toured).sentence.text() == said[3]
     go_to(qtbot, toured, 4)
     qtbot.mouseClick(card(toured).next, LEFT)
-    assert not tour.active
+    assert not tour.is_active
     assert not card(toured).isVisible()
     assert not card(toured).tip.isVisible()
 
@@ -166,7 +166,7 @@ def test_tour_is_skipped(qtbot, toured, way):
     else:
         toured.canvas.viewport.setFocus()
         qtbot.keyClick(toured.canvas.viewport, Qt.Key.Key_Escape)
-    assert not toured.help.tour.active
+    assert not toured.help.tour.is_active
     assert not card(toured).isVisible()
     assert toured.canvas.tool is Tool.MOVE
     assert toured.shell.focusWidget() is toured.canvas.viewport
@@ -177,11 +177,11 @@ def test_tour_card_is_used_by_keys_alone(qtbot, toured):
     qtbot.waitUntil(toured.shell.isActiveWindow)
     card(toured).next.setFocus()
     qtbot.keyClick(card(toured).next, Qt.Key.Key_Return)
-    assert toured.help.tour.number == 1
+    assert toured.help.tour.step_number == 1
     qtbot.keyClick(card(toured).next, Qt.Key.Key_Tab, Qt.KeyboardModifier.ShiftModifier)
     assert toured.shell.focusWidget() is card(toured).back
     qtbot.keyClick(card(toured).back, Qt.Key.Key_Space)
-    assert toured.help.tour.number == 0
+    assert toured.help.tour.step_number == 0
 
 
 def test_tour_moves_on_with_a_turn_of_the_ring_and_a_look_at_the_area(qtbot, toured):
@@ -189,17 +189,17 @@ def test_tour_moves_on_with_a_turn_of_the_ring_and_a_look_at_the_area(qtbot, tou
     toured.session.settings.set_convergence(Convergence(energy_tolerance=1e-3))  # it rests the sooner
     go_to(qtbot, toured, 1)
     drag(qtbot, toured, arrow_grip(toured, 0), (30, 0), steps=3)
-    assert tour.number == 1, "a move is no turn"
+    assert tour.step_number == 1, "a move is no turn"
     turn(qtbot, toured)
-    assert tour.number == 2
+    assert tour.step_number == 2
     idle(qtbot, toured)
     work_off()
-    tour.look()
-    assert tour.number == 2, "it is asked for once more"
+    tour.update_target()
+    assert tour.step_number == 2, "it is asked for once more"
     turn(qtbot, toured)
-    assert tour.number == 2, "the area is there to be read"
+    assert tour.step_number == 2, "the area is there to be read"
     idle(qtbot, toured)
-    qtbot.waitUntil(lambda: tour.number == 3, timeout=5_000)
+    qtbot.waitUntil(lambda: tour.step_number == 3, timeout=5_000)
 
 
 def test_tour_does_not_move_on_with_a_turn_that_is_taken_back(qtbot, toured):
@@ -211,7 +211,7 @@ def test_tour_does_not_move_on_with_a_turn_that_is_taken_back(qtbot, toured):
     toured.canvas.viewport.setFocus()
     qtbot.keyClick(toured.canvas.viewport, Qt.Key.Key_Escape)
     mouse.release(at + (30, 0))
-    assert toured.help.tour.number == 1, "Esc gave the drag up, and no more"
+    assert toured.help.tour.step_number == 1, "Esc gave the drag up, and no more"
 
 
 # What it leaves alone
@@ -219,37 +219,37 @@ def test_tour_does_not_move_on_with_a_turn_that_is_taken_back(qtbot, toured):
 
 def test_next_step_is_silent_during_the_tour(qtbot, toured):
     assert not toured.invitation.isVisible()
-    toured.tools.take(Tool.BASE)
-    toured.tools.take(Tool.MOVE)
+    toured.tools.choose_tool(Tool.BASE)
+    toured.tools.choose_tool(Tool.MOVE)
     assert not toured.invitation.isVisible()
     qtbot.mouseClick(card(toured).skip, LEFT)
     assert toured.invitation.isVisible()
 
 
 def test_tour_blocks_nothing(qtbot, toured):
-    before = toured.canvas.viewport.look.eye.key
+    before = toured.canvas.viewport.camera_controller.camera.key
     Mouse(toured.canvas.viewport).drag((30, 500), (80, 520), (120, 520))
-    assert toured.canvas.viewport.look.eye.key != before
+    assert toured.canvas.viewport.camera_controller.camera.key != before
     toured.actions_.tools[Tool.HANDLE].trigger()
     assert toured.canvas.tool is Tool.HANDLE
     tip, area = card(toured).tip.geometry(), card(toured).geometry()
     beside = tip.center()
     assert not area.contains(beside)
     assert toured.shell.childAt(beside) is not card(toured).tip, "the mouse goes through the tip"
-    assert toured.help.tour.active
+    assert toured.help.tour.is_active
 
 
 def test_tour_takes_the_ring_into_the_hand_and_says_where_it_is_gone(qtbot, toured):
-    toured.tools.take(Tool.BASE)
+    toured.tools.choose_tool(Tool.BASE)
     go_to(qtbot, toured, 1)
     assert toured.canvas.tool is Tool.MOVE
     sentence = card(toured).sentence.text()
-    toured.tools.take(Tool.ORBIT)
-    toured.help.tour.look()
+    toured.tools.choose_tool(Tool.ORBIT)
+    toured.help.tour.update_target()
     assert "Move handle" in card(toured).sentence.text()
     assert not card(toured).tip.isVisible()
-    toured.tools.take(Tool.MOVE)
-    toured.help.tour.look()
+    toured.tools.choose_tool(Tool.MOVE)
+    toured.help.tour.update_target()
     assert card(toured).sentence.text() == sentence
 
 
@@ -265,12 +265,12 @@ def test_tour_hides_for_a_while_beneath_the_sheet_of_shortcuts(qtbot, toured):
     assert not card(toured).tip.isVisible()
     qtbot.keyClick(toured.help.sheet.search, Qt.Key.Key_Escape)
     assert card(toured).isVisible()
-    toured.help.tour.look()
+    toured.help.tour.update_target()
     assert card(toured).tip.isVisible()
     toured.actions_.help["shortcuts"].trigger()
     toured.actions_.help["tour"].trigger()
     assert not toured.help.sheet.isVisible()
-    assert toured.help.tour.number == 0
+    assert toured.help.tour.step_number == 0
 
 
 # Where it stands
@@ -280,12 +280,12 @@ def test_tour_hides_for_a_while_beneath_the_sheet_of_shortcuts(qtbot, toured):
 def test_tour_card_stays_within_the_window_beside_what_it_speaks_of(qtbot, toured, size):
     toured.shell.resize(*size)
     work_off()
-    tour, places = toured.help.tour, toured.help.tour.places
+    tour, places = toured.help.tour, toured.help.tour.targets
     targets = places.mesh, places.rings, places.area, places.brushes, places.export
     for number, place in enumerate(targets):
-        assert tour.number == number
+        assert tour.step_number == number
         work_off()
-        tour.look()
+        tour.update_target()
         work_off()
         area, target = card(toured).geometry(), place()
         assert toured.shell.rect().contains(area)
@@ -307,14 +307,14 @@ def test_tour_card_follows_what_it_points_at(qtbot, toured):
     go_to(qtbot, toured, 1)
     before = card(toured).pos()
     view = toured.canvas.viewport
-    view.look.eye = view.look.eye.panned(60, 30)
+    view.camera_controller.camera = view.camera_controller.camera.panned(60, 30)
     qtbot.waitUntil(lambda: card(toured).pos() != before)
     assert (card(toured).pos() - before - QPoint(60, 30)).manhattanLength() < 8
 
 
 @pytest.mark.parametrize("target", [QRect(0, 0, 40, 40), QRect(760, 600, 40, 40), QRect(300, 200, 200, 400)])
-def test_placed_puts_a_card_beside_its_target_wherever_that_is(target):
+def test_card_placement_puts_a_card_beside_its_target_wherever_that_is(target):
     room = QRect(8, 30, 784, 580)
-    rect, _ = placed(QSize(288, 120), target, room, QRect())
+    rect, _ = card_placement(QSize(288, 120), target, room, QRect())
     assert room.contains(rect)
     assert not rect.intersects(target)

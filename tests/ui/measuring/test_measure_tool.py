@@ -7,8 +7,8 @@ from driving import Mouse, document, on_screen
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 
-from apd_viewer.geometry.measuring.kinds import Kind
-from apd_viewer.geometry.measuring.surface_point import positions
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
+from apd_viewer.geometry.measuring.surface_point import point_positions
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.toolbox import Tool
@@ -17,7 +17,7 @@ from apd_viewer.ui.tools.toolbox import Tool
 def front(window, height):
     """A vertex in front, near a height in shares of the bottle."""
     U = window.session.store.state.frame.U
-    eye = window.canvas.viewport.look.eye
+    eye = window.canvas.viewport.camera_controller.camera
     near = np.abs(U[:, 1] - height * U[:, 1].max()) < 0.02 * U[:, 1].max()
     return int(np.flatnonzero(near)[np.argmin(eye.depth(U[near]))])
 
@@ -36,7 +36,7 @@ def measured(window):
 
 
 def readings(window):
-    return window.session.measuring.readings(window.session.store.state)
+    return window.session.measurement_readings.readings(window.session.store.state)
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def test_measure_tool_measures_by_clicks_and_undo_takes_back(qtbot, measuring):
     window, section = measuring, measuring.panel.measure
     view = window.canvas.viewport
     assert window.kind_bar.isVisible()
-    assert "click two points" in window.status.currentMessage() + window.measure.hint
+    assert "click two points" in window.status.currentMessage() + window.measurements.hint
     assert not section.empty.isHidden()
     low, high = front(window, 0.3), front(window, 0.6)
     click(window, low)
@@ -64,22 +64,26 @@ def test_measure_tool_measures_by_clicks_and_undo_takes_back(qtbot, measuring):
     click(window, high)
     (distance,) = measured(window)
     U = window.session.store.state.frame.U
-    found = positions(distance.points, U, document(window).mesh.F)
-    pixel = view.look.eye.world_per_pixel(U[low])
+    found = point_positions(distance.points, U, document(window).mesh.F)
+    pixel = view.camera_controller.camera.world_per_pixel(U[low])
     assert np.abs(found - U[[low, high]]).max() < 3 * pixel
     assert section.list.rows[0].name.text() == "Distance 1"
     qtbot.waitUntil(lambda: not section.list.rows[0].visibleRegion().isEmpty())  # the panel scrolls there
-    window.measure.choose_kind(Kind.ANGLE)
+    window.measurements.choose_kind(MeasurementKind.ANGLE)
     for height in (0.3, 0.6, 0.5):
         click(window, front(window, height))
-    window.measure.choose_kind(Kind.SECTION)
-    axis = window.measure.tool.axis
+    window.measurements.choose_kind(MeasurementKind.SECTION)
+    axis = window.measurements.tool.axis
     Mouse(view).wheel(on_screen(window, low), -1)
-    assert window.measure.tool.axis == (axis + 1) % 3
+    assert window.measurements.tool.axis == (axis + 1) % 3
     Mouse(view).wheel(on_screen(window, low), 1)
     click(window, low)
     assert measured(window)[2].plane.offset == pytest.approx(U[low, 1], abs=3 * pixel)
-    assert [each.kind for each in measured(window)] == [Kind.DISTANCE, Kind.ANGLE, Kind.SECTION]
+    assert [each.kind for each in measured(window)] == [
+        MeasurementKind.DISTANCE,
+        MeasurementKind.ANGLE,
+        MeasurementKind.SECTION,
+    ]
     assert not section.list.rows[2].details.isHidden()  # the newest is the chosen one
     qtbot.keyClick(window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert [row.name.text() for row in section.list.rows] == ["Distance 1", "Angle 1"]
@@ -89,15 +93,15 @@ def test_measure_tool_measures_by_clicks_and_undo_takes_back(qtbot, measuring):
     assert measured(window) == ()
     assert not section.empty.isHidden()
     assert not section.copy.isVisible()
-    window.actions_.looks.switches["cut"].trigger()
-    window.looks.cut.measure.click()
-    point, normal = window.looks.cut.plane
+    window.actions_.display.switches["cut"].trigger()
+    window.display_options.cutting_plane.measure.click()
+    point, normal = window.display_options.cutting_plane.plane
     assert measured(window)[0].plane.offset == pytest.approx(point @ normal)
     click(window, low)  # one of two points
     before = document(window).mesh
-    window.filing.show_mesh(Mesh(*meshes.sphere(2)))
+    window.files.show_mesh(Mesh(*meshes.sphere(2)))
     qtbot.waitUntil(lambda: document(window).mesh is not before, timeout=30_000)
-    assert not len(window.measure.tool.points)
+    assert not len(window.measurements.tool.points)
     assert section.list.rows == []
 
 
@@ -105,7 +109,7 @@ def test_measure_controller_has_values_follow_shape_and_unit_and_copies_them(qtb
     window, section = measuring, measuring.panel.measure
     click(window, front(window, 0.3))
     click(window, front(window, 0.7))
-    window.measure.choose_kind(Kind.SECTION)
+    window.measurements.choose_kind(MeasurementKind.SECTION)
     click(window, front(window, 0.6))
     window.choose_unit(Unit.MILLIMETRE)
     row = section.list.rows[0]
@@ -142,11 +146,11 @@ def check_copy(window, section, row):
 
 def check_drawing(window, section):
     view = window.canvas.viewport
-    window.tools.take(Tool.ORBIT)  # they stay when another tool is taken
+    window.tools.choose_tool(Tool.ORBIT)  # they stay when another tool is taken
     assert not window.kind_bar.isVisible()
 
     def drawn():
-        return view.overlay.grab().toImage()
+        return view.tool_layer.grab().toImage()
 
     shown = drawn()
     section.shown.setChecked(False)

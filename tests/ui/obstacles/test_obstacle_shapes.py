@@ -7,10 +7,10 @@ import pytest
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
-from apd_viewer.ui.obstacles.obstacle_rays import distance_along
-from apd_viewer.ui.obstacles.obstacle_shapes import Extent, anchor, axes_of, drawn
+from apd_viewer.ui.obstacles.obstacle_rays import ray_distance
+from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent, axes_along, drawing_anchor, obstacle_shape
 
-EXTENT = Extent(np.array([1.0, 2.0, 3.0]), np.array([0.5, 2.0, 1.0]))
+EXTENT = ShapeExtent(np.array([1.0, 2.0, 3.0]), np.array([0.5, 2.0, 1.0]))
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
 PLACE = np.array([1.4, 0.3, 2.0])
 SHIFT = np.array([0.2, 0.1, -0.3])
@@ -31,9 +31,9 @@ def distances(kind, points):
 
 
 @pytest.mark.parametrize("kind", ObstacleKind)
-def test_drawn_shape_lies_on_the_obstacle(kind):
-    shape = drawn(obstacle(kind), EXTENT)
-    at = anchor(obstacle(kind), SHIFT, EXTENT)
+def test_obstacle_shape_shape_lies_on_the_obstacle(kind):
+    shape = obstacle_shape(obstacle(kind), EXTENT)
+    at = drawing_anchor(obstacle(kind), SHIFT, EXTENT)
     np.testing.assert_allclose(distances(kind, shape.V + at), 0.0, atol=1e-12)
     lines = shape.outline.reshape(-1, 3) + at
     assert (distances(kind, lines) > -1e-12).all()
@@ -46,9 +46,9 @@ def test_drawn_shape_lies_on_the_obstacle(kind):
 
 
 @pytest.mark.parametrize("axis", [*np.eye(3), *-np.eye(3), AXIS])
-def test_distance_along_meets_a_plate_throughout_the_shadow_of_the_mesh(axis):
+def test_ray_distance_meets_a_plate_throughout_the_shadow_of_the_mesh(axis):
     plate = replace(obstacle(ObstacleKind.PLATE), axis=frozen(np.array(axis)))
-    axes = axes_of(plate.axis)
+    axes = axes_along(plate.axis)
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-14)
     assert np.linalg.det(axes) == pytest.approx(1.0)
     np.testing.assert_allclose(axes[2], plate.axis, atol=1e-15)
@@ -56,15 +56,15 @@ def test_distance_along_meets_a_plate_throughout_the_shadow_of_the_mesh(axis):
     for corner in corners:
         for side in (1.0, -1.0):  # from far off along the normal it is met at the plate
             origin = corner + side * 50.0 * plate.axis
-            t = distance_along(plate, SHIFT, EXTENT, origin, -side * plate.axis)
+            t = ray_distance(plate, SHIFT, EXTENT, origin, -side * plate.axis)
             assert (origin - side * t * plate.axis - PLACE - SHIFT) @ plate.axis == pytest.approx(
                 0.0, abs=1e-9
             )
 
 
 @pytest.mark.parametrize("kind", ObstacleKind)
-def test_distance_along_meets_what_is_drawn_where_the_ray_meets_its_triangles(kind):
-    shape, at = drawn(obstacle(kind), EXTENT), anchor(obstacle(kind), SHIFT, EXTENT)
+def test_ray_distance_meets_what_is_drawn_where_the_ray_meets_its_triangles(kind):
+    shape, at = obstacle_shape(obstacle(kind), EXTENT), drawing_anchor(obstacle(kind), SHIFT, EXTENT)
     T = shape.V[shape.F] + at
     random = np.random.default_rng(4)
     met = 0
@@ -72,13 +72,13 @@ def test_distance_along_meets_what_is_drawn_where_the_ray_meets_its_triangles(ki
         origin = at + 6.0 * (v := random.normal(size=3)) / np.linalg.norm(v)
         way = at + random.normal(size=3) * 0.8 - origin
         way /= np.linalg.norm(way)
-        found, expected = distance_along(obstacle(kind), SHIFT, EXTENT, origin, way), nearest(T, origin, way)
+        found, expected = ray_distance(obstacle(kind), SHIFT, EXTENT, origin, way), nearest(T, origin, way)
         if np.isfinite(expected):
             met += 1
             assert found <= expected + 1e-9  # the triangles are within a round shape
             assert distances(kind, (origin + found * way)[None])[0] == pytest.approx(0.0, abs=1e-9)
     assert met > 15
-    assert distance_along(obstacle(kind), SHIFT, EXTENT, origin, -way) == np.inf
+    assert ray_distance(obstacle(kind), SHIFT, EXTENT, origin, -way) == np.inf
 
 
 def nearest(T, origin, way):

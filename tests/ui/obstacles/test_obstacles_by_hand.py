@@ -24,7 +24,7 @@ def there(window):
 
 
 def steps(window):
-    return window.session.gestures.history.done
+    return window.session.gestures.history.undo_names
 
 
 def names(window):
@@ -32,7 +32,7 @@ def names(window):
 
 
 def on_screen(window, point):
-    return window.canvas.viewport.look.eye.project(np.asarray(point, float)[None])[0]
+    return window.canvas.viewport.camera_controller.camera.project(np.asarray(point, float)[None])[0]
 
 
 def middle(window):
@@ -91,11 +91,11 @@ def test_obstacle_placer_places_what_was_asked_for_by_a_click(qtbot, held):
     assert "Click the surface" in window.status.currentMessage()
     at = middle(window)
     Mouse(view).move(at)
-    (preview,) = window.obstacles.scene.shown
+    (preview,) = window.obstacles.scene.drawn_obstacles
     assert preview.obstacle.kind is SPHERE
     assert there(window) == ()
     Mouse(view).move((3, 3))  # beside the surface there is none
-    assert window.obstacles.scene.shown == ()
+    assert window.obstacles.scene.drawn_obstacles == ()
     drag(window, np.array([5.0, 5.0]), (30, 0))  # and a drag turns the camera
     assert window.obstacles.placer.kind is SPHERE
     at = middle(window)
@@ -116,7 +116,7 @@ def test_obstacle_placer_places_what_was_asked_for_by_a_click(qtbot, held):
     assert there(window) == ()
     assert names(window) == []
     assert not section.empty.isHidden()
-    assert window.obstacles.scene.shown == ()
+    assert window.obstacles.scene.drawn_obstacles == ()
     assert not window.obstacles.gizmo.visible
     qtbot.keyClick(
         window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
@@ -131,7 +131,7 @@ def test_obstacle_section_places_the_obstacle_of_another_button_instead(qtbot, h
         assert window.obstacles.placer.kind is kind
         assert "Click the surface" in window.status.currentMessage()
     Mouse(view).move(middle(window))
-    (preview,) = window.obstacles.scene.shown
+    (preview,) = window.obstacles.scene.drawn_obstacles
     assert preview.obstacle.kind is SPHERE
     section.floor.click()
     assert window.obstacles.placer.kind is None
@@ -143,10 +143,10 @@ def test_obstacle_placer_gives_up_by_esc_and_with_another_tool(qtbot, held):
     window, view = held, held.canvas.viewport
     window.actions_.obstacles.kinds[CYLINDER].trigger()
     Mouse(view).move(middle(window))
-    assert len(window.obstacles.scene.shown) == 1
+    assert len(window.obstacles.scene.drawn_obstacles) == 1
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert window.obstacles.placer.kind is None
-    assert window.obstacles.scene.shown == ()
+    assert window.obstacles.scene.drawn_obstacles == ()
     assert window.canvas.tool is Tool.MOVE
     window.actions_.obstacles.kinds[PLATE].trigger()
     qtbot.keyClick(window.shell, Qt.Key.Key_B)
@@ -169,7 +169,7 @@ def test_obstacle_actions_put_and_remove_floor_and_plates(held):
     window, actions = held, held.actions_.obstacles
     assert not actions.remove.isEnabled()
     actions.floor.trigger()
-    actions.sides[0].trigger()
+    actions.side_plates[0].trigger()
     assert names(window) == ["Floor", "Plate 1", "Plate 2"]
     assert window.parts.obstacle == 1
     assert steps(window)[-2:] == ["Add floor", "Put plates on both sides"]
@@ -183,13 +183,13 @@ def test_obstacle_actions_put_and_remove_floor_and_plates(held):
 
 def test_gizmo_drags_a_plate_along_its_normal(qtbot, floored):
     window = floored
-    assert window.canvas.handle_rests
+    assert window.canvas.is_handle_inactive
     assert not window.canvas.gizmo.visible
     tip, way = arrow(window)
     before = document(window)
     drag(window, tip, -40 * way)
     (floor,) = there(window)
-    pixel = window.canvas.viewport.look.eye.world_per_pixel(floor.place)
+    pixel = window.canvas.viewport.camera_controller.camera.world_per_pixel(floor.place)
     assert floor.shift @ floor.axis < -20 * pixel
     assert np.linalg.norm(np.cross(floor.shift, floor.axis)) < 1e-12
     distance = f"{-floor.shift @ floor.axis:.4g}"
@@ -213,16 +213,16 @@ def test_obstacle_picker_takes_a_plate_by_a_click_and_a_drag_on_it_turns_the_cam
     window.parts.choose_obstacle(None)
     assert window.canvas.gizmo.visible
     assert not window.obstacles.gizmo.visible
-    shape = window.obstacles.scene.shown[0]
+    shape = window.obstacles.scene.drawn_obstacles[0]
     U = window.session.store.state.frame.U
     corner = shape.obstacle.place + 0.95 * (np.ptp(U, axis=0) * [0.5, 0.0, 0.5]) * [1, 0, 1]
     at = on_screen(window, corner)
     assert window.canvas.surface.hit(QPointF(*at)) is None
     Mouse(view).move(at)
-    assert window.obstacles.scene.shown[0].hot
-    eye = view.look.eye.key
+    assert window.obstacles.scene.drawn_obstacles[0].is_hovered
+    eye = view.camera_controller.camera.key
     drag(window, at, (25, 10))
-    assert view.look.eye.key != eye
+    assert view.camera_controller.camera.key != eye
     assert window.parts.obstacle is None
     click(window, on_screen(window, corner))
     assert window.parts.obstacle == 0
@@ -346,15 +346,15 @@ def test_obstacle_section_says_that_obstacles_push_nothing_without_contact(qtbot
     assert not document(window).contact
     assert "Contact is off" in section.note.text()
     assert not section.note.isHidden()
-    assert window.obstacles.scene.shown[0].idle
+    assert window.obstacles.scene.drawn_obstacles[0].is_idle
     section.contact.click()
     assert document(window).contact
     assert section.note.isHidden()
-    assert not window.obstacles.scene.shown[0].idle
+    assert not window.obstacles.scene.drawn_obstacles[0].is_idle
     window.session.settings.set_method("paper")
     assert "Paper" in section.note.text()
     assert section.contact.isHidden()
-    assert window.obstacles.scene.shown[0].idle
+    assert window.obstacles.scene.drawn_obstacles[0].is_idle
     window.actions_.obstacles.floor.trigger()
     assert len(there(window)) == 1
     assert "contact" in window.notice.text
@@ -364,10 +364,10 @@ def test_obstacle_section_says_that_obstacles_push_nothing_without_contact(qtbot
 
 def test_obstacle_controller_shows_none_with_another_mesh(qtbot, floored):
     window = floored
-    window.obstacles.ask(SPHERE)
-    window.filing.show_mesh(Mesh(*sphere(2)))
+    window.obstacles.begin_placing(SPHERE)
+    window.files.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, window)
-    assert window.obstacles.scene.shown == ()
+    assert window.obstacles.scene.drawn_obstacles == ()
     assert window.parts.obstacle is None
     assert window.obstacles.placer.kind is None
     assert names(window) == []
@@ -376,7 +376,7 @@ def test_obstacle_controller_shows_none_with_another_mesh(qtbot, floored):
 
 def test_obstacle_section_takes_and_renames_an_obstacle_by_its_row_and_the_brush_rests(qtbot, floored):
     window, section = floored, floored.panel.obstacles
-    window.actions_.obstacles.sides[2].trigger()
+    window.actions_.obstacles.side_plates[2].trigger()
     qtbot.keyClick(window.shell, Qt.Key.Key_H)
     assert window.canvas.tool is Tool.HANDLE
     assert not window.obstacles.gizmo.visible
@@ -392,22 +392,22 @@ def test_obstacle_section_takes_and_renames_an_obstacle_by_its_row_and_the_brush
 
 def test_obstacle_scene_outlines_where_an_obstacle_should_be_that_contact_stops(floored):
     window, section = floored, floored.panel.obstacles
-    shown = window.obstacles.scene.shown
-    assert shown[0].asked is None
+    shown = window.obstacles.scene.drawn_obstacles
+    assert shown[0].requested_shift is None
     window.session.obstacles.move(0, np.array([0.0, 2.0, 0.0]))
     store = window.session.store
     far, load = np.array([[0.0, 0.5, 0.0]]), np.array([[0.0, -1.2345, 0.0]])
     frame = replace(store.state.frame, shifts=far, loads=load, settled=True)
-    store.show(replace(store.state, frame=frame))
-    (shown,) = window.obstacles.scene.shown
+    store.set_state(replace(store.state, frame=frame))
+    (shown,) = window.obstacles.scene.drawn_obstacles
     np.testing.assert_array_equal(shown.shift, far[0])
-    np.testing.assert_array_equal(shown.asked, [0, 2, 0])
+    np.testing.assert_array_equal(shown.requested_shift, [0, 2, 0])
     row = section.list.rows[0]
     assert row.reading.text() == "load 1.23"
     assert section.excess.isVisible()
     assert "loads mean little" in section.excess.text()
     window.session.settings.set_stiffness(0.01)
-    store.show(replace(store.state, frame=frame))
+    store.set_state(replace(store.state, frame=frame))
     assert section.excess.text().startswith("Expected excess of loads ")
     assert row.details.text() == "asked for 2.000, stopped 1.500 short"
     place = there(window)[0].place + far[0]
@@ -415,8 +415,8 @@ def test_obstacle_scene_outlines_where_an_obstacle_should_be_that_contact_stops(
     # The gizmo stays where it was put, and what is typed is measured from where the obstacle is.
     assert window.obstacles.gizmo.frame.centre[1] == pytest.approx(there(window)[0].centre[1])
     frame = replace(frame, shifts=np.array([[0.0, 2.0, 0.0]]), loads=np.zeros((1, 3)))
-    store.show(replace(store.state, frame=frame))
-    assert window.obstacles.scene.shown[0].asked is None
+    store.set_state(replace(store.state, frame=frame))
+    assert window.obstacles.scene.drawn_obstacles[0].requested_shift is None
     assert row.reading.text() == ""
     assert not section.excess.isVisible()
     assert row.details.text() == "moved 2.000"
@@ -425,15 +425,15 @@ def test_obstacle_scene_outlines_where_an_obstacle_should_be_that_contact_stops(
 
 
 def test_next_step_knows_that_obstacles_suffice(qtbot, kept_window):
-    kept_window.filing.show_mesh(Mesh(*sphere(2)))
+    kept_window.files.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, kept_window)
-    kept_window.tools.take(Tool.BASE)
+    kept_window.tools.choose_tool(Tool.BASE)
     assert "base" in kept_window.invitation.text()
     kept_window.actions_.obstacles.floor.trigger()
     assert "obstacle" in kept_window.invitation.text()
     kept_window.parts.choose_obstacle(None)
     assert kept_window.invitation.text() == "Click an obstacle to move it"
-    kept_window.tools.take(Tool.BASE)
+    kept_window.tools.choose_tool(Tool.BASE)
     assert "base" in kept_window.invitation.text()
 
 
@@ -462,18 +462,18 @@ def test_obstacle_controller_dents_the_bottle_with_a_pushed_sphere_that_feels_a_
 
 def test_put_plates_presses_a_mesh_that_nothing_holds(qtbot, held):
     window = held
-    window.filing.show_mesh(Mesh(*sphere(2)))
+    window.files.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, window)
-    window.tools.take(Tool.MOVE)
-    window.actions_.obstacles.sides[0].trigger()
-    assert document(window).problem is None
+    window.tools.choose_tool(Tool.MOVE)
+    window.actions_.obstacles.side_plates[0].trigger()
+    assert document(window).paint_problem is None
     before = np.ptp(window.session.store.state.frame.U[:, 0])
     tip, way = arrow(window)
     drag(window, tip, 25 * way)
     idle(qtbot, window)
     state = window.session.store.state
     assert np.ptp(state.frame.U[:, 0]) < before
-    for obstacle, shift in zip(there(window), state.shifts, strict=True):
+    for obstacle, shift in zip(there(window), state.obstacle_shifts, strict=True):
         assert ((state.frame.U - obstacle.place - shift) @ obstacle.axis).min() > 0.0
     one, two = state.frame.loads[:, 0]
     assert one == pytest.approx(-two, rel=0.05)
@@ -487,7 +487,7 @@ def test_save_session_keeps_obstacles_and_opening_brings_them_back(qtbot, floore
     saved = there(window)[0]
     path = tmp_path / "a.apd"
     save_session(path, window.session.store.state, View())
-    window.filing.show_mesh(Mesh(*sphere(2)))
+    window.files.show_mesh(Mesh(*sphere(2)))
     qtbot.waitUntil(lambda: not there(window), timeout=30_000)
     window.session.files.open(path)
     qtbot.waitUntil(lambda: bool(there(window)), timeout=30_000)
@@ -496,4 +496,4 @@ def test_save_session_keeps_obstacles_and_opening_brings_them_back(qtbot, floore
     np.testing.assert_array_equal(table.place, saved.place)
     np.testing.assert_array_equal(table.shift, saved.shift)
     assert names(window) == ["Table"]
-    assert len(window.obstacles.scene.shown) == 1
+    assert len(window.obstacles.scene.drawn_obstacles) == 1

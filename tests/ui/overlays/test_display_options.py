@@ -29,9 +29,9 @@ def window(kept_window):
 @pytest.fixture
 def globe(qtbot, window):
     """A window on a sphere of radius one, seen from the front, that has the keys."""
-    window.filing.show_mesh(Mesh(*sphere(3)))
+    window.files.show_mesh(Mesh(*sphere(3)))
     idle(qtbot, window)
-    window.canvas.viewport.look.along("front")
+    window.canvas.viewport.camera_controller.look_along("front")
     window.shell.activateWindow()
     qtbot.waitUntil(window.shell.isActiveWindow)
     window.canvas.viewport.setFocus()
@@ -42,12 +42,12 @@ def globe(qtbot, window):
 def answer(qtbot, window, U):
     """Show a shape as a frame of the worker is shown."""
     stage = window.session.store
-    stage.show(stage.state.at(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
+    stage.set_state(stage.state.updated(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
     settle(qtbot, window.canvas.viewport)
 
 
 def switch(window, name):
-    return window.actions_.looks.switches[name]
+    return window.actions_.display.switches[name]
 
 
 def picture(window):
@@ -65,7 +65,9 @@ def test_ghost_is_seen_where_the_mesh_was_and_leaves_no_trace(qtbot, globe):
     assert switch(globe, "ghost").isChecked()
     changed = np.abs(picture(globe) - plain).max(axis=2)
     centre_of = np.array([view.height(), view.width()]) / 2
-    radius = np.linalg.norm(view.look.eye.project(np.array([[0.999, 0.0, 0.0]]))[0] - centre_of[::-1])
+    radius = np.linalg.norm(
+        view.camera_controller.camera.project(np.array([[0.999, 0.0, 0.0]]))[0] - centre_of[::-1]
+    )
     y, x = np.nonzero(changed > 12)
     away = np.hypot(y - centre_of[0], x - centre_of[1])
     assert len(away) > 1000
@@ -77,7 +79,7 @@ def test_ghost_is_seen_where_the_mesh_was_and_leaves_no_trace(qtbot, globe):
     np.testing.assert_array_equal(picture(globe), plain)
 
 
-def test_looks_make_nothing_that_is_not_shown(globe):
+def test_display_options_make_nothing_that_is_not_shown(globe):
     hidden = [actor for actor in globe.canvas.viewport.renderer.GetActors() if not actor.GetVisibility()]
     assert len(hidden) >= 2
     assert {actor.GetMapper().GetInput() for actor in hidden} == {None}
@@ -88,7 +90,7 @@ def test_ghost_is_not_cut_off_where_it_is_larger_than_the_mesh(qtbot, globe):
     answer(qtbot, globe, 0.1 * document(globe).mesh.V)
     switch(globe, "ghost").trigger()
     settle(qtbot, globe.canvas.viewport)
-    eye = globe.canvas.viewport.look.eye
+    eye = globe.canvas.viewport.camera_controller.camera
     near, far = globe.canvas.viewport.renderer.GetActiveCamera().GetClippingRange()
     assert near <= eye.distance - 1.0
     assert far >= eye.distance + 1.0
@@ -101,7 +103,7 @@ def test_before_after_shows_the_way_from_rest_while_its_slider_is_held(qtbot, gl
     V = document(globe).mesh.V
     answer(qtbot, globe, V * [2.0, 1.0, 1.0])
     qtbot.keyClick(globe.canvas.viewport, Qt.Key.Key_A, SHIFT)
-    compare, surface = globe.looks.before_after, globe.canvas.surface
+    compare, surface = globe.display_options.before_after, globe.canvas.surface
     assert compare.isVisible()
     slider = compare.slider
     mouse, knob = Mouse(slider), slider.x_of(slider.value())
@@ -118,9 +120,9 @@ def test_before_after_shows_the_way_from_rest_while_its_slider_is_held(qtbot, gl
     assert not globe.session.gestures.history.next_undo
 
 
-def test_heat_map_says_what_is_so_and_not_what_lies_on_the_way(qtbot, globe):
-    globe.actions_.looks.measures[Measure.STRAIN].trigger()
-    heat = globe.looks.heat
+def test_deviation_overlay_says_what_is_so_and_not_what_lies_on_the_way(qtbot, globe):
+    globe.actions_.display.measures[Measure.STRAIN].trigger()
+    heat = globe.display_options.overlay
     qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     answer(qtbot, globe, 1.5 * document(globe).mesh.V)
     globe.canvas.surface.blend(document(globe).mesh.V, 0.0)
@@ -130,20 +132,20 @@ def test_heat_map_says_what_is_so_and_not_what_lies_on_the_way(qtbot, globe):
 
 def test_before_after_is_ended_by_keys_and_by_another_mesh(qtbot, globe):
     switch(globe, "compare").trigger()
-    slider = globe.looks.before_after.slider
+    slider = globe.display_options.before_after.slider
     slider.setFocus()
     qtbot.keyClick(slider, Qt.Key.Key_PageDown)
     assert slider.value() < slider.maximum()
     globe.canvas.viewport.setFocus()
     assert slider.value() == slider.maximum()
     slider.setValue(0)
-    globe.filing.show_mesh(Mesh(*sphere(2)))
+    globe.files.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, globe)
     assert len(globe.canvas.surface.U) == len(document(globe).mesh.V)
     assert slider.value() == slider.maximum()
-    qtbot.mouseClick(globe.looks.before_after.close_button, LEFT)
+    qtbot.mouseClick(globe.display_options.before_after.close_button, LEFT)
     assert not switch(globe, "compare").isChecked()
-    assert not globe.looks.before_after.isVisible()
+    assert not globe.display_options.before_after.isVisible()
 
 
 # Sections
@@ -153,16 +155,16 @@ def test_cutting_plane_lets_nothing_be_touched_that_is_cut_away(qtbot, globe):
     view, surface = globe.canvas.viewport, globe.canvas.surface
     assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01)
     qtbot.keyClick(view, Qt.Key.Key_S)
-    cut = globe.looks.cut
+    cut = globe.display_options.cutting_plane
     assert cut.isVisible()
     cut.slider.setValue(200)  # through the middle
     assert surface.hit(centre(view)).point[2] == pytest.approx(-1.0, abs=0.01), "the inside of its back"
     cut.flip.click()
     assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01), "its front"
-    view.look.along("-front")
+    view.camera_controller.look_along("-front")
     assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01), "the inside of its front"
     qtbot.mouseClick(cut.axes[0], LEFT)
-    at = view.look.eye.project(np.array([[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]))
+    at = view.camera_controller.camera.project(np.array([[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]))
     hits = [surface.hit(QPointF(*p)) for p in at]
     assert [hit is None for hit in hits] == [False, True]
     qtbot.mouseClick(cut.close_button, LEFT)
@@ -173,25 +175,25 @@ def test_cutting_plane_lets_nothing_be_touched_that_is_cut_away(qtbot, globe):
 def test_cutting_plane_cuts_the_picture_where_the_mesh_is_cut(qtbot, globe):
     view = globe.canvas.viewport
     switch(globe, "cut").trigger()
-    plain, cut = picture(globe), globe.looks.cut
+    plain, cut = picture(globe), globe.display_options.cutting_plane
     qtbot.mouseClick(cut.axes[1], LEFT)
     cut.slider.setValue(300)
     _, normal = cut.plane
     height = cut.plane[0][1]
     assert 0.3 < height < 0.95
-    x, y = view.look.eye.project(np.array([[0.0, height, 0.0]]))[0]
+    x, y = view.camera_controller.camera.project(np.array([[0.0, height, 0.0]]))[0]
     shown = picture(globe)
     inside = np.abs(shown[int(y) + 25, int(x)] - plain[0, 0]).max()
     assert normal[1] == -1.0
     assert inside > 10
-    top = view.look.eye.project(np.array([[0.0, 0.97, 0.25]]))[0].astype(int)
+    top = view.camera_controller.camera.project(np.array([[0.0, 0.97, 0.25]]))[0].astype(int)
     np.testing.assert_allclose(shown[top[1], top[0]], shown[top[1], 5], atol=6)
 
 
 def test_cutting_plane_tells_its_place_in_the_unit(qtbot, globe):
     switch(globe, "cut").trigger()
     globe.choose_unit(Unit.CENTIMETRE)
-    cut = globe.looks.cut
+    cut = globe.display_options.cutting_plane
     cut.slider.setValue(300)
     value, unit = cut.place.text().replace("−", "-").split("\u00a0")
     assert unit == "cm"
@@ -200,10 +202,10 @@ def test_cutting_plane_tells_its_place_in_the_unit(qtbot, globe):
 
 def test_cutting_plane_tells_every_place_from_the_next_far_from_the_origin(qtbot, window):
     V, F = sphere(2)
-    window.filing.show_mesh(Mesh(V + [1000.0, 0.0, 500.0], F))
+    window.files.show_mesh(Mesh(V + [1000.0, 0.0, 500.0], F))
     idle(qtbot, window)
     switch(window, "cut").trigger()
-    cut, places = window.looks.cut, {}
+    cut, places = window.display_options.cutting_plane, {}
     for step in range(150, 250, 10):
         cut.slider.setValue(step)
         places[cut.place.text()] = cut.plane[0][2]
@@ -223,33 +225,36 @@ def grid_of(view):
 
 def test_ground_lies_below_the_mesh_in_nice_steps(qtbot, globe):
     qtbot.keyClick(globe.canvas.viewport, Qt.Key.Key_I)
-    ground, V = globe.looks.ground, document(globe).mesh.V
-    assert ground.on
-    assert ground.step == 0.2
+    ground, V = globe.display_options.ground, document(globe).mesh.V
+    assert ground.visible
+    assert ground.grid_step == 0.2
     grid, lines = grid_of(globe.canvas.viewport)
     low, high = np.array(grid.GetBounds()).reshape(3, 2).T
     assert low[1] == high[1] == pytest.approx(V[:, 1].min(), abs=1e-6)
     for axis in (0, 2):
         assert low[axis] <= V[:, axis].min() < V[:, axis].max() <= high[axis]
-        assert low[axis] / ground.step == pytest.approx(round(low[axis] / ground.step), abs=1e-4)
-    across = sum(round((ground.ends[1, axis] - ground.ends[0, axis]) / ground.step) + 1 for axis in (0, 2))
+        assert low[axis] / ground.grid_step == pytest.approx(round(low[axis] / ground.grid_step), abs=1e-4)
+    across = sum(
+        round((ground.grid_corners[1, axis] - ground.grid_corners[0, axis]) / ground.grid_step) + 1
+        for axis in (0, 2)
+    )
     assert lines.GetNumberOfLines() == across
-    globe.canvas.viewport.look.along("top")
+    globe.canvas.viewport.camera_controller.look_along("top")
     settle(qtbot, globe.canvas.viewport)
 
 
 def test_ground_gives_every_line_a_figure_of_its_own_far_from_the_origin(qtbot, window):
     V, F = sphere(2)
-    window.filing.show_mesh(Mesh(V + [1000.0, 0.0, 500.0], F))
+    window.files.show_mesh(Mesh(V + [1000.0, 0.0, 500.0], F))
     idle(qtbot, window)
     switch(window, "ground").trigger()
-    window.canvas.viewport.look.along("front")
+    window.canvas.viewport.camera_controller.look_along("front")
     settle(qtbot, window.canvas.viewport)
-    ground = window.looks.ground
+    ground = window.display_options.ground
     told = [value for value, _ in figures(window) if value > 900.0]  # along x
     assert len(told) > 3
-    assert (np.diff(told) > 0.5 * ground.step).all()
-    steps = np.array(told) / ground.step
+    assert (np.diff(told) > 0.5 * ground.grid_step).all()
+    steps = np.array(told) / ground.grid_step
     np.testing.assert_allclose(steps, np.round(steps), rtol=0.0, atol=1e-6)
 
 
@@ -257,33 +262,37 @@ def test_ground_gives_every_line_a_figure_of_its_own_far_from_the_origin(qtbot, 
 
 
 def test_turntable_turns_until_the_mouse_takes_the_camera(qtbot, globe):
-    view, table = globe.canvas.viewport, globe.looks.turntable
-    before = view.look.eye
+    view, table = globe.canvas.viewport, globe.display_options.turntable
+    before = view.camera_controller.camera
     qtbot.keyClick(view, Qt.Key.Key_T, SHIFT)
-    qtbot.waitUntil(lambda: np.linalg.norm(view.look.eye.position - before.position) > 0.05 * before.distance)
-    eye = view.look.eye
+    qtbot.waitUntil(
+        lambda: (
+            np.linalg.norm(view.camera_controller.camera.position - before.position) > 0.05 * before.distance
+        )
+    )
+    eye = view.camera_controller.camera
     assert eye.distance == pytest.approx(before.distance)
     assert eye.position[1] == pytest.approx(before.position[1]), "it goes around, and not up"
     Mouse(view).drag((30, 30), (30, 30))
-    assert not table.on
+    assert not table.running
     assert not switch(globe, "turntable").isChecked()
     assert not any(timer.isActive() for timer in table.findChildren(QTimer))
     switch(globe, "turntable").trigger()
     qtbot.keyClick(view, Qt.Key.Key_Escape)
-    assert not table.on
+    assert not table.running
 
 
 # All of them
 
 
-def test_looks_remember_what_is_shown_but_for_the_section(qtbot, globe, settings):
+def test_display_options_remember_what_is_shown_but_for_the_section(qtbot, globe, settings):
     for name in ("ghost", "ground"):
         switch(globe, name).trigger()
     other = Workbench(Shell(settings))
     show(qtbot, other.shell, other.canvas.viewport)
     try:
-        assert other.looks.ghost.on
-        assert other.looks.ground.on
+        assert other.display_options.ghost.visible
+        assert other.display_options.ground.visible
         assert not switch(other, "cut").isChecked()
     finally:
         other.shell.close()
@@ -295,15 +304,22 @@ def test_cards_stand_beside_the_ways_to_choose(qtbot, bottle):
     bottle.shell.resize(1280, 720)
     for name in ("compare", "cut"):
         switch(bottle, name).trigger()
-    bottle.actions_.looks.measures[Measure.AREA].trigger()
+    bottle.actions_.display.measures[Measure.AREA].trigger()
     bottle.actions_.tools[next(t for t in bottle.actions_.tools if t.name == "BASE")].trigger()
     work_off()
-    cards = bottle.looks.cards.geometry()
-    assert bottle.way_bar.isVisible()
+    cards = bottle.display_options.cards.geometry()
+    assert bottle.mode_bar.isVisible()
     assert bottle.invitation.isVisible()
-    for other in (bottle.way_bar, bottle.invitation):
+    for other in (bottle.mode_bar, bottle.invitation):
         assert not cards.intersects(other.geometry())
     assert bottle.canvas.viewport.rect().contains(cards)
-    tops = [card.geometry() for card in (bottle.looks.before_after, bottle.looks.cut, bottle.looks.legend)]
+    tops = [
+        card.geometry()
+        for card in (
+            bottle.display_options.before_after,
+            bottle.display_options.cutting_plane,
+            bottle.display_options.legend,
+        )
+    ]
     for above, below in pairwise(tops):
         assert above.bottom() < below.top()

@@ -14,9 +14,9 @@ CONTROL = Qt.KeyboardModifier.ControlModifier
 
 @pytest.fixture
 def card(bottle):
-    bottle.tools.take(Tool.BASE)
-    bottle.actions_.select.numbers.trigger()
-    return bottle.editing.typed.vertices
+    bottle.tools.choose_tool(Tool.BASE)
+    bottle.actions_.select.by_expression.trigger()
+    return bottle.edits.text_entries.vertices
 
 
 def base_of(window):
@@ -27,8 +27,8 @@ def test_typed_card_previews_what_is_typed_and_adds_it_by_return(qtbot, bottle, 
     before = base_of(bottle)
     y = bottle.session.store.state.document.mesh.V[:, 1]
     QTest.keyClicks(card.text, "y < 5")
-    assert f"{(y < 5).sum():,} vertices" in card.said.text()
-    np.testing.assert_array_equal(bottle.canvas.coloring.previewed, np.flatnonzero(y < 5))
+    assert f"{(y < 5).sum():,} vertices" in card.message_label.text()
+    np.testing.assert_array_equal(bottle.canvas.coloring.previewed_ids, np.flatnonzero(y < 5))
     qtbot.keyClick(card.text, Qt.Key.Key_Return)
     np.testing.assert_array_equal(base_of(bottle), before | (y < 5))
     assert bottle.session.gestures.history.next_undo == "Paint base"
@@ -53,8 +53,8 @@ def test_typed_card_says_what_cannot_be_read_and_leaves_no_trace_on_escape(qtbot
     state = bottle.session.store.state
     colors = np.array(bottle.canvas.surface.arrays.rgba)
     QTest.keyClicks(card.text, "y > 5 furlong")
-    assert "furlong" in card.said.text()
-    assert bottle.canvas.coloring.previewed is None
+    assert "furlong" in card.message_label.text()
+    assert bottle.canvas.coloring.previewed_ids is None
     qtbot.keyClick(card.text, Qt.Key.Key_Return)
     assert bottle.session.store.state is state
     card.text.setText("0-500")

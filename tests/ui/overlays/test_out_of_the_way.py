@@ -19,33 +19,33 @@ def typed(qtbot, window, text="60deg"):
 
 
 def show_area(qtbot, window):
-    window.actions_.looks.measures[Measure.AREA].trigger()
-    qtbot.waitUntil(lambda: window.looks.heat.reading.values is not None, timeout=60_000)
+    window.actions_.display.measures[Measure.AREA].trigger()
+    qtbot.waitUntil(lambda: window.display_options.overlay.reading.values is not None, timeout=60_000)
     settle(qtbot, window.canvas.viewport)
 
 
 def test_notice_is_low_and_lets_clicks_through(qtbot, bottle):
-    bottle.notice.fail("Something was not done; try again.")
+    bottle.notice.show_failure("Something was not done; try again.")
     view, notice = bottle.canvas.viewport, bottle.notice
     assert notice.geometry().top() > view.height() / 2
     assert not notice.geometry().intersects(bottle.invitation.geometry())
     beside = notice.geometry().center()
     assert view.childAt(beside) is None
-    assert view.childAt(notice.cross.geometry().center()) is notice.cross
-    assert notice.geometry().contains(notice.cross.geometry())
-    QTest.mouseClick(notice.cross, Qt.MouseButton.LeftButton)
+    assert view.childAt(notice.close_button.geometry().center()) is notice.close_button
+    assert notice.geometry().contains(notice.close_button.geometry())
+    QTest.mouseClick(notice.close_button, Qt.MouseButton.LeftButton)
     assert notice.isHidden()
-    assert notice.cross.isHidden()
+    assert notice.close_button.isHidden()
 
 
 @pytest.mark.parametrize("size", [(800, 640), (1024, 700), (1280, 800)])
 def test_notice_covers_nothing_else(qtbot, bottle, size):
     bottle.shell.resize(*size)
     show_area(qtbot, bottle)
-    bottle.notice.fail("The mesh was not exported: the disk is full; free some space and try again.")
-    bottle.actions_.select.numbers.trigger()
+    bottle.notice.show_failure("The mesh was not exported: the disk is full; free some space and try again.")
+    bottle.actions_.select.by_expression.trigger()
     work_off()
-    for other in (bottle.invitation, bottle.looks.cards, bottle.editing.typed.vertices):
+    for other in (bottle.invitation, bottle.display_options.cards, bottle.edits.text_entries.vertices):
         assert other.isHidden() or not bottle.notice.geometry().intersects(other.geometry())
     assert bottle.canvas.viewport.rect().contains(bottle.notice.geometry())
 
@@ -54,23 +54,23 @@ def test_next_step_takes_the_first_hint_away_when_a_handle_was_moved_in_any_way(
     assert "ring" in bottle.invitation.text()
     typed(qtbot, bottle)
     assert bottle.invitation.isHidden()
-    bottle.tools.take(Tool.ORBIT)
+    bottle.tools.choose_tool(Tool.ORBIT)
     assert bottle.invitation.isHidden()
 
 
 def test_legend_is_not_over_the_bottle_in_a_small_window(qtbot, bottle):
     bottle.shell.resize(1024, 700)
-    bottle.invitation.say("")
+    bottle.invitation.show_text("")
     work_off()
     show_area(qtbot, bottle)
     work_off()
-    room, eye = bottle.looks.cards.geometry(), bottle.canvas.viewport.look.eye
+    room, eye = bottle.display_options.cards.geometry(), bottle.canvas.viewport.camera_controller.camera
     points = eye.project(document(bottle).mesh.V)
     assert not any(room.contains(QPointF(x, y).toPoint()) for x, y in points)
 
 
 def test_legend_folds_and_comes_to_rest(qtbot, bottle):
-    legend = bottle.looks.legend
+    legend = bottle.display_options.legend
     for width in (800, 900, 1024, 1100, 1280):
         bottle.shell.resize(width, 700)
         show_area(qtbot, bottle)
@@ -87,9 +87,9 @@ def test_legend_folds_and_comes_to_rest(qtbot, bottle):
 
 def test_legend_is_dragged_away_and_put_back_by_a_double_click(qtbot, bottle):
     show_area(qtbot, bottle)
-    cards, view = bottle.looks.cards, bottle.canvas.viewport
-    home, eye = cards.pos(), view.look.eye.key
-    mouse, grip = Mouse(bottle.looks.legend), QPoint(4, 4)
+    cards, view = bottle.display_options.cards, bottle.canvas.viewport
+    home, eye = cards.pos(), view.camera_controller.camera.key
+    mouse, grip = Mouse(bottle.display_options.legend), QPoint(4, 4)
     mouse.press(grip)
     mouse.move(grip + QPoint(100, -90))
     mouse.release(grip)
@@ -98,7 +98,7 @@ def test_legend_is_dragged_away_and_put_back_by_a_double_click(qtbot, bottle):
     mouse.move(grip + QPoint(9000, -9000))
     mouse.release(grip)
     assert view.rect().contains(cards.geometry())
-    assert view.look.eye.key == eye
+    assert view.camera_controller.camera.key == eye
     bottle.shell.resize(1000, 700)
     work_off()
     assert view.rect().contains(cards.geometry())
@@ -106,15 +106,15 @@ def test_legend_is_dragged_away_and_put_back_by_a_double_click(qtbot, bottle):
     assert cards.x() == home.x()
 
 
-def test_heat_map_fits_the_range_when_an_overlay_is_first_shown(qtbot, bottle):
+def test_deviation_overlay_fits_the_range_when_an_overlay_is_first_shown(qtbot, bottle):
     typed(qtbot, bottle)
-    heat, legend = bottle.looks.heat, bottle.looks.legend
+    heat, legend = bottle.display_options.overlay, bottle.display_options.legend
     show_area(qtbot, bottle)
     largest = np.abs(heat.reading.span).max()
     assert heat.scale.end * 0.4 < largest < heat.scale.end * 1.3
     assert heat.scales == {}, "it is the user's who changes it"
     assert legend.reach.value() == pytest.approx(100 * heat.scale.reach)
-    legend.scaled.emit(0.5, 0.01)
-    bottle.actions_.looks.off.trigger()
+    legend.scale_changed.emit(0.5, 0.01)
+    bottle.actions_.display.no_overlay.trigger()
     show_area(qtbot, bottle)
     assert heat.scale.reach == 0.5

@@ -14,9 +14,9 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
 from apd_viewer.presentation.palette import FREE_COLOR
-from apd_viewer.presentation.scales import Measure, Scale, usual
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.model.state import opened
+from apd_viewer.presentation.scales import Measure, Scale, default_scale
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.shell import Shell
@@ -35,7 +35,7 @@ def window(kept_window):
 @pytest.fixture
 def globe(qtbot, window):
     """A window on a sphere of radius one, with nothing painted."""
-    window.filing.show_mesh(Mesh(*sphere(3)))
+    window.files.show_mesh(Mesh(*sphere(3)))
     idle(qtbot, window)
     work_off()
     return window
@@ -49,8 +49,8 @@ def area(qtbot, globe):
 
 
 def choose(qtbot, window, measure):
-    window.actions_.looks.measures[measure].trigger()
-    heat = window.looks.heat
+    window.actions_.display.measures[measure].trigger()
+    heat = window.display_options.overlay
     qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     settle(qtbot, window.canvas.viewport)
 
@@ -58,7 +58,7 @@ def choose(qtbot, window, measure):
 def answer(qtbot, window, U):
     """Show a shape as a frame of the worker is shown."""
     stage = window.session.store
-    stage.show(stage.state.at(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
+    stage.set_state(stage.state.updated(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
     settle(qtbot, window.canvas.viewport)
 
 
@@ -81,30 +81,30 @@ def middle_pixel(view):
 # What is shown
 
 
-def test_heat_map_is_neutral_everywhere_at_rest(area):
+def test_deviation_overlay_is_neutral_everywhere_at_rest(area):
     assert set(shades(area)) == {128}
-    assert area.looks.legend.isVisible()
+    assert area.display_options.legend.isVisible()
 
 
-def test_heat_map_measures_a_frame_when_it_is_drawn_and_once(qtbot, area, monkeypatch):
-    asked, measured = [], Deviation.area
-    monkeypatch.setattr(Deviation, "area", lambda self, U: asked.append(len(U)) or measured(self, U))
+def test_deviation_overlay_measures_a_frame_when_it_is_drawn_and_once(qtbot, area, monkeypatch):
+    asked, measured = [], Deviation.area_change
+    monkeypatch.setattr(Deviation, "area_change", lambda self, U: asked.append(len(U)) or measured(self, U))
     V = document(area).mesh.V
     answer(qtbot, area, 1.02 * V)
     assert len(asked) == 1
     np.testing.assert_array_equal(shades(area), 128 + round(127 * np.log(1.02**2) / np.log(1.1)))
-    area.canvas.viewport.look.along("top")
+    area.canvas.viewport.camera_controller.look_along("top")
     settle(qtbot, area.canvas.viewport)
     assert len(asked) == 1, "the camera has moved, and not the shape"
 
 
-def test_heat_map_measures_nothing_and_leaves_the_paint_while_it_is_off(qtbot, area, monkeypatch):
-    area.actions_.looks.off.trigger()
-    assert not area.looks.legend.isVisible()
-    monkeypatch.setattr(Deviation, "area", lambda *_: pytest.fail("nobody asked"))
+def test_deviation_overlay_measures_nothing_and_leaves_the_paint_while_it_is_off(qtbot, area, monkeypatch):
+    area.actions_.display.no_overlay.trigger()
+    assert not area.display_options.legend.isVisible()
+    monkeypatch.setattr(Deviation, "area_change", lambda *_: pytest.fail("nobody asked"))
     answer(qtbot, area, 1.3 * document(area).mesh.V)
     assert set(shades(area)) == {255}
-    assert area.canvas.surface.worn is None
+    assert area.canvas.surface.color_map is None
 
 
 @pytest.mark.parametrize(
@@ -125,8 +125,8 @@ def test_deviation_reading_value_under_the_cursor_is_that_of_the_closed_form(
     globe.choose_unit(Unit.MILLIMETRE)
     answer(qtbot, globe, 1.1 * document(globe).mesh.V)
     qtbot.keyClick(globe.canvas.viewport, key, ALT)
-    assert globe.looks.heat.measure is measure
-    heat, legend = globe.looks.heat, globe.looks.legend
+    assert globe.display_options.overlay.measure is measure
+    heat, legend = globe.display_options.overlay, globe.display_options.legend
     qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     settle(qtbot, globe.canvas.viewport)
     heat.reading.timer.stop()
@@ -145,24 +145,24 @@ def test_deviation_reading_value_under_the_cursor_is_that_of_the_closed_form(
 
 
 @pytest.mark.night
-def test_heat_map_shows_the_contact_pressure_of_what_is_kept_apart(qtbot, coarse):
-    coarse.session.settings.keep_apart(False)
-    coarse.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
+def test_deviation_overlay_shows_the_contact_pressure_of_what_is_kept_apart(qtbot, coarse):
+    coarse.session.settings.set_contact(False)
+    coarse.session.handles.move_by(MotionKind.TWIST, "20deg", 0)
     idle(qtbot, coarse)
     coarse.shell.activateWindow()
     qtbot.waitUntil(coarse.shell.isActiveWindow)
     qtbot.keyClick(coarse.canvas.viewport, Qt.Key.Key_9, ALT)
-    heat = coarse.looks.heat
+    heat = coarse.display_options.overlay
     assert heat.measure is Measure.CONTACT
     qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     assert np.isnan(heat.reading.values).all(), "contact is off"
-    assert "turn on Contact" in coarse.looks.legend.note.text()
-    coarse.session.settings.keep_apart(True, 0.03)
+    assert "turn on Contact" in coarse.display_options.legend.note.text()
+    coarse.session.settings.set_contact(True, 0.03)
     idle(qtbot, coarse)
     # The values of the shape before stay in the colours until those of this one are there.
     qtbot.waitUntil(lambda: set(heat.reading.values) == {0.0}, timeout=60_000)  # nothing touches yet
-    assert "percent" in coarse.looks.legend.note.text()
-    coarse.session.handles.move_by(TypedMotion.TWIST, "130deg", 0)
+    assert "percent" in coarse.display_options.legend.note.text()
+    coarse.session.handles.move_by(MotionKind.TWIST, "130deg", 0)
     idle(qtbot, coarse)
     qtbot.waitUntil(lambda: heat.reading.values.max() == 1.0, timeout=60_000)
     settle(qtbot, coarse.canvas.viewport)
@@ -170,28 +170,31 @@ def test_heat_map_shows_the_contact_pressure_of_what_is_kept_apart(qtbot, coarse
     assert 0 < touched <= 4 * coarse.session.store.state.frame.contact.pairs
 
 
-def test_heat_map_waits_with_what_takes_longer_until_the_shape_rests(qtbot, globe):
+def test_deviation_overlay_waits_with_what_takes_longer_until_the_shape_rests(qtbot, globe):
     choose(qtbot, globe, Measure.DISTANCE)
-    heat = globe.looks.heat
-    heat.resting.setInterval(10**6)
+    heat = globe.display_options.overlay
+    heat.rest_timer.setInterval(10**6)
     answer(qtbot, globe, 1.2 * document(globe).mesh.V)
     assert heat.reading.values is None
-    assert globe.canvas.surface.worn is None, "colours of another shape would be a lie"
-    assert "converged" in globe.looks.legend.note.text()
-    assert heat.resting.isActive()
-    heat.resting.start(0)
+    assert globe.canvas.surface.color_map is None, "colours of another shape would be a lie"
+    assert "converged" in globe.display_options.legend.note.text()
+    assert heat.rest_timer.isActive()
+    heat.rest_timer.start(0)
     qtbot.waitUntil(lambda: heat.reading.values is not None)
-    assert globe.canvas.surface.worn is SEQUENTIAL
-    assert not globe.looks.legend.note.isVisible()
+    assert globe.canvas.surface.color_map is SEQUENTIAL
+    assert not globe.display_options.legend.note.isVisible()
 
 
-def test_heat_map_compares_another_mesh_with_its_own_rest_shape(qtbot, area):
+def test_deviation_overlay_compares_another_mesh_with_its_own_rest_shape(qtbot, area):
     area.session.files.open_sample("bottle")
     idle(qtbot, area)
     qtbot.waitUntil(
-        lambda: area.looks.heat.reading.values is not None and len(area.looks.heat.reading.values) > 10_000
+        lambda: (
+            area.display_options.overlay.reading.values is not None
+            and len(area.display_options.overlay.reading.values) > 10_000
+        )
     )
-    assert not area.looks.heat.reading.values.any()
+    assert not area.display_options.overlay.reading.values.any()
 
 
 # Colours
@@ -202,15 +205,15 @@ def test_legend_colors_are_those_on_the_shape(globe, edges):
     """A place painted in the colour of the legend looks as one that the overlay colours."""
     view, surface = globe.canvas.viewport, globe.canvas.surface
     n = len(surface.U)
-    surface.edges = edges
+    surface.shows_edges = edges
     for colors in (DIVERGING, SEQUENTIAL):
         for shade in (1, 90, 255):
             color = colors.colors(np.array([(shade - 1) / 254]))[0]
-            surface.wear(colors, -1.0)
+            surface.set_color_map(colors, -1.0)
             surface.shades[:] = shade
-            surface.shades_changed()
+            surface.update_shades()
             shown = middle(view)
-            surface.wear(None)
+            surface.set_color_map(None)
             surface.set_colors(np.tile([*color, 255], (n, 1)).astype(np.uint8))
             off = np.abs(shown - middle(view))
             assert np.quantile(off, 0.99) <= 2, "but for what smooths the edges"
@@ -218,22 +221,22 @@ def test_legend_colors_are_those_on_the_shape(globe, edges):
             surface.set_colors(np.tile([*FREE_COLOR, 255], (n, 1)).astype(np.uint8))
 
 
-def test_heat_map_has_no_color_up_to_the_tolerance(qtbot, area):
+def test_deviation_overlay_has_no_color_up_to_the_tolerance(qtbot, area):
     view, V = area.canvas.viewport, document(area).mesh.V
     neutral = middle_pixel(view)
     answer(qtbot, area, 1.01 * V)
     assert np.abs(middle_pixel(view) - neutral).max() > 5
-    area.looks.legend.scaled.emit(0.1, 0.03)
+    area.display_options.legend.scale_changed.emit(0.1, 0.03)
     np.testing.assert_allclose(middle_pixel(view), neutral, atol=2)
 
 
-def test_heat_map_lets_paint_still_be_seen(qtbot, bottle):
+def test_deviation_overlay_lets_paint_still_be_seen(qtbot, bottle):
     """Stripes of the paint, between which the colours are those of the scale."""
     choose(qtbot, bottle, Measure.AREA)
     view, held = bottle.canvas.viewport, document(bottle).labels == HANDLE
     picture = view.screenshot(return_img=True).astype(int)
     (x0, x1), (y0, y1) = np.percentile(
-        view.look.eye.project(document(bottle).mesh.V[held]), [35, 65], axis=0
+        view.camera_controller.camera.project(document(bottle).mesh.V[held]), [35, 65], axis=0
     ).T.astype(int)
     patch = picture[y0:y1, x0:x1, :3].reshape(-1, 3)
     assert 0.1 < (patch[:, 0] - patch[:, 2] > 40).mean() < 0.6
@@ -243,7 +246,7 @@ def test_heat_map_lets_paint_still_be_seen(qtbot, bottle):
 
 
 def test_legend_lets_the_range_be_typed_and_fitted_by_a_click(qtbot, area):
-    legend, heat = area.looks.legend, area.looks.heat
+    legend, heat = area.display_options.legend, area.display_options.overlay
     answer(qtbot, area, 1.3 * document(area).mesh.V)
     assert set(shades(area)) == {255}
     legend.reach.setFocus()
@@ -262,19 +265,19 @@ def test_legend_lets_the_range_be_typed_and_fitted_by_a_click(qtbot, area):
 
 def test_legend_shows_the_largest_local_area_change_as_the_panel_does(qtbot, coarse):
     choose(qtbot, coarse, Measure.AREA)
-    coarse.session.handles.move_by(TypedMotion.TWIST, "60deg", 0)
+    coarse.session.handles.move_by(MotionKind.TWIST, "60deg", 0)
     idle(qtbot, coarse)
-    legend, panel = coarse.looks.legend, coarse.panel.area
+    legend, panel = coarse.display_options.legend, coarse.panel.area
     settle(qtbot, coarse.canvas.viewport)
-    coarse.looks.heat.reading.read()
+    coarse.display_options.overlay.reading.update_legend()
     said = legend.largest.text().replace("\u00a0", " ").lstrip("+−")
     assert said == panel.local_change.text() != "0 %"
-    coarse.looks.heat.next_worst()
-    assert coarse.looks.heat.extremes.mark.text.endswith(legend.largest.text())
+    coarse.display_options.overlay.show_next_extreme()
+    assert coarse.display_options.overlay.extremes.callout.text.endswith(legend.largest.text())
 
 
-def test_heat_map_never_has_what_counts_for_no_change_in_the_strongest_colors(qtbot, area):
-    legend, heat = area.looks.legend, area.looks.heat
+def test_deviation_overlay_never_has_what_counts_for_no_change_in_the_strongest_colors(qtbot, area):
+    legend, heat = area.display_options.legend, area.display_options.overlay
     answer(qtbot, area, 1.3 * document(area).mesh.V)
     for field, text in ((legend.neutral, "500"), (legend.reach, "0.01")):
         field.setFocus()
@@ -288,20 +291,20 @@ def test_heat_map_never_has_what_counts_for_no_change_in_the_strongest_colors(qt
 
 
 def test_legend_has_nothing_to_fit_at_rest(qtbot, area):
-    before, fit = area.looks.heat.scale, area.looks.legend.fit
+    before, fit = area.display_options.overlay.scale, area.display_options.legend.fit
     qtbot.waitUntil(fit.isEnabled)
     qtbot.mouseClick(fit, LEFT)
-    assert area.looks.heat.scale == before
+    assert area.display_options.overlay.scale == before
 
 
 @pytest.mark.parametrize("unit", [1e-9, 1e4])
 def test_legend_fits_and_takes_the_range_on_a_mesh_of_any_size(qtbot, window, unit):
     V, F = sphere(2)
-    window.filing.show_mesh(Mesh(unit * V, F))
+    window.files.show_mesh(Mesh(unit * V, F))
     idle(qtbot, window)
     choose(qtbot, window, Measure.DISPLACEMENT)
     answer(qtbot, window, unit * (V + [0.4, 0.0, 0.0]))
-    legend, heat = window.looks.legend, window.looks.heat
+    legend, heat = window.display_options.legend, window.display_options.overlay
     qtbot.waitUntil(legend.fit.isEnabled)
     qtbot.mouseClick(legend.fit, LEFT)
     assert heat.scale.reach == pytest.approx(0.5 * unit)
@@ -311,32 +314,32 @@ def test_legend_fits_and_takes_the_range_on_a_mesh_of_any_size(qtbot, window, un
 
 
 def test_legend_changes_the_overlay_and_switches_it_off(qtbot, area):
-    legend = area.looks.legend
+    legend = area.display_options.legend
     legend.choice.setFocus()
     qtbot.keyClick(legend.choice, Qt.Key.Key_Down)
-    assert area.looks.heat.measure is Measure.STRAIN
-    assert area.actions_.looks.measures[Measure.STRAIN].isChecked()
+    assert area.display_options.overlay.measure is Measure.STRAIN
+    assert area.actions_.display.measures[Measure.STRAIN].isChecked()
     qtbot.mouseClick(legend.close_button, LEFT)
-    assert area.looks.heat.measure is None
-    assert area.actions_.looks.off.isChecked()
+    assert area.display_options.overlay.measure is None
+    assert area.actions_.display.no_overlay.isChecked()
 
 
 @pytest.mark.parametrize("measure", Measure)
 def test_legend_shows_the_scale_of_every_measure(qtbot, measure):
     legend = Legend()
     qtbot.addWidget(legend)
-    scale = usual(measure, 1.0)
+    scale = default_scale(measure, 1.0)
     legend.show_scale(scale, Unit.MILLIMETRE)
-    assert legend.reach.value() == pytest.approx(measure.words.kind.factor * scale.reach)
-    assert legend.reach.suffix() == measure.words.kind.suffix(Unit.MILLIMETRE) != ""
+    assert legend.reach.value() == pytest.approx(measure.traits.kind.factor * scale.reach)
+    assert legend.reach.suffix() == measure.traits.kind.suffix(Unit.MILLIMETRE) != ""
 
 
 def test_cards_are_beside_the_ways_to_choose_where_they_are_as_high(qtbot, window):
-    window.session.files.open_with("box", lambda: opened(Mesh(*box())))
+    window.session.files.open_result("box", lambda: initial_state(Mesh(*box())))
     idle(qtbot, window)
-    window.tools.take(Tool.BASE)
+    window.tools.choose_tool(Tool.BASE)
     choose(qtbot, window, Measure.AREA)
-    cards, ways, line = window.looks.cards, window.way_bar, window.invitation
+    cards, ways, line = window.display_options.cards, window.mode_bar, window.invitation
     moved = set()
     for height in range(640, 960, 40):
         window.shell.resize(1280, height)
@@ -353,45 +356,45 @@ def test_cards_are_beside_the_ways_to_choose_where_they_are_as_high(qtbot, windo
 def test_legend_covers_nothing(qtbot, bottle, size):
     bottle.shell.resize(*size)
     choose(qtbot, bottle, Measure.AREA)
-    legend, canvas = bottle.looks.cards, bottle.canvas.viewport
+    legend, canvas = bottle.display_options.cards, bottle.canvas.viewport
     assert bottle.invitation.isVisible()
-    for other in (bottle.invitation, bottle.notice, bottle.health.list):
+    for other in (bottle.invitation, bottle.notice, bottle.findings.list):
         assert other.isHidden() or not legend.geometry().intersects(other.geometry())
     assert canvas.rect().contains(legend.geometry())
     low = legend.geometry().bottom()
-    bottle.invitation.say("")
+    bottle.invitation.show_text("")
     assert legend.geometry().bottom() >= low
     assert legend.geometry().bottom() == canvas.height() - 13
 
 
 def test_legend_keeps_the_mouse_on_it_from_the_canvas(qtbot, area):
-    eye = area.canvas.viewport.look.eye.key
-    mouse = Mouse(area.looks.legend)
+    eye = area.canvas.viewport.camera_controller.camera.key
+    mouse = Mouse(area.display_options.legend)
     mouse.drag((20, 60), (60, 80), (90, 120))
     mouse.wheel((20, 60), 3)
-    assert area.canvas.viewport.look.eye.key == eye
+    assert area.canvas.viewport.camera_controller.camera.key == eye
 
 
-def test_heat_map_remembers_overlay_and_range(qtbot, area, settings):
-    area.looks.legend.scaled.emit(0.4, 0.02)
+def test_deviation_overlay_remembers_overlay_and_range(qtbot, area, settings):
+    area.display_options.legend.scale_changed.emit(0.4, 0.02)
     other = Workbench(Shell(settings))
     show(qtbot, other.shell, other.canvas.viewport)
     try:
-        assert other.looks.heat.measure is Measure.AREA
-        assert other.looks.heat.scales[Measure.AREA] == Scale(Measure.AREA, 0.4, 0.02)
-        assert other.actions_.looks.measures[Measure.AREA].isChecked()
+        assert other.display_options.overlay.measure is Measure.AREA
+        assert other.display_options.overlay.scales[Measure.AREA] == Scale(Measure.AREA, 0.4, 0.02)
+        assert other.actions_.display.measures[Measure.AREA].isChecked()
     finally:
         other.shell.close()
         other.shell.deleteLater()
         work_off()
 
 
-def test_heat_map_takes_settings_that_nobody_can_read_as_none(qtbot, settings):
+def test_deviation_overlay_takes_settings_that_nobody_can_read_as_none(qtbot, settings):
     settings.setValue("looks", ["overlay nonsense", "area many 3", "strain -1 0", "ghost"])
     other = Workbench(Shell(settings))
     try:
-        assert other.looks.heat.measure is None
-        assert other.looks.heat.scales == {}
+        assert other.display_options.overlay.measure is None
+        assert other.display_options.overlay.scales == {}
     finally:
         other.shell.close()
         other.shell.deleteLater()
@@ -401,26 +404,26 @@ def test_heat_map_takes_settings_that_nobody_can_read_as_none(qtbot, settings):
 # The worst places
 
 
-def test_next_worst_goes_to_the_worst_places_one_after_another_by_a_key(qtbot, area):
+def test_show_next_extreme_goes_to_the_worst_places_one_after_another_by_a_key(qtbot, area):
     area.shell.activateWindow()
     qtbot.waitUntil(area.shell.isActiveWindow)
     V = document(area).mesh.V
     away = np.linalg.norm(V - [0.0, 0.0, -1.0], axis=1), np.linalg.norm(V - [1.0, 0.0, 0.0], axis=1)
     U = V * (1.0 + 0.3 * np.exp(-20 * away[0] ** 2) - 0.1 * np.exp(-20 * away[1] ** 2))[:, None]
     answer(qtbot, area, U)
-    heat, view = area.looks.heat, area.canvas.viewport
+    heat, view = area.display_options.overlay, area.canvas.viewport
     qtbot.keyClick(view, Qt.Key.Key_C)
-    first = heat.extremes.mark.vertex
+    first = heat.extremes.callout.vertex
     assert abs(heat.reading.values[first]) == np.abs(heat.reading.values).max()
-    assert view.look.eye.axes[2] @ V[first] < 0, "it is seen, though it was at the back"
-    assert view.rect().contains(*map(int, view.look.eye.project(U[[first]])[0]))
-    assert heat.extremes.mark.text.startswith("1 of")
+    assert view.camera_controller.camera.axes[2] @ V[first] < 0, "it is seen, though it was at the back"
+    assert view.rect().contains(*map(int, view.camera_controller.camera.project(U[[first]])[0]))
+    assert heat.extremes.callout.text.startswith("1 of")
     qtbot.keyClick(view, Qt.Key.Key_C)
-    second = heat.extremes.mark.vertex
+    second = heat.extremes.callout.vertex
     assert np.linalg.norm(U[second] - U[first]) > 0.05
     qtbot.keyClick(view, Qt.Key.Key_C, Qt.KeyboardModifier.ShiftModifier)
-    assert heat.extremes.mark.vertex == first
+    assert heat.extremes.callout.vertex == first
     answer(qtbot, area, V)
-    assert heat.extremes.mark.vertex is None, "there is no worst place any more"
+    assert heat.extremes.callout.vertex is None, "there is no worst place any more"
     qtbot.keyClick(view, Qt.Key.Key_C)
-    assert heat.extremes.mark.vertex is None
+    assert heat.extremes.callout.vertex is None

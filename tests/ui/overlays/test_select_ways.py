@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from choosing import ALT, COLORS, CONTROL, MESHES, NONE, Gesture, painted
 
-from apd_viewer.presentation.palette import FREE_COLOR, tinted
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.presentation.palette import FREE_COLOR, tinted_colors
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 STROKES = [
     (Tool.HANDLE, NONE),
@@ -21,7 +21,11 @@ STROKES = [
 SOME_STROKES = {"rabbit": slice(None), "seams": slice(6), "bare": slice(3, 6)}
 
 
-LONG = {*(("bent", way) for way in Way if way is not Way.BRUSH), ("cup", Way.LASSO), ("cup", Way.POLYGON)}
+LONG = {
+    *(("bent", mode) for mode in SelectionMode if mode is not SelectionMode.BRUSH),
+    ("cup", SelectionMode.LASSO),
+    ("cup", SelectionMode.POLYGON),
+}
 
 
 @pytest.mark.parametrize(
@@ -29,23 +33,23 @@ LONG = {*(("bent", way) for way in Way if way is not Way.BRUSH), ("cup", Way.LAS
     [
         pytest.param(name, way, marks=pytest.mark.night if (name, way) in LONG else ())
         for name in MESHES
-        for way in Way
+        for way in SelectionMode
     ],
 )
-def test_selector_paints_what_it_previews_as_one_step_of_undo(qtbot, theatre, name, way):
+def test_selection_tool_paints_what_it_previews_as_one_step_of_undo(qtbot, theatre, name, way):
     scene = theatre.scene(qtbot, name)
     before, gesture = scene.document, None
     for tool, modifiers in STROKES[SOME_STROKES.get(name, slice(3))]:
         scene.take(tool, way)
         gesture = gesture or Gesture(scene.window, way)
-        assert gesture.chosen.any() or (name, way) == ("cup", Way.LOOP)
-        assert way is Way.PIECE or not gesture.chosen.all()
+        assert gesture.chosen.any() or (name, way) == ("cup", SelectionMode.LOOP)
+        assert way is SelectionMode.PIECE or not gesture.chosen.all()
         steps, said = scene.steps, f"{tool.words.title} with {modifiers}"
         mouse = gesture.begin(scene.view, modifiers)
-        if way is not Way.BRUSH:
+        if way is not SelectionMode.BRUSH:
             np.testing.assert_array_equal(scene.previewed, gesture.chosen, said)
             colors, chosen = scene.own_colors, gesture.chosen
-            colors[chosen] = tinted(colors[chosen], FREE_COLOR if modifiers == ALT else COLORS[tool])
+            colors[chosen] = tinted_colors(colors[chosen], FREE_COLOR if modifiers == ALT else COLORS[tool])
             np.testing.assert_array_equal(scene.colors, colors, said)
             assert scene.document is before
         gesture.end(mouse, modifiers)
@@ -59,7 +63,7 @@ def test_selector_paints_what_it_previews_as_one_step_of_undo(qtbot, theatre, na
         changed = (labels != before.labels).any() or (member != before.member).any()
         assert scene.steps == steps + changed
         assert scene.window.session.store.state.frame.U is scene.state.frame.U
-        assert scene.view.look.eye.key == scene.eye.key
+        assert scene.view.camera_controller.camera.key == scene.eye.key
         if changed:
             scene.window.actions_.undo.trigger()
         assert scene.document is before

@@ -27,7 +27,7 @@ def window(kept_window):
 @pytest.fixture
 def globe(qtbot, window):
     """A window on a sphere of radius one, in millimetres."""
-    window.filing.show_mesh(Mesh(*sphere(3)))
+    window.files.show_mesh(Mesh(*sphere(3)))
     idle(qtbot, window)
     window.choose_unit(Unit.MILLIMETRE)
     return window
@@ -43,12 +43,12 @@ def file(tmp_path):
 
 def load(qtbot, window, monkeypatch, path):
     monkeypatch.setattr(file_dialogs, "ask_for_target_shape", lambda *_: path)
-    window.actions_.file.target.trigger()
+    window.actions_.file.load_target.trigger()
     idle(qtbot, window)
 
 
 def measured(qtbot, window):
-    heat, section = window.looks.heat, window.panel.target
+    heat, section = window.display_options.overlay, window.panel.target
     qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     qtbot.waitUntil(lambda: section.closest[0].text() not in "–…", timeout=60_000)
     settle(qtbot, window.canvas.viewport)
@@ -60,9 +60,9 @@ def said(labels):
 
 def shown(window):
     """What legend and menu offer."""
-    choice, measures = window.looks.legend.choice, window.actions_.looks.measures
+    choice, measures = window.display_options.legend.choice, window.actions_.display.measures
     titles = [choice.itemText(k) for k in range(choice.count())]
-    assert titles == [measure.words.title for measure in Measure if measures[measure].isEnabled()]
+    assert titles == [measure.traits.title for measure in Measure if measures[measure].isEnabled()]
     return [measure for measure in (CLOSEST, VERTEX) if measures[measure].isEnabled()]
 
 
@@ -71,17 +71,17 @@ def drawn(window):
     return sum(actor.GetVisibility() for actor in window.canvas.viewport.renderer.GetActors())
 
 
-def test_targeting_offers_nothing_without_a_target(globe):
+def test_target_controller_offers_nothing_without_a_target(globe):
     assert shown(globe) == []
     assert not globe.panel.target.isVisible()
     assert not globe.actions_.file.clear_target.isEnabled()
-    assert not globe.actions_.looks.switches["target_ghost"].isEnabled()
-    globe.looks.heat.choose(CLOSEST)
-    assert globe.looks.heat.measure is None, "a session may say so whose target is missing"
+    assert not globe.actions_.display.switches["target_ghost"].isEnabled()
+    globe.display_options.overlay.choose_measure(CLOSEST)
+    assert globe.display_options.overlay.measure is None, "a session may say so whose target is missing"
 
 
-def test_targeting_lets_a_target_be_seen_measured_and_cleared(qtbot, globe, file, monkeypatch, tmp_path):
-    heat, section, looks = globe.looks.heat, globe.panel.target, globe.actions_.looks
+def test_target_controller_shows_measures_and_clears_a_target(qtbot, globe, file, monkeypatch, tmp_path):
+    heat, section, looks = globe.display_options.overlay, globe.panel.target, globe.actions_.display
     load(qtbot, globe, monkeypatch, file)
     assert heat.measure is CLOSEST, "what was loaded is shown"
     measured(qtbot, globe)
@@ -89,7 +89,7 @@ def test_targeting_lets_a_target_be_seen_measured_and_cleared(qtbot, globe, file
     assert "larger.obj" in section.name.text()
     assert said(section.closest) == pytest.approx([0.2, 0.2, 0.2], abs=0.006)
     assert said(section.vertex) == pytest.approx([0.2, 0.2, 0.2], abs=1e-4)
-    assert globe.looks.legend.largest.text().startswith("0.19")
+    assert globe.display_options.legend.largest.text().startswith("0.19")
     assert shown(globe) == [CLOSEST, VERTEX]
     assert drawn(globe) == 2, "the shape, and its target"
     looks.switches["target_ghost"].trigger()
@@ -102,35 +102,37 @@ def test_targeting_lets_a_target_be_seen_measured_and_cleared(qtbot, globe, file
     # Another shape is measured anew, and another unit written.
     store, V = globe.session.store, document(globe).mesh.V
     frame = dataclasses.replace(store.state.frame, U=frozen(1.1 * V))
-    store.show(store.state.at(frame=frame))
+    store.set_state(store.state.updated(frame=frame))
     measured(qtbot, globe)
     assert said(section.vertex) == pytest.approx([0.1, 0.1, 0.1], abs=1e-4)
     globe.choose_unit(Unit.CENTIMETRE)
     assert section.vertex[0].text().endswith("cm")
 
     page = tmp_path / "report.html"
-    globe.reporting.write(page)
+    globe.reports.write_report(page)
     idle(qtbot, globe)
     rows = PageParts(page.read_text(encoding="utf-8")).rows["Target shape"]
     assert rows["File"] == "larger.obj"
     assert float(rows["RMS, same vertex"].split()[0]) == pytest.approx(0.1, abs=1e-4)
     assert "Largest, closest point of this shape" in rows
 
-    assert globe.actions_.looks.switches["target_ghost"].isEnabled()
+    assert globe.actions_.display.switches["target_ghost"].isEnabled()
     globe.actions_.file.clear_target.trigger()
-    assert document(globe).target is None
-    assert not globe.actions_.looks.switches["target_ghost"].isEnabled()
+    assert document(globe).target_shape is None
+    assert not globe.actions_.display.switches["target_ghost"].isEnabled()
     assert heat.measure is None
-    assert not globe.looks.legend.isVisible()
+    assert not globe.display_options.legend.isVisible()
     assert not section.isVisible()
     assert shown(globe) == []
     globe.actions_.undo.trigger()
     assert section.isVisible()
     section.clear.click()
-    assert document(globe).target is None
+    assert document(globe).target_shape is None
 
 
-def test_targeting_offers_only_the_closest_point_for_other_triangles(qtbot, globe, tmp_path, monkeypatch):
+def test_target_controller_offers_the_closest_point_alone_for_other_triangles(
+    qtbot, globe, tmp_path, monkeypatch
+):
     cube, path = Mesh(*box(2, 2, 2)), tmp_path / "cube.obj"
     save_mesh(cube, cube.V - 1.0, path)
     load(qtbot, globe, monkeypatch, path)
@@ -146,28 +148,28 @@ def test_targeting_offers_only_the_closest_point_for_other_triangles(qtbot, glob
     session = tmp_path / "a.apd"
     globe.session.files.save(session, globe.view())
     idle(qtbot, globe)
-    globe.filing.show_mesh(Mesh(*box(1, 1, 1)))
+    globe.files.show_mesh(Mesh(*box(1, 1, 1)))
     idle(qtbot, globe)
-    assert globe.looks.heat.measure is None
-    globe.filing.open_path(session)
+    assert globe.display_options.overlay.measure is None
+    globe.files.open_path(session)
     idle(qtbot, globe)
-    assert globe.looks.heat.measure is CLOSEST
-    assert document(globe).target.mesh.path == path
+    assert globe.display_options.overlay.measure is CLOSEST
+    assert document(globe).target_shape.mesh.path == path
     path.unlink()
-    globe.filing.open_path(session)
+    globe.files.open_path(session)
     idle(qtbot, globe)
-    assert globe.looks.heat.measure is None
+    assert globe.display_options.overlay.measure is None
     assert "cube.obj, a mesh of a.apd, is missing" in globe.notice.text
     assert "cube.obj" in section.name.text()
     assert not section.closest[0].isVisible()
     assert globe.actions_.file.clear_target.isEnabled()
 
 
-def test_targeting_changes_nothing_for_a_target_that_cannot_be_read(qtbot, globe, tmp_path, monkeypatch):
+def test_target_controller_changes_nothing_for_an_unreadable_target(qtbot, globe, tmp_path, monkeypatch):
     path = tmp_path / "points.obj"
     path.write_text("v 0 0 0\nv 1 0 0\n")
     load(qtbot, globe, monkeypatch, path)
     assert globe.notice.isVisible()
     assert "points.obj" in globe.notice.text or "faces" in globe.notice.text
     assert not globe.panel.target.isVisible()
-    assert globe.looks.heat.measure is None
+    assert globe.display_options.overlay.measure is None

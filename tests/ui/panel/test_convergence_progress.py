@@ -8,8 +8,8 @@ from meshes import box
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.ui.panel.convergence_progress import ConvergenceProgress
 
 
@@ -17,7 +17,7 @@ class Solving:
     """Frames whose gap falls by a tenth every 0.2 s, and the progress that follows them."""
 
     def __init__(self):
-        self.now, self.rest = 100.0, opened(Mesh(*box(2, 2, 6))).frame
+        self.now, self.rest = 100.0, initial_state(Mesh(*box(2, 2, 6))).frame
         self.compiles = False
         self.progress = ConvergenceProgress(lambda: self.now, lambda: self.compiles)
         self.frame = replace(self.rest, iteration=900)
@@ -84,6 +84,6 @@ def test_convergence_progress_has_no_number_while_it_is_not_known(solving):
 
 
 def test_convergence_progress_is_not_shown_for_a_quick_motion(qtbot, bottle):
-    bottle.session.handles.move_by(TypedMotion.TWIST, "1", 0)
+    bottle.session.handles.move_by(MotionKind.TWIST, "1", 0)
     idle(qtbot, bottle)
     assert not bottle.status.progress.isVisible()

@@ -12,14 +12,14 @@ from PySide6.QtTest import QTest
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import shape_checker
 
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    monkeypatch.setattr(shape_checker, "AT_FIRST", 0.0)
-    monkeypatch.setattr(shape_checker, "CALM", 0.0)
+    monkeypatch.setattr(shape_checker, "FIRST_PAUSE", 0.0)
+    monkeypatch.setattr(shape_checker, "NEXT_PAUSE", 0.0)
 
 
 @pytest.fixture
@@ -27,9 +27,9 @@ def without_contact(qtbot, kept_window, tmp_path):
     """A kept_window on a coarse bottle whose walls pass through each other."""
     V, F, labels = sample_bottle(edge=3.0)
     save_mesh(Mesh(V, F), V, tmp_path / "bottle.obj")
-    state = opened(open_mesh(tmp_path / "bottle.obj"), labels.astype("uint8"))
-    state = state.at(dataclasses.replace(state.document, contact=False))
-    kept_window.session.files.open_with("bottle", lambda: state)
+    state = initial_state(open_mesh(tmp_path / "bottle.obj"), labels.astype("uint8"))
+    state = state.updated(dataclasses.replace(state.document, contact=False))
+    kept_window.session.files.open_result("bottle", lambda: state)
     idle(qtbot, kept_window)
     return kept_window
 
@@ -42,20 +42,20 @@ def twist(qtbot, window, text):
     QTest.keyClicks(field.amount, text)
     QTest.keyClick(field.amount, Qt.Key.Key_Return)
     idle(qtbot, window)
-    qtbot.waitUntil(lambda: window.session.shape_checks.found is not None, timeout=30_000)
+    qtbot.waitUntil(lambda: window.session.shape_checks.shape_check is not None, timeout=30_000)
 
 
 def report(qtbot, window, path):
-    window.reporting.write(path)
+    window.reports.write_report(path)
     idle(qtbot, window)
     return PageParts(path.read_text(encoding="utf-8"))
 
 
 def test_handle_section_says_a_lost_turn_until_it_is_undone(qtbot, without_contact, tmp_path):
-    window, lost = without_contact, without_contact.panel.handles.lost
+    window, lost = without_contact, without_contact.panel.handles.crossing_signs
     assert lost.isHidden()
     twist(qtbot, window, "400")
-    assert window.session.shape_checks.found.turns[0].degrees == pytest.approx((400.0, 40.0))
+    assert window.session.shape_checks.shape_check.turns[0].degrees == pytest.approx((400.0, 40.0))
     assert lost.isVisible()
     said = "The surface holds 40 of the 400 degrees asked: without contact it passed through itself; "
     assert lost.text() == said + "turn contact on."
@@ -65,7 +65,7 @@ def test_handle_section_says_a_lost_turn_until_it_is_undone(qtbot, without_conta
     window.actions_.undo.trigger()
     qtbot.waitUntil(lost.isHidden, timeout=30_000)
     twist(qtbot, window, "100")
-    assert window.session.shape_checks.found.turns[0].degrees == pytest.approx((100.0, 100.0))
+    assert window.session.shape_checks.shape_check.turns[0].degrees == pytest.approx((100.0, 100.0))
     assert lost.isHidden()
     page = report(qtbot, window, tmp_path / "kept.html")
     assert not any("holds" in note for note in page.notes.get("Shape", ()))

@@ -61,10 +61,10 @@ def test_handle_section_keeps_the_motion_of_the_first_handle_beside_a_new_one(qt
     assert window.session.store.state.frame.U is shape
     choose(qtbot, window, 0)
     assert row(window) == "twisted +20.0°"
-    assert window.panel.handles.back.isEnabled()
+    assert window.panel.handles.reset_handle.isEnabled()
 
     report = tmp_path / "report.html"
-    window.reporting.write(report)
+    window.reports.write_report(report)
     idle(qtbot, window)
     said = PageParts(report.read_text(encoding="utf-8")).rows["Handles"]
     assert said["Handle 1"].startswith("twisted +20.0°\n")
@@ -73,13 +73,13 @@ def test_handle_section_keeps_the_motion_of_the_first_handle_beside_a_new_one(qt
     idle(qtbot, window)
     assert readings.motion(open_session(tmp_path / "bottle.apd")[0], 0, Unit.NONE) == "twisted +20.0°"
     window.actions_.pose.sweep.trigger()
-    assert window.studies.dialogs["sweep"].motion.currentText() == "current motion of the handles"
-    window.studies.close_all()
+    assert window.runs.dialogs["sweep"].motion.currentText() == "current motion of the handles"
+    window.runs.close_all()
 
-    window.panel.handles.back.click()
+    window.panel.handles.reset_handle.click()
     idle(qtbot, window)
     assert row(window) == "at rest"
-    assert not window.panel.handles.back.isEnabled()
+    assert not window.panel.handles.reset_handle.isEnabled()
     np.testing.assert_allclose(window.session.store.state.frame.U, rest, atol=1e-4)
     window.actions_.undo.trigger()
     assert row(window) == "twisted +20.0°"
@@ -100,11 +100,11 @@ def test_handle_section_counts_on_for_a_handle_dragged_after_a_stroke(qtbot, twi
     stroke(qtbot, twisted, on_screen(twisted, front(twisted, 6.0)), half_width=15)
     press(twisted, Qt.Key.Key_M)
     idle(qtbot, twisted)
-    before = document(twisted).from_rest.handles[0].pose
+    before = document(twisted).relative_to_rest.handles[0].pose
     top = on_screen(twisted, np.flatnonzero(document(twisted).labels >= 2)[0])
     drag(qtbot, twisted, top, (25, 0))
     idle(qtbot, twisted)
-    after = document(twisted).from_rest.handles[0].pose
+    after = document(twisted).relative_to_rest.handles[0].pose
     assert not np.array_equal(before, after)
     np.testing.assert_allclose(before[:3, :3], after[:3, :3], atol=1e-9)
     assert row(twisted).startswith("moved ")

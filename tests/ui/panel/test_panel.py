@@ -12,10 +12,10 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.presentation.readings import NOTHING, verdict
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.presentation.readings import NO_VALUE, area_verdict
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.store import Activity
+from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.widgets.slider import DECADES, PERCENT
 
 
@@ -67,7 +67,7 @@ def test_panel_readings_are_those_of_the_frame(qtbot, bottle):
     assert panel.volume.change.replace("−", "-") in (f"{change:+.2f} %", "unchanged")
     assert panel.handles.drift.text() == "0"
     assert re.fullmatch(r"(twisted|rotated) [+−]\d+\.\d°", details.text()), "only that it has"
-    held = state.document.counts[HANDLE]
+    held = state.document.label_counts[HANDLE]
     assert panel.handles.list.rows[0].reading.text() == f"{held:,} vertices"
 
 
@@ -96,7 +96,7 @@ def test_method_section_shows_the_settings_that_matter_for_each_method(bottle):
 
 def test_method_section_offers_contact_where_it_can_and_keeps_the_wall_thickness(qtbot, bottle):
     box, thickness = bottle.panel.method.contact, bottle.panel.measures.thickness
-    bottle.session.settings.keep_apart(False)
+    bottle.session.settings.set_contact(False)
     for method, may in (("paper", False), ("sr-arap", False), ("local", True), ("exact", True)):
         choose(bottle, method)
         assert box.isVisible() is may
@@ -125,16 +125,16 @@ def test_method_section_offers_contact_where_it_can_and_keeps_the_wall_thickness
     assert (document(bottle).contact, document(bottle).thickness) == (False, None)
 
 
-def test_keep_apart_says_that_a_wall_is_too_thick_and_changes_nothing(qtbot, bottle):
+def test_set_contact_says_that_a_wall_is_too_thick_and_changes_nothing(qtbot, bottle):
     box, thickness = bottle.panel.method.contact, bottle.panel.measures.thickness
-    bottle.session.settings.keep_apart(True)
+    bottle.session.settings.set_contact(True)
     before = document(bottle)
     qtbot.keyClicks(thickness, "3")
     qtbot.keyClick(thickness, Qt.Key.Key_Return)
     assert document(bottle) is before
     assert bottle.notice.text.startswith("The wall thickness must be at most ")
     assert thickness.text() == "3", "the mass is still of that wall"
-    bottle.session.settings.keep_apart(False)
+    bottle.session.settings.set_contact(False)
     bottle.notice.hide()
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
     assert bottle.notice.isVisible()
@@ -143,11 +143,11 @@ def test_keep_apart_says_that_a_wall_is_too_thick_and_changes_nothing(qtbot, bot
 
 
 @pytest.mark.night
-def test_keep_apart_ends_a_twist_without_a_crossing(qtbot, coarse):
+def test_set_contact_ends_a_twist_without_a_crossing(qtbot, coarse):
     found = []
     for on in (False, True):
-        coarse.session.settings.keep_apart(on)
-        coarse.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
+        coarse.session.settings.set_contact(on)
+        coarse.session.handles.move_by(MotionKind.TWIST, "150deg", 0)
         idle(qtbot, coarse)
         state = coarse.session.store.state
         found.append(len(crossings(state.frame.U, state.document.mesh.joined_F)))
@@ -156,14 +156,14 @@ def test_keep_apart_ends_a_twist_without_a_crossing(qtbot, coarse):
         assert not on or coarse.panel.volume.share.text() == "100 %"
         coarse.session.gestures.undo()
         idle(qtbot, coarse)
-        assert not on or coarse.panel.volume.share.text() == NOTHING, "nothing has moved"
+        assert not on or coarse.panel.volume.share.text() == NO_VALUE, "nothing has moved"
     assert found[0] > 0
     assert found[1] == 0
 
 
 def test_size_section_counts_a_thickness_with_a_unit_once_that_of_the_mesh_is_known(bottle):
     thickness = bottle.panel.measures.thickness
-    bottle.session.settings.keep_apart(True)
+    bottle.session.settings.set_contact(True)
     thickness.setText("0.3mm")
     thickness.editingFinished.emit()
     assert document(bottle).thickness is None
@@ -180,25 +180,25 @@ def test_size_section_counts_a_thickness_with_a_unit_once_that_of_the_mesh_is_kn
 
 def test_volume_section_reads_contact_too(qtbot, bottle):
     volume = bottle.panel.volume
-    bottle.session.settings.keep_apart(True, 0.03)
+    bottle.session.settings.set_contact(True, 0.03)
     said = [label.text() for label in (volume.pairs, volume.least_gap, volume.share)]
     assert said == ["none", "–", "–"], "nothing has moved"
-    bottle.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
+    bottle.session.handles.move_by(MotionKind.TWIST, "150deg", 0)
     idle(qtbot, bottle)
     frame = bottle.session.store.state.frame
     assert frame.contact.pairs == int(volume.pairs.text().replace(",", "")) > 0
     assert 0.0 < frame.contact.least_gap < 0.03
     assert float(volume.least_gap.text()) == pytest.approx(frame.contact.least_gap, rel=1e-3)
-    bottle.session.handles.move_by(TypedMotion.TWIST, "2deg", 0)
-    qtbot.waitUntil(lambda: bottle.session.shape_checks.found is None)
+    bottle.session.handles.move_by(MotionKind.TWIST, "2deg", 0)
+    qtbot.waitUntil(lambda: bottle.session.shape_checks.shape_check is None)
     assert volume.crossings.text() == "no self-intersections", "on the way too"
     idle(qtbot, bottle)
 
 
-def test_keep_apart_takes_crossings_out_of_a_shape_once_contact_is_turned_on(qtbot, coarse):
+def test_set_contact_takes_crossings_out_of_a_shape_once_contact_is_turned_on(qtbot, coarse):
     volume, box = coarse.panel.volume, coarse.panel.method.contact
-    coarse.session.settings.keep_apart(False)
-    coarse.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
+    coarse.session.settings.set_contact(False)
+    coarse.session.handles.move_by(MotionKind.TWIST, "150deg", 0)
     idle(qtbot, coarse)
     state = coarse.session.store.state
     assert len(crossings(state.frame.U, state.document.mesh.joined_F))
@@ -214,14 +214,14 @@ def test_keep_apart_takes_crossings_out_of_a_shape_once_contact_is_turned_on(qtb
 def test_patch_ghost_shows_where_contact_has_not_let_the_handle_go(qtbot, bottle):
     drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12))
     idle(qtbot, bottle)
-    state, ghost = bottle.session.store.state, bottle.preview.asked.patches
-    assert len(ghost.shown) == 0
+    state, ghost = bottle.session.store.state, bottle.motion_preview.requested_ghost.patches
+    assert len(ghost.vertices) == 0
     stopped = replace(state, frame=replace(state.frame, share_reached=0.6, settled=True))
-    bottle.preview.follow(state, stopped)
+    bottle.motion_preview.follow(state, stopped)
     held = state.document.constraints()
-    assert np.array_equal(ghost.shown, held.targets[np.isin(held.fixed, held.handles[0])])
-    bottle.preview.follow(stopped, replace(stopped, frame=replace(stopped.frame, settled=False)))
-    assert len(ghost.shown) == 0
+    assert np.array_equal(ghost.vertices, held.targets[np.isin(held.fixed, held.handles[0])])
+    bottle.motion_preview.follow(stopped, replace(stopped, frame=replace(stopped.frame, settled=False)))
+    assert len(ghost.vertices) == 0
 
 
 def test_method_section_can_change_the_method_while_a_pose_is_held(qtbot, bottle):
@@ -255,7 +255,7 @@ def test_area_section_asks_for_a_typed_target_and_it_is_met(qtbot, bottle):
     qtbot.waitUntil(lambda: says.text() == "+10.000 %, exactly on target", timeout=20_000)
     assert bottle.panel.area.target.slider.value() == PERCENT.step_of(110.0)
     assert bottle.session.gestures.history.next_undo == "Change area"
-    bottle.panel.area.target.back.click()
+    bottle.panel.area.target.reset_button.click()
     assert document(bottle).area == 100.0
 
 
@@ -273,7 +273,7 @@ def test_panel_begins_with_the_defaults_for_another_mesh(qtbot, bottle):
     assert document(bottle).method == panel.method.method.currentData() == "exact"
     assert document(bottle).stiffness == panel.method.stiffness.value == 0.0
     assert not document(bottle).hold_area
-    assert (motion.motion, motion.amount.text()) == (TypedMotion.TWIST, "")
+    assert (motion.motion, motion.amount.text()) == (MotionKind.TWIST, "")
     assert motion.problem.isHidden()
     bottle.actions_.undo.trigger()
     assert document(bottle).method == panel.method.method.currentData() == "local"
@@ -297,7 +297,7 @@ def test_percent_field_puts_back_by_escape_what_is_no_percentage(qtbot, bottle, 
     assert field.text() == f"{becomes:.2f} %"
 
 
-def test_dial_makes_a_sweep_of_the_slider_one_step_of_undo_and_the_mesh_follows(qtbot, bottle):
+def test_slider_field_makes_a_sweep_of_the_slider_one_step_of_undo_and_the_mesh_follows(qtbot, bottle):
     slider, before = bottle.panel.area.target.slider, document(bottle)
     volumes = set()
     mouse = Mouse(slider)
@@ -314,7 +314,7 @@ def test_dial_makes_a_sweep_of_the_slider_one_step_of_undo_and_the_mesh_follows(
     assert slider.value() == 100
 
 
-def test_dial_lets_a_sweep_be_given_up(qtbot, bottle):
+def test_slider_field_lets_a_sweep_be_given_up(qtbot, bottle):
     bottle.session.settings.set_tolerance(0.002)
     slider, before = bottle.panel.method.stiffness.slider, document(bottle)
     mouse = Mouse(slider)
@@ -331,7 +331,7 @@ def test_dial_lets_a_sweep_be_given_up(qtbot, bottle):
         assert bottle.session.gestures.history.next_undo == "Change tolerance"
 
 
-def test_dial_returns_to_100_percent_by_a_double_click(bottle):
+def test_slider_field_returns_to_100_percent_by_a_double_click(bottle):
     bottle.session.settings.set_area(130.0)
     slider = bottle.panel.area.target.slider
     at = knob(slider, slider.value())
@@ -349,7 +349,7 @@ def test_slider_scale_of_the_stiffness_goes_from_nothing_over_three_decades():
         assert round(DECADES.step_of(DECADES.value_at(step))) == step
 
 
-def test_dial_lets_the_stiffness_be_typed_or_stepped(qtbot, bottle):
+def test_slider_field_lets_the_stiffness_be_typed_or_stepped(qtbot, bottle):
     dial = bottle.panel.method.stiffness
     dial.field.setValue(0.0123)
     assert document(bottle).stiffness == 0.0123
@@ -360,7 +360,7 @@ def test_dial_lets_the_stiffness_be_typed_or_stepped(qtbot, bottle):
 
 def test_area_section_says_what_is_out_of_reach(qtbot, bottle):
     session, panel = bottle.session, bottle.panel
-    session.settings.keep_apart(False)
+    session.settings.set_contact(False)
     session.gestures.begin()
     pose = np.eye(4)
     pose[1, 3] = 14.0
@@ -372,7 +372,7 @@ def test_area_section_says_what_is_out_of_reach(qtbot, bottle):
     assert "Out of reach" in panel.area.unreached.text()
     assert panel.area.activity.text() == "out of reach"
     assert "target −80 %" in panel.area.verdict.text()
-    panel.area.target.back.click()
+    panel.area.target.reset_button.click()
     qtbot.waitUntil(panel.area.unreached.isHidden, timeout=30_000)
 
 
@@ -391,7 +391,7 @@ def test_area_section_lets_local_keep_the_total_too_where_that_is_asked(qtbot, b
     choose(bottle, "local")
     area = bottle.panel.area
     assert not area.target.field.isEnabled()
-    assert "exact" not in verdict(bottle.session.store.state)
+    assert "exact" not in area_verdict(bottle.session.store.state)
     area.hold.click()
     assert document(bottle).hold_area
     assert area.target.field.isEnabled()
@@ -409,7 +409,7 @@ def test_volume_section_keeps_a_volume_or_says_the_reason_why_not(qtbot, bottle)
     qtbot.waitUntil(lambda: volume.change == "−5.00 %", timeout=20_000)
     choose(bottle, "paper")
     assert not volume.keep.isEnabled()
-    assert "Paper" in volume.why_not.text()
+    assert "Paper" in volume.disabled_note.text()
     choose(bottle, "exact")
     volume.keep.click()
     assert document(bottle).volume is None
@@ -417,19 +417,19 @@ def test_volume_section_keeps_a_volume_or_says_the_reason_why_not(qtbot, bottle)
 
 def test_volume_section_has_no_volume_to_keep_of_an_open_surface(qtbot, kept_window):
     V, F = meshes.sphere(2)
-    kept_window.filing.show_mesh(Mesh(V, F[3:]))
+    kept_window.files.show_mesh(Mesh(V, F[3:]))
     idle(qtbot, kept_window)
     assert not kept_window.panel.volume.keep.isEnabled()
-    assert "Only a closed surface" in kept_window.panel.volume.why_not.text()
-    assert not kept_window.panel.volume.why_not.isHidden()
+    assert "Only a closed surface" in kept_window.panel.volume.disabled_note.text()
+    assert not kept_window.panel.volume.disabled_note.isHidden()
 
 
 def test_panel_folds_sections_and_remembers_them(qtbot, bottle, settings):
     heading = bottle.panel.volume.heading
     qtbot.mouseClick(heading, Qt.MouseButton.LeftButton)
     assert not bottle.panel.volume.keep.isVisible()
-    assert bottle.panel.folded == ["Volume", "Size and mass"]
-    bottle.panel.measures.folded = False
+    assert bottle.panel.folded_sections == ["Volume", "Size and mass"]
+    bottle.panel.measures.is_folded = False
     bottle.shell.close()
     assert settings.value("folded") in ("Volume", ["Volume"])
 
@@ -460,19 +460,21 @@ def test_convergence_fields_are_folded_and_show_what_applies(qtbot, bottle):
     fields, shell = bottle.panel.method.convergence, bottle.shell
 
     def seen():
-        return [name for name in ("most", "energy", "step") if getattr(fields, name).isVisibleTo(shell)]
+        return [
+            name for name in ("most_iterations", "energy", "step") if getattr(fields, name).isVisibleTo(shell)
+        ]
 
     assert seen() == []
     qtbot.mouseClick(fields.heading, Qt.MouseButton.LeftButton)
     for method, names in (
-        ("exact", ["most", "energy"]),
-        ("sr-arap", ["most", "step"]),
-        ("arap", ["most", "energy"]),
+        ("exact", ["most_iterations", "energy"]),
+        ("sr-arap", ["most_iterations", "step"]),
+        ("arap", ["most_iterations", "energy"]),
     ):
         choose(bottle, method)
         assert seen() == names
     before = document(bottle)
-    for field, text in ((fields.most, "250"), (fields.energy, "1e-9")):
+    for field, text in ((fields.most_iterations, "250"), (fields.energy, "1e-9")):
         field.setFocus()
         field.selectAll()
         qtbot.keyClicks(field, text)
@@ -485,12 +487,12 @@ def test_convergence_fields_are_folded_and_show_what_applies(qtbot, bottle):
     bottle.actions_.undo.trigger()
     assert document(bottle) is before
     assert fields.heading.reading == ""
-    assert fields.most.value() == 10_000
-    fields.most.setFocus()  # what is refused is explained and changes nothing
-    fields.most.lineEdit().setText("0")
-    qtbot.keyClick(fields.most, Qt.Key.Key_Return)
+    assert fields.most_iterations.value() == 10_000
+    fields.most_iterations.setFocus()  # what is refused is explained and changes nothing
+    fields.most_iterations.lineEdit().setText("0")
+    qtbot.keyClick(fields.most_iterations, Qt.Key.Key_Return)
     assert document(bottle) is before
-    assert fields.most.error.isVisible()
+    assert fields.most_iterations.error.isVisible()
 
 
 def test_handle_section_is_seen_without_scrolling(qtbot, bottle):

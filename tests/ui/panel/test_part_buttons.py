@@ -37,11 +37,11 @@ def test_strokes_go_round_a_locked_part_and_so_does_their_preview(qtbot, bottle,
     qtbot.mouseClick(row.lock_part, LEFT)
     held = document(bottle).labels == HANDLE
     edge = int(np.flatnonzero(held)[np.argmin(document(bottle).mesh.V[held, 1])])
-    bottle.tools.take(Tool.BASE)
+    bottle.tools.choose_tool(Tool.BASE)
     everything = np.arange(len(held))
-    bottle.canvas.preview(everything)
-    assert not held[bottle.canvas.coloring.previewed].any()
-    bottle.canvas.preview(None)
+    bottle.canvas.preview_selection(everything)
+    assert not held[bottle.canvas.coloring.previewed_ids].any()
+    bottle.canvas.preview_selection(None)
     stroke(qtbot, bottle, on_screen(bottle, edge))
     np.testing.assert_array_equal(document(bottle).labels == HANDLE, held)
 
@@ -49,7 +49,7 @@ def test_strokes_go_round_a_locked_part_and_so_does_their_preview(qtbot, bottle,
 def test_strokes_with_a_locked_part_change_nothing_and_say_why(qtbot, bottle, row):
     qtbot.mouseClick(row.lock_part, LEFT)
     before = document(bottle)
-    bottle.tools.take(Tool.HANDLE)
+    bottle.tools.choose_tool(Tool.HANDLE)
     free = int(np.argmin(abs(before.mesh.V[:, 1])))
     stroke(qtbot, bottle, on_screen(bottle, free))
     assert document(bottle) is before
@@ -78,7 +78,7 @@ def test_part_commands_lock_and_hide_the_part_of_the_tool_by_keys(qtbot, bottle)
     bottle.shell.activateWindow()
     qtbot.waitUntil(bottle.shell.isActiveWindow, timeout=5_000)
     bottle.canvas.viewport.setFocus()
-    bottle.tools.take(Tool.BASE)
+    bottle.tools.choose_tool(Tool.BASE)
     qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_K)
     assert document(bottle).base.locked
     qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_H, Qt.KeyboardModifier.ControlModifier)
@@ -93,7 +93,7 @@ def test_part_commands_clear_the_active_parts_from_the_menu(qtbot, bottle):
     assert not (document(bottle).labels == HANDLE).any()
     base.trigger()
     assert not (document(bottle).labels == BASE).any()
-    steps = len(bottle.session.gestures.history.past)
+    steps = len(bottle.session.gestures.history.undo_states)
     all_of_it.trigger()
-    assert len(bottle.session.gestures.history.past) == steps, "nothing is left to clear"
+    assert len(bottle.session.gestures.history.undo_states) == steps, "nothing is left to clear"
     idle(qtbot, bottle)

@@ -17,7 +17,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
@@ -34,14 +34,14 @@ def window(kept_window):
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    monkeypatch.setattr(shape_checker, "AT_FIRST", 0.0)
-    monkeypatch.setattr(shape_checker, "CALM", 0.0)
+    monkeypatch.setattr(shape_checker, "FIRST_PAUSE", 0.0)
+    monkeypatch.setattr(shape_checker, "NEXT_PAUSE", 0.0)
 
 
 def known(qtbot, window):
     """Wait until the shape rests and is known."""
     idle(qtbot, window)
-    qtbot.waitUntil(lambda: window.session.shape_checks.found is not None, timeout=30_000)
+    qtbot.waitUntil(lambda: window.session.shape_checks.shape_check is not None, timeout=30_000)
 
 
 def crush(qtbot, window, by):
@@ -55,8 +55,8 @@ def crush(qtbot, window, by):
 
 def passing(mesh, labels):
     """New work in which walls may pass through each other."""
-    state = opened(mesh, frozen(labels))
-    return state.at(replace(state.document, contact=False))
+    state = initial_state(mesh, frozen(labels))
+    return state.updated(replace(state.document, contact=False))
 
 
 def coarse_bottle(qtbot, window, open_top=False):
@@ -64,7 +64,7 @@ def coarse_bottle(qtbot, window, open_top=False):
     if open_top:
         F = F[(V[F][:, :, 1] < V[:, 1].max() - 1e-6).any(axis=1)]
     mesh = Mesh(V, F)
-    window.session.files.open_with("bottle", lambda: passing(mesh, labels))
+    window.session.files.open_result("bottle", lambda: passing(mesh, labels))
     idle(qtbot, window)
     window.choose_unit(CM)
     return mesh
@@ -108,7 +108,7 @@ def test_volume_section_of_the_crushed_bottle_has_the_volume_of_the_exported_mes
 
 
 def test_crossings_button_flags_counts_and_shows_where_a_mesh_passes_through_itself(qtbot, crushed):
-    button, health, state = crushed.panel.volume.crossings, crushed.health, crushed.session.store.state
+    button, health, state = crushed.panel.volume.crossings, crushed.findings, crushed.session.store.state
     crossing = crossings(state.frame.U, state.document.mesh.F)
     assert len(crossing) > 20
     assert button.text() == f"{len(crossing):,} intersecting triangles"
@@ -124,13 +124,13 @@ def test_crossings_button_flags_counts_and_shows_where_a_mesh_passes_through_its
     assert health.badge.text() == "No issues"
 
 
-def test_health_names_and_shows_what_crosses_at_rest_while_contact_is_on(qtbot, window):
+def test_findings_controller_names_and_shows_what_crosses_at_rest_while_contact_is_on(qtbot, window):
     V, F = meshes.sphere(3)
     mesh = Mesh(np.vstack([V, V + [1.7, 0.03, 0.02]]), np.vstack([F, F + len(V)]))
     labels = np.where(mesh.V[:, 2] < -0.8, BASE, np.where(mesh.V[:, 2] > 0.8, HANDLE, FREE))
-    window.session.files.open_with("spheres", lambda: passing(mesh, labels.astype(np.uint8)))
+    window.session.files.open_result("spheres", lambda: passing(mesh, labels.astype(np.uint8)))
     known(qtbot, window)
-    health, box = window.health, window.panel.method.contact
+    health, box = window.findings, window.panel.method.contact
     count = int(health.badge.text().split()[0])
     window.panel.ensureWidgetVisible(box)
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
@@ -146,7 +146,7 @@ def test_health_names_and_shows_what_crosses_at_rest_while_contact_is_on(qtbot, 
     assert f"the {len(shown)} vertices" in row.accessibleName(), names
     held = np.flatnonzero(labels != FREE)
     contact = Deformation(mesh.V, mesh.F, held, contact=True).contact
-    assert np.array_equal(shown, contact.contact.exempt), "as the solver has it"
+    assert np.array_equal(shown, contact.contact.exempt_vertices), "as the solver has it"
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
     qtbot.waitUntil(lambda: health.badge.text().split()[0] == str(count), timeout=30_000)
 
@@ -200,7 +200,7 @@ def type_into(qtbot, field, text):
 
 def test_size_section_weighs_a_typed_wall_as_area_times_thickness_times_density(qtbot, bottle):
     room = bottle.panel.measures
-    room.folded = False
+    room.is_folded = False
     type_into(qtbot, room.thickness, "0.3mm")
     assert room.mass.text() == "–"
     assert "needs the unit of the mesh" in room.problem.text()
@@ -218,22 +218,22 @@ def test_size_section_weighs_a_typed_wall_as_area_times_thickness_times_density(
 
 def test_size_section_weighs_the_material_of_a_vessel_with_two_walls(qtbot, window):
     V, F = meshes.cup(64)
-    window.filing.show_mesh(Mesh(V, F))
+    window.files.show_mesh(Mesh(V, F))
     idle(qtbot, window)
     room, wall = window.panel.measures, window.session.store.state.inspection.double_wall
-    room.folded = False
+    room.is_folded = False
     window.choose_unit(CM)
     type_into(qtbot, room.thickness, "0.5mm")
     type_into(qtbot, room.density, "1.36")
     assert room.mass.text() == f"{1000 * 1.36 * wall.material:.4g}\u00a0mg"
     assert room.two_walls.isVisible()
     assert f"holds {wall.capacity:.4g}\u00a0ml" in room.two_walls.text()
-    window.filing.open_sample("bottle")
+    window.files.open_sample("bottle")
     idle(qtbot, window)
     assert room.two_walls.isHidden()
 
 
-def test_measuring_remembers_the_wall_with_the_file_and_keeps_it_in_sessions(
+def test_volume_controller_remembers_the_wall_with_the_file_and_keeps_it_in_sessions(
     qtbot, window, settings, tmp_path
 ):
     paths = [tmp_path / f"part, {name}.obj" for name in "ab"]
@@ -242,7 +242,7 @@ def test_measuring_remembers_the_wall_with_the_file_and_keeps_it_in_sessions(
     room, wall = window.panel.measures, Wall("0.3mm", "1.38 g/cm³")
 
     def open_(path):
-        window.filing.open_path(path)
+        window.files.open_path(path)
         idle(qtbot, window)
 
     open_(paths[0])
@@ -269,6 +269,6 @@ def test_preferences_read_no_walls_from_settings_that_somebody_has_broken(settin
 
 
 def test_size_section_is_folded_away_at_first(bottle):
-    assert bottle.panel.folded == ["Size and mass"]
+    assert bottle.panel.folded_sections == ["Size and mass"]
     assert bottle.panel.measures.heading.isVisible()
     assert not bottle.panel.measures.mass.isVisible()

@@ -14,7 +14,7 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QLabel, QMenu
 
 from apd_viewer.presentation.color_maps import DIVERGING
-from apd_viewer.session.model.trace import COLUMNS
+from apd_viewer.session.model.trace import TRACE_COLUMNS
 from apd_viewer.ui.plots import plots as plots_module
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
@@ -106,7 +106,9 @@ def test_plots_have_curves_of_what_was_shown_on_the_way(qtbot, plotted):
     assert 10.0 ** curve.y[-1] == pytest.approx(abs(change[-1]) / 100.0, rel=1e-6)
     assert (np.diff(curve.x) > 0).all()
     assert curve.x[-1] >= frames[-1].iteration
-    assert errors.across[0].place == pytest.approx(np.log10(plotted.session.store.state.document.tolerance))
+    assert errors.horizontal_lines[0].place == pytest.approx(
+        np.log10(plotted.session.store.state.document.tolerance)
+    )
     (curve,) = views["energy"].chart().curves
     assert curve.y[-1] == frames[-1].energy > curve.y[0] >= 0.0
 
@@ -155,7 +157,7 @@ def test_plots_compute_nothing_while_nobody_looks_and_once_for_a_picture_otherwi
     for name in counts:
         counts[name] = 0
     for _ in range(20):
-        plots.follow()
+        plots.refresh()
     qtbot.waitUntil(lambda: counts["error"] > 0)
     work_off()
     assert (counts["error"], counts["local"], counts["energy"]) == (1, 1, 0)
@@ -179,9 +181,9 @@ def test_plots_are_shown_and_hidden_by_a_key(qtbot, kept_window):
 
 def test_plots_say_where_they_are_empty_what_will_be_there(qtbot, window):
     charts = {name: view.chart() for name, view in window.plots.views.items()}
-    assert all(chart.x is None and chart.empty.endswith(".") for chart in charts.values())
-    assert "Open a mesh" in charts["local"].empty
-    assert "Move a handle" in charts["energy"].empty
+    assert all(chart.x is None and chart.empty_text.endswith(".") for chart in charts.values())
+    assert "Open a mesh" in charts["local"].empty_text
+    assert "Move a handle" in charts["energy"].empty_text
 
 
 def invitation(plots):
@@ -195,20 +197,20 @@ def test_plots_remember_what_was_chosen(qtbot, kept_window):
     plots.choices["energy"].click()
     for name in ("error", "area"):
         plots.choices[name].click()
-    again = Plots(kept_window.memory, kept_window.notice, kept_window.session)
+    again = Plots(kept_window.preferences, kept_window.notice, kept_window.session)
     qtbot.addWidget(again)
     assert [name for name, view in again.views.items() if not view.isHidden()] == ["energy", "local"]
     for button in again.choices.values():
         button.setChecked(False)
     assert not invitation(again).isHidden()
-    none = Plots(kept_window.memory, kept_window.notice, kept_window.session)
+    none = Plots(kept_window.preferences, kept_window.notice, kept_window.session)
     qtbot.addWidget(none)
     assert not invitation(none).isHidden(), "nothing is a choice too"
 
 
 @pytest.mark.parametrize("size", [(348, 500), (348, 180), (560, 560), (740, 200), (1230, 220)])
 def test_plots_give_what_chooses_and_the_charts_room_of_their_own(qtbot, kept_window, size):
-    plots = Plots(kept_window.memory, kept_window.notice, kept_window.session)
+    plots = Plots(kept_window.preferences, kept_window.notice, kept_window.session)
     qtbot.addWidget(plots)
     for button in plots.choices.values():
         button.setChecked(True)
@@ -244,7 +246,7 @@ def savings(plots):
 
 
 def asked(monkeypatch, path):
-    monkeypatch.setattr(plots_module, "ask_where", lambda *_: path)
+    monkeypatch.setattr(plots_module, "ask_where_to_save_plots", lambda *_: path)
 
 
 def test_plots_write_pictures_of_what_is_shown(qtbot, plotted, monkeypatch, tmp_path):
@@ -280,7 +282,7 @@ def test_plots_write_the_numbers_of_the_trace_and_of_the_triangles(qtbot, plotte
     numbers.trigger()
     with (tmp_path / "gesture.csv").open(newline="") as stream:
         head, *lines = csv.reader(stream)
-    assert tuple(head) == COLUMNS
+    assert tuple(head) == TRACE_COLUMNS
     found = np.array([[float(cell or "nan") for cell in line] for line in lines])
     np.testing.assert_array_equal(found, plotted.session.store.trace.rows)
     asked(monkeypatch, tmp_path / "change.csv")

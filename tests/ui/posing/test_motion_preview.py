@@ -7,8 +7,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
-from apd_viewer.geometry.pose.transforms import shifted, turned_about
-from apd_viewer.ui.posing.motion_trace import traced
+from apd_viewer.geometry.pose.transforms import rotation_about, translation
+from apd_viewer.ui.posing.motion_trace import motion_trace
 
 
 def choose(window, motion):
@@ -29,7 +29,7 @@ def typing(qtbot, bottle):
     """The bottle with the keys in the field for amounts."""
     bottle.shell.activateWindow()
     qtbot.waitUntil(bottle.shell.isActiveWindow)
-    bottle.actions_.pose.typed.trigger()
+    bottle.actions_.pose.enter_motion.trigger()
     return bottle
 
 
@@ -39,18 +39,18 @@ def gripped(window):
 
 
 def test_motion_ghost_is_where_enter_puts_the_handle(typing):
-    field, ghost, gestures = typing.panel.handles.motion, typing.preview.ghost, typing.session.gestures
+    field, ghost, gestures = typing.panel.handles.motion, typing.motion_preview.ghost, typing.session.gestures
     for motion, text in [("TWIST", "60deg"), ("TWIST", "400deg"), ("MOVE_X", "0.15L"), ("SCALE", "1.3")]:
         choose(typing, motion)
-        typing.actions_.pose.typed.trigger()
+        typing.actions_.pose.enter_motion.trigger()
         before = typing.session.store.state
         retype(typing, text)
         assert typing.session.store.state is before, "nothing else changes"
-        shown = ghost.patches.shown
+        shown = ghost.patches.vertices
         QTest.keyClick(field.amount, Qt.Key.Key_Return)
         pose = typing.session.store.state.document.handles[0].pose
         np.testing.assert_allclose(shown, transform(pose, gripped(typing)), rtol=0, atol=1e-9)
-        assert not len(ghost.patches.shown)
+        assert not len(ghost.patches.vertices)
         assert not ghost.traces
         gestures.undo()
 
@@ -59,58 +59,60 @@ def test_motion_ghost_goes_the_rest_of_the_way_to_a_total(typing):
     typing.session.handles.move_by(typing.panel.handles.motion.motion, "60deg", 0)
     field = typing.panel.handles.motion
     field.relation.setCurrentIndex(field.relation.findData(True))
-    typing.actions_.pose.typed.trigger()
+    typing.actions_.pose.enter_motion.trigger()
     retype(typing, "0")
-    np.testing.assert_allclose(typing.preview.ghost.patches.shown, gripped(typing), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(
+        typing.motion_preview.ghost.patches.vertices, gripped(typing), rtol=0, atol=1e-9
+    )
 
 
 def test_motion_ghost_vanishes_without_enter(qtbot, typing):
-    before, ghost = typing.session.store.state, typing.preview.ghost
+    before, ghost = typing.session.store.state, typing.motion_preview.ghost
     retype(typing, "60deg")
-    assert len(ghost.patches.shown)
+    assert len(ghost.patches.vertices)
     typing.panel.handles.motion.choice.setFocus()
-    assert not len(ghost.patches.shown), "the field was left"
-    typing.actions_.pose.typed.trigger()
-    assert len(ghost.patches.shown), "Enter would do it now"
+    assert not len(ghost.patches.vertices), "the field was left"
+    typing.actions_.pose.enter_motion.trigger()
+    assert len(ghost.patches.vertices), "Enter would do it now"
     QTest.keyClick(typing.panel.handles.motion.amount, Qt.Key.Key_Escape)
-    assert not len(ghost.patches.shown)
+    assert not len(ghost.patches.vertices)
     assert typing.session.store.state is before
 
 
 def test_motion_field_has_a_sentence_and_no_ghost_for_an_invalid_amount(qtbot, typing):
-    field, ghost = typing.panel.handles.motion, typing.preview.ghost
+    field, ghost = typing.panel.handles.motion, typing.motion_preview.ghost
     retype(typing, "60deg")
     QTest.keyClicks(field.amount, " parsec")
-    assert not len(ghost.patches.shown)
+    assert not len(ghost.patches.vertices)
     assert field.problem.isHidden(), "it may be half-typed"
     qtbot.waitUntil(field.problem.isVisible)
     assert "parsec" in field.problem.text()
     retype(typing, "60deg")
-    assert len(ghost.patches.shown)
+    assert len(ghost.patches.vertices)
     assert field.problem.isHidden()
     retype(typing, "")
-    assert not len(ghost.patches.shown)
+    assert not len(ghost.patches.vertices)
     assert field.problem.isHidden()
 
 
 def test_motion_ghost_begins_from_what_undo_brings_back(typing):
-    ghost = typing.preview.ghost
+    ghost = typing.motion_preview.ghost
     typing.session.handles.move_by(typing.panel.handles.motion.motion, "30deg", 0)
     retype(typing, "0.1deg")
-    turned = ghost.patches.shown
+    turned = ghost.patches.vertices
     typing.session.gestures.undo()
-    assert np.abs(ghost.patches.shown - turned).max() > 0.1
-    np.testing.assert_allclose(ghost.patches.shown, gripped(typing), rtol=0, atol=0.1)
+    assert np.abs(ghost.patches.vertices - turned).max() > 0.1
+    np.testing.assert_allclose(ghost.patches.vertices, gripped(typing), rtol=0, atol=0.1)
 
 
-def test_traced_rotation_is_an_arc_about_its_axis():
+def test_motion_trace_rotation_is_an_arc_about_its_axis():
     rng = np.random.default_rng(3)
     grip = rng.normal(size=(20, 3))
-    start = shifted([3.0, -1.0, 2.0])
+    start = translation([3.0, -1.0, 2.0])
     for centre in ([5.0, 4.0, 0.0], transform(start, grip.mean(axis=0)[None])[0]):
         direction = np.array([1.0, 2.0, -2.0]) / 3.0
-        poses = [turned_about(centre, direction, a) @ start for a in np.linspace(0.0, 1.0, 15)]
-        trace = traced(grip, poses)
+        poses = [rotation_about(centre, direction, a) @ start for a in np.linspace(0.0, 1.0, 15)]
+        trace = motion_trace(grip, poses)
         along = np.diff(trace.axis, axis=0)[0]
         np.testing.assert_allclose(np.cross(along, direction), 0.0, atol=1e-8 * np.linalg.norm(along))
         np.testing.assert_allclose(np.cross(trace.axis[0] - centre, direction), 0.0, atol=1e-8)
@@ -123,9 +125,9 @@ def rotation_steps(direction, count):
     return np.array([rotation(direction, a).T for a in np.linspace(0.0, 1.0, count)])
 
 
-def test_traced_translation_is_the_way_of_the_center():
+def test_motion_trace_translation_is_the_way_of_the_center():
     grip = np.eye(3)
-    trace = traced(grip, [shifted([0, 0, 0]), shifted([1.0, 2.0, 3.0])])
+    trace = motion_trace(grip, [translation([0, 0, 0]), translation([1.0, 2.0, 3.0])])
     assert not len(trace.axis)
     np.testing.assert_allclose(np.diff(trace.path, axis=0), [[1.0, 2.0, 3.0]])
-    assert not len(traced(grip, [np.eye(4)]).path)
+    assert not len(motion_trace(grip, [np.eye(4)]).path)

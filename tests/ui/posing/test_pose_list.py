@@ -5,7 +5,7 @@ from driving import document, drag, idle, ring_grip
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 
 LEFT = Qt.MouseButton.LeftButton
 
@@ -36,18 +36,18 @@ def test_pose_section_keeps_goes_to_updates_renames_and_removes_poses(qtbot, bot
     assert names(bottle) == ["Pose 1", "Pose 2"]
     assert active(bottle) == [False, True]
 
-    steps = len(session.gestures.history.done)
+    steps = len(session.gestures.history.undo_names)
     QTest.mouseClick(section.list.rows[0], LEFT)
     np.testing.assert_array_equal(document(bottle).handles[0].pose, np.eye(4))
     assert active(bottle) == [True, False]
-    assert session.gestures.history.done[steps:] == ["Go to “Pose 1”"]
+    assert session.gestures.history.undo_names[steps:] == ["Go to “Pose 1”"]
     view.setFocus()
     QTest.keyClick(view, Qt.Key.Key_Period)
     np.testing.assert_allclose(document(bottle).handles[0].pose, turned, atol=1e-12)
     QTest.keyClick(view, Qt.Key.Key_Comma)
     assert active(bottle) == [True, False]
 
-    session.handles.move_by(TypedMotion.MOVE_Y, "0.1L", 0)
+    session.handles.move_by(MotionKind.MOVE_Y, "0.1L", 0)
     QTest.mouseClick(section.list.rows[1].update_pose, LEFT)
     assert active(bottle) == [False, True]
     bottle.actions_.undo.trigger()
@@ -71,6 +71,6 @@ def test_pose_section_keeps_goes_to_updates_renames_and_removes_poses(qtbot, bot
 
 def test_pose_controller_says_what_to_do_without_a_pose(qtbot, bottle):
     before = bottle.session.store.state
-    bottle.actions_.pose.named[1].trigger()
+    bottle.actions_.pose.named_poses[1].trigger()
     assert bottle.session.store.state is before
     assert "keep one first" in bottle.notice.text

@@ -24,19 +24,19 @@ def memory(tmp_path):
 
 
 def test_preferences_read_all_that_version_0_1_0_kept(memory):
-    assert memory.recent == [PARTS / "a, b.apd", PARTS / "Büste 2.ply", PARTS / "bar.obj"]
-    assert memory.folder == PARTS
-    assert memory.folded == ["Method", "Regions"]
+    assert memory.recent_files == [PARTS / "a, b.apd", PARTS / "Büste 2.ply", PARTS / "bar.obj"]
+    assert memory.last_folder == PARTS
+    assert memory.folded_sections == ["Method", "Regions"]
     assert memory.plots == ["area", "energy"]
-    assert memory.compared == ["exact", "local"]
+    assert memory.compared_methods == ["exact", "local"]
     assert memory.units == {PARTS / "Büste 2.ply": Unit.NONE, PARTS / "bar.obj": Unit.CENTIMETRE}
     assert memory.walls == {
         PARTS / "a, b.apd": Wall("", "1.2"),
         PARTS / "bar.obj": Wall("0.3mm", "1380 kg/m3"),
     }
     assert memory.shortcuts == {"undo": "Ctrl+U", "paint": "Shift+P, Q", "open": ""}
-    assert memory.looks == {"overlay": "bending", "ghost": "on", "edges": "off", "area": "40 0"}
-    assert memory.toured
+    assert memory.display_options == {"overlay": "bending", "ghost": "on", "edges": "off", "area": "40 0"}
+    assert memory.has_toured
     assert memory.values[COLOR_SCHEME] is Qt.ColorScheme.Dark
 
 
@@ -48,9 +48,9 @@ def test_panel_folded_keeps_sections_folded_that_were_folded_in_any_language(qtb
     settings.setValue("folded", titles)
     shell = Shell(settings)
     qtbot.addWidget(shell)
-    assert shell.panel.folded == ["Size and mass", "Method"]
+    assert shell.panel.folded_sections == ["Size and mass", "Method"]
     shell.close()
-    assert Preferences(settings).folded == ["Size and mass", "Method"]
+    assert Preferences(settings).folded_sections == ["Size and mass", "Method"]
 
 
 def test_shell_does_not_restore_a_dock_without_a_study(qtbot, settings):

@@ -9,9 +9,9 @@ import pytest
 from watched_pipe import WatchedPipe
 
 CHILD = """
-from apd_viewer.ui.application import make_application, own_settings
+from apd_viewer.ui.application import make_application, user_settings
 application = make_application([])
-settings = own_settings()
+settings = user_settings()
 settings.setValue("kept", 1)
 settings.sync()
 print(settings.fileName())

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QAbstractButton, QLabel, QWidget
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.ui.preferences.shortcut_hints import with_keys
-from apd_viewer.ui.preferences.shortcuts import native
+from apd_viewer.ui.preferences.shortcuts import native_keys
 from apd_viewer.ui.tools.toolbox import Tool
 
 MODIFIERS = "Alt+", "Alt+Shift+", "Ctrl+Alt+"
@@ -26,7 +26,7 @@ def words(window):
 def change_all(window):
     """Give every action keys that no other word has; the old ones by their entries."""
     entries = [entry for entry in window.help.shortcuts.entries if entry.keys]
-    old = {entry: native(entry.keys) for entry in entries}
+    old = {entry: native_keys(entry.keys) for entry in entries}
     for number, entry in enumerate(entries):
         entry.keys = f"{MODIFIERS[number // 35]}F{number % 35 + 1}"
     assert len({entry.keys for entry in entries}) == len(entries)
@@ -55,11 +55,11 @@ def test_shortcut_hints_name_no_keys_that_an_action_had(ball):
     for entry, keys in old.items():
         named = [text for text in before if f"({keys})" in text]
         assert not [text for text in after if f"({keys})" in text], entry.title
-        assert len([text for text in after if f"({native(entry.keys)})" in text]) == len(named)
-    keys = [f"({native(entry.keys)})" for entry in old]
+        assert len([text for text in after if f"({native_keys(entry.keys)})" in text]) == len(named)
+    keys = [f"({native_keys(entry.keys)})" for entry in old]
     named = [text for text in after if any(key in text for key in keys) and "\n" not in text]
     assert len(named) >= 8, "panel, badge, legend, section and invitation name some"
-    assert ball.health.badge.toolTip() == with_keys(
+    assert ball.findings.badge.toolTip() == with_keys(
         "Issues found in the mesh, and where they are", ball.actions_.view.findings
     )
 
@@ -72,11 +72,11 @@ def test_shortcut_hints_name_no_keys_that_an_action_had(ball):
 def test_next_step_follows_the_keys_of_the_tool_that_it_names(ball, painted, tool):
     for label in painted:
         paint(ball, label, np.argsort(document(ball).mesh.V[:-1, 1])[slice(-9, None) if label else slice(9)])
-    ball.tools.take(Tool.ORBIT)
+    ball.tools.choose_tool(Tool.ORBIT)
     action = ball.actions_.tools[tool]
     assert ball.invitation.text().endswith(f" ({tool.words.key})")
     entry = next(entry for entry in ball.help.shortcuts.entries if entry.action is action)
-    ball.help.shortcuts.give(entry, "Ctrl+J")
+    ball.help.shortcuts.assign_keys(entry, "Ctrl+J")
     assert ball.invitation.text().endswith(" (Ctrl+J)")
-    ball.help.shortcuts.give(entry, "")
+    ball.help.shortcuts.assign_keys(entry, "")
     assert not ball.invitation.text().endswith(")")

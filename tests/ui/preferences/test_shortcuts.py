@@ -7,7 +7,7 @@ from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QLabel, QMenu, QScrollArea, QWidget
 
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 from apd_viewer.ui.workbench import Workbench
 
 CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
@@ -59,9 +59,9 @@ def press(qtbot, sheet, name, key, modifiers=Qt.KeyboardModifier.NoModifier):
     field = sheet.rows[name].keys
     sheet.findChild(QScrollArea).ensureWidgetVisible(field)
     qtbot.mouseClick(field, LEFT)
-    assert field.waits
+    assert field.is_recording
     qtbot.keyClick(field, key, modifiers)
-    assert not field.waits
+    assert not field.is_recording
 
 
 def shown(sheet):
@@ -98,7 +98,7 @@ def test_shortcut_sheet_opens_and_closes(qtbot, active, key):
     qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_Escape)
     assert not sheet.isVisible()
     active.actions_.help["shortcuts"].trigger()
-    qtbot.mouseClick(sheet.head.cross, LEFT)
+    qtbot.mouseClick(sheet.head.close_button, LEFT)
     assert not sheet.isVisible()
 
 
@@ -117,7 +117,7 @@ def test_shortcut_sheet_has_every_action_of_the_menus(active, sheet):
 
 def test_shortcut_sheet_explains_the_mouse_in_the_words_of_the_tools(sheet):
     said = " ".join(label.text() for label in sheet.findChildren(QLabel)).casefold()
-    for way in Way:
+    for way in SelectionMode:
         assert way.words.hint.casefold() in said
     for tool in (Tool.ORBIT, Tool.MOVE):
         assert tool.words.hint.casefold() in said
@@ -138,11 +138,11 @@ def test_shortcut_sheet_search_finds_titles_keys_menus_and_gestures(qtbot, sheet
     assert [row.accessibleName().partition(":")[0] for row in gestures] == ["Lasso"]
     qtbot.keyClicks(sheet.search, " nowhere")
     assert not shown(sheet)
-    assert sheet.nothing.isVisible()
-    assert "lasso nowhere" in sheet.nothing.text()
+    assert sheet.no_results.isVisible()
+    assert "lasso nowhere" in sheet.no_results.text()
     sheet.search.clear()
     assert shown(sheet) == everything
-    assert not sheet.nothing.isVisible()
+    assert not sheet.no_results.isVisible()
 
 
 def test_shortcut_sheet_takes_no_tool_for_a_letter_in_its_search_field(qtbot, active, sheet):
@@ -160,7 +160,7 @@ def test_shortcut_sheet_lets_the_window_be_used_while_it_is_open(qtbot, active, 
 
 
 def test_shortcut_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
-    before, eye = document(bottle), bottle.canvas.viewport.look.eye.key
+    before, eye = document(bottle), bottle.canvas.viewport.camera_controller.camera.key
     bottle.actions_.help["shortcuts"].trigger()
     label = bottle.help.sheet.findChildren(QLabel)[3]
     qtbot.mousePress(label, LEFT)
@@ -168,7 +168,7 @@ def test_shortcut_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
     qtbot.mouseRelease(label, LEFT)
     assert bottle.help.sheet.isVisible()
     assert document(bottle) is before
-    assert bottle.canvas.viewport.look.eye.key == eye
+    assert bottle.canvas.viewport.camera_controller.camera.key == eye
 
 
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
@@ -245,10 +245,10 @@ def test_key_field_ends_waiting_for_keys_without_a_change(qtbot, active, sheet, 
         sheet.search.setFocus()
     else:
         qtbot.keyPress(field, Qt.Key.Key_Control)
-        assert field.waits, "more is to come"
+        assert field.is_recording, "more is to come"
         qtbot.keyRelease(field, Qt.Key.Key_Control)
         qtbot.keyClick(field, Qt.Key.Key_Escape)
-    assert not field.waits
+    assert not field.is_recording
     assert field.entry.keys == "F"
     assert sheet.isVisible()
 
@@ -256,12 +256,12 @@ def test_key_field_ends_waiting_for_keys_without_a_change(qtbot, active, sheet, 
 def test_key_field_lets_the_keys_do_nothing_else_while_it_waits(qtbot, active, sheet):
     press(qtbot, sheet, "frame", Qt.Key.Key_F1)
     assert sheet.isVisible()
-    assert "F1 is already used by “What is this?”." in sheet.line.text()
+    assert "F1 is already used by “What is this?”." in sheet.status.text()
 
 
 def test_shortcuts_refuse_a_conflict_and_name_the_other_action(qtbot, active, sheet):
     press(qtbot, sheet, "frame", Qt.Key.Key_B)
-    assert sheet.line.text() == "B is already used by “Paint base”."
+    assert sheet.status.text() == "B is already used by “Paint base”."
     assert sheet.swap.isVisible()
     assert active.shell.focusWidget() is sheet.swap
     qtbot.keyClick(sheet.swap, Qt.Key.Key_Escape)
@@ -302,13 +302,13 @@ def test_shortcuts_refuse_keys_that_the_window_needs(qtbot, active, sheet):
         (Qt.Key.Key_E, Qt.KeyboardModifier.AltModifier, "menu “Edit”"),
     ):
         press(qtbot, sheet, "frame", key, modifiers)
-        assert word in sheet.line.text()
+        assert word in sheet.status.text()
         assert not sheet.swap.isVisible()
         assert sheet.rows["frame"].entry.keys == "F"
 
 
 def test_shortcut_sheet_goes_back_to_the_standard_for_one_and_for_all(qtbot, active, sheet, again):
-    assert not sheet.back.isEnabled()
+    assert not sheet.restore_all.isEnabled()
     press(qtbot, sheet, "frame", Qt.Key.Key_6)
     press(qtbot, sheet, "export", Qt.Key.Key_J, CTRL)
     press(qtbot, sheet, "edges", Qt.Key.Key_Delete)
@@ -323,9 +323,9 @@ def test_shortcut_sheet_goes_back_to_the_standard_for_one_and_for_all(qtbot, act
     assert active.actions_.file.export.shortcut() == QKeySequence("Ctrl+E")
     assert not rows["export"].back.isVisible()
     assert again().actions_.view.frame.shortcut() == QKeySequence("6")
-    qtbot.mouseClick(sheet.back, LEFT)
+    qtbot.mouseClick(sheet.restore_all, LEFT)
     assert all(not entry.is_changed for entry in active.actions_.entries)
-    assert not sheet.back.isEnabled()
+    assert not sheet.restore_all.isEnabled()
     other = again()
     assert all(not entry.is_changed for entry in other.actions_.entries)
 
@@ -334,7 +334,7 @@ def test_shortcuts_see_a_conflict_in_a_standard_that_another_action_has_by_now(q
     press(qtbot, sheet, "frame", Qt.Key.Key_6)
     press(qtbot, sheet, "edges", Qt.Key.Key_F)
     qtbot.mouseClick(sheet.rows["frame"].back, LEFT)
-    assert "“Edges”" in sheet.line.text()
+    assert "“Edges”" in sheet.status.text()
     assert sheet.rows["frame"].entry.keys == "6"
     qtbot.mouseClick(sheet.swap, LEFT)
     assert sheet.rows["frame"].entry.keys == "F"

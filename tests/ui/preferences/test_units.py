@@ -9,7 +9,7 @@ from driving import document, idle, work_off
 from PySide6.QtCore import QPoint, Qt, QTimer
 
 from apd_viewer.files.mesh_writing import save_mesh
-from apd_viewer.files.samples import SAMPLES, resource
+from apd_viewer.files.samples import SAMPLES, resource_path
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
@@ -37,7 +37,7 @@ def files(tmp_path):
 
 
 def open_file(qtbot, window, path):
-    window.filing.open_path(path)
+    window.files.open_path(path)
     idle(qtbot, window)
 
 
@@ -148,7 +148,7 @@ def test_units_keep_that_of_a_file_from_one_window_to_the_next(qtbot, window, fi
     window.session.gestures.undo()
     assert window.panel.unit is window.session.store.unit is NONE, "undo brings back the mesh and its unit"
     assert Preferences(settings).units == {files[0].resolve(): CM}
-    assert Units(Preferences(settings)).of(Mesh(*meshes.sphere(1), path=files[0])) is CM
+    assert Units(Preferences(settings)).unit_of(Mesh(*meshes.sphere(1), path=files[0])) is CM
 
 
 def test_units_of_guesses_for_the_next_file_the_same_unit_twice_running(settings, files):
@@ -156,12 +156,14 @@ def test_units_of_guesses_for_the_next_file_the_same_unit_twice_running(settings
     a, b, c = (Mesh(V, F, path=path) for path in files)
     units = Units(Preferences(settings))
     units.choose(a, MM)
-    assert units.of(b) is NONE
+    assert units.unit_of(b) is NONE
     units.choose(b, MM)
-    assert units.of(c) is MM.guessed
+    assert units.unit_of(c) is MM.as_guess
     assert set(Preferences(settings).units) == {files[0].resolve(), files[1].resolve()}
     units.choose(c, MM)
-    assert Units(Preferences(settings)).of(Mesh(V, F, path=files[2])) is MM, "a confirmed one is remembered"
+    assert Units(Preferences(settings)).unit_of(Mesh(V, F, path=files[2])) is MM, (
+        "a confirmed one is remembered"
+    )
 
 
 def test_units_choose_lets_a_guess_never_confirm_itself(settings, files, tmp_path):
@@ -169,8 +171,8 @@ def test_units_choose_lets_a_guess_never_confirm_itself(settings, files, tmp_pat
     units = Units(Preferences(settings))
     units.choose(Mesh(V, F, path=files[0]), MM)
     units.choose(Mesh(V, F, path=files[1]), CM)
-    units.choose(Mesh(V, F, path=files[2]), MM.guessed)  # as a session has it
-    assert units.of(Mesh(V, F, path=tmp_path / "d.obj")) is NONE
+    units.choose(Mesh(V, F, path=files[2]), MM.as_guess)  # as a session has it
+    assert units.unit_of(Mesh(V, F, path=tmp_path / "d.obj")) is NONE
 
 
 def test_units_of_puts_what_a_file_states_before_a_guess_and_after_a_choice(settings, files, tmp_path):
@@ -179,11 +181,11 @@ def test_units_of_puts_what_a_file_states_before_a_guess_and_after_a_choice(sett
     for path in files[:2]:
         units.choose(Mesh(V, F, path=path), MM)
     stated = Mesh(V, F, path=files[2], unit="m")
-    assert units.of(stated) is M
-    assert units.of(stated.baked(stated.V)) is units.of(stated.homeless()) is M
+    assert units.unit_of(stated) is M
+    assert units.unit_of(stated.baked(stated.V)) is units.unit_of(stated.without_path()) is M
     units.choose(stated, MM)
-    assert units.of(Mesh(V, F, path=files[2], unit="m")) is MM
-    assert units.of(Mesh(V, F, path=tmp_path / "d.obj")) is CM, "that of new files, as set"
+    assert units.unit_of(Mesh(V, F, path=files[2], unit="m")) is MM
+    assert units.unit_of(Mesh(V, F, path=tmp_path / "d.obj")) is CM, "that of new files, as set"
 
 
 def test_unit_button_marks_a_guess_until_it_is_confirmed(qtbot, window, files, settings):
@@ -192,7 +194,7 @@ def test_unit_button_marks_a_guess_until_it_is_confirmed(qtbot, window, files, s
         choose(window, CM)
     open_file(qtbot, window, files[2])
     button, panel = window.panel.area.unit, window.panel
-    assert (button.text(), panel.unit) == ("cm?", CM.guessed)
+    assert (button.text(), panel.unit) == ("cm?", CM.as_guess)
     assert "guess" in button.toolTip()
     assert panel.area.area.text().endswith("cm²?")
     assert window.status.extent.toolTip().split(" at rest")[0].endswith("cm?")
@@ -214,7 +216,7 @@ def test_files_save_keeps_a_guessed_unit_a_guess_in_a_session(qtbot, window, fil
     session.files.save(tmp_path / "guessed.apd", window.view())
     idle(qtbot, window)
     _, view = open_session(tmp_path / "guessed.apd")
-    assert Unit(view.unit) is CM.guessed
+    assert Unit(view.unit) is CM.as_guess
     choose(window, CM)
     session.files.save(tmp_path / "confirmed.apd", window.view())
     idle(qtbot, window)
@@ -225,8 +227,8 @@ def test_files_save_keeps_a_guessed_unit_a_guess_in_a_session(qtbot, window, fil
 def test_open_sample_gives_every_sample_the_unit_that_its_file_names(qtbot, window):
     """Each says "unit: centimetre" in a comment."""
     for name in SAMPLES:
-        assert "unit: centimetre" in resource(f"{name}.obj").read_text()[:200]
-        window.filing.open_sample(name)
+        assert "unit: centimetre" in resource_path(f"{name}.obj").read_text()[:200]
+        window.files.open_sample(name)
         idle(qtbot, window)
         assert window.panel.unit is CM, name
         assert window.panel.area.unit.text() == "cm"
@@ -237,12 +239,12 @@ def test_units_of_a_mesh_without_a_file_is_none_at_first(qtbot, bottle, settings
     V, F = meshes.sphere(1)
     for path in files[:2]:
         units.choose(Mesh(V, F, path=path), MM)
-    assert units.of(Mesh(V, F)) is NONE
-    bottle.filing.open_sample("duck")
+    assert units.unit_of(Mesh(V, F)) is NONE
+    bottle.files.open_sample("duck")
     idle(qtbot, bottle)
     choose(bottle, M)
     assert set(Preferences(settings).units.values()) == {MM}, "none is kept for a sample"
-    bottle.filing.open_sample("bottle")
+    bottle.files.open_sample("bottle")
     idle(qtbot, bottle)
     assert bottle.panel.unit is CM
     bottle.session.gestures.undo()
@@ -251,11 +253,11 @@ def test_units_of_a_mesh_without_a_file_is_none_at_first(qtbot, bottle, settings
 
 def test_preferences_bound_the_memory_of_units_and_overlook_what_they_cannot_read(settings, tmp_path):
     remembered = Preferences(settings)
-    for k in range(preferences.MOST_UNITS + 5):
+    for k in range(preferences.MOST_REMEMBERED + 5):
         remembered.remember_unit(tmp_path / f"part, {k} mm.obj", (NONE, MM, CM, M)[k % 4])
     units = remembered.units
-    assert len(units) == preferences.MOST_UNITS
-    last = preferences.MOST_UNITS + 4
+    assert len(units) == preferences.MOST_REMEMBERED
+    last = preferences.MOST_REMEMBERED + 4
     assert next(iter(units)) == (tmp_path / f"part, {last} mm.obj").resolve()
     assert units[(tmp_path / "part, 6 mm.obj").resolve()] is CM
     settings.setValue("units", ["furlong /a.obj", "mm", "", "cm /b c.obj"])
@@ -270,7 +272,7 @@ def test_unit_button_stands_beside_the_area_whatever_its_size(qtbot, window, siz
     window.shell.resize(*size)
     window.actions_.view.schemes[scheme].trigger()
     V, F = meshes.sphere(2)
-    window.filing.show_mesh(Mesh(V * 3.3e5, F))
+    window.files.show_mesh(Mesh(V * 3.3e5, F))
     idle(qtbot, window)
     choose(window, MM)
     work_off()

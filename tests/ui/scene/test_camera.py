@@ -14,7 +14,7 @@ def camera(request):
     eye = Camera(
         np.array([3.0, 2.0, 5.0]), np.array([0.2, 0.1, -0.3]), UP, PERSPECTIVE, width=800, height=600
     )
-    return eye.opened(request.param)
+    return eye.with_angle(request.param)
 
 
 def points(count=50):
@@ -100,8 +100,8 @@ def test_framed_takes_a_single_point(camera):
         ("-top", (0, 1, 0), (0, 0, 1)),
     ],
 )
-def test_placed_looks_along_the_axis_upright_from_the_same_distance(camera, axis, forward, up):
-    placed = camera.placed(axis)
+def test_looking_along_looks_along_the_axis_upright_from_the_same_distance(camera, axis, forward, up):
+    placed = camera.looking_along(axis)
     np.testing.assert_allclose(placed.axes[2], forward, atol=1e-12)
     np.testing.assert_allclose(placed.axes[1], up, atol=1e-12)
     np.testing.assert_allclose(placed.axes[0], np.cross(forward, up), atol=1e-12)
@@ -112,17 +112,17 @@ def test_rotation_is_counter_clockwise_seen_from_the_tip():
     np.testing.assert_allclose(rotation(np.array([0.0, 0, 1]), np.pi / 2) @ [1, 0, 0], [0, 1, 0], atol=1e-15)
 
 
-def test_opened_shows_the_focal_plane_as_before_in_another_projection(camera):
+def test_with_angle_shows_the_focal_plane_as_before_in_another_projection(camera):
     plane = camera.focal + points(20) @ camera.axes[:2].T @ camera.axes[:2]
     for angle in (PERSPECTIVE, ORTHOGRAPHIC):
-        other = camera.opened(angle)
+        other = camera.with_angle(angle)
         np.testing.assert_allclose(other.project(plane), camera.project(plane), atol=1e-6)
         assert other.span == pytest.approx(camera.span)
         assert other.is_orthographic == (angle == ORTHOGRAPHIC)
 
 
-def test_opened_makes_lines_of_sight_parallel_without_perspective(camera):
-    eye = camera.opened(ORTHOGRAPHIC)
+def test_with_angle_makes_lines_of_sight_parallel_without_perspective(camera):
+    eye = camera.with_angle(ORTHOGRAPHIC)
     start = eye.focal + points(20) @ eye.axes[:2].T @ eye.axes[:2]
     behind = start + 0.5 * eye.span * eye.axes[2]
     inside = np.abs(eye.project(start) - [400, 300]).max(axis=1) < 300
@@ -145,9 +145,9 @@ def test_up_axis_has_the_views_of_the_first_whichever_it_is(camera, up_axis):
         up_axis=up_axis,
     )
     for move in (
-        lambda eye: eye.placed("front"),
-        lambda eye: eye.placed("-side"),
-        lambda eye: eye.placed("-top"),
+        lambda eye: eye.looking_along("front"),
+        lambda eye: eye.looking_along("-side"),
+        lambda eye: eye.looking_along("-top"),
         lambda eye: eye.orbited(40, 13).orbited(-200, 90),
     ):
         expected, found = move(camera).project(points()), move(turned).project(points() @ frame)

@@ -14,7 +14,7 @@ from apd_viewer.ui.preferences.up_axes import UpAxes
 
 
 def camera(window):
-    return window.canvas.viewport.look.eye
+    return window.canvas.viewport.camera_controller.camera
 
 
 def actions(window):
@@ -31,7 +31,7 @@ def opened(qtbot, kept_window, tmp_path):
         mesh = Mesh(V * [1.0, 2.0, 3.0], F)
         if not path.exists():
             save_mesh(mesh, mesh.V, path)
-        kept_window.filing.open_path(path)
+        kept_window.files.open_path(path)
         idle(qtbot, kept_window)
         return path
 
@@ -49,17 +49,19 @@ def test_camera_actions_have_the_chosen_axis_up_in_every_level_view(qtbot, bottl
         assert at[0, 0] == pytest.approx(at[1, 0], abs=1e-6)
         assert at[1, 1] < at[0, 1]
         assert (camera(bottle).project(U) > 0).all()
-    ground = bottle.looks.ground
-    bottle.actions_.looks.switches["ground"].setChecked(True)
+    ground = bottle.display_options.ground
+    bottle.actions_.display.switches["ground"].setChecked(True)
     settle(qtbot, bottle.canvas.viewport)
-    levels = ground.ends[:, up_axis.index]
+    levels = ground.grid_corners[:, up_axis.index]
     assert levels[0] == levels[1] == pytest.approx((U @ up_axis.direction).min() * up_axis.sign)
 
 
 def test_camera_actions_show_the_whole_mesh_in_axis_views(bottle):
     view = bottle.canvas.viewport
     for axis, action in actions(bottle).directions.items():
-        view.look.eye = view.look.eye.panned(400, 300).zoomed(view.look.eye.focal, 9.0)
+        view.camera_controller.camera = view.camera_controller.camera.panned(400, 300).zoomed(
+            view.camera_controller.camera.focal, 9.0
+        )
         action.trigger()
         x, y = camera(bottle).project(bottle.canvas.surface.U).T
         assert 0 < x.min() < x.max() < view.width(), axis
@@ -88,14 +90,14 @@ def test_up_axes_assume_the_axis_of_a_format(settings, tmp_path, name, up_axis):
     V, F = meshes.box()
     axes = UpAxes(Preferences(settings))
     mesh = Mesh(V, F, tmp_path / name)
-    assert axes.of(mesh) is UpAxis(up_axis)
+    assert axes.up_axis_of(mesh) is UpAxis(up_axis)
     axes.choose(mesh, UpAxis.MINUS_X)
-    assert UpAxes(Preferences(settings)).of(Mesh(V, F, tmp_path / name)) is UpAxis.MINUS_X
+    assert UpAxes(Preferences(settings)).up_axis_of(Mesh(V, F, tmp_path / name)) is UpAxis.MINUS_X
 
 
 def test_camera_actions_let_the_mesh_stand_as_it_was_turned(bottle):
     actions(bottle).directions["top"].trigger()
-    actions(bottle).upright.trigger()
+    actions(bottle).stand_upright.trigger()
     assert camera(bottle).up_axis is UpAxis.MINUS_Z
     assert actions(bottle).up_axes[UpAxis.MINUS_Z].isChecked()
     assert camera(bottle).axes[1] @ [0, 0, -1] > 0.9
@@ -109,7 +111,7 @@ def test_mesh_view_keeps_axis_and_projection_in_a_session(qtbot, bottle, tmp_pat
     idle(qtbot, bottle)
     actions(bottle).orthographic.trigger()
     actions(bottle).up_axes[UpAxis.PLUS_Y].trigger()
-    bottle.filing.open_path(tmp_path / "a.apd")
+    bottle.files.open_path(tmp_path / "a.apd")
     idle(qtbot, bottle)
     assert camera(bottle).key == pytest.approx(kept.key)
     assert camera(bottle).up_axis is UpAxis.PLUS_X
@@ -151,7 +153,7 @@ def test_camera_actions_let_the_mesh_be_drawn_and_painted_without_perspective(qt
     assert 0.8 < shape[1].sum() / shape[0].sum() < 1.25
     assert (shape[0] != shape[1]).any()
     labels = document(bottle).labels
-    bottle.tools.take(bottle.canvas.tool.BASE)
+    bottle.tools.choose_tool(bottle.canvas.tool.BASE)
     middle = QPointF(view.width() / 2, view.height() / 2)
     mouse(view).drag(middle, middle + QPointF(10, 0))
     assert (document(bottle).labels != labels).any()

@@ -18,7 +18,7 @@ def colored(qtbot, kept_window, tmp_path):
     rows += [f"f {i} {j} {k}" for i, j, k in F + 1]
     path = tmp_path / "ball.obj"
     path.write_text("\n".join(rows) + "\n", encoding="utf-8")
-    kept_window.filing.open_path(path)
+    kept_window.files.open_path(path)
     idle(qtbot, kept_window)
     kept_window.session.gestures.begin()
     kept_window.session.painting.paint(np.arange(20), BASE)
@@ -31,7 +31,7 @@ def shown(window):
 
 
 def test_coloring_shows_colors_of_the_file_under_the_paint_when_asked(qtbot, colored, settings):
-    switch = colored.actions_.looks.switches["file_colors"]
+    switch = colored.actions_.display.switches["file_colors"]
     assert switch.isEnabled()
     paint = label_colors(document(colored).labels)[:, :3]
     np.testing.assert_array_equal(shown(colored), paint)
@@ -43,16 +43,16 @@ def test_coloring_shows_colors_of_the_file_under_the_paint_when_asked(qtbot, col
     colored.session.gestures.undo()
     np.testing.assert_array_equal(shown(colored), document(colored).mesh.colors)
     colored.session.gestures.redo()
-    colored.actions_.looks.measures[Measure.AREA].trigger()
+    colored.actions_.display.measures[Measure.AREA].trigger()
     np.testing.assert_array_equal(shown(colored), paint)
-    colored.actions_.looks.off.trigger()
+    colored.actions_.display.no_overlay.trigger()
     np.testing.assert_array_equal(shown(colored), expected)
     switch.trigger()
     np.testing.assert_array_equal(shown(colored), paint)
 
 
 def test_look_actions_offer_no_file_colors_without_colors(bottle):
-    assert not bottle.actions_.looks.switches["file_colors"].isEnabled()
+    assert not bottle.actions_.display.switches["file_colors"].isEnabled()
 
 
 def test_mesh_has_its_colors_parsed_off_the_thread_of_the_window(colored, tmp_path):

@@ -21,7 +21,7 @@ def sheet(path, tilt):
 def brightness(qtbot, window):
     """Of the middle of the view, from the front."""
     view = window.canvas.viewport
-    view.look.along("front")
+    view.camera_controller.look_along("front")
     window.canvas.frame_mesh()
     settle(qtbot, view)
     picture = view.screenshot(return_img=True)
@@ -31,13 +31,13 @@ def brightness(qtbot, window):
 
 def test_shading_is_by_the_normals_of_a_file_that_has_them(qtbot, window, tmp_path):
     shadings = window.actions_.view.shadings
-    window.filing.open_path(sheet(tmp_path / "plain.obj", tilt=False))
+    window.files.open_path(sheet(tmp_path / "plain.obj", tilt=False))
     idle(qtbot, window)
     assert not shadings[Shading.FILE].isEnabled()
     assert shadings[Shading.FILE].toolTip() == "The file has no normals"
     assert shadings[Shading.SHARP].isChecked()
     plain = brightness(qtbot, window)
-    window.filing.open_path(sheet(tmp_path / "tilted.obj", tilt=True))
+    window.files.open_path(sheet(tmp_path / "tilted.obj", tilt=True))
     idle(qtbot, window)
     assert shadings[Shading.FILE].isEnabled()
     assert shadings[Shading.FILE].isChecked()

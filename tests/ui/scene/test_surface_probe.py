@@ -6,7 +6,7 @@ import numpy as np
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage, QPainter
 
-from apd_viewer.ui.scene.surface_probe import Place, Pointer
+from apd_viewer.ui.scene.surface_probe import ProbedPoint, SurfaceProbe
 
 
 def painted(pointer, view):
@@ -18,12 +18,12 @@ def painted(pointer, view):
     return np.frombuffer(image.constBits(), np.uint8).any()
 
 
-def test_pointer_marks_a_place_in_front_of_the_camera_and_not_behind_it(view, surface):
-    pointer = Pointer(view, surface)
-    pointer.place = Place(0, np.array([1.0, 0.0, 0.0]))
-    point, eye = surface.U[surface.skin.F[0, 0]], view.look.eye
+def test_surface_probe_marks_a_place_in_front_of_the_camera_and_not_behind_it(view, surface):
+    pointer = SurfaceProbe(view, surface)
+    pointer.marked_point = ProbedPoint(0, np.array([1.0, 0.0, 0.0]))
+    point, eye = surface.U[surface.surface_index.F[0, 0]], view.camera_controller.camera
     towards = eye.position - eye.focal
-    view.look.eye = replace(eye, focal=point, position=point + towards)
+    view.camera_controller.camera = replace(eye, focal=point, position=point + towards)
     assert painted(pointer, view)
-    view.look.eye = replace(eye, focal=point - 2 * towards, position=point - towards)
+    view.camera_controller.camera = replace(eye, focal=point - 2 * towards, position=point - towards)
     assert not painted(pointer, view)

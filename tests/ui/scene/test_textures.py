@@ -24,7 +24,7 @@ def seen(qtbot, window, places):
     settle(qtbot, view)
     picture = view.screenshot(return_img=True)[:, :, :3].astype(float)
     scale = picture.shape[1] / view.width()
-    at = (view.look.eye.project(places.reshape(-1, 3)) * scale).astype(int)
+    at = (view.camera_controller.camera.project(places.reshape(-1, 3)) * scale).astype(int)
     colors = picture[at[:, 1], at[:, 0]].reshape(places.shape)
     return colors / colors.max(axis=-1, keepdims=True)
 
@@ -34,11 +34,11 @@ def expected():
 
 
 def opened(qtbot, window, path):
-    window.filing.open_path(path)
+    window.files.open_path(path)
     idle(qtbot, window)
-    window.canvas.viewport.look.along("front")
+    window.canvas.viewport.camera_controller.look_along("front")
     window.canvas.frame_mesh()
-    return window.actions_.looks.switches["textures"]
+    return window.actions_.display.switches["textures"]
 
 
 @pytest.mark.parametrize("kind", ["obj", "glb"])
@@ -50,7 +50,7 @@ def test_texture_shows_its_colors_on_a_square_also_deformed(qtbot, window, tmp_p
     np.testing.assert_allclose(seen(qtbot, window, PLACES), expected(), atol=0.12)
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]) @ np.diag([0.5, 1.0, 1.0])
     window.canvas.surface.set_points(np.array(window.session.store.state.frame.U) @ turn.T)
-    window.canvas.viewport.look.frame(window.canvas.surface.U)
+    window.canvas.viewport.camera_controller.frame(window.canvas.surface.U)
     np.testing.assert_allclose(seen(qtbot, window, PLACES @ turn.T), expected(), atol=0.12)
 
 
@@ -63,9 +63,9 @@ def test_texture_lies_under_paint_and_overlays(qtbot, window, tmp_path):
     found = seen(qtbot, window, PLACES)
     assert np.abs(found[:, 0] - expected()[:, 0]).max() > 0.3
     assert np.ptp(found[:, 0], axis=0).max() < 0.1
-    window.actions_.looks.measures[Measure.AREA].trigger()
+    window.actions_.display.measures[Measure.AREA].trigger()
     assert np.abs(seen(qtbot, window, PLACES)[:, 1] - expected()[:, 1]).max() > 0.3
-    window.actions_.looks.off.trigger()
+    window.actions_.display.no_overlay.trigger()
     bare = np.array([1.95, 1.5, 0.0])  # beside the edge that no paint reaches
     for shading in window.actions_.view.shadings.values():
         if shading.isEnabled():

@@ -20,7 +20,7 @@ from apd_viewer.ui.settings_page import preference_effects
 from apd_viewer.ui.settings_page import preference_table as table
 from apd_viewer.ui.settings_page.settings_dialog import SettingsDialog
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import Way
+from apd_viewer.ui.tools.toolbox import SelectionMode
 from apd_viewer.ui.widgets.theme import DARK
 
 OTHER = {  # a value besides the default, as the page writes it
@@ -46,7 +46,7 @@ def window(kept_window):
 def chosen_language(tmp_path, monkeypatch):
     """The file that keeps the language, in a folder of the test."""
     path = tmp_path / "config" / "language"
-    monkeypatch.setattr(language, "chosen_file", lambda: path)
+    monkeypatch.setattr(language, "language_file", lambda: path)
     return path
 
 
@@ -84,7 +84,7 @@ def choose(page, preference, title):
 def opened(qtbot, window, folder, name):
     mesh = Mesh(*meshes.sphere(1))
     save_mesh(mesh, mesh.V, folder / name)
-    window.filing.open_path(folder / name)
+    window.files.open_path(folder / name)
     idle(qtbot, window)
 
 
@@ -97,36 +97,36 @@ def test_settings_dialog_has_each_setting_do_what_it_says_and_keeps_it(
         choose(page, preference, OTHER[preference.name])
     assert window.shell.theme is DARK
     assert window.actions_.view.schemes[Qt.ColorScheme.Dark].isChecked()
-    assert window.canvas.way is Way.LASSO
-    assert window.actions_.select.ways[Way.LASSO].isChecked()
-    assert window.canvas.painter.size.radius == 40.0
+    assert window.canvas.selection_mode is SelectionMode.LASSO
+    assert window.actions_.select.modes[SelectionMode.LASSO].isChecked()
+    assert window.canvas.brush.size.radius == 40.0
     assert window.session.autosave.interval is None
     assert window.session.gestures.history.most_bytes == 64 * 2**20
     assert chosen_language.read_text() == "en"
     opened(qtbot, window, tmp_path, "new.obj")
     assert window.panel.unit is Unit.INCH
-    assert window.canvas.viewport.look.eye.up_axis is UpAxis.PLUS_Z
+    assert window.canvas.viewport.camera_controller.camera.up_axis is UpAxis.PLUS_Z
     settings.sync()
     again = PreferenceValues(QSettings(settings.fileName(), QSettings.Format.IniFormat))
     for preference in table.PREFERENCES:
-        assert again[preference] == window.memory.values[preference]
+        assert again[preference] == window.preferences.values[preference]
         assert preference is table.THREADS or again[preference] != preference.default
     shell = Shell(settings)
-    assert (shell.theme, shell.canvas.way) == (DARK, Way.LASSO)
+    assert (shell.theme, shell.canvas.selection_mode) == (DARK, SelectionMode.LASSO)
     shell.close()
     shell.deleteLater()
 
     page.restore.click()
     for preference in table.PREFERENCES:
-        assert window.memory.values[preference] == preference.default
+        assert window.preferences.values[preference] == preference.default
         assert settings.value(preference.name) is None
     assert control(page, table.UNDO_MEMORY).currentText() == "512 MiB"
     assert not page.restore.isEnabled()
-    assert control(page, table.BRUSH_RADIUS).value() == window.canvas.painter.size.radius == 24.0
+    assert control(page, table.BRUSH_RADIUS).value() == window.canvas.brush.size.radius == 24.0
     assert not chosen_language.exists()
     opened(qtbot, window, tmp_path, "newer.obj")
     assert window.panel.unit is Unit.NONE
-    assert window.canvas.viewport.look.eye.up_axis is UpAxis.PLUS_Y
+    assert window.canvas.viewport.camera_controller.camera.up_axis is UpAxis.PLUS_Y
 
 
 def test_settings_page_is_one_follows_the_window_and_is_named_for_screen_readers(qtbot, window, page):
@@ -146,7 +146,7 @@ def test_settings_page_is_one_follows_the_window_and_is_named_for_screen_readers
     field.selectAll()
     QTest.keyClicks(field, "5000")
     QTest.keyClick(field, Qt.Key.Key_Return)
-    assert window.canvas.painter.size.radius == 24.0, "out of range"
+    assert window.canvas.brush.size.radius == 24.0, "out of range"
     page.shortcuts.click()
     assert window.settings_page.dialog is None
     assert window.help.sheet.isVisible()
@@ -184,12 +184,12 @@ def test_preference_values_log_what_cannot_be_read_and_use_the_defaults(settings
 
 
 def test_up_axes_leave_samples_and_prescribed_axes_theirs_whatever_the_setting(qtbot, window, tmp_path):
-    window.memory.values.choose(table.UP_AXIS, UpAxis.MINUS_X)
+    window.preferences.values.choose(table.UP_AXIS, UpAxis.MINUS_X)
     opened(qtbot, window, tmp_path, "new.glb")
-    assert window.canvas.viewport.look.eye.up_axis is UpAxis.PLUS_Y
+    assert window.canvas.viewport.camera_controller.camera.up_axis is UpAxis.PLUS_Y
     window.session.files.open_sample("duck")
     idle(qtbot, window)
-    assert window.canvas.viewport.look.eye.up_axis is UpAxis.PLUS_Y
+    assert window.canvas.viewport.camera_controller.camera.up_axis is UpAxis.PLUS_Y
 
 
 @pytest.mark.parametrize(("threads", "before", "after"), [(0, None, None), (2, None, "2"), (2, "3", "3")])

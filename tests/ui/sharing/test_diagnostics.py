@@ -21,7 +21,7 @@ def test_diagnostics_hold_versions_log_and_last_crash(folder):
     (folder / "apd-viewer-1.crash").write_text("Fatal Python error: older")
     (folder / "apd-viewer-2.crash").write_text("Fatal Python error: Aborted")
     (folder / "apd-viewer-3.crash").touch()
-    with log.recording():
+    with log.recording_log():
         for k in range(1000):
             logging.getLogger("apd_viewer.test").info("record %d", k)
         said = diagnostics("Vendor, Renderer, 4.6")
@@ -40,7 +40,7 @@ def test_diagnostics_say_where_there_is_no_log_and_no_crash(folder):
 def test_diagnostics_name_no_folder_of_the_user(folder):
     home = Path.home()
     (folder / "apd-viewer-1.crash").write_text(f'  File "{home / "work" / "mine.py"}", line 1 in <module>')
-    with log.recording():
+    with log.recording_log():
         logging.getLogger("apd_viewer.test").info("opened %s in %s", home / "secret" / "a.obj", os.sep)
         said = diagnostics("")
     assert "a.obj" in said
@@ -51,12 +51,14 @@ def test_diagnostics_name_no_folder_of_the_user(folder):
 def test_copy_diagnostics_copies_them_and_says_so(window, folder):
     action = next(each for each in window.actions_.help.values() if "diagnostics" in each.text())
     action.trigger()
-    assert f"OpenGL {window.canvas.viewport.opengl}" in QGuiApplication.clipboard().text()
-    assert window.canvas.viewport.opengl.count(",") >= 2 or os.environ.get("QT_QPA_PLATFORM") == "offscreen"
+    assert f"OpenGL {window.canvas.viewport.opengl_info}" in QGuiApplication.clipboard().text()
+    assert (
+        window.canvas.viewport.opengl_info.count(",") >= 2 or os.environ.get("QT_QPA_PLATFORM") == "offscreen"
+    )
     assert "copied" in window.notice.text
 
 
 def test_notice_fail_logs_what_the_window_says_has_failed(window, folder):
-    with log.recording():
-        window.notice.fail("A sentence.")
+    with log.recording_log():
+        window.notice.show_failure("A sentence.")
         assert "A sentence." in diagnostics("")

@@ -14,11 +14,11 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.ui.filing import file_dialogs
-from apd_viewer.ui.scene.scene_picture import grown, scene_picture
+from apd_viewer.ui.scene.scene_picture import picture_scale, scene_picture
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import Wish
+from apd_viewer.ui.sharing.pictures import PictureSettings
 
 SIZE = QSize(400, 300)
 
@@ -55,8 +55,8 @@ def inner(covered):
 def still(qtbot, window):
     """A window on a coarse bottle, painted, with the gizmo at its neck."""
     V, F, labels = meshes.sample_bottle(2.2)
-    state = opened(Mesh(V, F), frozen(labels.astype(np.uint8)))
-    window.session.files.open_with("bottle", lambda: state)
+    state = initial_state(Mesh(V, F), frozen(labels.astype(np.uint8)))
+    window.session.files.open_result("bottle", lambda: state)
     return widened(qtbot, window)
 
 
@@ -97,7 +97,7 @@ def test_scene_picture_holds_all_that_is_seen_at_any_size(still, size):
     own = box(pixels(scene_picture(view, view.size() * ratio, True))[:, :, 3] > 127) / ratio
     image = scene_picture(view, size, transparent=True)
     assert image.size() == size
-    scale = grown(view.size(), size)
+    scale = picture_scale(view.size(), size)
     middle = np.repeat([size.width() / 2, size.height() / 2], 2)
     expected = middle + scale * (own - np.repeat([view.width() / 2, view.height() / 2], 2))
     assert np.abs(box(pixels(image)[:, :, 3] > 127) - expected).max() <= 1.5 + scale
@@ -106,8 +106,8 @@ def test_scene_picture_holds_all_that_is_seen_at_any_size(still, size):
 def test_scene_picture_has_the_stripes_of_what_is_painted_where_the_view_has_them(qtbot, still):
     """Also in a picture of another size."""
     view = still.canvas.viewport
-    still.looks.heat.choose(Measure.AREA)
-    qtbot.waitUntil(lambda: still.looks.heat.reading.values is not None, timeout=20_000)
+    still.display_options.overlay.choose_measure(Measure.AREA)
+    qtbot.waitUntil(lambda: still.display_options.overlay.reading.values is not None, timeout=20_000)
     seen = scene_picture(view, view.size(), transparent=True)
     for times in (2.0, 0.5):
         size = view.size() * times
@@ -121,15 +121,19 @@ def test_scene_picture_has_the_stripes_of_what_is_painted_where_the_view_has_the
 
 def test_scene_picture_leaves_the_screen_as_it_is(still):
     view = still.canvas.viewport
-    before, size, angle = view.screenshot(return_img=True), view.ren_win.GetSize(), view.look.eye.angle
-    still.canvas.surface.edges = True
+    before, size, angle = (
+        view.screenshot(return_img=True),
+        view.ren_win.GetSize(),
+        view.camera_controller.camera.angle,
+    )
+    still.canvas.surface.shows_edges = True
     edged = view.screenshot(return_img=True)
     for transparent in (True, False):
         scene_picture(view, QSize(321, 654), transparent)
     assert np.array_equal(view.screenshot(return_img=True), edged)
-    still.canvas.surface.edges = False
+    still.canvas.surface.shows_edges = False
     assert np.array_equal(view.screenshot(return_img=True), before)
-    assert (view.ren_win.GetSize(), view.look.eye.angle) == (size, angle)
+    assert (view.ren_win.GetSize(), view.camera_controller.camera.angle) == (size, angle)
 
 
 def test_scene_picture_refuses_a_size_that_is_too_large_in_a_sentence(still, tmp_path):
@@ -139,20 +143,20 @@ def test_scene_picture_refuses_a_size_that_is_too_large_in_a_sentence(still, tmp
     with pytest.raises(InputError, match="up to 200 million pixels"):
         scene_picture(view, QSize(15_000, 15_000))
     before = view.screenshot(return_img=True)
-    still.reporting.pictures.save(tmp_path / "huge.png", Wish(QSize(1_000_000, 10)))
+    still.reports.pictures.save(tmp_path / "huge.png", PictureSettings(QSize(1_000_000, 10)))
     assert "choose a smaller one" in still.notice.text
     assert not (tmp_path / "huge.png").exists()
     assert np.array_equal(view.screenshot(return_img=True), before)
 
 
 def test_pictures_save_writes_the_picture_into_a_file(qtbot, still, tmp_path):
-    wish = Wish(SIZE, transparent=True, gizmo=True)
-    still.reporting.pictures.save(tmp_path / "p.png", wish)
+    wish = PictureSettings(SIZE, transparent=True, gizmo=True)
+    still.reports.pictures.save(tmp_path / "p.png", wish)
     idle(qtbot, still)
     assert still.notice.text == "Saved p.png: 400 × 300 pixels."
     image = QImage(str(tmp_path / "p.png"))
     assert image.size() == SIZE
-    taken = pixels(still.reporting.pictures.taken(wish))
+    taken = pixels(still.reports.pictures.picture(wish))
     close = np.abs(pixels(image) - taken)[taken[:, :, 3] == 255]
     assert close.max() <= 1
     assert (pixels(image)[:, :, 3] == taken[:, :, 3]).all()
@@ -160,18 +164,20 @@ def test_pictures_save_writes_the_picture_into_a_file(qtbot, still, tmp_path):
 
 def test_pictures_save_tells_of_a_file_that_cannot_be_written_in_a_sentence(qtbot, still, tmp_path):
     (tmp_path / "file").write_text("no folder")
-    still.reporting.pictures.save(tmp_path / "file" / "p.png", Wish(SIZE))
+    still.reports.pictures.save(tmp_path / "file" / "p.png", PictureSettings(SIZE))
     qtbot.waitUntil(lambda: "cannot be written" in still.notice.text)
     assert (tmp_path / "file").read_text() == "no folder"
 
 
 def test_pictures_have_the_gizmo_where_it_stands_on_the_screen(still):
-    pictures, canvas = still.reporting.pictures, still.canvas
+    pictures, canvas = still.reports.pictures, still.canvas
     assert pictures.has_gizmo
     for size in (SIZE, QSize(300, 700)):
-        bare, drawn = (pixels(pictures.taken(Wish(size, True, gizmo=on))) for on in (False, True))
+        bare, drawn = (
+            pixels(pictures.picture(PictureSettings(size, True, gizmo=on))) for on in (False, True)
+        )
         changed = np.abs(bare - drawn).max(axis=2) > 40
-        scale, view = grown(canvas.viewport.size(), size), canvas.viewport
+        scale, view = picture_scale(canvas.viewport.size(), size), canvas.viewport
         frame = canvas.gizmo.frame
         ring = np.concatenate([frame.ring(axis)[0] for axis in range(3)])
         middle = np.array([size.width(), size.height()]) / 2
@@ -188,12 +194,12 @@ def test_pictures_can_have_the_gizmo_of_an_obstacle(qtbot, still):
     idle(qtbot, still)
     assert still.obstacles.gizmo.visible
     assert not still.canvas.gizmo.visible
-    pictures = still.reporting.pictures
+    pictures = still.reports.pictures
     assert pictures.has_gizmo
-    bare, drawn = (pixels(pictures.taken(Wish(SIZE, True, gizmo=on))) for on in (False, True))
+    bare, drawn = (pixels(pictures.picture(PictureSettings(SIZE, True, gizmo=on))) for on in (False, True))
     arrow = still.obstacles.gizmo.frame.arrow(2)[1]
     view = still.canvas.viewport
-    x, y = np.array([200, 150]) + grown(view.size(), SIZE) * (
+    x, y = np.array([200, 150]) + picture_scale(view.size(), SIZE) * (
         arrow - np.array([view.width(), view.height()]) / 2
     )
     around = np.abs(bare - drawn)[int(y) - 5 : int(y) + 6, int(x) - 5 : int(x) + 6]
@@ -201,21 +207,21 @@ def test_pictures_can_have_the_gizmo_of_an_obstacle(qtbot, still):
 
 
 def test_pictures_have_a_legend_in_the_colors_of_the_overlay(qtbot, still):
-    pictures, heat = still.reporting.pictures, still.looks.heat
+    pictures, heat = still.reports.pictures, still.display_options.overlay
     size = still.canvas.viewport.size()
     assert not pictures.has_legend
-    plain = pixels(pictures.taken(Wish(size, True)))
+    plain = pixels(pictures.picture(PictureSettings(size, True)))
     assert plain[-20, 20, 3] == 0
-    still.looks.heat.choose(Measure.DISPLACEMENT)
+    still.display_options.overlay.choose_measure(Measure.DISPLACEMENT)
     qtbot.waitUntil(lambda: heat.reading.span is not None, timeout=30_000)
     assert pictures.has_legend
-    image = pixels(pictures.taken(Wish(size, True)))
+    image = pixels(pictures.picture(PictureSettings(size, True)))
     corner = image[-90:, :290]
     assert (corner[:, :, 3] == 255).mean() > 0.7
     for color in heat.scale.colors(np.array([0.1, 0.5, 0.9])):
         away = np.abs(corner[:, :, :3] - color.astype(float)).max(axis=2)
         assert away.min() <= 6, color
-    assert (pixels(pictures.taken(Wish(size, True, legend=False)))[-20, 20] == 0).all()
+    assert (pixels(pictures.picture(PictureSettings(size, True, legend=False)))[-20, 20] == 0).all()
 
 
 def test_pictures_copy_puts_the_view_on_the_clipboard(qtbot, still):
@@ -236,7 +242,7 @@ def test_pictures_copy_puts_the_view_on_the_clipboard(qtbot, still):
 @pytest.fixture
 def dialog(qtbot, still):
     dialog = PictureDialog(
-        still.shell, still.reporting.pictures, Wish(still.reporting.pictures.view_size * 2)
+        still.shell, still.reports.pictures, PictureSettings(still.reports.pictures.view_size * 2)
     )
     dialog.show()
     qtbot.waitExposed(dialog)
@@ -247,14 +253,14 @@ def dialog(qtbot, still):
 
 
 def test_picture_dialog_knows_multiples_of_the_view_and_own_sizes(dialog, still):
-    view = still.reporting.pictures.view_size
+    view = still.reports.pictures.view_size
     assert dialog.times.currentText() == "2 × the view"
     dialog.times.setCurrentIndex(2)
     dialog.times.activated.emit(2)
-    assert dialog.wish.size == view * 3
+    assert dialog.settings.size == view * 3
     dialog.width_.setValue(640)
     assert dialog.times.currentText() == "Custom size"
-    assert dialog.wish.size == QSize(640, 3 * view.height())
+    assert dialog.settings.size == QSize(640, 3 * view.height())
     dialog.width_.setValue(view.width())
     dialog.height_.setValue(view.height())
     assert dialog.times.currentText() == "Same as view"
@@ -266,12 +272,14 @@ def test_picture_dialog_shows_what_the_picture_will_be(qtbot, dialog):
     assert dialog.preview.image.pixelColor(0, 0).alpha() == 255
     QTest.mouseClick(dialog.transparent, Qt.MouseButton.LeftButton)
     qtbot.waitUntil(lambda: dialog.preview.image.pixelColor(0, 0).alpha() == 0)
-    assert dialog.wish.transparent
+    assert dialog.settings.transparent
     wide, high = dialog.preview.image.width(), dialog.preview.image.height()
-    assert wide / high == pytest.approx(dialog.wish.size.width() / dialog.wish.size.height(), rel=0.02)
+    assert wide / high == pytest.approx(
+        dialog.settings.size.width() / dialog.settings.size.height(), rel=0.02
+    )
     QTest.mouseClick(dialog.copy, Qt.MouseButton.LeftButton)
     copied = QGuiApplication.clipboard().image()
-    assert copied.size() == dialog.wish.size
+    assert copied.size() == dialog.settings.size
     assert copied.pixelColor(0, 0).alpha() == 0
 
 
@@ -302,18 +310,18 @@ def test_ask_for_picture_leads_from_the_menu_to_the_file(qtbot, still, tmp_path,
     still.actions_.file.picture.trigger()
     idle(qtbot, still)
     assert isinstance(seen[0], PictureDialog)
-    assert QImage(str(path)).size() == still.reporting.pictures.view_size
+    assert QImage(str(path)).size() == still.reports.pictures.view_size
 
 
-def test_reporting_has_nothing_to_hand_out_before_there_is_a_mesh(window):
+def test_report_controller_has_nothing_to_hand_out_before_there_is_a_mesh(window):
     for action in (
         window.actions_.file.report,
         window.actions_.file.picture,
         window.actions_.file.copy_picture,
     ):
         assert not action.isEnabled()
-    window.reporting.ask()
-    window.reporting.ask_for_picture()
+    window.reports.ask_for_report()
+    window.reports.ask_for_picture()
 
 
 def test_copy_python_copies_the_lines_and_tells_so(qtbot, bottle):

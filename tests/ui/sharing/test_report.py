@@ -17,17 +17,17 @@ from PySide6.QtGui import QImage
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.convex_hull import convex_hull
-from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.presentation.number_format import significant
-from apd_viewer.presentation.published_volumes import PUBLISHED, VolumeName
-from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.model.state import opened
+from apd_viewer.presentation.number_format import format_significant
+from apd_viewer.presentation.published_volumes import PUBLISHED_FIGURES, VolumeName
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
@@ -35,15 +35,15 @@ from apd_viewer.ui.filing import file_dialogs
 
 
 def write(qtbot, window, path):
-    window.reporting.write(path)
+    window.reports.write_report(path)
     idle(qtbot, window)
     return PageParts(path.read_text(encoding="utf-8"))
 
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    monkeypatch.setattr(shape_checker, "AT_FIRST", 0.0)
-    monkeypatch.setattr(shape_checker, "CALM", 0.0)
+    monkeypatch.setattr(shape_checker, "FIRST_PAUSE", 0.0)
+    monkeypatch.setattr(shape_checker, "NEXT_PAUSE", 0.0)
 
 
 @pytest.fixture
@@ -61,7 +61,7 @@ def file(tmp_path, monkeypatch):
 def twisted(qtbot, window, file):
     """The bottle in centimetres, twisted, at rest and checked, with a name that means harm."""
     labels = frozen(meshes.sample_bottle(3.0)[2].astype(np.uint8))
-    window.session.files.open_with("bottle", lambda: opened(open_mesh(file), labels))
+    window.session.files.open_result("bottle", lambda: initial_state(open_mesh(file), labels))
     idle(qtbot, window)
     window.panel.area.unit.chosen.emit(Unit.CENTIMETRE)
     window.panel.measures.thickness.setText("0.3mm")
@@ -70,12 +70,12 @@ def twisted(qtbot, window, file):
     window.session.parts.rename_handle(0, "<script>neck & 'cap'</script>")
     window.session.parts.add_region()
     wanted = window.session.store.state.document.mesh.V[:, 1] > 12.0
-    window.session.painting.set_part(Part(1, is_region=True), wanted, "Paint region")
-    window.session.handles.move_by(TypedMotion.TWIST, "20", 0)
-    window.session.handles.move_by(TypedMotion.MOVE_Y, "0.25", 0)
-    window.session.measurements.add(Kind.SECTION, plane=Plane((0.0, 1.0, 0.0), 10.0))
+    window.session.painting.set_members(PaintedPart(1, is_region=True), wanted, "Paint region")
+    window.session.handles.move_by(MotionKind.TWIST, "20", 0)
+    window.session.handles.move_by(MotionKind.MOVE_Y, "0.25", 0)
+    window.session.measurements.add(MeasurementKind.SECTION, plane=Plane((0.0, 1.0, 0.0), 10.0))
     idle(qtbot, window)
-    qtbot.waitUntil(lambda: window.session.shape_checks.found is not None, timeout=30_000)
+    qtbot.waitUntil(lambda: window.session.shape_checks.shape_check is not None, timeout=30_000)
     return window
 
 
@@ -83,7 +83,7 @@ def number(text):
     return float(re.match(r"[−+]?[\d.]+", text).group().replace("−", "-"))
 
 
-def test_reporting_writes_what_the_panel_says_and_what_others_measure(qtbot, twisted, file, tmp_path):
+def test_report_controller_writes_what_the_panel_says_and_what_others_measure(qtbot, twisted, file, tmp_path):
     window, state = twisted, twisted.session.store.state
     path = tmp_path / "report.html"
     page = write(qtbot, window, path)
@@ -111,7 +111,7 @@ def test_reporting_writes_what_the_panel_says_and_what_others_measure(qtbot, twi
     section, here = rows["Measurements"], panel.measure.list.rows[0].reading.text()
     assert here.split("  ")[0] == section["Section 1, length"].split("\n")[0]
     assert "cm² " in section["Section 1, enclosed area"].replace("\n", " ") + " "
-    handle, held = state.document.handles[0].name, state.document.counts[HANDLE]
+    handle, held = state.document.handles[0].name, state.document.label_counts[HANDLE]
     details = panel.handles.list.rows[0].details.text()
     assert rows["Handles"][handle].startswith(
         f"{details}\n{held:,} vertices; displacement (0, 0.25, 0)\u00a0cm"
@@ -140,13 +140,14 @@ def test_reporting_writes_what_the_panel_says_and_what_others_measure(qtbot, twi
     named = {name.split("\n")[0]: (name, said) for name, said in reduction.items()}
     checks, hull = window.session.shape_checks, convex_hull(measured.vertices)
     assert named["Convex hull volume"][1].startswith(
-        f"{significant(checks.at_rest.hull.volume, 4)}\u00a0cm³\n{significant(hull.volume, 4)}\u00a0cm³\n"
+        f"{format_significant(checks.rest_check.hull.volume, 4)}\u00a0cm³\n"
+        f"{format_significant(hull.volume, 4)}\u00a0cm³\n"
     )
     assert named["Smallest box volume"][1].split("\n")[1] == shown.packed.text()
     assert named["Objects in a bag of 45 l"][1].split("\n")[0] == "50"
     assert number(named["Material volume"][1].split("\n")[1]) == pytest.approx(grams / 1.38, rel=1e-3)
     text = "\n".join(said for _, said in named.values())
-    for figures in PUBLISHED.values():
+    for figures in PUBLISHED_FIGURES.values():
         for figure in figures:
             assert text.count(f"{figure.words}\n{figure.source}") == 1
     assert len(named) == len(VolumeName) + 1  # and the heading
@@ -159,7 +160,7 @@ def test_reporting_writes_what_the_panel_says_and_what_others_measure(qtbot, twi
     assert mesh["Mesh digest"].split("\n")[0] == state.document.mesh.digest
 
 
-def test_reporting_writes_pictures_and_the_session_and_nobodys_folder(qtbot, twisted, file, tmp_path):
+def test_report_controller_writes_pictures_and_the_session_and_nobodys_folder(qtbot, twisted, file, tmp_path):
     state, path = twisted.session.store.state, tmp_path / "report.html"
     page = write(qtbot, twisted, path)
     assert "script" not in page.tags
@@ -188,18 +189,18 @@ def test_reporting_writes_pictures_and_the_session_and_nobodys_folder(qtbot, twi
     assert view.unit == "cm"
 
 
-def test_reporting_measures_what_is_missing_soon_after_an_edit(qtbot, twisted, tmp_path, monkeypatch):
-    monkeypatch.setattr(shape_checker, "CALM", 1000.0)  # the window does not look meanwhile
-    twisted.session.handles.move_by(TypedMotion.TWIST, "5", 0)
+def test_report_controller_measures_what_is_missing_soon_after_an_edit(qtbot, twisted, tmp_path, monkeypatch):
+    monkeypatch.setattr(shape_checker, "NEXT_PAUSE", 1000.0)  # the window does not look meanwhile
+    twisted.session.handles.move_by(MotionKind.TWIST, "5", 0)
     idle(qtbot, twisted)
     points = SurfacePoint(0, (1.0, 0.0, 0.0)), SurfacePoint(60, (1.0, 0.0, 0.0))
-    twisted.session.measurements.add(Kind.GEODESIC, points)
-    assert twisted.session.shape_checks.found is None
+    twisted.session.measurements.add(MeasurementKind.GEODESIC, points)
+    assert twisted.session.shape_checks.shape_check is None
     rows = write(qtbot, twisted, tmp_path / "report.html").rows
     state = twisted.session.store.state
     hull = convex_hull(state.frame.U)
     named = {name.split("\n")[0]: said for name, said in rows["Volume reduction"].items()}
-    assert named["Convex hull volume"].split("\n")[1] == f"{significant(hull.volume, 4)}\u00a0cm³"
+    assert named["Convex hull volume"].split("\n")[1] == f"{format_significant(hull.volume, 4)}\u00a0cm³"
     assert rows["Volume"]["Self-intersections"] in ("none", "not checked: ipctk is missing")
     assert "cm" in rows["Size and mass"]["Bounding box"]
     assert "cm" in rows["Measurements"]["Geodesic 1"]
@@ -208,11 +209,11 @@ def test_reporting_measures_what_is_missing_soon_after_an_edit(qtbot, twisted, t
 
 
 @pytest.mark.night
-def test_reporting_says_that_a_report_is_asked_for_on_the_way_and_measures_what_is_shown(
+def test_report_controller_says_that_a_report_is_asked_for_on_the_way_and_measures_what_is_shown(
     qtbot, twisted, tmp_path
 ):
     store = twisted.session.store
-    twisted.session.handles.move_by(TypedMotion.TWIST, "60", 0)
+    twisted.session.handles.move_by(MotionKind.TWIST, "60", 0)
     assert not store.state.frame.settled
     shown = store.state.frame.U
     path = tmp_path / "report.html"
@@ -220,10 +221,10 @@ def test_reporting_says_that_a_report_is_asked_for_on_the_way_and_measures_what_
     assert "had not converged when this report was created" in path.read_text(encoding="utf-8")
     named = {name.split("\n")[0]: said for name, said in page.rows["Volume reduction"].items()}
     hull = convex_hull(shown)
-    assert named["Convex hull volume"].split("\n")[1] == f"{significant(hull.volume, 4)}\u00a0cm³"
+    assert named["Convex hull volume"].split("\n")[1] == f"{format_significant(hull.volume, 4)}\u00a0cm³"
 
 
-def test_reporting_leaves_what_is_on_screen_as_it_is(qtbot, bottle, tmp_path):
+def test_report_controller_leaves_what_is_on_screen_as_it_is(qtbot, bottle, tmp_path):
     settle(qtbot, bottle.canvas.viewport)
     view, before = bottle.canvas.viewport, bottle.canvas.viewport.screenshot(return_img=True)
     actors = view.renderer.GetActors().GetNumberOfItems()
@@ -234,18 +235,18 @@ def test_reporting_leaves_what_is_on_screen_as_it_is(qtbot, bottle, tmp_path):
     assert view.ren_win.GetRenderers().GetNumberOfItems() == 1
 
 
-def test_reporting_leaves_nothing_of_a_report_that_cannot_be_written(qtbot, bottle, tmp_path, monkeypatch):
+def test_report_controller_leaves_nothing_of_a_report_it_cannot_write(qtbot, bottle, tmp_path, monkeypatch):
     path = tmp_path / "file" / "report.html"
     path.parent.write_text("no folder")
-    monkeypatch.setattr(file_dialogs, "ask_where_to_report", lambda *_: path)
+    monkeypatch.setattr(file_dialogs, "ask_where_to_put_report", lambda *_: path)
     bottle.actions_.file.report.trigger()
     qtbot.waitUntil(lambda: "cannot be written" in bottle.notice.text, timeout=30_000)
     assert [one.name for one in tmp_path.iterdir() if one.suffix != ".ini"] == ["file"]
     assert path.parent.read_text() == "no folder"
 
 
-def test_reporting_can_be_given_up(qtbot, bottle, tmp_path):
-    bottle.reporting.write(tmp_path / "report.html")
+def test_report_controller_can_be_given_up(qtbot, bottle, tmp_path):
+    bottle.reports.write_report(tmp_path / "report.html")
     job = bottle.session.jobs.current
     bottle.session.jobs.cancel()
     job.join(30.0)

@@ -8,8 +8,8 @@ from driving import idle
 from PySide6.QtWidgets import QFileDialog
 from study_driving import click, finish, open_bar
 
-from apd_viewer.figures.shapes import no_pictures
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.figures.rendered_pictures import no_pictures_reason
+from apd_viewer.session.model.motion_kind import MotionKind
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def window(kept_window):
 def bar(qtbot, window):
     """A window on a bar, its handle moved twice."""
     open_bar(qtbot, window)
-    for way in (TypedMotion.MOVE_X, TypedMotion.MOVE_Y):
+    for way in (MotionKind.MOVE_X, MotionKind.MOVE_Y):
         window.session.handles.move_by(way, "0.5", 0)
         idle(qtbot, window)
     return window
@@ -31,7 +31,7 @@ def bar(qtbot, window):
 @pytest.fixture
 def dialog(bar):
     bar.actions_.file.animation.trigger()
-    dialog = bar.studies.dialogs["animate"]
+    dialog = bar.runs.dialogs["animate"]
     dialog.steps.setValue(2)
     return dialog
 
@@ -141,24 +141,24 @@ def test_animation_dialog_does_not_call_a_film_exported_that_is_not_drawn(
     answer(tmp_path / "a.gif")
     monkeypatch.setattr(dialog.run, "begin", lambda *_, **__: None)
     click(dialog.run.start)
-    dialog.run.ended.emit(tmp_path, f"results\n{no_pictures()}")
+    dialog.run.ended.emit(tmp_path, f"results\n{no_pictures_reason()}")
     assert "were not drawn" in dialog.summary.text()
     assert dialog.run.words.text() == ""
 
 
-def test_animate_has_nothing_to_export_without_a_motion(qtbot, window):
+def test_open_animation_has_nothing_to_export_without_a_motion(qtbot, window):
     assert not window.actions_.file.animation.isEnabled()
     open_bar(qtbot, window)
     window.actions_.file.animation.trigger()
-    assert "animate" not in window.studies.dialogs
+    assert "animate" not in window.runs.dialogs
     assert "No handle has moved" in window.notice.text
 
 
 def test_animation_dialog_offers_the_last_step_alone_where_the_handle_is_back(qtbot, bar):
     """A handle back at rest has no motion, but the step that led there has."""
-    bar.session.handles.reset(0)
+    bar.session.handles.reset_handle(0)
     idle(qtbot, bar)
     bar.actions_.file.animation.trigger()
-    dialog = bar.studies.dialogs["animate"]
+    dialog = bar.runs.dialogs["animate"]
     assert dialog.motion.count() == 1
     assert dialog.motion.itemText(0).startswith("last step")

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import QFileDialog
 from study_driving import click, finish
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands.press import press_parser
+from apd_viewer.commands.press_command import press_parser
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.goals.percentage import percentage
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -26,8 +26,8 @@ from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import Answer
-from apd_viewer.ui.studies import study_dialog
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.studies import run_dialog
 from apd_viewer.ui.studies.press_dialog import PressDialog
 from apd_viewer.ui.widgets import fit_to_screen
 
@@ -48,8 +48,8 @@ def asked(window, qtbot, tmp_path, monkeypatch):
         window.session.files.open_mesh(Mesh(V, F))
         idle(qtbot, window)
         changed = replace(state_of.state.document, **changes)
-        state = state_of.state.at(document=changed)
-        dialog = PressDialog(window.shell, state, View(unit=unit), window.memory)
+        state = state_of.state.updated(document=changed)
+        dialog = PressDialog(window.shell, state, View(unit=unit), window.preferences)
         dialogs.append(dialog)
         dialog.show()
         return dialog
@@ -72,7 +72,7 @@ def ball(qtbot, window):
     window.session.files.open_mesh(Mesh(*sphere(2)))
     idle(qtbot, window)
     window.actions_.pose.press.trigger()
-    dialog = window.studies.dialogs["press"]
+    dialog = window.runs.dialogs["press"]
     dialog.steps.setValue(2)
     dialog.to.setValue(80)
     return dialog
@@ -94,8 +94,8 @@ def written(tmp_path_factory):
 
 def end_run(dialog, written, scratch):
     """Have the dialog find what a command has written."""
-    dialog.run.scratch = scratch
-    shutil.copytree(written[0], dialog.run.results)
+    dialog.run.scratch_folder = scratch
+    shutil.copytree(written[0], dialog.run.results_folder)
     dialog.run.command.ended.emit(written[1])
 
 
@@ -103,15 +103,15 @@ def texts(choice):
     return [choice.itemText(k) for k in range(choice.count())]
 
 
-def test_studies_press_takes_any_mesh_even_if_nothing_is_painted(qtbot, window):
+def test_run_controller_press_takes_any_mesh_even_if_nothing_is_painted(qtbot, window):
     action = window.actions_.pose.press
     assert not action.isEnabled()
     window.session.files.open_mesh(Mesh(*box(1, 1, 1)))
     idle(qtbot, window)
-    assert document(window).problem
+    assert document(window).paint_problem
     assert action.isEnabled()
     action.trigger()
-    assert window.studies.dialogs["press"].isVisible()
+    assert window.runs.dialogs["press"].isVisible()
     assert window.notice.text == ""
 
 
@@ -120,7 +120,7 @@ def test_press_dialog_knows_the_mesh_and_its_unit(qtbot, window):
     idle(qtbot, window)
     window.choose_unit(Unit.CENTIMETRE)
     window.actions_.pose.press.trigger()
-    dialog = window.studies.dialogs["press"]
+    dialog = window.runs.dialogs["press"]
     assert texts(dialog.direction) == ["X (1.000\xa0cm)", "Y (2.000\xa0cm)", "Z (4.000\xa0cm)"]
     assert "0.5000\xa0cm apart" in dialog.distance.text()
     dialog.direction.setCurrentIndex(2)
@@ -187,7 +187,7 @@ def test_press_dialog_expects_an_excess_of_loads_by_stiffness_and_method(asked):
 def test_press_dialog_offers_only_methods_that_keep_walls_apart(method, asked):
     dialog = asked[0](*sphere(2), method=method)
     offered = [dialog.method.itemData(k) for k in range(dialog.method.count())]
-    assert offered == [name for name, traits in METHODS.items() if traits.may_touch]
+    assert offered == [name for name, traits in METHODS.items() if traits.may_use_contact]
     assert dialog.method.currentData() == (method if method in offered else "exact")
 
 
@@ -221,14 +221,14 @@ def test_press_dialog_draws_a_press_and_saves_it_in_the_format_of_the_mesh(
     qtbot.waitUntil(lambda: window.session.store.state is not None)
     idle(qtbot, window)
     window.actions_.pose.press.trigger()
-    dialog = window.studies.dialogs["press"]
+    dialog = window.runs.dialogs["press"]
     dialog.steps.setValue(2)
     dialog.direction.setCurrentIndex(2)
     click(dialog.run.start)
     assert not dialog.steps.isEnabled()
     assert dialog.run.cancel.isVisible()
     finish(qtbot, dialog)
-    assert dialog.figure.drawn
+    assert dialog.figure.has_picture
     assert dialog.summary.text().startswith("load ")
     assert "pressed.off" not in dialog.summary.text()
     assert dialog.steps.isEnabled()
@@ -253,7 +253,7 @@ def test_press_dialog_opens_the_pressed_mesh_in_the_window_once_saved(
     window.choose_unit(Unit.CENTIMETRE)
     ball.close()
     window.actions_.pose.press.trigger()
-    dialog = window.studies.dialogs["press"]
+    dialog = window.runs.dialogs["press"]
     assert dialog.run.open_mesh.isHidden()
     end_run(dialog, written, tmp_path / "scratch")
     assert dialog.run.open_mesh.isHidden()
@@ -263,21 +263,21 @@ def test_press_dialog_opens_the_pressed_mesh_in_the_window_once_saved(
     window.session.gestures.begin()
     window.session.painting.paint(np.arange(3), 0)
     window.session.painting.end_stroke("Paint")
-    assert window.session.saved_work.unsaved
+    assert window.session.saved_work.is_unsaved
     with monkeypatch.context() as patch:
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.CANCEL)
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.CANCEL)
         click(dialog.run.open_mesh)
         idle(qtbot, window)
     assert document(window).mesh is before
     assert dialog.isVisible()
     click(dialog.run.open_mesh)
     qtbot.waitUntil(lambda: document(window).mesh is not before)
-    assert window.studies.dialogs == {}
+    assert window.runs.dialogs == {}
     saved = tmp_path / "mesh-press" / "pressed.obj"
     assert document(window).mesh.path == saved
     assert np.ptp(document(window).mesh.V[:, 0]) < 0.9 * np.ptp(before.V[:, 0])
     assert window.session.store.unit is Unit.CENTIMETRE
-    assert window.memory.recent[0] == saved
+    assert window.preferences.recent_files[0] == saved
     idle(qtbot, window)
     window.session.gestures.undo()
     assert document(window).mesh is before
@@ -287,7 +287,7 @@ def test_study_dialog_lets_the_figure_give_way_on_a_low_screen_and_not_the_field
     qtbot, ball, written, tmp_path, monkeypatch
 ):
     low = QSize(1280, 760)
-    for module in (study_dialog, fit_to_screen):
+    for module in (run_dialog, fit_to_screen):
         monkeypatch.setattr(module, "largest_on_screen", lambda _: low)
     end_run(ball, written, tmp_path / "scratch")
     qtbot.waitUntil(lambda: ball.height() <= low.height())
@@ -315,14 +315,14 @@ def test_press_dialog_has_the_window_tell_of_a_pressed_mesh_that_is_gone(
 @pytest.mark.night
 def test_press_dialog_leaves_nothing_after_cancel(qtbot, ball):
     click(ball.run.start)
-    scratch = ball.run.scratch
+    scratch = ball.run.scratch_folder
     assert scratch.exists()
     click(ball.run.cancel)  # while the mesh is written
     assert not scratch.exists()
     ball.steps.setValue(200)
     click(ball.run.start)
     qtbot.waitUntil(lambda: ball.run.bar.value() > 0, timeout=60_000)
-    scratch = ball.run.scratch
+    scratch = ball.run.scratch_folder
     assert "pressing" in ball.run.words.text()
     click(ball.run.cancel)
     assert not scratch.exists()
@@ -335,9 +335,9 @@ def test_press_dialog_leaves_nothing_after_cancel(qtbot, ball):
 def test_press_dialog_ends_the_run_when_closed(qtbot, window, ball):
     click(ball.run.start)
     qtbot.waitUntil(lambda: ball.run.command.running, timeout=10_000)
-    scratch = ball.run.scratch
+    scratch = ball.run.scratch_folder
     qtbot.keyClick(ball, Qt.Key.Key_Escape)
-    assert window.studies.dialogs == {}
+    assert window.runs.dialogs == {}
     assert not scratch.exists()
 
 
@@ -464,16 +464,16 @@ def test_press_dialog_presses_the_current_shape_where_it_is_asked_for(qtbot, her
     assert not ball.from_current.isEnabled()
     state = window.session.store.state
     V = state.document.mesh.V
-    moved = state.at(frame=replace(state.frame, U=V * [1.0, 1.0, 1.0] + [0.0, 0.0, 3.0]))
-    dialog = PressDialog(window.shell, moved, View(), window.memory)
+    moved = state.updated(frame=replace(state.frame, U=V * [1.0, 1.0, 1.0] + [0.0, 0.0, 3.0]))
+    dialog = PressDialog(window.shell, moved, View(), window.preferences)
     dialog.show()
     dialog.from_current.click()
     dialog.steps.setValue(1)
     dialog.to.setValue(90)
     click(dialog.run.start)
     finish(qtbot, dialog)
-    report = json.loads((dialog.run.results / "report.json").read_text(encoding="utf-8"))
-    pressed = trimesh.load(dialog.run.results / "pressed.obj", process=False).vertices
+    report = json.loads((dialog.run.results_folder / "report.json").read_text(encoding="utf-8"))
+    pressed = trimesh.load(dialog.run.results_folder / "pressed.obj", process=False).vertices
     assert report["settled"]
     assert pressed[:, 2].mean() == pytest.approx(3.0, abs=0.1)
     dialog.close()

@@ -6,8 +6,8 @@ from PySide6.QtTest import QTest
 
 from apd_viewer.ui.scene.camera import Camera, rotation
 from apd_viewer.ui.tools.gizmo import Gizmo
-from apd_viewer.ui.tools.gizmo_drag import begin, nice_step, rotated, snapped
-from apd_viewer.ui.tools.gizmo_layout import ARROWS, RING, RINGS, SQUARES, Along, GizmoFrame
+from apd_viewer.ui.tools.gizmo_drag import begin_drag, nice_step, rotated, snapped
+from apd_viewer.ui.tools.gizmo_layout import ARROWS, RING_RADIUS, RINGS, SQUARES, GizmoFrame, GizmoOrientation
 
 CENTRE = np.array([0.3, -0.2, 0.1])
 POSE = np.eye(4)
@@ -27,12 +27,12 @@ def frame_from(direction, axes=None):
 
 
 def dragged(frame, handle, start, end, snap=False):
-    return begin(handle, frame, POSE, *start).to(frame.camera, *end, snap)
+    return begin_drag(handle, frame, POSE, *start).moved_to(frame.camera, *end, snap)
 
 
 def on_ring(frame, i, turn):
     a, b = frame.axes[(i + 1) % 3], frame.axes[(i + 2) % 3]
-    world = frame.centre + RING * frame.pixel * (np.cos(turn) * a + np.sin(turn) * b)
+    world = frame.centre + RING_RADIUS * frame.pixel_length * (np.cos(turn) * a + np.sin(turn) * b)
     return frame.camera.project(world[None])[0]
 
 
@@ -43,11 +43,11 @@ def nearest_turn(frame, i):
 
 @pytest.mark.parametrize("direction", ALONG_AXES + ASKEW)
 @pytest.mark.parametrize("i", range(3))
-def test_along_axis_lets_an_arrow_follow_the_cursor_from_every_side(direction, i):
+def test_gizmo_orientation_axis_lets_an_arrow_follow_the_cursor_from_every_side(direction, i):
     frame = frame_from(direction)
-    if not frame.usable(ARROWS[i]):
+    if not frame.is_usable(ARROWS[i]):
         return
-    grabbed = CENTRE + 60 * frame.pixel * frame.axes[i]
+    grabbed = CENTRE + 60 * frame.pixel_length * frame.axes[i]
     for way in (0.37, -0.21):
         start, end = frame.camera.project(np.array([grabbed, grabbed + way * frame.axes[i]]))
         expected = POSE.copy()
@@ -57,16 +57,16 @@ def test_along_axis_lets_an_arrow_follow_the_cursor_from_every_side(direction, i
 
 @pytest.mark.parametrize("slope", [0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.6])
 @pytest.mark.parametrize("i", range(3))
-def test_along_axis_does_not_let_an_arrow_near_the_line_of_sight_run_away(slope, i):
+def test_gizmo_orientation_axis_does_not_let_an_arrow_near_the_line_of_sight_run_away(slope, i):
     towards = np.eye(3)[i] + slope * np.eye(3)[(i + 1) % 3]
     frame = frame_from(towards)
-    if not frame.usable(ARROWS[i]):
+    if not frame.is_usable(ARROWS[i]):
         assert slope < 0.4
         return
     start = frame.arrow(i)[1]
     for x, y in np.random.default_rng(i).uniform(-400, 400, (200, 2)):
         moved = dragged(frame, ARROWS[i], start, start + (x, y)).pose[:3, 3] - POSE[:3, 3]
-        assert np.linalg.norm(moved) <= 4.001 * frame.pixel * np.hypot(x, y)
+        assert np.linalg.norm(moved) <= 4.001 * frame.pixel_length * np.hypot(x, y)
 
 
 @pytest.mark.parametrize("direction", ASKEW)
@@ -92,7 +92,7 @@ def test_turn_goes_the_way_of_the_cursor_for_a_ring_seen_from_the_side(direction
 
 @pytest.mark.parametrize("direction", ASKEW)
 @pytest.mark.parametrize("i", range(3))
-def test_in_plane_moves_a_square_in_its_plane_with_the_cursor(direction, i):
+def test_offset_in_plane_moves_a_square_in_its_plane_with_the_cursor(direction, i):
     frame = frame_from(direction)
     offset = 0.2 * frame.axes[(i + 1) % 3] - 0.1 * frame.axes[(i + 2) % 3]
     start, end = frame.camera.project(np.array([CENTRE, CENTRE + offset]))
@@ -101,7 +101,7 @@ def test_in_plane_moves_a_square_in_its_plane_with_the_cursor(direction, i):
     np.testing.assert_array_equal(drag.pose[:3, :3], POSE[:3, :3])
 
 
-def test_in_plane_moves_the_dot_in_the_plane_of_the_picture():
+def test_offset_in_plane_moves_the_dot_in_the_plane_of_the_picture():
     frame = frame_from((0.5, 0.4, 1))
     start = frame.camera.project(CENTRE[None])[0]
     end = start + np.array([50, -20])
@@ -113,12 +113,12 @@ def test_in_plane_moves_the_dot_in_the_plane_of_the_picture():
 
 def test_drag_turns_rigidly_about_the_pivot_and_does_not_drift():
     frame = frame_from((0.5, 0.4, 1))
-    drag = begin("ry", frame, POSE, *on_ring(frame, 1, 0.4))
+    drag = begin_drag("ry", frame, POSE, *on_ring(frame, 1, 0.4))
     for turn in np.linspace(0.4, 0.4 + 4 * np.pi, 300):
-        drag = drag.to(frame.camera, *on_ring(frame, 1, turn), snap=False)
+        drag = drag.moved_to(frame.camera, *on_ring(frame, 1, turn), snap=False)
     assert drag.angle == pytest.approx(4 * np.pi)
     np.testing.assert_allclose(drag.pose, POSE, atol=1e-9)
-    half = drag.to(frame.camera, *on_ring(frame, 1, 0.4 + 2.0), snap=False).pose
+    half = drag.moved_to(frame.camera, *on_ring(frame, 1, 0.4 + 2.0), snap=False).pose
     np.testing.assert_allclose(half[:3, :3] @ half[:3, :3].T, np.eye(3), atol=1e-14)
     body = np.linalg.inv(POSE) @ [*CENTRE, 1]
     np.testing.assert_allclose((half @ body)[:3], CENTRE, atol=1e-12)
@@ -131,7 +131,7 @@ def test_drag_snaps_to_fifteen_degrees_and_to_round_lengths():
     assert drag.text == "+45.0°"
     start, end = frame.camera.project(np.array([CENTRE, CENTRE + 0.337 * np.eye(3)[0]]))
     moved = dragged(frame, "x", start, end, snap=True).pose[0, 3] - POSE[0, 3]
-    step = nice_step(20 * frame.pixel)
+    step = nice_step(20 * frame.pixel_length)
     assert moved / step == pytest.approx(round(0.337 / step))
 
 
@@ -155,7 +155,7 @@ def test_snapped_gives_the_nearest_multiple_of_the_step():
     assert snapped(0.37, 0.25) == 0.25
 
 
-def test_in_plane_moves_nothing_for_a_cursor_past_the_horizon_of_the_plane():
+def test_offset_in_plane_moves_nothing_for_a_cursor_past_the_horizon_of_the_plane():
     frame = frame_from((1, 0.3, 0))  # the floor seen flatly; high up in the picture is sky
     start = frame.camera.project(CENTRE[None])[0]
     assert dragged(frame, "zx", start, (400, -3000)).pose == pytest.approx(POSE)
@@ -164,17 +164,17 @@ def test_in_plane_moves_nothing_for_a_cursor_past_the_horizon_of_the_plane():
 @pytest.mark.parametrize("direction", ASKEW)
 def test_handle_at_finds_each_handle_where_it_is_drawn(direction):
     frame = frame_from(direction)
-    assert frame.handle_at(*frame.on_screen(np.zeros((1, 3)))[0]) == "centre"
+    assert frame.handle_at(*frame.to_screen(np.zeros((1, 3)))[0]) == "centre"
     for i in range(3):
-        if frame.usable(ARROWS[i]):
+        if frame.is_usable(ARROWS[i]):
             assert frame.handle_at(*frame.arrow(i)[2]) == ARROWS[i]
         assert frame.handle_at(*frame.square(i).mean(axis=0)) in (SQUARES[i], *SQUARES, "centre")
     assert frame.handle_at(5, 5) is None
 
 
-def test_usable_refuses_arrows_along_the_view_and_squares_from_the_side():
+def test_is_usable_refuses_arrows_along_the_view_and_squares_from_the_side():
     frame = frame_from((0, 0, 1))
-    assert [frame.usable(h) for h in (*ARROWS, *SQUARES)] == [True, True, False, False, False, True]
+    assert [frame.is_usable(h) for h in (*ARROWS, *SQUARES)] == [True, True, False, False, False, True]
 
 
 def test_handle_at_finds_nothing_behind_the_camera():
@@ -194,14 +194,14 @@ class Heard:
         for name in ("began", "ended", "cancelled"):
             getattr(gizmo, name).connect(lambda name=name: self.words.append(name))
         gizmo.moved.connect(self.poses.append)
-        gizmo.hint.connect(self.hints.append)
+        gizmo.hint_changed.connect(self.hints.append)
 
 
 @pytest.fixture
 def gizmo(view, surface):
     gizmo = Gizmo(view)
     view.tools.append(gizmo)
-    view.look.eye = view.look.eye.orbited(-60, 60)
+    view.camera_controller.camera = view.camera_controller.camera.orbited(-60, 60)
     gizmo.place(np.eye(4), np.array([0.1, 0.2, 0.0]))
     gizmo.visible = True
     return gizmo
@@ -218,7 +218,7 @@ def over_ring(gizmo, angle):
 
 
 def test_gizmo_moves_along_the_axis_of_a_dragged_arrow_and_leaves_the_camera(view, gizmo, mouse):
-    heard, before, start = Heard(gizmo), view.look.eye.key, at_arrow(gizmo, 1)
+    heard, before, start = Heard(gizmo), view.camera_controller.camera.key, at_arrow(gizmo, 1)
     end = start + QPointF(0, -60)
     mouse(view).drag(start, start + QPointF(0, -20), end)
     assert heard.words == ["began", "ended"]
@@ -227,7 +227,7 @@ def test_gizmo_moves_along_the_axis_of_a_dragged_arrow_and_leaves_the_camera(vie
     np.testing.assert_array_equal(pose[:3, :3], np.eye(3))
     np.testing.assert_array_equal(pose[[0, 2], 3], 0)
     assert pose[1, 3] > 0
-    assert view.look.eye.key == before
+    assert view.camera_controller.camera.key == before
     moved = at_arrow(gizmo, 1) - end
     assert abs(moved.y()) < 4  # perspective changes the length of the arrow a little
     np.testing.assert_array_equal(gizmo.pose, pose)
@@ -271,29 +271,29 @@ def test_gizmo_takes_a_click_for_no_drag(view, gizmo, mouse):
 
 
 def test_gizmo_lets_a_press_beside_it_move_the_camera(view, gizmo, mouse):
-    heard, before = Heard(gizmo), view.look.eye.key
+    heard, before = Heard(gizmo), view.camera_controller.camera.key
     mouse(view).drag((5, 5), (60, 40))
     assert heard.words == []
-    assert view.look.eye.key != before
+    assert view.camera_controller.camera.key != before
 
 
 def test_gizmo_lets_the_right_button_on_a_handle_move_the_camera(view, gizmo, mouse):
-    before, start = view.look.eye.key, at_arrow(gizmo, 1)
+    before, start = view.camera_controller.camera.key, at_arrow(gizmo, 1)
     mouse(view).drag(start, start + QPointF(0, 30), button=Qt.MouseButton.RightButton)
-    assert view.look.eye.key != before
+    assert view.camera_controller.camera.key != before
 
 
 def test_gizmo_shows_under_the_cursor_what_a_press_takes(view, gizmo, mouse):
     m = mouse(view)
     m.move(at_arrow(gizmo, 1))
     assert view.cursor().shape() == Qt.CursorShape.OpenHandCursor
-    lit = view.overlay.grab().toImage()
+    lit = view.tool_layer.grab().toImage()
     m.press(at_arrow(gizmo, 1))
     assert view.cursor().shape() == Qt.CursorShape.ClosedHandCursor
     m.release(at_arrow(gizmo, 1))
     m.move((5, 5))
     assert view.cursor().shape() == Qt.CursorShape.ArrowCursor
-    assert view.overlay.grab().toImage() != lit
+    assert view.tool_layer.grab().toImage() != lit
 
 
 def test_gizmo_keeps_the_pose_of_a_drag_whatever_is_placed_meanwhile(view, gizmo, mouse):
@@ -317,11 +317,11 @@ def test_gizmo_cancels_a_drag_when_hidden_and_is_not_taken_while_hidden(view, gi
 
 
 def test_gizmo_axes_along_the_handle_turn_with_its_pose(view, gizmo, mouse):
-    gizmo.along = Along.HANDLE
+    gizmo.orientation = GizmoOrientation.HANDLE
     gizmo.place(POSE, np.zeros(3))
     np.testing.assert_allclose(gizmo.frame.axes, POSE[:3, :3].T)
     np.testing.assert_allclose(gizmo.frame.centre, POSE[:3, 3])
-    view.look.frame(gizmo.frame.centre + np.array([[1, 1, 1], [-1, -1, -1]]))
+    view.camera_controller.frame(gizmo.frame.centre + np.array([[1, 1, 1], [-1, -1, -1]]))
     heard, start = Heard(gizmo), at_arrow(gizmo, 0)
     tip = QPointF(*gizmo.frame.arrow(0)[2])
     mouse(view).drag(start, tip)
@@ -332,10 +332,10 @@ def test_gizmo_axes_along_the_handle_turn_with_its_pose(view, gizmo, mouse):
 
 def test_gizmo_has_the_same_size_at_every_distance(view, gizmo):
     def length():
-        ends = gizmo.frame.on_screen([[0, 0, 0], [0, 110, 0]])
+        ends = gizmo.frame.to_screen([[0, 0, 0], [0, 110, 0]])
         return np.linalg.norm(ends[1] - ends[0])
 
     before = length()
-    view.look.zoom_at(centre(view), 0.2)
+    view.camera_controller.zoom_at(centre(view), 0.2)
     assert length() == pytest.approx(before, rel=0.15)
     assert 70 < before < 140

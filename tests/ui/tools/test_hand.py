@@ -9,13 +9,13 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 
 from apd_viewer.api import deform
-from apd_viewer.files.samples import resource
+from apd_viewer.files.samples import resource_path
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
 from apd_viewer.presentation import readings
-from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.tools.gizmo_layout import RING, RINGS, Along
+from apd_viewer.ui.tools.gizmo_layout import RING_RADIUS, RINGS, GizmoOrientation
 from apd_viewer.ui.tools.toolbox import Tool
 
 CONTROL = Qt.KeyboardModifier.ControlModifier
@@ -36,12 +36,12 @@ def typed(qtbot, window, motion, text):
 def on_ring(window, i, turn):
     frame = window.canvas.gizmo.frame
     a, b = frame.axes[(i + 1) % 3], frame.axes[(i + 2) % 3]
-    place = frame.centre + RING * frame.pixel * (np.cos(turn) * a + np.sin(turn) * b)
+    place = frame.centre + RING_RADIUS * frame.pixel_length * (np.cos(turn) * a + np.sin(turn) * b)
     return QPointF(*frame.camera.project(place[None])[0])
 
 
 def test_motion_field_twist_is_the_same_as_the_ring_dragged_and_the_matrix(qtbot, bottle, mouse):
-    by_matrix = read_transform(resource("bottle-twist-60.def"))
+    by_matrix = read_transform(resource_path("bottle-twist-60.def"))
     held, mesh = bottle.session.store.state.document.constraints(), bottle.session.store.state.document.mesh
     targets = mesh.V[held.fixed].copy()
     moved = bottle.session.store.state.document.labels[held.fixed] >= HANDLE
@@ -75,17 +75,17 @@ def test_motion_field_twist_is_the_same_as_the_ring_dragged_and_the_matrix(qtbot
 @pytest.mark.parametrize("axis", ["front", "side", "top", "-front", "-side", "-top"])
 def test_gizmo_arrows_and_rings_move_the_way_the_cursor_goes(bottle, mouse, axis):
     view = bottle.canvas.viewport
-    view.look.along(axis)
+    view.camera_controller.look_along(axis)
     bottle.canvas.frame_mesh()
     # Not straight along an axis, or one arrow could not be seen.
-    view.look.eye = view.look.eye.orbited(60.0, 23.0)
+    view.camera_controller.camera = view.camera_controller.camera.orbited(60.0, 23.0)
     hand = mouse(view)
     for i in range(3):
         frame = bottle.canvas.gizmo.frame
         start, tip = frame.arrow(i)[1], frame.arrow(i)[2]
-        end = start + 0.6 * (tip - frame.middle)
+        end = start + 0.6 * (tip - frame.screen_centre)
         hand.drag(QPointF(*start), QPointF(*(start + end) / 2), QPointF(*end))
-        went = bottle.canvas.gizmo.frame.middle - frame.middle
+        went = bottle.canvas.gizmo.frame.screen_centre - frame.screen_centre
         assert went @ (end - start) > 0.8 * np.linalg.norm(went) * np.linalg.norm(end - start), f"arrow {i}"
         bottle.session.gestures.undo()
     for i in range(3):
@@ -108,8 +108,13 @@ def points_of_the_body(frame, i, at):
     """The point of the ring's circle in space that is seen at a place."""
     turn = np.linspace(0.0, 2 * np.pi, 721)
     a, b = frame.axes[(i + 1) % 3], frame.axes[(i + 2) % 3]
-    circle = frame.centre + RING * frame.pixel * (np.outer(np.cos(turn), a) + np.outer(np.sin(turn), b))
-    near = frame.camera.depth(circle) <= frame.camera.depth(frame.centre) + 0.2 * RING * frame.pixel
+    circle = frame.centre + RING_RADIUS * frame.pixel_length * (
+        np.outer(np.cos(turn), a) + np.outer(np.sin(turn), b)
+    )
+    near = (
+        frame.camera.depth(circle)
+        <= frame.camera.depth(frame.centre) + 0.2 * RING_RADIUS * frame.pixel_length
+    )
     apart = np.linalg.norm(frame.camera.project(circle) - at, axis=1) + np.where(near, 0.0, 1e6)
     return circle[np.argmin(apart)]
 
@@ -128,8 +133,8 @@ def test_motion_field_says_beneath_what_is_wrong_with_what_was_typed(qtbot, bott
 
 
 def test_motion_field_gets_the_focus_by_ctrl_m(qtbot, bottle):
-    bottle.panel.handles.folded = True
-    bottle.actions_.pose.typed.trigger()
+    bottle.panel.handles.is_folded = True
+    bottle.actions_.pose.enter_motion.trigger()
     field = bottle.panel.handles.motion.amount
     qtbot.waitUntil(lambda: bottle.shell.focusWidget() is field)
     qtbot.keyClick(field, Qt.Key.Key_Escape)
@@ -139,14 +144,18 @@ def test_motion_field_gets_the_focus_by_ctrl_m(qtbot, bottle):
 def painted_at(window, place):
     """Label of the triangle that is seen at a place; None where there is nothing."""
     hit, surface = window.canvas.surface.hit(place), window.canvas.surface
-    return None if hit is None else window.session.store.state.document.labels[surface.skin.F[hit.face]].max()
+    return (
+        None
+        if hit is None
+        else window.session.store.state.document.labels[surface.surface_index.F[hit.face]].max()
+    )
 
 
 def test_gizmo_is_dragged_by_the_painted_patch_in_the_plane_of_the_picture(qtbot, bottle, mouse):
     view, canvas = bottle.canvas.viewport, bottle.canvas
-    eye = view.look.eye
+    eye = view.camera_controller.camera
     document = bottle.session.store.state.document
-    places = view.look.eye.project(document.mesh.V[document.labels == HANDLE])
+    places = view.camera_controller.camera.project(document.mesh.V[document.labels == HANDLE])
     free = [
         QPointF(*place)
         for place in places[::37]
@@ -154,12 +163,12 @@ def test_gizmo_is_dragged_by_the_painted_patch_in_the_plane_of_the_picture(qtbot
     ]
     at = free[0]
     mouse(view).drag(at, at + QPointF(20, -10), at + QPointF(40, -25))
-    assert view.look.eye.key == eye.key, "the camera stays"
+    assert view.camera_controller.camera.key == eye.key, "the camera stays"
     moved = pose(bottle)[:3, 3]
     assert abs(moved @ eye.axes[2]) < 1e-9
     went = (
-        view.look.eye.project(document.centre(0)[None] + moved)[0]
-        - view.look.eye.project(document.centre(0)[None])[0]
+        view.camera_controller.camera.project(document.centre(0)[None] + moved)[0]
+        - view.camera_controller.camera.project(document.centre(0)[None])[0]
     )
     np.testing.assert_allclose(went, [40, -25], atol=1e-6)
     title = bottle.session.gestures.history.next_undo
@@ -168,17 +177,19 @@ def test_gizmo_is_dragged_by_the_painted_patch_in_the_plane_of_the_picture(qtbot
 
 def test_canvas_lets_a_press_beside_the_patch_move_the_camera(bottle, mouse):
     view = bottle.canvas.viewport
-    before, eye = bottle.session.store.state, view.look.eye
-    at = view.look.eye.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
+    before, eye = bottle.session.store.state, view.camera_controller.camera
+    at = view.camera_controller.camera.project(
+        before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None]
+    )[0]
     mouse(view).drag(QPointF(*at), QPointF(*at) + QPointF(30, 5))
     assert bottle.session.store.state is before
-    assert view.look.eye.key != eye.key
+    assert view.camera_controller.camera.key != eye.key
 
 
 def test_gizmo_scales_about_the_center_by_its_corner(bottle, mouse):
     gizmo = bottle.canvas.gizmo
     frame = gizmo.frame
-    corner, middle = frame.corner, frame.middle
+    corner, middle = frame.corner, frame.screen_centre
     mouse(bottle.canvas.viewport).drag(QPointF(*corner), QPointF(*(middle + 1.5 * (corner - middle))))
     np.testing.assert_allclose(pose(bottle)[:3, :3], 1.5 * np.eye(3), rtol=0.02)
     np.testing.assert_allclose(gizmo.frame.centre, frame.centre, atol=1e-9)
@@ -190,54 +201,54 @@ def test_nudge_moves_in_the_picture_by_arrow_keys_and_nowhere_else(qtbot, bottle
     view = bottle.canvas.viewport
     bottle.shell.activateWindow()
     view.setFocus()
-    steps = len(bottle.session.gestures.history.done)
+    steps = len(bottle.session.gestures.history.undo_names)
     for nudge in bottle.actions_.pose.nudges:
         assert nudge.shortcutContext() is Qt.ShortcutContext.WidgetShortcut
-        before = bottle.canvas.gizmo.frame.middle
+        before = bottle.canvas.gizmo.frame.screen_centre
         nudge.trigger()
-        went = bottle.canvas.gizmo.frame.middle - before
+        went = bottle.canvas.gizmo.frame.screen_centre - before
         if "left" in nudge.text():
             assert went[0] < -2
             assert abs(went[1]) < 0.5
         if "up" in nudge.text():
             assert went[1] < -2
-    assert len(bottle.session.gestures.history.done) == steps + 1, (
+    assert len(bottle.session.gestures.history.undo_names) == steps + 1, (
         "presses that follow each other are one step"
     )
     np.testing.assert_allclose(pose(bottle), np.eye(4), atol=1e-12)
 
 
 def test_gizmo_axes_are_those_that_were_chosen(bottle):
-    gizmo, along = bottle.canvas.gizmo, bottle.actions_.pose.along
-    bottle.session.handles.move_by(TypedMotion.TURN_X, "30", 0)
-    along[Along.HANDLE].trigger()
+    gizmo, along = bottle.canvas.gizmo, bottle.actions_.pose.orientations
+    bottle.session.handles.move_by(MotionKind.TURN_X, "30", 0)
+    along[GizmoOrientation.HANDLE].trigger()
     np.testing.assert_allclose(gizmo.frame.axes, pose(bottle)[:3, :3].T, atol=1e-12)
-    along[Along.VIEW].trigger()
+    along[GizmoOrientation.VIEW].trigger()
     axes = gizmo.frame.axes
-    np.testing.assert_allclose(axes[:2], bottle.canvas.viewport.look.eye.axes[:2])
+    np.testing.assert_allclose(axes[:2], bottle.canvas.viewport.camera_controller.camera.axes[:2])
     assert np.linalg.det(axes) == pytest.approx(1.0)
-    along[Along.WORLD].trigger()
+    along[GizmoOrientation.WORLD].trigger()
     np.testing.assert_array_equal(gizmo.frame.axes, np.eye(3))
     assert [action.isChecked() for action in along.values()] == [True, False, False]
 
 
 def test_handle_section_puts_a_handle_back_by_its_button(qtbot, bottle):
-    back = bottle.panel.handles.back
+    back = bottle.panel.handles.reset_handle
     assert not back.isEnabled()
-    bottle.session.handles.move_by(TypedMotion.TWIST, "20", 0)
+    bottle.session.handles.move_by(MotionKind.TWIST, "20", 0)
     assert back.isEnabled()
     qtbot.mouseClick(back, Qt.MouseButton.LeftButton)
-    assert not bottle.session.store.state.document.posed
+    assert not bottle.session.store.state.document.is_posed
     assert not back.isEnabled()
 
 
 def test_history_list_goes_to_the_step_that_is_clicked(qtbot, bottle):
     states = [bottle.session.store.state]
     for angle in ("10", "20"):
-        bottle.session.handles.move_by(TypedMotion.TWIST, angle, 0)
+        bottle.session.handles.move_by(MotionKind.TWIST, angle, 0)
         idle(qtbot, bottle)
         states.append(bottle.session.store.state)
-    bottle.tools.take(Tool.ORBIT)
+    bottle.tools.choose_tool(Tool.ORBIT)
     bottle.docks["history"].show()
     steps = bottle.shell.history
     names = ["Open bottle.obj", "Twist +10° (Handle 1)", "Twist +20° (Handle 1)"]
@@ -253,18 +264,20 @@ def test_history_list_goes_to_the_step_that_is_clicked(qtbot, bottle):
 def test_pick_pivot_makes_rings_turn_about_the_point_and_is_a_step_of_undo(bottle, mouse):
     view, session = bottle.canvas.viewport, bottle.session
     before = session.store.state
-    at = view.look.eye.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
+    at = view.camera_controller.camera.project(
+        before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None]
+    )[0]
     point = bottle.canvas.surface.hit(QPointF(*at)).point
     bottle.actions_.pose.pivots[0].trigger()
-    hand, eye = mouse(view), view.look.eye
+    hand, eye = mouse(view), view.camera_controller.camera
     hand.move(QPointF(*at))
     hand.drag(QPointF(*at), QPointF(*at))
-    assert view.look.eye.key == eye.key
+    assert view.camera_controller.camera.key == eye.key
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point, atol=1e-9)
     assert session.gestures.history.next_undo == "Move pivot"
-    session.handles.move_by(TypedMotion.TURN_Z, "30deg", 0)
+    session.handles.move_by(MotionKind.TURN_Z, "30deg", 0)
     np.testing.assert_allclose(transform(pose(bottle), point[None])[0], point, atol=1e-9)
-    session.handles.move_by(TypedMotion.MOVE_X, "1", 0)
+    session.handles.move_by(MotionKind.MOVE_X, "1", 0)
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point + [1, 0, 0], atol=1e-9)
     bottle.actions_.pose.pivots[2].trigger()
     centre = transform(pose(bottle), session.store.state.document.centre(0)[None])[0]
@@ -279,33 +292,39 @@ def test_pick_pivot_is_called_off_by_escape(bottle, mouse):
     before = bottle.session.store.state
     bottle.actions_.pose.pivots[0].trigger()
     QTest.keyClick(view, Qt.Key.Key_Escape)
-    at = view.look.eye.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
+    at = view.camera_controller.camera.project(
+        before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None]
+    )[0]
     mouse(view).drag(QPointF(*at), QPointF(*at))
     assert bottle.session.store.state is before
 
 
 def test_bake_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbot, bottle):
     session, view = bottle.session, bottle.canvas.viewport
-    bottle.tools.take(Tool.BASE)
-    session.handles.move_by(TypedMotion.BEND_Z, "20deg", 0)
+    bottle.tools.choose_tool(Tool.BASE)
+    session.handles.move_by(MotionKind.BEND_Z, "20deg", 0)
     assert session.wait_idle(20.0)
-    before, eye, title = session.store.state, view.look.eye.key, bottle.shell.windowTitle()
+    before, eye, title = session.store.state, view.camera_controller.camera.key, bottle.shell.windowTitle()
     bottle.actions_.bake.trigger()
     qtbot.waitUntil(lambda: session.store.state.document.mesh is not before.document.mesh, timeout=5000)
-    assert (view.look.eye.key, bottle.shell.windowTitle(), bottle.canvas.tool) == (eye, title, Tool.BASE)
+    assert (view.camera_controller.camera.key, bottle.shell.windowTitle(), bottle.canvas.tool) == (
+        eye,
+        title,
+        Tool.BASE,
+    )
     assert bottle.panel.area.percent.text() == "100.000 %"
     assert not bottle.actions_.bake.isEnabled()
     np.testing.assert_array_equal(bottle.canvas.surface.U, before.frame.U)
-    assert np.abs(bottle.looks.heat.mesh.V - before.frame.U).max() == 0.0
+    assert np.abs(bottle.display_options.overlay.mesh.V - before.frame.U).max() == 0.0
     bottle.actions_.undo.trigger()
     assert session.store.state is before
-    assert view.look.eye.key == eye
-    assert bottle.looks.heat.mesh is before.document.mesh
+    assert view.camera_controller.camera.key == eye
+    assert bottle.display_options.overlay.mesh is before.document.mesh
 
 
 @pytest.mark.night
 def test_gizmo_remembers_a_ring_dragged_round_more_than_once_as_one_step(qtbot, coarse, mouse):
-    coarse.session.settings.keep_apart(False)
+    coarse.session.settings.set_contact(False)
     at_rest = coarse.session.store.state
     frame = coarse.canvas.gizmo.frame
     near = np.arctan2(*frame.facing[[0, 2]])

@@ -30,7 +30,7 @@ def two(qtbot, bottle):
     bottle.panel.handles.add.click()
     assert bottle.canvas.tool is Tool.HANDLE
     stroke(qtbot, bottle, on_screen(bottle, front(bottle, 8.0)), half_width=10)
-    bottle.tools.take(Tool.MOVE)
+    bottle.tools.choose_tool(Tool.MOVE)
     work_off()
     return bottle
 
@@ -84,13 +84,13 @@ def test_label_colors_show_a_region_on_the_mesh_and_hide_no_paint(qtbot, bottle)
 
 def test_strokes_erase_paint_first_and_then_the_region(qtbot, bottle):
     region_at(qtbot, bottle, 8.0)
-    bottle.tools.take(Tool.BASE)
+    bottle.tools.choose_tool(Tool.BASE)
     at = on_screen(bottle, front(bottle, 8.0))
     stroke(qtbot, bottle, at, half_width=5)
     middle = front(bottle, 8.0)
     assert document(bottle).labels[middle] == BASE
     assert document(bottle).member[middle] == 1
-    bottle.tools.take(Tool.ERASE)
+    bottle.tools.choose_tool(Tool.ERASE)
     stroke(qtbot, bottle, at, half_width=5)
     assert document(bottle).labels[middle] == FREE
     assert document(bottle).member[middle] == 1
@@ -98,7 +98,7 @@ def test_strokes_erase_paint_first_and_then_the_region(qtbot, bottle):
     assert document(bottle).member[middle] == 0
 
 
-def test_keep_holds_the_area_of_a_region(qtbot, bottle):
+def test_region_target_field_holds_the_area_of_a_region(qtbot, bottle):
     region_at(qtbot, widened(qtbot, bottle), 8.0, half_width=25)
     details = bottle.panel.regions.list.rows[0].details
     details.box.click()
@@ -158,14 +158,14 @@ def test_gizmo_gives_each_of_two_handles_its_pose(qtbot, two):
 
 def test_pivots_make_the_other_handle_active_by_a_press_on_its_dot(qtbot, two):
     view = two.canvas.viewport
-    dots = two.canvas.pivots.pivots
+    dots = two.canvas.inactive_handles.pivots
     assert [pivot.name for pivot in dots] == ["Handle 1"]
-    at = view.look.eye.project(dots[0].centre[None])[0]
+    at = view.camera_controller.camera.project(dots[0].centre[None])[0]
     mouse = Mouse(view)
-    empty = view.overlay.grab().toImage()
+    empty = view.tool_layer.grab().toImage()
     mouse.move(at)
     assert view.cursor().shape() == Qt.CursorShape.PointingHandCursor
-    assert view.overlay.grab().toImage() != empty, "the name is shown"
+    assert view.tool_layer.grab().toImage() != empty, "the name is shown"
     mouse.drag(at, at)
     assert two.parts.handle == 0
     assert np.allclose(two.canvas.gizmo.frame.centre, dots[0].centre)
@@ -179,25 +179,29 @@ def test_pivots_take_a_handle_by_a_press_on_its_paint_and_move_it_by_a_drag(qtbo
     view, mouse = two.canvas.viewport, Mouse(two.canvas.viewport)
     labels, U = document(two).labels, two.session.store.state.frame.U
     cap = np.flatnonzero((labels == HANDLE) & (U[:, 2] > 0.5))
-    points = view.look.eye.project(U[cap])
-    dot = view.look.eye.project(two.canvas.pivots.pivots[0].centre[None])[0]
+    points = view.camera_controller.camera.project(U[cap])
+    dot = view.camera_controller.camera.project(two.canvas.inactive_handles.pivots[0].centre[None])[0]
     away = points[np.argmax(np.linalg.norm(points - dot, axis=1) * (np.abs(points[:, 0] - dot[0]) < 12))]
-    before, steps = view.look.eye.key, two.session.gestures.history.done
+    before, steps = view.camera_controller.camera.key, two.session.gestures.history.undo_names
     mouse.drag(away, away, modifiers=Qt.KeyboardModifier.ShiftModifier)
     assert two.parts.handle == 1, "Shift pans"
     mouse.drag(away, away)
     assert two.parts.handle == 0
-    assert two.session.gestures.history.done == steps, "a click moves nothing"
+    assert two.session.gestures.history.undo_names == steps, "a click moves nothing"
     two.parts.choose_handle(1)
     mouse.drag(away, away + (10, 0), away + (30, 0))
     assert two.parts.handle == 0
-    assert view.look.eye.key == before
+    assert view.camera_controller.camera.key == before
     pose = document(two).handles[0].pose
     assert np.array_equal(pose[:3, :3], np.eye(3)), "moved, and not rotated by a ring that lies there"
-    shift = 30 * view.look.eye.world_per_pixel(U[cap].mean(axis=0)) * view.look.eye.axes[0]
+    shift = (
+        30
+        * view.camera_controller.camera.world_per_pixel(U[cap].mean(axis=0))
+        * view.camera_controller.camera.axes[0]
+    )
     assert np.allclose(pose[:3, 3], shift, rtol=0.05, atol=0.05 * np.linalg.norm(shift))
     two.parts.choose_handle(1)
-    dot = view.look.eye.project(two.canvas.pivots.pivots[0].centre[None])[0]
+    dot = view.camera_controller.camera.project(two.canvas.inactive_handles.pivots[0].centre[None])[0]
     mouse.press(dot)
     mouse.move(dot + (30, 0))
     assert view.mouse.cancel()
@@ -207,7 +211,7 @@ def test_pivots_take_a_handle_by_a_press_on_its_paint_and_move_it_by_a_drag(qtbo
 
 def test_handle_section_adds_steps_through_and_removes_handles(qtbot, two):
     row = two.panel.handles.list.rows[1]
-    two.actions_.pose.parts[1].trigger()
+    two.actions_.pose.part_actions[1].trigger()
     assert two.parts.handle == 0
     two.panel.handles.list.rows[0].setFocus()
     qtbot.keyClick(two.panel.handles.list.rows[0], Qt.Key.Key_Down)
@@ -223,9 +227,9 @@ def test_handle_section_adds_steps_through_and_removes_handles(qtbot, two):
 
 
 def test_add_handle_asks_for_the_new_handle_to_be_painted(bottle):
-    bottle.actions_.pose.parts[0].trigger()
+    bottle.actions_.pose.part_actions[0].trigger()
     assert "Handle 2" in bottle.invitation.text()
-    assert bottle.canvas.painter.color.getRgb()[:3] == HANDLE_COLORS[1]
+    assert bottle.canvas.brush.color.getRgb()[:3] == HANDLE_COLORS[1]
     assert not bottle.canvas.gizmo.visible
 
 

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 SHIFT = Qt.KeyboardModifier.ShiftModifier
 MIDDLE, RIGHT = Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton
@@ -34,14 +34,14 @@ def begun(scene, way, modifiers=NONE):
     mouse = gesture.begin(scene.view, modifiers)
     if way in TOUCHES:
         mouse.press(gesture.press, modifiers=modifiers)
-    if way is not Way.BRUSH:
+    if way is not SelectionMode.BRUSH:
         np.testing.assert_array_equal(scene.previewed, gesture.chosen)
         assert (scene.colors != scene.own_colors).any()
     return gesture, mouse
 
 
 def let_go(gesture, mouse):
-    if gesture.way is not Way.POLYGON:
+    if gesture.way is not SelectionMode.POLYGON:
         mouse.release(gesture.moves[-1])
 
 
@@ -60,8 +60,8 @@ def held(scene, label=HANDLE):
 
 
 @pytest.mark.parametrize("modifiers", [NONE, CONTROL])
-@pytest.mark.parametrize("way", Way)
-def test_selector_changes_nothing_by_escape_in_the_middle_of_a_stroke(qtbot, scene, way, modifiers):
+@pytest.mark.parametrize("way", SelectionMode)
+def test_selection_tool_changes_nothing_by_escape_in_the_middle_of_a_stroke(qtbot, scene, way, modifiers):
     steps = scene.steps
     gesture, mouse = begun(scene, way, modifiers)
     qtbot.keyClick(scene.view, ESCAPE)
@@ -79,15 +79,17 @@ def test_selector_changes_nothing_by_escape_in_the_middle_of_a_stroke(qtbot, sce
 INTERRUPTIONS = {
     "another tool": lambda actions: actions.tools[Tool.BASE],
     "no tool": lambda actions: actions.tools[Tool.ORBIT],
-    "another way": lambda actions: actions.select.ways[Way.BRUSH],
+    "another way": lambda actions: actions.select.modes[SelectionMode.BRUSH],
     "undo": lambda actions: actions.undo,
     "grow": lambda actions: actions.select.changes[0],
 }
 
 
 @pytest.mark.parametrize("action", INTERRUPTIONS)
-@pytest.mark.parametrize("way", [Way.BOX, Way.POLYGON, Way.FILL, Way.SLAB])
-def test_selector_gives_the_stroke_up_for_what_comes_between_which_is_all_that_happens(scene, way, action):
+@pytest.mark.parametrize(
+    "way", [SelectionMode.BOX, SelectionMode.POLYGON, SelectionMode.FILL, SelectionMode.SLAB]
+)
+def test_selection_tool_gives_the_stroke_up_for_what_comes_between(scene, way, action):
     steps = scene.steps
     gesture, mouse = begun(scene, way)
     INTERRUPTIONS[action](scene.window.actions_).trigger()
@@ -100,8 +102,8 @@ def test_selector_gives_the_stroke_up_for_what_comes_between_which_is_all_that_h
 
 
 @pytest.mark.parametrize("subdivisions", [1, 4])
-@pytest.mark.parametrize("way", Way)
-def test_selector_gives_the_stroke_up_for_another_mesh_whatever_its_size(qtbot, scene, way, subdivisions):
+@pytest.mark.parametrize("way", SelectionMode)
+def test_selection_tool_gives_the_stroke_up_for_another_mesh_of_any_size(qtbot, scene, way, subdivisions):
     gesture, mouse = begun(scene, way)
     scene.window.session.files.open_mesh(Mesh(*meshes.sphere(subdivisions)))
     idle(qtbot, scene.window)
@@ -115,8 +117,8 @@ def test_selector_gives_the_stroke_up_for_another_mesh_whatever_its_size(qtbot, 
     assert (scene.document.labels == FREE).all()
 
 
-def test_selector_goes_on_with_a_stroke_while_the_cursor_is_outside(scene):
-    for way in (Way.BOX, Way.LASSO, Way.SLAB, Way.POLYGON):
+def test_selection_tool_goes_on_with_a_stroke_while_the_cursor_is_outside(scene):
+    for way in (SelectionMode.BOX, SelectionMode.LASSO, SelectionMode.SLAB, SelectionMode.POLYGON):
         gesture, mouse = begun(scene, way)
         scene.leave()
         np.testing.assert_array_equal(scene.previewed, gesture.chosen)
@@ -129,10 +131,10 @@ def test_selector_goes_on_with_a_stroke_while_the_cursor_is_outside(scene):
 
 
 @pytest.mark.parametrize("modifiers", [NONE, ALT, CONTROL])
-@pytest.mark.parametrize("way", [Way.BOX, Way.LASSO, Way.SLAB])
-def test_selector_changes_nothing_by_a_click_without_a_drag(scene, way, modifiers):
+@pytest.mark.parametrize("way", [SelectionMode.BOX, SelectionMode.LASSO, SelectionMode.SLAB])
+def test_selection_tool_changes_nothing_by_a_click_without_a_drag(scene, way, modifiers):
     scene.take(Tool.HANDLE, way)
-    mouse, at, steps = Mouse(scene.view), Gesture(scene.window, Way.FILL).press, scene.steps
+    mouse, at, steps = Mouse(scene.view), Gesture(scene.window, SelectionMode.FILL).press, scene.steps
     mouse.drag(at, at, modifiers=modifiers)
     mouse.drag(at, at + (1, 1), modifiers=modifiers)  # a hand that trembles
     mouse.double_click(at)
@@ -143,8 +145,8 @@ def test_selector_changes_nothing_by_a_click_without_a_drag(scene, way, modifier
 
 
 @pytest.mark.parametrize("tool", [Tool.BASE, Tool.HANDLE, Tool.REGION, Tool.ERASE])
-def test_outline_selector_changes_nothing_by_a_box_around_nothing(bare, tool):
-    bare.take(tool, Way.BOX)
+def test_outline_tool_changes_nothing_by_a_box_around_nothing(bare, tool):
+    bare.take(tool, SelectionMode.BOX)
     steps = bare.steps
     for modifiers in (NONE, ALT, CONTROL):
         Mouse(bare.view).drag((2, 2), (9, 9), modifiers=modifiers)
@@ -152,8 +154,8 @@ def test_outline_selector_changes_nothing_by_a_box_around_nothing(bare, tool):
     assert bare.steps == steps
 
 
-def test_outline_selector_takes_away_what_is_replaced_by_nothing(scene):
-    scene.take(Tool.HANDLE, Way.BOX)
+def test_outline_tool_takes_away_what_is_replaced_by_nothing(scene):
+    scene.take(Tool.HANDLE, SelectionMode.BOX)
     before = scene.document.labels
     Mouse(scene.view).drag((2, 2), (9, 9), modifiers=CONTROL)
     np.testing.assert_array_equal(scene.document.labels, np.where(before == HANDLE, FREE, before))
@@ -162,8 +164,10 @@ def test_outline_selector_takes_away_what_is_replaced_by_nothing(scene):
 
 
 @pytest.mark.parametrize("tool", [Tool.HANDLE, Tool.REGION])
-@pytest.mark.parametrize("way", [Way.BRUSH, Way.BOX, Way.POLYGON, Way.FILL])
-def test_selector_makes_no_step_of_what_is_replaced_by_itself(scene, way, tool):
+@pytest.mark.parametrize(
+    "way", [SelectionMode.BRUSH, SelectionMode.BOX, SelectionMode.POLYGON, SelectionMode.FILL]
+)
+def test_selection_tool_makes_no_step_of_what_is_replaced_by_itself(scene, way, tool):
     scene.take(tool, way)
     gesture = Gesture(scene.window, way)
     gesture.end(gesture.begin(scene.view, CONTROL))
@@ -174,14 +178,14 @@ def test_selector_makes_no_step_of_what_is_replaced_by_itself(scene, way, tool):
     assert scene.steps == steps
 
 
-@pytest.mark.parametrize("way", [Way.BRUSH, *TOUCHES, Way.SLAB])
-def test_selector_lets_a_press_beside_the_mesh_move_the_camera(scene, way):
+@pytest.mark.parametrize("way", [SelectionMode.BRUSH, *TOUCHES, SelectionMode.SLAB])
+def test_selection_tool_lets_a_press_beside_the_mesh_move_the_camera(scene, way):
     scene.take(Tool.HANDLE, way)
     at, mouse = off_the_mesh(scene), Mouse(scene.view)
     mouse.move(at)
-    assert scene.canvas.coloring.previewed is None
+    assert scene.canvas.coloring.previewed_ids is None
     mouse.drag(at, at + (15, 25))
-    assert scene.view.look.eye.key != scene.eye.key
+    assert scene.view.camera_controller.camera.key != scene.eye.key
     assert scene.document is scene.state.document
 
 
@@ -195,7 +199,7 @@ def test_click_selector_changes_nothing_by_a_click_that_ends_beside_the_mesh(sce
 
 
 def test_click_selector_previews_nothing_for_tools_that_paint_nothing(scene):
-    at = Gesture(scene.window, Way.FILL).press
+    at = Gesture(scene.window, SelectionMode.FILL).press
     for way in TOUCHES:
         for tool in (Tool.ORBIT, Tool.MOVE):
             scene.take(tool, way)
@@ -207,8 +211,8 @@ def test_click_selector_previews_nothing_for_tools_that_paint_nothing(scene):
 
 
 @pytest.mark.parametrize("end", ["double click", "first corner", "near the first corner", RETURN, ENTER])
-def test_outline_selector_ends_a_polygon_by_double_click_first_corner_or_return(qtbot, scene, end):
-    gesture, mouse = begun(scene, Way.POLYGON)
+def test_outline_tool_ends_a_polygon_by_double_click_first_corner_or_return(qtbot, scene, end):
+    gesture, mouse = begun(scene, SelectionMode.POLYGON)
     if end == "double click":
         gesture.end(mouse)
     elif isinstance(end, str):
@@ -226,11 +230,11 @@ def test_outline_selector_ends_a_polygon_by_double_click_first_corner_or_return(
 
 @pytest.mark.parametrize("modifiers", [NONE, CONTROL])
 @pytest.mark.parametrize("corners", [1, 2])
-def test_outline_selector_encloses_nothing_by_a_polygon_of_less_than_three_corners(
+def test_outline_tool_encloses_nothing_by_a_polygon_of_less_than_three_corners(
     qtbot, scene, corners, modifiers
 ):
-    scene.take(Tool.HANDLE, Way.POLYGON)
-    mouse, at = Mouse(scene.view), np.array(Gesture(scene.window, Way.FILL).press)
+    scene.take(Tool.HANDLE, SelectionMode.POLYGON)
+    mouse, at = Mouse(scene.view), np.array(Gesture(scene.window, SelectionMode.FILL).press)
     for end in ("Return", "first corner"):
         for k in range(corners):
             mouse.drag(at + 40 * k, at + 40 * k, modifiers=modifiers)
@@ -243,8 +247,8 @@ def test_outline_selector_encloses_nothing_by_a_polygon_of_less_than_three_corne
     assert scene.document is scene.state.document
 
 
-def test_outline_selector_lets_the_camera_move_between_clicks_of_a_polygon(qtbot, scene):
-    scene.take(Tool.HANDLE, Way.POLYGON)
+def test_outline_tool_lets_the_camera_move_between_clicks_of_a_polygon(qtbot, scene):
+    scene.take(Tool.HANDLE, SelectionMode.POLYGON)
     mouse, middle = Mouse(scene.view), centre(scene.view)
     at = np.array([middle.x(), middle.y()])
     corners = at + [(-150, -90), (120, -130), (10, 140)]
@@ -270,13 +274,13 @@ def test_outline_selector_lets_the_camera_move_between_clicks_of_a_polygon(qtbot
     "name", ["rabbit", "cup", "seams", "pieces", pytest.param("bent", marks=pytest.mark.night)]
 )
 @pytest.mark.parametrize("way", OUTLINES)
-def test_outline_selector_through_takes_what_is_hidden_too(qtbot, theatre, name, way):
+def test_outline_tool_through_takes_what_is_hidden_too(qtbot, theatre, name, way):
     scene = theatre.scene(qtbot, name)
     gesture, mouse = begun(scene, way)
     through = Gesture(scene.window, way, through=True)
     assert (through.chosen > gesture.chosen).any()
     assert (through.chosen >= gesture.chosen).all()
-    scene.window.actions_.select.through.trigger()
+    scene.window.actions_.select.select_hidden.trigger()
     scene.draw()
     np.testing.assert_array_equal(scene.previewed, through.chosen, "though the mouse has not moved")
     gesture.end(mouse)
@@ -290,19 +294,24 @@ def outside_of_cup(scene):
 
 def looking_into_the_cup(scene):
     """A position where the inner side of the far wall is seen, well below the rim."""
-    scene.view.look.eye = scene.view.look.eye.orbited(0, 80)
+    scene.view.camera_controller.camera = scene.view.camera_controller.camera.orbited(0, 80)
     V, sight = scene.document.mesh.V, Sight(scene.window)
     deep = ~outside_of_cup(scene) & (V[:, 2] < -0.5) & (np.abs(V[:, 1] - 0.7) < 0.2)
-    return np.mean(scene.view.look.eye.project(V[deep & sight.vertices(np.flatnonzero(sight.seen))]), axis=0)
+    return np.mean(
+        scene.view.camera_controller.camera.project(V[deep & sight.vertices(np.flatnonzero(sight.seen))]),
+        axis=0,
+    )
 
 
-def test_painter_inside_a_cup_leaves_its_outside_alone(cup):
-    cup.canvas.painter.size.radius = 50.0
-    cup.take(Tool.BASE, Way.BRUSH)
+def test_brush_tool_inside_a_cup_leaves_its_outside_alone(cup):
+    cup.canvas.brush.size.radius = 50.0
+    cup.take(Tool.BASE, SelectionMode.BRUSH)
     at = looking_into_the_cup(cup)
     sight = Sight(cup.window)
     here = sight.hit(at)[1]
-    near = np.linalg.norm(sight.U - here, axis=1) < 50 * cup.view.look.eye.world_per_pixel(here)
+    near = np.linalg.norm(sight.U - here, axis=1) < 50 * cup.view.camera_controller.camera.world_per_pixel(
+        here
+    )
     assert (outside_of_cup(cup) & sight.vertices(np.flatnonzero(near))).any(), "the wall is that thin"
     Mouse(cup.view).drag(*(at + (dx, 0) for dx in range(-120, 121, 10)), modifiers=CONTROL)
     assert held(cup, BASE).sum() > 15
@@ -310,7 +319,7 @@ def test_painter_inside_a_cup_leaves_its_outside_alone(cup):
 
 
 def test_click_selector_ends_a_fill_inside_a_cup_at_its_rim(cup):
-    cup.take(Tool.BASE, Way.FILL)
+    cup.take(Tool.BASE, SelectionMode.FILL)
     at = looking_into_the_cup(cup)
     Mouse(cup.view).drag(at, at, modifiers=CONTROL)
     y = cup.document.mesh.V[:, 1]
@@ -323,15 +332,15 @@ def on_the_wall(scene):
 
 
 @pytest.mark.parametrize("way", OUTLINES)
-def test_outline_selector_from_above_does_not_see_the_outside_of_a_cup(qtbot, cup, way):
-    cup.view.look.along("top")
+def test_outline_tool_from_above_does_not_see_the_outside_of_a_cup(qtbot, cup, way):
+    cup.view.camera_controller.look_along("top")
     cup.take(Tool.BASE, way)
     low, high = np.array([3, 3]), np.array([cup.view.width(), cup.view.height()]) - 3
     corners = [low, (high[0], low[1]), high, (low[0], high[1])]
     mouse = Mouse(cup.view)
-    if way is Way.BOX:
+    if way is SelectionMode.BOX:
         mouse.drag(low, (0.5 * (low + high)), high, modifiers=CONTROL)
-    elif way is Way.LASSO:
+    elif way is SelectionMode.LASSO:
         mouse.drag(*corners, modifiers=CONTROL)
     else:
         for corner in corners:
@@ -345,69 +354,77 @@ def test_outline_selector_from_above_does_not_see_the_outside_of_a_cup(qtbot, cu
 
 
 def test_click_selector_crease_and_preview_of_a_fill_are_changed_by_the_wheel(scene):
-    scene.take(Tool.HANDLE, Way.FILL)
-    gesture, mouse = Gesture(scene.window, Way.FILL), Mouse(scene.view)
-    fill, heard = scene.canvas.ways[Way.FILL], []
-    fill.crease_changed.connect(heard.append)
+    scene.take(Tool.HANDLE, SelectionMode.FILL)
+    gesture, mouse = Gesture(scene.window, SelectionMode.FILL), Mouse(scene.view)
+    fill, heard = scene.canvas.selectors[SelectionMode.FILL], []
+    fill.crease_angle_changed.connect(heard.append)
     mouse.move(gesture.press)
     for notches in (-1, -1, 3, 1):
-        before, crease = scene.previewed, fill.crease
+        before, crease = scene.previewed, fill.crease_angle
         mouse.wheel(gesture.press, notches)
-        assert fill.crease == pytest.approx(crease + 5 * notches)
-        np.testing.assert_array_equal(scene.previewed, Gesture(scene.window, Way.FILL).chosen)
+        assert fill.crease_angle == pytest.approx(crease + 5 * notches)
+        np.testing.assert_array_equal(scene.previewed, Gesture(scene.window, SelectionMode.FILL).chosen)
         assert (scene.previewed >= before if notches > 0 else scene.previewed <= before).all()
     mouse.wheel(gesture.press, 100)
-    assert fill.crease == 180
-    np.testing.assert_array_equal(scene.previewed, Gesture(scene.window, Way.PIECE).chosen)
+    assert fill.crease_angle == 180
+    np.testing.assert_array_equal(scene.previewed, Gesture(scene.window, SelectionMode.PIECE).chosen)
     mouse.wheel(gesture.press, -100)
-    assert fill.crease == 1
+    assert fill.crease_angle == 1
     assert heard == [7.5, 2.5, 17.5, 22.5, 180, 1]
     assert scene.window.status.currentMessage() == "Edge angle 1°"
-    assert scene.view.look.eye.key == scene.eye.key
+    assert scene.view.camera_controller.camera.key == scene.eye.key
     mouse.wheel(gesture.press, 1, ALT)
-    assert fill.crease == 6
+    assert fill.crease_angle == 6
 
 
-def test_slab_selector_turns_its_planes_by_the_wheel_but_not_in_the_middle_of_a_drag(scene):
-    scene.take(Tool.HANDLE, Way.SLAB)
-    slab, heard = scene.canvas.ways[Way.SLAB], []
+def test_slab_tool_turns_its_planes_by_the_wheel_but_not_in_the_middle_of_a_drag(scene):
+    scene.take(Tool.HANDLE, SelectionMode.SLAB)
+    slab, heard = scene.canvas.selectors[SelectionMode.SLAB], []
     slab.axis_changed.connect(heard.append)
-    at, mouse = Gesture(scene.window, Way.SLAB).press, Mouse(scene.view)
+    at, mouse = Gesture(scene.window, SelectionMode.SLAB).press, Mouse(scene.view)
     for notches in (-1, -1, -1, 1, 1):
         mouse.wheel(at, notches)
     assert heard == [2, 0, 1, 0, 2]
-    gesture = Gesture(scene.window, Way.SLAB)
+    gesture = Gesture(scene.window, SelectionMode.SLAB)
     mouse = gesture.begin(scene.view)
     mouse.wheel(gesture.moves[-1], 1)
     assert slab.axis == 2
     np.testing.assert_array_equal(scene.previewed, gesture.chosen)
     gesture.end(mouse)
     np.testing.assert_array_equal(held(scene), (scene.state.document.labels == HANDLE) | gesture.chosen)
-    assert scene.view.look.eye.key == scene.eye.key
+    assert scene.view.camera_controller.camera.key == scene.eye.key
 
 
-@pytest.mark.parametrize("way", Way)
-def test_selector_lets_the_wheel_zoom_with_control_and_without_where_it_sets_nothing(scene, way):
+@pytest.mark.parametrize("way", SelectionMode)
+def test_selection_tool_lets_the_wheel_zoom_with_control_and_without_where_it_sets_nothing(scene, way):
     scene.take(Tool.HANDLE, way)
     mouse, at = Mouse(scene.view), Gesture(scene.window, way).press
-    crease, axis = scene.canvas.ways[Way.FILL].crease, scene.canvas.ways[Way.SLAB].axis
+    crease, axis = (
+        scene.canvas.selectors[SelectionMode.FILL].crease_angle,
+        scene.canvas.selectors[SelectionMode.SLAB].axis,
+    )
     mouse.move(at)
     mouse.wheel(at, 1, CONTROL)
-    zoomed = scene.view.look.eye.distance
+    zoomed = scene.view.camera_controller.camera.distance
     assert zoomed < scene.eye.distance
-    assert (crease, axis) == (scene.canvas.ways[Way.FILL].crease, scene.canvas.ways[Way.SLAB].axis)
+    assert (crease, axis) == (
+        scene.canvas.selectors[SelectionMode.FILL].crease_angle,
+        scene.canvas.selectors[SelectionMode.SLAB].axis,
+    )
     mouse.wheel(at, 1)
-    assert (scene.view.look.eye.distance < zoomed) == (way not in (Way.BRUSH, Way.FILL, Way.SLAB))
+    assert (scene.view.camera_controller.camera.distance < zoomed) == (
+        way not in (SelectionMode.BRUSH, SelectionMode.FILL, SelectionMode.SLAB)
+    )
 
 
-@pytest.mark.parametrize("way", Way)
-def test_selector_lets_other_drags_move_the_camera_while_a_tool_is_in_hand(scene, way):
+@pytest.mark.parametrize("way", SelectionMode)
+def test_selection_tool_lets_other_drags_move_the_camera_while_a_tool_is_in_hand(scene, way):
     scene.take(Tool.HANDLE, way)
     at, mouse = Gesture(scene.window, way).press, Mouse(scene.view)
     for button, modifiers in ((MIDDLE, NONE), (RIGHT, NONE), (LEFT, SHIFT)):
-        before = scene.view.look.eye.key
+        before = scene.view.camera_controller.camera.key
         mouse.drag(at, at + (20, 9), at + (40, 10), button=button, modifiers=modifiers)
-        assert scene.view.look.eye.key != before
+        assert scene.view.camera_controller.camera.key != before
     scene.leave()
     scene.assert_nothing_is_previewed()
     assert scene.document is scene.state.document
@@ -419,14 +436,14 @@ def test_click_selector_preview_follows_the_camera_under_a_resting_cursor(qtbot,
     at = off_the_mesh(scene)
     Mouse(scene.view).move(at)
     scene.assert_nothing_is_previewed()
-    scene.view.look.zoom_at(centre(scene.view), 6.0)
+    scene.view.camera_controller.zoom_at(centre(scene.view), 6.0)
     scene.draw()
     sight = Sight(scene.window)
     face = sight.hit(at)[0]
     places = {
-        Way.FILL: lambda: sight.fill(face, scene.canvas.ways[Way.FILL].crease),
-        Way.PIECE: lambda: sight.rings(set(sight.F[face].tolist())),
-        Way.LOOP: lambda: sight.loop(face),
+        SelectionMode.FILL: lambda: sight.fill(face, scene.canvas.selectors[SelectionMode.FILL].crease_angle),
+        SelectionMode.PIECE: lambda: sight.rings(set(sight.F[face].tolist())),
+        SelectionMode.LOOP: lambda: sight.loop(face),
     }[way]()
     np.testing.assert_array_equal(scene.previewed, sight.vertices(places))
 
@@ -435,8 +452,8 @@ def test_click_selector_preview_follows_the_camera_under_a_resting_cursor(qtbot,
 
 
 def test_click_selector_preview_leaves_no_trace_after_undo(scene):
-    gesture = Gesture(scene.window, Way.FILL)
-    scene.take(Tool.BASE, Way.FILL)
+    gesture = Gesture(scene.window, SelectionMode.FILL)
+    scene.take(Tool.BASE, SelectionMode.FILL)
     gesture.end(gesture.begin(scene.view))
     np.testing.assert_array_equal(scene.previewed, gesture.chosen, "the cursor is still there")
     scene.window.actions_.undo.trigger()
@@ -446,11 +463,11 @@ def test_click_selector_preview_leaves_no_trace_after_undo(scene):
 
 
 def test_coloring_gives_marks_their_color_back_after_a_preview(scene):
-    gesture = Gesture(scene.window, Way.FILL)
+    gesture = Gesture(scene.window, SelectionMode.FILL)
     marked = np.flatnonzero(gesture.chosen)[::2]
     scene.canvas.coloring.mark(marked)
     before = scene.colors
-    scene.take(Tool.HANDLE, Way.FILL)
+    scene.take(Tool.HANDLE, SelectionMode.FILL)
     Mouse(scene.view).move(gesture.press)
     assert (scene.colors != before).any()
     scene.leave()
@@ -459,15 +476,15 @@ def test_coloring_gives_marks_their_color_back_after_a_preview(scene):
     scene.assert_nothing_is_previewed()
 
 
-def test_selector_draws_planes_and_outline_that_are_gone_after_the_stroke(scene):
-    for way in (Way.BOX, Way.LASSO, Way.POLYGON, Way.SLAB):
+def test_selection_tool_draws_planes_and_outline_that_are_gone_after_the_stroke(scene):
+    for way in (SelectionMode.BOX, SelectionMode.LASSO, SelectionMode.POLYGON, SelectionMode.SLAB):
         scene.take(Tool.HANDLE, way)
         scene.leave()
-        empty = scene.view.overlay.grab().toImage()
+        empty = scene.view.tool_layer.grab().toImage()
         gesture = Gesture(scene.window, way)
         mouse = gesture.begin(scene.view)
-        assert scene.view.overlay.grab().toImage() != empty
+        assert scene.view.tool_layer.grab().toImage() != empty
         scene.qtbot.keyClick(scene.view, ESCAPE)
         let_go(gesture, mouse)
         QApplication.sendEvent(scene.view, QEvent(QEvent.Type.Leave))
-        assert scene.view.overlay.grab().toImage() == empty
+        assert scene.view.tool_layer.grab().toImage() == empty

@@ -67,11 +67,11 @@ def test_background_task_tells_only_of_what_is_asked_for_last(qtbot, task, told)
     assert told == ["new"]
 
 
-def test_give_up_keeps_a_result_from_being_told(qtbot, task, told):
+def test_cancel_keeps_a_result_from_being_told(qtbot, task, told):
     started = threading.Event()
     task.begin(patient(started, "old"))
     assert started.wait(5)
-    task.give_up()
+    task.cancel()
     assert not task.busy
     qtbot.waitUntil(lambda: not measuring())
     QApplication.processEvents()
@@ -90,15 +90,15 @@ def test_background_task_tells_a_lack_of_memory_as_one(qtbot, task, told):
 
 
 def test_background_task_lets_a_closed_window_wait_for_no_measurement(qtbot, window, monkeypatch):
-    window.filing.show_mesh(Mesh(*sphere(3)))
+    window.files.show_mesh(Mesh(*sphere(3)))
     idle(qtbot, window)
     started = threading.Event()
 
     def slow(_change, U, enough=None):
         return np.zeros(len(U)) if enough is None else patient(started, None)(enough)
 
-    monkeypatch.setattr(Deviation, "distance", slow)
-    window.actions_.looks.measures[Measure.DISTANCE].trigger()
+    monkeypatch.setattr(Deviation, "rest_distance", slow)
+    window.actions_.display.measures[Measure.DISTANCE].trigger()
     qtbot.waitUntil(started.is_set, timeout=60_000)
     window.shell.close()
     assert not measuring()
@@ -109,8 +109,8 @@ def test_legend_says_that_there_is_too_little_memory_to_measure(qtbot, window, m
         raise MemoryError
 
     monkeypatch.setattr(Deviation, "__init__", no_memory)
-    window.filing.show_mesh(Mesh(*sphere(2)))
+    window.files.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, window)
-    window.actions_.looks.measures[Measure.AREA].trigger()
-    qtbot.waitUntil(lambda: "memory" in window.looks.legend.note.text(), timeout=60_000)
-    assert window.canvas.surface.worn is None
+    window.actions_.display.measures[Measure.AREA].trigger()
+    qtbot.waitUntil(lambda: "memory" in window.display_options.legend.note.text(), timeout=60_000)
+    assert window.canvas.surface.color_map is None

@@ -5,25 +5,25 @@ from driving import Mouse
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 
 def number_card(window):
-    window.actions_.select.numbers.trigger()
-    return window.editing.typed.vertices
+    window.actions_.select.by_expression.trigger()
+    return window.edits.text_entries.vertices
 
 
 def way_bar(window):
-    return window.way_bar
+    return window.mode_bar
 
 
 @pytest.mark.parametrize("over", [number_card, way_bar])
 def test_shield_lets_a_press_beside_the_buttons_go_no_farther(qtbot, bottle, over):
-    bottle.tools.take(Tool.BASE)
-    bottle.tools.choose_way(Way.SLAB)
+    bottle.tools.choose_tool(Tool.BASE)
+    bottle.tools.choose_mode(SelectionMode.SLAB)
     widget, view = over(bottle), bottle.canvas.viewport
     qtbot.waitUntil(widget.isVisible)
-    state, eye = bottle.session.store.state, view.look.eye.key
+    state, eye = bottle.session.store.state, view.camera_controller.camera.key
     reached = []
     view.mousePressEvent = lambda event: reached.append(event)
     view.mouseDoubleClickEvent = lambda event: reached.append(event)
@@ -35,5 +35,5 @@ def test_shield_lets_a_press_beside_the_buttons_go_no_farther(qtbot, bottle, ove
     del view.mousePressEvent, view.mouseDoubleClickEvent
     assert reached == []
     assert bottle.session.store.state is state
-    assert view.look.eye.key == eye
-    assert bottle.canvas.ways[Way.SLAB].axis == 1, "the wheel has not taken another axis"
+    assert view.camera_controller.camera.key == eye
+    assert bottle.canvas.selectors[SelectionMode.SLAB].axis == 1, "the wheel has not taken another axis"

@@ -4,13 +4,13 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLineEdit, QWidget
 
-from apd_viewer.ui.widgets.fields import Choice, Number, percent_field
+from apd_viewer.ui.widgets.fields import ComboBox, NumberField, percent_field
 
 
 @pytest.fixture
 def field(qtbot):
     """A field for lengths, in a unit."""
-    field = Number(brief=True, decimals=9, maximum=1e9, suffix="\u00a0mm")
+    field = NumberField(brief=True, decimals=9, maximum=1e9, suffix="\u00a0mm")
     qtbot.addWidget(field)
     field.show()
     return field
@@ -24,14 +24,14 @@ def enter(qtbot, field, text):
 
 
 @pytest.mark.parametrize("value", [0.001, 1.2345, 999.6, 1234.5, 3000.0, 2_000_000.0, 2e-8])
-def test_number_keeps_the_value_that_is_shown_on_enter(qtbot, field, value):
+def test_number_field_keeps_the_value_that_is_shown_on_enter(qtbot, field, value):
     field.setValue(value)
     qtbot.keyClick(field, Qt.Key.Key_Return)
     assert field.value() == value
 
 
 @pytest.mark.parametrize("text", ["nothing", "", "-5", "1e400", "nan", "7\u00a0km"])
-def test_number_keeps_a_text_for_correction_that_is_no_number_in_its_range(qtbot, field, text):
+def test_number_field_keeps_a_text_for_correction_that_is_no_number_in_its_range(qtbot, field, text):
     field.setValue(3000.0)
     enter(qtbot, field, text)
     assert field.value() == 3000.0
@@ -96,7 +96,7 @@ def test_percent_field_refuses_a_number_left_behind_too(qtbot):
         ((0.0, 0.5), "from 0 to 0.5 mm"),
     ],
 )
-def test_number_says_its_range_as_one_says_it(qtbot, field, limits, said):
+def test_number_field_says_its_range_as_one_says_it(qtbot, field, limits, said):
     field.setDecimals(30)
     field.setSuffix(" mm")
     field.setRange(*limits)
@@ -105,20 +105,20 @@ def test_number_says_its_range_as_one_says_it(qtbot, field, limits, said):
 
 
 @pytest.mark.parametrize("text", ["5", "5 mm", "5mm", " 5\u00a0mm", "5,0", "0.5e1"])
-def test_number_takes_the_unit_typed_too(qtbot, field, text):
+def test_number_field_takes_the_unit_typed_too(qtbot, field, text):
     enter(qtbot, field, text)
     assert field.value() == 5.0
 
 
-def test_choice_cuts_no_entry_off_where_it_is_smallest(qtbot):
-    choice = Choice()
+def test_combo_box_cuts_no_entry_off_where_it_is_smallest(qtbot):
+    choice = ComboBox()
     qtbot.addWidget(choice)
     choice.addItems(["Bending", "Target: closest point"])
     choice.setCurrentIndex(1)
     words = choice.fontMetrics().horizontalAdvance(choice.currentText())
     choice.resize(choice.minimumSizeHint())
     picture = choice.grab().toImage()
-    wide = Choice()
+    wide = ComboBox()
     qtbot.addWidget(wide)
     wide.addItems(["Target: closest point"])
     wide.resize(choice.width() + 50, choice.height())

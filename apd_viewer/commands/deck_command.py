@@ -1,0 +1,73 @@
+"""The command deck: shells, sets and boundary conditions for CalculiX and Abaqus."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.commands.motion_options import add_input_options, input_from
+from apd_viewer.commands.result_output import mesh_remarks
+from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.unit_option import naming_unit_option
+from apd_viewer.files.fe_deck import check_deck, write_deck
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.language import tr
+from apd_viewer.session.model.status_text import about_deck
+from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall_mass import Wall
+from apd_viewer.session.quantities.wall_materials import WALL_MATERIALS, wall_material
+from apd_viewer.session.studies.deck_setup import deck_of
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def deck_parser() -> Parser:
+    """Parser of the command."""
+    parser = Parser(
+        prog="apd-viewer deck",
+        description=tr(
+            "Write a deck for CalculiX or Abaqus: the rest shape as shells, base fixed, handles moved."
+        ),
+    )
+    add_input_options(parser)
+    parser.add_argument(
+        "--steps",
+        metavar="N",
+        type=int,
+        help=tr("of the way of the handles; default: one for each 30 degrees of a turn"),
+    )
+    _add_wall_options(parser)
+    parser.add_argument("-o", "--output", metavar="OUT.inp", required=True, help=tr("deck to write"))
+    parser.set_defaults(run=_deck)
+    return parser
+
+
+def _add_wall_options(parser: Parser) -> None:
+    materials = ", ".join(material.name for material in WALL_MATERIALS)
+    for option, metavar, what in (
+        ("--material", "NAME", tr("material of the wall: {names}").format(names=materials)),
+        ("--thickness", "LENGTH", tr("of the wall, such as 0.3mm; default: 1/1000 of the diagonal")),
+        ("--density", "D", tr("of the material, such as 1.38 (g/cm³)")),
+        ("--young", "E", tr("Young's modulus, such as 2.8GPa; default: 1 in the units of the deck")),
+        ("--poisson", "NU", tr("Poisson's ratio; default: 0.4, or that of the material")),
+    ):
+        parser.add_argument(option, metavar=metavar, default="", help=what)
+
+
+@naming_unit_option()
+def _deck(options: argparse.Namespace) -> None:
+    output = check_deck(options.output)
+    state, view, motion = input_from(options)
+    unit = Unit(options.unit or view.unit)
+    wall = deck_wall(_words(options, view.wall), unit, diagonal(state.document.mesh.V))
+    deck = deck_of(state.document, wall, options.steps, motion)
+    write_deck(output, deck)
+    print("\n".join([about_deck(str(output), deck), *mesh_remarks(state.document.mesh)]))
+
+
+def _words(options: argparse.Namespace, saved: Wall) -> DeckWallText:
+    """The wall as typed; of a session, its own where nothing is."""
+    wall = Wall(options.thickness or saved.thickness, options.density or saved.density)
+    material = wall_material(options.material) if options.material else None
+    return DeckWallText(wall, options.young, options.poisson, material)

@@ -1,0 +1,331 @@
+"""The command deform: deform a mesh without a window or display."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.commands.motion_options import add_motion_options, motion_from, painted_state, waypoint_poses
+from apd_viewer.commands.result_output import result_lines, result_summary, show_progress_line, write_result
+from apd_viewer.commands.scalar_output import (
+    add_scalar_options,
+    check_scalar_options,
+    scalar_files,
+    write_scalar_files,
+)
+from apd_viewer.commands.terminal.contact_option import add_contact_option, has_contact
+from apd_viewer.commands.terminal.output_files import check_files
+from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
+from apd_viewer.errors import InputError
+from apd_viewer.figures.rendered_pictures import Picture, check_picture, draw_shapes, no_pictures_reason
+from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.selections.selection import Selection, default_name
+from apd_viewer.files.selections.selection_files import read_selection_file
+from apd_viewer.files.selections.survey_formats import read_region, read_transform
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.goals.goals import Region
+from apd_viewer.geometry.pose.constraints import BASE, FREE, constraints
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
+from apd_viewer.geometry.solver.deformation_result import Result, deform
+from apd_viewer.geometry.solver.loose_components import GO, STAY
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+    METHODS,
+)
+from apd_viewer.language import tr
+from apd_viewer.presentation.palette import label_colors
+from apd_viewer.session.model.named_obstacle import geometric_obstacles
+from apd_viewer.session.storage.obstacle_json import read_obstacles
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from apd_viewer.geometry.mesh.mesh import Mesh
+
+
+_PICTURE = (1600, 1000)  # pixels
+
+
+def deform_parser() -> Parser:
+    """Parser of the command deform."""
+    parser = Parser(prog="apd-viewer deform", description=tr("Deform a mesh without a window."))
+    parser.add_argument("mesh", metavar="MESH")
+    parser.add_argument(
+        "--selection",
+        metavar="SEL",
+        help=tr(
+            "one label per vertex (0 base, 1 free, 2 handle, 3 next handle, ...), or .json, .npz, .dmat, .ply"
+        ),
+    )
+    parser.add_argument(
+        "--transform",
+        metavar="DEF",
+        default=[],
+        action="append",
+        help=tr("4x4 matrix that moves the handle; repeat for each handle"),
+    )
+    add_motion_options(parser)
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
+    parser.add_argument("--method", choices=METHODS, default=DEFAULT_METHOD, help=tr("default: %(default)s"))
+    parser.add_argument(
+        "--iterations", metavar="N", type=int, help=tr("run exactly N iterations; default: until converged")
+    )
+    parser.add_argument(
+        "--tolerance",
+        metavar="T",
+        type=float,
+        default=DEFAULT_TOLERANCE,
+        help=tr("area tolerance of 'paper'; 0.001 is 0.1 %%"),
+    )
+    parser.add_argument(
+        "--loose",
+        choices=(GO, STAY),
+        default=GO,
+        help=tr(
+            "connected parts without base or handle go along with the nearest surface, or stay; "
+            "default: %(default)s"
+        ),
+    )
+    parser.add_argument(
+        "--no-calm",
+        dest="calm",
+        action="store_false",
+        help=tr("let 'exact' change the area of calm parts, those that the handles hardly reach"),
+    )
+    add_contact_option(parser)
+    parser.add_argument(
+        "--thickness",
+        metavar="LENGTH",
+        type=float,
+        help=tr("distance that walls in contact keep, in mesh units; default: 1/1000 of the diagonal"),
+    )
+    parser.add_argument(
+        "--obstacles",
+        metavar="FILE.json",
+        type=Path,
+        help=tr("plates, spheres and cylinders that push, as a session lists them; turns contact on"),
+    )
+    add_weld_option(parser)
+    _add_targets(parser)
+    _add_convergence(parser)
+    _add_stiffness(parser)
+    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
+    parser.add_argument(
+        "--compare",
+        metavar="OTHER",
+        help=tr("target shape: put the distance from the surface of another mesh into report and scalars"),
+    )
+    add_scalar_options(parser)
+    parser.add_argument("--picture", metavar="P.png", type=Path, help=tr("draw the mesh before and after"))
+    parser.set_defaults(run=_deform)
+    return parser
+
+
+def _add_targets(parser: Parser) -> None:
+    parser.add_argument(
+        "--area",
+        metavar="PERCENT",
+        help=tr(
+            "target of the total area, in percent of the rest area; default: 100 for 'exact' and 'paper'"
+        ),
+    )
+    parser.add_argument(
+        "--volume",
+        metavar="PERCENT",
+        help=tr("target of the volume, in percent of the rest volume; default: free"),
+    )
+    parser.add_argument(
+        "--region",
+        nargs="+",
+        action="append",
+        default=[],
+        metavar=("NAME FILE", "PERCENT"),
+        help=tr(
+            "region to measure: name, file with one number per vertex (0 outside), optional target "
+            "area in percent"
+        ),
+    )
+
+
+def _add_convergence(parser: Parser) -> None:
+    usual = DEFAULT_CONVERGENCE
+    for option, metavar, kind, default, what in (
+        (
+            "--most-iterations",
+            "N",
+            int,
+            usual.most_iterations,
+            tr("stop after N iterations at the latest"),
+        ),
+        (
+            "--energy-tolerance",
+            "T",
+            float,
+            usual.energy_tolerance,
+            tr("converged once ten iterations reduce the energy by at most this part"),
+        ),
+        (
+            "--step-tolerance",
+            "T",
+            float,
+            usual.step_tolerance,
+            tr("of 'paper' and 'sr-arap': converged once steps are below this part of the mesh's size"),
+        ),
+    ):
+        parser.add_argument(
+            option,
+            metavar=metavar,
+            type=kind,
+            default=default,
+            help=tr("{what}; default: %(default)s").format(what=what),
+        )
+
+
+def _add_stiffness(parser: Parser) -> None:
+    for option, default, what in (
+        (
+            "--stiffness",
+            0.0,
+            tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal); CGAL's alpha for 'sr-arap'"),
+        ),
+        (
+            "--area-stiffness",
+            DEFAULT_AREA_STIFFNESS,
+            tr("how strongly 'local' keeps the area of each triangle"),
+        ),
+        (
+            "--shear-stiffness",
+            DEFAULT_SHEAR_STIFFNESS,
+            tr("how strongly 'local' keeps the shape of each triangle"),
+        ),
+    ):
+        parser.add_argument(
+            option,
+            metavar="A",
+            type=float,
+            default=default,
+            help=tr("{what}; default: %(default)s").format(what=what),
+        )
+
+
+def _region(words: Sequence[str], vertices: int) -> Region:
+    """A region from the words after ``--region``."""
+    if len(words) not in (2, 3):
+        raise InputError(tr("--region takes a name, a file and an optional target area in percent."))
+    name, path, *percent = words
+    return Region(name, read_region(path, vertices), percent[0] if percent else None)
+
+
+def _deform(options: argparse.Namespace) -> None:
+    output = check_mesh_path(options.output)
+    if options.picture:
+        check_picture(options.picture)
+    check_scalar_options(options)
+    check_files([output, options.picture, options.report, *scalar_files(options)])
+    mesh = open_input_mesh(options.mesh, options.weld, options.unit)
+    obstacles = read_obstacles(options.obstacles) if options.obstacles else ()
+    contact = has_contact(options, len(mesh.V))
+    if options.thickness is not None and not contact:
+        raise InputError(tr("--thickness is the distance that walls keep in contact; add --contact."))
+    selection = _selection(options, mesh)
+    check_shapes(mesh, output, selection.labels != BASE)
+    regions = [_region(words, len(mesh.V)) for words in options.region]
+    ways = [
+        constraints(selection.labels, mesh.V, poses, obstacles=bool(obstacles))
+        for poses in _handle_poses(options, mesh, selection)
+    ]
+    held = ways[-1]
+    pushing = geometric_obstacles(obstacles, mesh.V)
+    target = TargetShape(open_mesh(options.compare)) if options.compare else None
+    convergence = Convergence(options.most_iterations, options.energy_tolerance, options.step_tolerance)
+    last = options.iterations, convergence.most_iterations
+    result = deform(
+        mesh.V,
+        mesh.F,
+        held.fixed,
+        held.targets if len(ways) == 1 else np.array([way.targets for way in ways]),
+        options.method,
+        options.iterations,
+        options.tolerance,
+        options.stiffness,
+        handle=held.handles,
+        area_stiffness=options.area_stiffness,
+        shear_stiffness=options.shear_stiffness,
+        area=options.area,
+        volume=options.volume,
+        loose=options.loose,
+        calm=options.calm,
+        contact=contact or options.contact,
+        thickness=options.thickness,
+        obstacles=pushing,
+        shifts=np.array([each.shift for each in obstacles]).reshape(-1, 3),
+        regions=regions,
+        convergence=convergence,
+        weld=options.weld,
+        progress=show_progress_line(*last) if sys.stderr.isatty() else None,
+    )
+    picture = _picture(mesh, selection, result) if options.picture else None
+    with ExitStack() as beside:  # files beside the mesh replace old ones only after the mesh has
+        if picture:
+            beside.enter_context(replacing_file(options.picture)).write_bytes(picture)
+        painted = selection.labels, _member(regions, len(mesh.V))
+        write_scalar_files(beside, options, mesh, result.U, *painted, target)
+        written = write_result(beside, mesh, result, options.report, output, target)
+    print(result_summary(mesh, result, output, written))
+    if options.picture and not picture:
+        print(no_pictures_reason())
+
+
+def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection) -> list[list[np.ndarray]]:
+    """Poses (4, 4) of the handles at each way point."""
+    if not options.motion:
+        return [[read_transform(path) for path in options.transform]]
+    if options.transform:
+        raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
+    state = painted_state(mesh, selection)
+    ways = waypoint_poses(state.document, motion_from(options, state, mesh.unit))
+    if options.iterations is not None and len(ways) > 1:
+        raise InputError(tr("With --iterations handles turn by half a turn at most; enter less, or omit it."))
+    return ways
+
+
+def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
+    """The painted parts; only where obstacles push they need not be given."""
+    if options.selection and (options.transform or options.motion or options.obstacles):
+        return read_selection_file(options.selection, mesh)
+    if not options.obstacles:
+        raise InputError(
+            tr("Give --selection with --transform or a motion such as --twist, or --obstacles that push.")
+        )
+    labels, member = np.full(len(mesh.V), FREE, dtype=np.uint8), np.zeros(len(mesh.V), dtype=np.uint8)
+    return Selection(labels, member, (default_name(tr("Handle"), 1),))
+
+
+def _member(regions: Sequence[Region], vertices: int) -> np.ndarray:
+    """Number of the region of each vertex, from 1; of several the last."""
+    member = np.zeros(vertices, dtype=np.uint8)
+    for k, region in enumerate(regions, start=1):
+        member[region.vertices] = k
+    return member
+
+
+def _picture(mesh: Mesh, selection: Selection, result: Result) -> bytes | None:
+    """Picture of the painted rest mesh and the result; None without OpenGL."""
+    with tempfile.TemporaryDirectory(prefix="apd-viewer-") as folder:
+        path = Path(folder) / "picture.png"
+        lines = [" ".join(line.split()) for line in result_lines(result)]
+        words = [[tr("Rest")], [METHODS[result.method].short_title, *lines]]
+        shapes = Picture(path, [mesh.V, result.U], words, label_colors(selection.labels))
+        return path.read_bytes() if draw_shapes(mesh, [shapes], _PICTURE) else None

@@ -1,0 +1,199 @@
+"""The command ``apd-viewer press``: a mesh between two plates that close."""
+
+from __future__ import annotations
+
+import json
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.commands.press_output import press_report, press_summary
+from apd_viewer.commands.press_rows import press_rows
+from apd_viewer.commands.press_wall import add_wall_options, parse_gas, press_wall
+from apd_viewer.commands.result_output import mesh_remarks
+from apd_viewer.commands.terminal.output_files import check_files
+from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.progress import Progress
+from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
+from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.files.storage.atomic_folder import filling_folder
+from apd_viewer.files.tables import write_table
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.arrays import checked_direction
+from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
+from apd_viewer.geometry.pressing.press_options import PressOptions
+from apd_viewer.geometry.pressing.pressed_mesh import press_between
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    METHODS,
+    method_material,
+)
+from apd_viewer.language import tr
+from apd_viewer.session.model.state import welded_state
+from apd_viewer.session.model.view import SESSION_SUFFIX
+from apd_viewer.session.quantities.expressions import parse_number
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.storage.session_file import open_session
+
+if TYPE_CHECKING:
+    import argparse
+
+    from apd_viewer.geometry.mesh.mesh import Mesh
+
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_PRESSING = {name: method for name, method in METHODS.items() if method.may_use_contact}
+
+
+def press_parser() -> Parser:
+    """Parser of the command."""
+    parser = Parser(
+        prog="apd-viewer press",
+        description=tr(
+            "Press a mesh between two plates that close on it in steps. Nothing needs to be held. Walls do "
+            "not pass through each other, and at each step the mesh comes to rest."
+        ),
+    )
+    parser.add_argument(
+        "mesh", metavar="MESH", help=tr("mesh at rest, or a session: its shape springs back, and is pressed")
+    )
+    parser.add_argument(
+        "--axis", metavar="AXIS", default="x", help=tr('x, y, z or a direction such as "1 0 1"; default: x')
+    )
+    parser.add_argument(
+        "--to",
+        metavar="DISTANCE",
+        required=True,
+        help=tr(
+            "distance of the plates in the end, in mesh units, or such as 20%% of the extent of the mesh"
+        ),
+    )
+    parser.add_argument(
+        "--steps", metavar="N", type=int, default=DEFAULT_STEPS, help=tr("default: %(default)s")
+    )
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
+    parser.add_argument(
+        "--curve",
+        metavar="C.csv",
+        type=Path,
+        help=tr("write distance, loads, energy and volume of each step"),
+    )
+    parser.add_argument(
+        "--figure", metavar="F.png", type=Path, help=tr("draw load and volume, as F.png and F.svg")
+    )
+    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
+    parser.add_argument(
+        "--method", choices=_PRESSING, default=DEFAULT_METHOD, help=tr("default: %(default)s")
+    )
+    for option, default, what in (
+        ("--stiffness", 0.0, tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal)")),
+        (
+            "--area-stiffness",
+            DEFAULT_AREA_STIFFNESS,
+            tr("how strongly 'local' keeps the area of each triangle"),
+        ),
+        (
+            "--shear-stiffness",
+            DEFAULT_SHEAR_STIFFNESS,
+            tr("how strongly 'local' keeps the shape of each triangle"),
+        ),
+    ):
+        parser.add_argument(option, metavar="A", type=float, default=default, help=what)
+    parser.add_argument("--area", metavar="PERCENT", help=tr("target of the total area"))
+    parser.add_argument("--volume", metavar="PERCENT", help=tr("target of the volume; default: free"))
+    add_wall_options(parser)
+    parser.add_argument(
+        "--release", action="store_true", help=tr("open the plates again in the end, and write what remains")
+    )
+    parser.add_argument(
+        "--iterations",
+        metavar="N",
+        type=int,
+        default=DEFAULT_ITERATIONS,
+        help=tr("at most so many a step; default: %(default)s"),
+    )
+    parser.add_argument(
+        "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
+    )
+    add_weld_option(parser)
+    parser.set_defaults(run=_press)
+    return parser
+
+
+def parse_axis(text: str) -> np.ndarray:
+    """Direction (3,) from "x", "y", "z" or three numbers; raises InputError."""
+    if text.strip().lower() in _AXES:
+        return np.array(_AXES[text.strip().lower()])
+    try:
+        axis = np.array([float(word) for word in text.replace(",", " ").split()])
+    except ValueError:
+        axis = np.zeros(0)
+    if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
+        raise InputError(
+            tr("{text!r} is no direction; enter x, y, z or three numbers such as 1 0 1.").format(text=text)
+        )
+    return axis
+
+
+def parse_distance(text: str, extent: float) -> float:
+    """Distance in mesh units from a number, or from a percentage of ``extent``."""
+    if text.strip().endswith("%"):
+        return parse_number(text.strip()[:-1], {}) / 100.0 * extent
+    return parse_number(text, {})
+
+
+def _press(options: argparse.Namespace) -> None:
+    output = check_mesh_path(options.output)
+    check_files([output, options.curve, options.figure, options.report])
+    axis = parse_axis(options.axis)
+    mesh, start, unit = _opened(options.mesh, options.weld)
+    check_shapes(mesh, output, np.ones(len(mesh.V), dtype=bool))
+    wall = press_wall(options, Unit(options.unit or unit))
+    rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
+    extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ checked_direction(axis)))
+    moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
+    material = method_material(METHODS[options.method], *moduli)
+    newtons = wall.newton_conversion(material, rest)
+    gas = parse_gas(options.gas, newtons, rest)
+    goals = options.area, options.volume, wall.contact_distance
+    asked = PressOptions((), options.method, *moduli, *goals, wall.yield_radius, start, gas)
+    to = parse_distance(options.to, extent)
+    plates = PlatePress(rest, axis, to, options.steps, options.iterations, asked)
+    found = press_between(plates, options.release, lambda done: progress.show(done, tr("pressing")))
+    progress.end()
+    with ExitStack() as beside:
+        if options.curve:
+            rows = press_rows(found, newtons)
+            table = beside.enter_context(replacing_file(options.curve))
+            write_table(table, list(rows[0]), [list(row.values()) for row in rows])
+        if options.figure:
+            # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
+            from apd_viewer.figures.press_curves import draw_press_curves
+
+            folder = beside.enter_context(filling_folder(options.figure.parent))
+            force = (
+                (newtons.newtons_per_load, newtons.underestimate_factor(found.stretching))
+                if newtons
+                else None
+            )
+            draw_press_curves(found, folder / options.figure.name, force)
+        if options.report:
+            said = json.dumps(press_report(mesh, rest, found, asked, wall, newtons), indent=2)
+            beside.enter_context(replacing_file(options.report)).write_text(said + "\n", encoding="utf-8")
+        save_mesh(mesh, found.U, output, wall.unit.symbol)
+    print("\n".join([press_summary(found, rest, output, wall, newtons, extent), *mesh_remarks(mesh)]))
+
+
+def _opened(path: str, weld: bool) -> tuple[Mesh, np.ndarray | None, str]:
+    """Mesh at rest, the other shape (n, 3) that a session begins from, and the unit."""
+    if Path(path).suffix.lower() != SESSION_SUFFIX:
+        mesh = open_input_mesh(path, weld)
+        return mesh, None, mesh.unit
+    state, view = open_session(path)
+    state = welded_state(state) if weld else state
+    return state.document.mesh, None if state.is_at_rest else state.frame.U, view.unit

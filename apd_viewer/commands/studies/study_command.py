@@ -1,0 +1,158 @@
+"""The command ``apd-viewer study``: cases of a plan, by many processes."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from apd_viewer.commands.studies.study_output import (
+    damaged_results_line,
+    mistake_lines,
+    study_summary,
+    work_left_lines,
+)
+from apd_viewer.commands.studies.study_progress import StudyProgress
+from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.errors import InputError
+from apd_viewer.language import localize_numbers, tr
+from apd_viewer.studies.case_session import INPUTS_FOLDER
+from apd_viewer.studies.cluster import connected_cluster
+from apd_viewer.studies.local_pool import LocalPool, core_count
+from apd_viewer.studies.plans.input_files import InputFiles
+from apd_viewer.studies.plans.plan import read_plan
+from apd_viewer.studies.plans.plan_columns import CASE_COLUMNS, SETTING_COLUMNS
+from apd_viewer.studies.study import Study
+from apd_viewer.studies.study_forecast import study_forecast
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Iterator
+
+    from apd_viewer.studies.case_runner import Engine
+
+_INTERRUPTED = 130
+
+
+def study_parser() -> Parser:
+    """Parser of the command."""
+    parser = Parser(
+        prog="apd-viewer study",
+        description=tr(
+            "Run the cases of a plan: each walks its motion in steps, as “sweep” does. What is interrupted "
+            "goes on with the same command. “apd-viewer study design” writes plans."
+        ),
+        epilog=_columns(),
+    )
+    parser.add_argument("plan", metavar="PLAN.csv", type=Path, help=tr("table with a case a row"))
+    parser.add_argument(
+        "-o", "--output", metavar="FOLDER", type=Path, required=True, help=tr("folder of the results")
+    )
+    engine = parser.add_mutually_exclusive_group()
+    engine.add_argument(
+        "--processes",
+        "--workers",
+        metavar="N",
+        type=int,
+        help=tr("on this machine; default: one for each core"),
+    )
+    engine.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help=tr("workers behind a scheduler of Dask, such as tcp://host:8786"),
+    )
+    engine.add_argument(
+        "--scheduler-file", metavar="F.json", type=Path, help=tr("the same, by the file that it has written")
+    )
+    parser.add_argument("--limit", metavar="SECONDS", type=float, help=tr("that a case may take"))
+    parser.add_argument("--retry-failed", action="store_true", help=tr("run cases again that failed before"))
+    parser.add_argument(
+        "--dry-run", action="store_true", help=tr("say what there is to do, and how long it takes")
+    )
+    parser.add_argument(
+        "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
+    )
+    parser.set_defaults(run=_study)
+    return parser
+
+
+def _columns() -> str:
+    words = [*CASE_COLUMNS.items(), *((name, column.description) for name, column in SETTING_COLUMNS.items())]
+    said = "; ".join(f"{name} ({about})" for name, about in words)
+    return tr("Columns of a plan, besides notes that begin with #: {columns}.").format(columns=said)
+
+
+def _study(options: argparse.Namespace) -> None:
+    localize_numbers(False)  # its sentences stand in files, which are the same however it is run
+    if options.limit is not None and not options.limit > 0.0:
+        raise InputError(tr("--limit must be greater than 0 seconds."))
+    if options.processes is not None and not 1 <= options.processes <= 1000:
+        raise InputError(tr("--processes must be 1 to 1000."))
+    if options.dry_run:
+        plan = read_plan(options.plan, InputFiles(options.output / INPUTS_FOLDER, keeps_copies=False))
+        left = study_forecast(plan, options.output, options.retry_failed)
+        print(mistake_lines(plan), end="", file=sys.stderr)
+        print(work_left_lines(left, _processes(options)))
+        return
+    study = Study(options.plan, options.output, options.retry_failed)
+    try:
+        print(mistake_lines(study.plan), end="", file=sys.stderr)
+        _run(study, options)
+    finally:
+        study.close()
+
+
+def _run(study: Study, options: argparse.Namespace) -> None:
+    progress = StudyProgress(options.progress_lines)
+    at_once = True
+    engine: Engine | None = None
+    try:
+        if not study.unfinished_cases:
+            table = study.finish()
+        if study.unfinished_cases:
+            engine = _engine(options)
+            with _interruptible(study):
+                table = study.run(engine, options.limit, progress.show)
+        at_once = False
+    except KeyboardInterrupt:
+        table = study.write_table()
+    finally:
+        progress.end()
+        if engine is not None:
+            engine.close(at_once)
+    print(study_summary(table, options.output))
+    print(damaged_results_line(study.damaged_count), end="", file=sys.stderr)
+    if study.unfinished_cases:
+        print(tr("interrupted; the same command goes on"), file=sys.stderr)
+        raise SystemExit(_INTERRUPTED)
+
+
+def _engine(options: argparse.Namespace) -> Engine:
+    if options.scheduler or options.scheduler_file:
+        return connected_cluster(options.scheduler, options.scheduler_file)
+    return LocalPool(_processes(options))
+
+
+def _processes(options: argparse.Namespace) -> int:
+    """Number of cases at a time; 1 for workers of others."""
+    if options.scheduler or options.scheduler_file:
+        return 1
+    return int(options.processes or core_count())
+
+
+@contextmanager
+def _interruptible(study: Study) -> Iterator[None]:
+    """Finish running cases at the first Ctrl+C, and end at once at the second."""
+
+    def first(*_: Any) -> None:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        study.stop()
+        print(tr("\nfinishing the running cases; Ctrl+C again ends at once"), file=sys.stderr)
+
+    before = signal.signal(signal.SIGINT, first)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,72 @@
+"""Standard streams and ending signals of a command."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import sys
+import threading
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_ENDING = "SIGTERM", "SIGHUP", "SIGBREAK"  # as far as the system has them
+
+
+def prepare_streams() -> None:
+    """Prepare the standard streams for any text.
+
+    What a stream cannot encode is written as a question mark. A closed one swallows what is written: the next
+    file to be opened would take its number, and its place.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def discard_output() -> None:
+    """Write nothing more to the standard output."""
+    with suppress(OSError):  # a stream of an embedding program may have no descriptor
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def print_error(sentence: str) -> None:
+    """Write a sentence to the standard error, if possible."""
+    with suppress(OSError):
+        print(sentence, file=sys.stderr)
+
+
+@contextmanager
+def exit_on_signals() -> Iterator[None]:
+    """Have SIGTERM and the like raise SystemExit; nothing is left behind then.
+
+    Those that have another handler, or are ignored as by nohup, stay as they are.
+    """
+    numbers = [getattr(signal, name) for name in _ENDING if hasattr(signal, name)]
+    if threading.current_thread() is not threading.main_thread():
+        numbers = []
+    numbers = [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]
+
+    def end(number: int, _: Any) -> None:
+        for each in numbers:
+            signal.signal(each, signal.SIG_IGN)
+        raise SystemExit(128 + number)
+
+    for number in numbers:
+        signal.signal(number, end)
+    try:
+        yield
+    finally:
+        for number in numbers:
+            signal.signal(number, signal.SIG_DFL)

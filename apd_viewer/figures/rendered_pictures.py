@@ -1,0 +1,153 @@
+"""Pictures of shapes, as far as this machine can draw them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.figures.fonts import font_file
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from apd_viewer.geometry.mesh.mesh import Mesh
+
+# Not -m: it would import from the current folder.
+_START = """
+import sys
+sys.path[:] = sys.argv[2:]
+from apd_viewer.figures.drawing import main
+main(sys.argv[1])
+"""
+_LOOK, _UP = (0.55, 0.28, 1.0), (0.0, 1.0, 0.0)
+_FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, and there only
+
+
+class Picture(NamedTuple):
+    """Shapes side by side.
+
+    Attributes
+    ----------
+    path : Path
+        PNG file.
+    shapes : sequence of (n, 3) float array, or of paths of .npy files
+    captions : sequence of sequence of str
+        For each shape a title, and what stands below it.
+    first_colors : (n, 3) uint8 array or None
+        Colours of the first shape instead of what has changed: of one at rest, where nothing has.
+    """
+
+    path: Path
+    shapes: Sequence[np.ndarray | Path]
+    captions: Sequence[Sequence[str]]
+    first_colors: np.ndarray | None = None
+
+
+def check_picture(path: Path) -> None:
+    """Raise InputError unless ``path`` names a picture."""
+    if path.suffix.lower() != ".png":
+        raise InputError(tr("{name} does not have the ending of a picture; use .png.").format(name=path.name))
+
+
+def no_pictures_reason() -> str:
+    """Reason for missing pictures of shapes, as a sentence."""
+    return tr("The shapes were not drawn: off-screen OpenGL is not available (on Debian, install libegl1).")
+
+
+def write_shape(U: np.ndarray, path: Path) -> None:
+    """Write a shape (n, 3) to a .npy file for the drawing process."""
+    np.save(path, U)
+
+
+def draw_shapes(
+    mesh: Mesh,
+    pictures: Sequence[Picture],
+    size: tuple[int, int],
+    view_direction: tuple[float, float, float] = _LOOK,
+    up: tuple[float, float, float] = _UP,
+    legend: bool = True,
+    on_drawn: Callable[[int], object] = lambda _: None,
+) -> bool:
+    """Draw pictures of several shapes in one view; False where OpenGL is missing.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Whose triangles these are, and with which the area of each is compared.
+    pictures : sequence of Picture
+    size : (int, int)
+        Pixels.
+    view_direction, up : (float, float, float)
+        From the shape to the viewer, and what is up.
+    legend : bool
+        Whether to say below the first shape what the colours mean.
+    on_drawn : callable
+        Called with the number of pictures that are done.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written.
+    """
+    with tempfile.TemporaryDirectory(prefix="apd-viewer-") as name:
+        folder = Path(name)
+        np.save(folder / "faces.npy", mesh.F)
+        np.save(folder / "rest.npy", mesh.V)
+        said = {
+            "size": size,
+            "look": view_direction,
+            "up": up,
+            "legend": tr("local area change, %") if legend else "",
+            "font": None if (font := font_file()) is None else str(font),
+            "pictures": [_picture_job(picture, number, folder) for number, picture in enumerate(pictures)],
+        }
+        (folder / "job.json").write_text(json.dumps(said), encoding="utf-8")
+        if not _run(folder, len(pictures), on_drawn):
+            return False
+        for number, picture in enumerate(pictures):
+            with replacing_file(picture.path) as scratch:
+                scratch.write_bytes((folder / f"{number}.png").read_bytes())
+    return True
+
+
+def _picture_job(picture: Picture, number: int, folder: Path) -> dict[str, object]:
+    paths = []
+    for column, shape in enumerate(picture.shapes):
+        path = shape if isinstance(shape, Path) else folder / f"{number}-{column}.npy"
+        if not isinstance(shape, Path):
+            np.save(path, shape)
+        paths.append(str(path))
+    paint = None
+    if picture.first_colors is not None:
+        paint = str(folder / f"{number}-paint.npy")
+        np.save(paint, picture.first_colors)
+    return {
+        "path": str(folder / f"{number}.png"),
+        "shapes": paths,
+        "words": picture.captions,
+        "paint": paint,
+    }
+
+
+def _run(folder: Path, count: int, drawn: Callable[[int], object]) -> bool:
+    command = [sys.executable, "-c", _START, str(folder), *sys.path]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, creationflags=_FLAGS
+    ) as process:
+        try:
+            assert process.stdout is not None
+            for done, _ in enumerate(process.stdout, start=1):
+                drawn(done)
+        except BaseException:  # also on an interruption
+            process.kill()
+            raise
+    return process.returncode == 0 and all((folder / f"{number}.png").exists() for number in range(count))

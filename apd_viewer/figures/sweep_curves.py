@@ -1,0 +1,113 @@
+"""The curves of a sweep: area, volume and energy against the motion of the handle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.ticker import MultipleLocator
+
+from apd_viewer.figures.style import METHOD_STYLES, draw_figure, zero_line
+from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from apd_viewer.session.studies.sweep_step import SweepStep
+
+_SIZE = (11.0, 3.9)
+_DENSE = 40  # steps; with more, markers would hide the curve
+_TICKS = (1, 5, 10, 15, 30, 45, 60, 90, 180, 360)  # degrees
+_FLAT = 1e-3  # percent: a curve within this is a straight line, and not its rounding
+
+
+def draw_sweep_curves(
+    steps: Sequence[SweepStep],
+    abscissa: str,
+    folder: Path,
+    name: str = "sweep",
+    obstacles: Sequence[str] = (),
+) -> None:
+    """Draw the curves of a sweep; without volume where nothing is enclosed.
+
+    Parameters
+    ----------
+    steps : sequence of SweepStep
+    abscissa : str
+        What tells the steps apart: see :attr:`apd_viewer.session.studies.sweep.Sweep.abscissa`.
+    folder : Path
+    name : str
+        Of the files, without ending.
+    obstacles : sequence of str
+        Names of the obstacles; each has a curve of its load.
+    """
+    said = [
+        (tr("Area change, %"), [100 * step.frame.area_error for step in steps]),
+        (tr("Volume change, %"), [100 * (step.volume_error or 0.0) for step in steps]),
+        (tr("ARAP energy"), [step.energy for step in steps]),
+    ]
+    if steps[0].volume_error is None:
+        del said[1]
+
+    loads = [
+        (tr("Load on {name}").format(name=title), [step.loads[k] if step.loads else np.nan for step in steps])
+        for k, title in enumerate(obstacles)
+    ]
+    rows = 1 + -(-len(loads) // len(said))
+
+    def fill(figure: Figure) -> None:
+        grid = figure.subplots(rows, len(said), squeeze=False)
+        panels, others = grid[0], grid[1:].ravel()
+        for axes, (title, values) in zip(others, loads, strict=False):
+            axes.set_title(title)
+            _curves(axes, steps, abscissa, np.array(values))
+        for axes in others[len(loads) :]:
+            axes.set_axis_off()
+        for axes, (title, values) in zip(panels, said, strict=True):
+            axes.set_title(title)
+            _curves(axes, steps, abscissa, np.array(values))
+        for axes in panels[:-1]:
+            zero_line(axes)
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper left", ncols=len(labels), handlelength=3.2)
+
+    draw_figure(fill, (_SIZE[0], rows * _SIZE[1]), folder, name)
+
+
+def _curves(axes: Axes, steps: Sequence[SweepStep], abscissa: str, values: np.ndarray) -> None:
+    methods = np.array([step.method for step in steps])
+    x = _places(steps, abscissa)
+    axes.set_xlabel(_axis(abscissa))
+    axes.margins(x=0.02)
+    for method in dict.fromkeys(methods.tolist()):
+        own = methods == method
+        look = dict(METHOD_STYLES[method])
+        if own.sum() > _DENSE:
+            look["marker"] = ""
+        axes.plot(x[own], values[own], label=METHODS[method].short_title, **look)
+    if np.nanmax(np.abs(values), initial=0.0) < _FLAT:
+        axes.set_ylim(-0.1, 0.1)
+    if abscissa == "degrees":
+        span = float(np.ptp(x))
+        axes.xaxis.set_major_locator(MultipleLocator(next((d for d in _TICKS if span <= 7 * d), span / 4)))
+
+
+def _places(steps: Sequence[SweepStep], abscissa: str) -> np.ndarray:
+    if abscissa == "degrees":
+        return np.array([step.degrees for step in steps])
+    if abscissa == "way":
+        return np.array([step.displacement for step in steps])
+    return np.array([100 * step.share for step in steps])
+
+
+def _axis(abscissa: str) -> str:
+    return {
+        "degrees": tr("rotation of the handle, degrees"),
+        "way": tr("displacement of the handle, in the unit of the mesh"),
+        "part": tr("part of the motion, %"),
+    }[abscissa]

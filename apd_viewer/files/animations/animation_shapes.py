@@ -1,0 +1,105 @@
+"""Shapes of a mesh one after another, each in a file of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.files.animations.imported_vertices import imported_vertices
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.target_shape import TargetShape
+    from apd_viewer.geometry.mesh.mesh import Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Animation:
+    """Shapes of a mesh, read one at a time: all of them need not fit into memory.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    labels, member : (n,) int arrays
+        Base, free or handle, and number of the region, of each vertex.
+    files : sequence of Path
+        A ``.npy`` file for each shape, (n, 3) positions in the order of the mesh.
+    times : sequence of float
+        Of each shape, ascending: the part of a motion, or iterations.
+    target : TargetShape or None
+        Another mesh to compare with.
+    on_read : callable
+        Called before each shape is read, with its number.
+    """
+
+    mesh: Mesh
+    labels: np.ndarray
+    member: np.ndarray
+    files: Sequence[Path]
+    times: Sequence[float]
+    target: TargetShape | None = None
+    on_read: Callable[[int], object] = lambda _: None
+
+    def __len__(self) -> int:
+        return len(self.files)
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        for number, path in enumerate(self.files):
+            self.on_read(number)
+            yield np.load(path)
+
+    @cached_property
+    def imported_vertices(self) -> np.ndarray:
+        """Vertices (k,) in the order of an importing program."""
+        return imported_vertices(self.mesh)
+
+
+class ShapeRecorder:
+    """Shapes of work of unknown length, in a bounded number of files.
+
+    Once they are full every other one is deleted, and from then on every other shape is left out; the latest
+    is always there.
+
+    Parameters
+    ----------
+    folder : Path
+        Existing, and of its own.
+    most : int
+        Even.
+    """
+
+    def __init__(self, folder: Path, most: int) -> None:
+        self._folder, self._most = folder, most
+        self._kept: list[int] = []
+        self._stride, self._count = 1, 0
+
+    def add(self, U: np.ndarray) -> None:
+        """Keep a shape (n, 3)."""
+        kept = self._kept
+        if kept and kept[-1] % self._stride:  # kept as the latest only
+            self._path(kept.pop()).unlink()
+        if len(kept) == self._most:
+            for number in kept[1::2]:
+                self._path(number).unlink()
+            del kept[1::2]
+            self._stride *= 2
+        np.save(self._path(self._count), U)
+        kept.append(self._count)
+        self._count += 1
+
+    def _path(self, number: int) -> Path:
+        return self._folder / f"{number}.npy"
+
+    @property
+    def files(self) -> list[Path]:
+        """A ``.npy`` file for each shape kept, in order."""
+        return [self._path(number) for number in self._kept]
+
+    @property
+    def numbers(self) -> list[float]:
+        """Numbers of the shapes kept, counted from 0 as they came."""
+        return [float(number) for number in self._kept]

@@ -1,0 +1,204 @@
+"""Findings about a mesh at rest, a sentence each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from apd_viewer.geometry.analysis.defects import defects
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, WELD_TOLERANCE
+from apd_viewer.language import tr, trn
+
+# The kinds of the findings about the file, and about separate parts.
+_FILE, SEPARATE_COMPONENTS = "file", "separate pieces"
+# Aspect ratio of a sliver: longest edge to height.
+_NEEDLE = 100.0
+
+# Sizes more likely a wrong unit than intended, in any unit.
+_TINY, _HUGE = 1e-3, 1e6
+
+# A volume below this, of a surface of area one, has the sign of rounding.
+_ROUNDING = 1e-9
+
+# This many sizes from the origin, single precision has lost three digits.
+_FAR = 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """Something unusual about a mesh.
+
+    Attributes
+    ----------
+    kind : str
+        A name for scripts, always the same.
+    sentence : str
+        What it is, and what comes of it.
+    vertices : (k,) int array
+        Where: vertices of the file, ascending; empty where it is the whole mesh.
+    """
+
+    kind: str
+    sentence: str
+    vertices: np.ndarray
+
+    @classmethod
+    def at_vertices(cls, kind: str, sentence: str, vertices: np.ndarray | tuple[()] = ()) -> Finding:
+        """Finding about vertices in any order, repeated or not."""
+        return cls(kind, sentence, frozen(np.unique(np.asarray(vertices, dtype=np.int64))))
+
+    @property
+    def is_about_file(self) -> bool:
+        """True if the file is strange, and not the mesh in it."""
+        return self.kind == _FILE
+
+
+def file_findings(mesh: Mesh) -> Iterator[Finding]:
+    """Findings about the file of the mesh."""
+    for sentence in mesh.remarks:
+        yield Finding.at_vertices(_FILE, sentence)
+
+
+def vertex_findings(mesh: Mesh) -> Iterator[Finding]:
+    """Findings about coincident and unreferenced vertices, and cracks."""
+    weld = mesh.weld
+    repeats = np.bincount(weld.inverse, minlength=len(weld.first))[weld.inverse] > 1
+    exact = np.ones(len(mesh.V), dtype=bool) if weld.offset is None else ~weld.offset.any(axis=1)
+    repeated = int(exact.sum()) - len(weld.first)
+    if repeated:
+        said = trn(
+            "{n:,} vertex has the same position as another; they move together.",
+            "{n:,} vertices have the same position as another; they move together.",
+            repeated,
+        ).format(n=repeated)
+        yield Finding.at_vertices("repeated vertices", said, np.flatnonzero(repeats))
+    if weld.offset is not None:
+        near = np.flatnonzero(weld.offset.any(axis=1))
+        said = trn(
+            "{n:,} vertex is closer than {part:g} × the mesh size to another; they move together.",
+            "{n:,} vertices are closer than {part:g} × the mesh size to another; they move together.",
+            len(near),
+        ).format(n=len(near), part=SEAM_TOLERANCE if mesh.has_welded_seams else WELD_TOLERANCE)
+        yield Finding.at_vertices("cracks", said, near)
+    used = np.zeros(len(mesh.V), dtype=bool)
+    used[mesh.F.ravel()] = True
+    unused = np.flatnonzero(~used)
+    if len(unused):
+        said = trn(
+            "{n:,} loose vertex without a face; it follows the nearest surface.",
+            "{n:,} loose vertices without a face; they follow the nearest surface.",
+            len(unused),
+        ).format(n=len(unused))
+        yield Finding.at_vertices("unreferenced vertices", said, unused)
+
+
+def face_findings(mesh: Mesh, areas: np.ndarray) -> Iterator[Finding]:
+    """Findings about degenerate and sliver triangles."""
+    flat = areas == 0.0
+    if n := int(flat.sum()):
+        said = trn(
+            "{n:,} degenerate face without area or stiffness.",
+            "{n:,} degenerate faces without area or stiffness.",
+            n,
+        ).format(n=n)
+        yield Finding.at_vertices("faces without area", said, mesh.F[flat])
+    longest = np.zeros(len(mesh.F))
+    for k in range(3):
+        edge = mesh.V[mesh.F[:, k]] - mesh.V[mesh.F[:, k - 1]]
+        np.maximum(longest, np.einsum("ij,ij->i", edge, edge), out=longest)
+    needles = ~flat & (longest > _NEEDLE * 2.0 * areas)
+    if n := int(needles.sum()):
+        said = trn(
+            "{n:,} sliver triangle (aspect ratio > {times:g}); the result may be poor there.",
+            "{n:,} sliver triangles (aspect ratio > {times:g}); the result may be poor there.",
+            n,
+        ).format(n=n, times=_NEEDLE)
+        yield Finding.at_vertices("needles", said, mesh.F[needles])
+
+
+def topology_findings(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
+    """Findings about topology: edges, borders, orientation."""
+    first = mesh.weld.first
+    proper = np.flatnonzero((F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0]))
+    found = defects(F[proper], len(first))
+    if n := len(found.duplicate_faces):
+        said = trn(
+            "{n:,} duplicate face; its area counts twice.",
+            "{n:,} duplicate faces; their area counts twice.",
+            n,
+        ).format(n=n)
+        yield Finding.at_vertices("doubled faces", said, mesh.F[proper[found.duplicate_faces]])
+    if n := len(found.non_manifold_edges):
+        said = trn(
+            "{n:,} non-manifold edge with more than two faces.",
+            "{n:,} non-manifold edges with more than two faces.",
+            n,
+        ).format(n=n)
+        yield Finding.at_vertices("crowded edges", said, first[found.non_manifold_edges])
+    if n := len(found.non_manifold_vertices):
+        said = trn(
+            "{n:,} non-manifold vertex; the surfaces there meet only at a point.",
+            "{n:,} non-manifold vertices; the surfaces there meet only at a point.",
+            n,
+        ).format(n=n)
+        yield Finding.at_vertices("bow ties", said, first[found.non_manifold_vertices])
+    if n := len(found.flipped_faces):
+        said = trn(
+            "{n:,} flipped face; there is no volume.",
+            "{n:,} flipped faces; there is no volume.",
+            n,
+        ).format(n=n)
+        yield Finding.at_vertices("flipped faces", said, mesh.F[proper[found.flipped_faces]])
+    if found.is_non_orientable:
+        yield Finding.at_vertices("one side only", tr("The surface is not orientable, like a Möbius strip."))
+    if n := len(found.boundary_edges):
+        said = trn(
+            "The surface is open: it has {n:,} boundary edge.",
+            "The surface is open: it has {n:,} boundary edges.",
+            n,
+        ).format(n=n)
+        yield Finding.at_vertices("open borders", said, first[found.boundary_edges])
+
+
+def orientation_findings(signed_volume: float | None, area: float) -> Iterator[Finding]:
+    """Finding about a volume ``signed_volume`` that is negative, if there is one."""
+    if signed_volume is not None and signed_volume < -_ROUNDING * area**1.5:
+        said = tr("The surface is inside out: its faces point inwards, and its volume is negative.")
+        yield Finding.at_vertices("inside out", said)
+
+
+def component_findings(mesh: Mesh, F: np.ndarray, component: np.ndarray) -> Iterator[Finding]:
+    """Finding about separate pieces."""
+    names, sizes = np.unique(component[F[:, 0]], return_counts=True)
+    if len(names) > 1:
+        others = np.setdiff1d(names, names[np.argmax(sizes)])
+        vertices = mesh.F[np.isin(component[F[:, 0]], others)]
+        said = tr("{n:,} connected parts; those without base or handle go along with the nearest surface.")
+        yield Finding.at_vertices(SEPARATE_COMPONENTS, said.format(n=len(names)), vertices)
+
+
+def size_findings(mesh: Mesh) -> Iterator[Finding]:
+    """Finding about extreme sizes and distances from the origin."""
+    mask = np.zeros(len(mesh.V), dtype=bool)
+    mask[mesh.F.ravel()] = True
+    used = mesh.V[mask]
+    size = diagonal(used)
+    away = float(np.linalg.norm(used.mean(axis=0)))
+    if size < _TINY:
+        yield Finding.at_vertices(
+            "tiny", tr("The mesh is only {size:.3g} across; check its unit.").format(size=size)
+        )
+    if size > _HUGE:
+        yield Finding.at_vertices(
+            "huge", tr("The mesh is {size:.3g} across; check its unit.").format(size=size)
+        )
+    if away > _FAR * size > 0.0:
+        said = tr(
+            "The mesh is {away:.3g} from the origin, {times:,.0f} times its size; single-precision "
+            "formats would round it."
+        )
+        yield Finding.at_vertices("far away", said.format(away=away, times=away / size))

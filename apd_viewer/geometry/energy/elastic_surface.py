@@ -1,0 +1,309 @@
+"""Elastic surface with held vertices: local step and factored global step.
+
+The energy is a sum of terms, each a squared distance to the nearest of what the term would rather see:
+cells that are only turned (Eq. 1), triangles that keep their shape or area (:class:`Membrane`), triangles
+that deform like their neighbours (:class:`Bending`). While those are held, the energy is quadratic in the
+positions and its matrix is always the same:
+
+    grad E = 4 (K U - b),        K factored once, b from the local step.
+
+Where there is bending, triangles that collapse push back (:class:`AreaBarrier`): a force of the gradient
+that b knows nothing of, as without a line search a global step would follow it too far.
+Springs draw some vertices to places of their own; they add to K and to b, and know no local step.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import coo_array, diags_array, hstack
+
+from apd_viewer.geometry.energy import arap_cells
+from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.energy.membrane import Membrane
+from apd_viewer.geometry.energy.plastic_bending import PlasticBending
+from apd_viewer.geometry.energy.projected_hessian import ProjectedHessian
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.linalg import parallel_ops, row_ops
+from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.geometry.linalg.quaternions import compose_rotations
+from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from apd_viewer.geometry.linalg.linear_solver import Factorizer, Matrix, Metric
+
+_MINUS = np.array([-1.0])
+_NOTHING = np.empty((0, 3))
+_NONE, _NO_FORCES = np.empty(0), np.empty((0, 0, 3))
+
+
+def _here_and_now(matrix: Callable[[], Matrix], V: np.ndarray) -> LinearSolver:
+    return LinearSolver(matrix(), V)
+
+
+class ElasticSurface:
+    """Local and global steps with some vertices held.
+
+    Parameters
+    ----------
+    rest : SolveMesh
+    fixed : (k,) int array
+        Held vertices, each once.
+    material : Material
+    factorizer : callable, optional
+        Makes the factor of the matrix that a callable returns, given the positions of its unknowns, too;
+        here and now without it.
+    soft : SoftConstraints
+        Free vertices that springs draw. Wherever ``targets`` are asked for, theirs follow those of ``fixed``.
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        Current positions. Replaced, never written into.
+    free : (f,) int array
+        Vertices that are solved for. Where some are held, a piece without any held vertex is not: nothing
+        says where it belongs, so it stays at rest (see :class:`LooseComponents`).
+    membrane : Membrane or None
+        What keeps shape and area of every triangle; None if the material has no such term.
+    creases : PlasticBending or None
+        What yields where it is bent; None if the material does not.
+    factor : Factor
+        Of :attr:`factored_matrix`.
+    metric : Metric
+        What :meth:`solve` applies: ``factor``, or the factor of another positive definite matrix.
+    """
+
+    def __init__(
+        self,
+        rest: SolveMesh,
+        fixed: np.ndarray,
+        material: Material | None = None,
+        factorizer: Factorizer | None = None,
+        soft: SoftConstraints = NO_SOFT_CONSTRAINTS,
+    ) -> None:
+        self.rest = rest
+        self.fixed = fixed
+        self.soft = soft
+        self._firm = soft.density * rest.vertex_areas[soft.ids] if len(soft.ids) else soft.density
+        self.factorizer = factorizer or _here_and_now
+        self.material = material = material or Material()
+        moves = rest.is_connected_to(fixed)
+        moves[fixed] = False
+        self.free = np.flatnonzero(moves)
+        self.membrane: Membrane | None = None
+        if material.shear > 0.0 or material.area > 0.0:
+            self.membrane = Membrane(rest.V, rest.all_triangles, material.shear, material.area)
+        self.creases: PlasticBending | None = None
+        if material.bending > 0.0 and material.yield_curvature < np.inf:
+            ratio = material.rigidity / material.bending
+            self.creases = PlasticBending(rest, material.yield_curvature, ratio)
+        self._bending = self.creases or (rest.bending if material.bending > 0.0 else None)
+        self._place = np.full(len(rest.V), len(rest.V))
+        self._place[self.free] = np.arange(len(self.free))
+        self._place[fixed] = -1 - np.arange(len(fixed))
+        # Whether the energy is Eq. 1 and nothing else.
+        more = self.membrane is not None or self._bending is not None or len(soft.ids) > 0
+        self._has_cells_alone = not more and material.rigidity == 1.0
+        self.factor = self.factorizer(lambda: self.factored_matrix, rest.V[self.free])
+        self.metric: Metric = self.factor
+        self._coupling = material.coupling * float(rest.vertex_areas.sum())
+        self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]]) if len(soft.ids) else _NOTHING
+        self._from_held: np.ndarray | None = None
+        self._q: np.ndarray | None
+        self.restart(rest.V)
+
+    @cached_property
+    def _blocks(self) -> tuple[Matrix, Matrix]:
+        rest, material = self.rest, self.material
+        K = rest.L if material.rigidity == 1.0 else material.rigidity * rest.L
+        if self.membrane is not None:
+            K = K + self.membrane.K
+        if self._bending is not None:
+            K = K + material.bending * self._bending.K
+        rows = K.tocsr()[self.free]
+        K_ff, K_fc = rows[:, self.free].tocsr(), rows[:, self.fixed].tocsr()
+        if not len(self.soft.ids):
+            return K_ff, K_fc
+        place, n = self._place[self.soft.ids], len(self.free)
+        springs = diags_array(np.bincount(place, self._firm, minlength=n))
+        drawn = coo_array((-self._firm, (place, np.arange(len(place)))), shape=(n, len(place)))
+        return (K_ff + springs).tocsr(), hstack([K_fc, drawn]).tocsr()
+
+    @property
+    def K_ff(self) -> Matrix:
+        """The matrix's rows and columns of the free vertices, (f, f)."""
+        return self._blocks[0]
+
+    @property
+    def factored_matrix(self) -> Matrix:
+        """:attr:`K_ff`, made definite where nothing is held.
+
+        Then a shift of the whole is about as firm as its softest change of shape. It costs no energy.
+        """
+        if len(self.fixed):
+            return self.K_ff
+        size = np.ptp(self.rest.V, axis=0)
+        return (self.K_ff + diags_array(self.rest.vertex_areas[self.free] / float(size @ size))).tocsr()
+
+    @cached_property
+    def hessian(self) -> ProjectedHessian:
+        """Approximate Hessian of a surface with a membrane; without, it would be K."""
+        assert self.membrane is not None
+        others = self.K_ff - self.membrane.K[self.free][:, self.free]
+        return ProjectedHessian(self.rest.V, self.free, others, self.membrane)
+
+    @property
+    def q(self) -> np.ndarray:
+        """Rotations of the cells, (n, 4) unit quaternions."""
+        if self._q is None:
+            q = self.rest.identity_rotations()
+            if self.U is not self.rest.V or self.creases:
+                self._turn_cells(self.U, q)
+            self._q = q
+            self._follow_creases()
+        return self._q
+
+    def restart(self, U: np.ndarray) -> None:
+        """Continue from the positions ``U`` (n, 3)."""
+        self.U = U
+        self._q = None  # nobody may ask for long
+        if self.membrane is not None:
+            self.membrane.local_step(U)
+
+    def right_hand_side(
+        self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
+    ) -> np.ndarray:
+        """Right-hand side of the global step, ``b_f - K_fc targets``, (f, 3) float array.
+
+        Parameters
+        ----------
+        targets : (k, 3) float array
+            Where the held vertices are.
+        mult, forces : (g,) and (g, n, 3) float arrays
+            ``mult_i forces_i`` are added to ``b``.
+        """
+        rest, material, more = self.rest, self.material, _NOTHING
+        if self.membrane is not None:
+            more = self.membrane.right_hand_side()
+        if self._bending is not None:
+            pull = self._bending.right_hand_side(self.q, material.bending)
+            more = pull if more is _NOTHING else more + pull
+        terms = *rest.graph, rest.V, rest.LV, self.q, material.rigidity, more
+        return arap_cells.right_hand_side(*terms, mult, forces, self.free, self.held_contribution(targets))
+
+    def held_contribution(self, targets: np.ndarray) -> np.ndarray:
+        """Contribution ``K_fc targets`` of held vertices at ``targets`` (k, 3)."""
+        if targets is not self._targets or self._from_held is None:
+            self._targets, self._from_held = targets, parallel_ops.matrix_product(self._blocks[1], targets)
+        return self._from_held
+
+    def residual(self, targets: np.ndarray) -> np.ndarray:
+        """A quarter of the gradient on the free vertices, (f, 3) float array."""
+        if self._has_cells_alone:
+            return arap_cells.quarter_gradient(
+                *self.rest.graph, self.rest.V, self.rest.LV, self.U, self.q, self.free
+            )
+        residual = parallel_ops.matrix_product(self.K_ff, row_ops.gathered_rows(self.U, self.free))
+        parallel_ops.add_combination(residual, _MINUS, self.right_hand_side(targets)[None])
+        if self._bending is not None:
+            collapsing = self.rest.area_barrier.gradient(self.U)[self.free]
+            residual += 0.25 * self.material.bending * collapsing
+        return residual
+
+    def solve(self, b_f: np.ndarray) -> np.ndarray:
+        """Response to forces ``b_f`` in the current metric, both (f, 3) float arrays."""
+        return self.metric.solve(b_f)
+
+    def global_step(
+        self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
+    ) -> np.ndarray:
+        """Minimiser (n, 3) of the energy for a fixed ``b``; not yet current."""
+        return self.all_positions(self.factor.refined(self.right_hand_side(targets, mult, forces)), targets)
+
+    def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
+        return row_ops.scattered_rows(self.U, self._place, X, targets)
+
+    def positions_along(
+        self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
+    ) -> np.ndarray:
+        """Positions ``U`` plus a share of ``direction`` (f, 3), held at ``targets``."""
+        return row_ops.scattered_rows_along(U, self._place, share, direction, targets)
+
+    def local_step(self, U: np.ndarray) -> None:
+        """Make ``U`` (n, 3) current and compute each term's projection there."""
+        q, self.U = self.q, U
+        if self.membrane is not None:
+            self.membrane.local_step(U)
+        self._turn_cells(U, q)
+        self._follow_creases()
+
+    def energy_after_local_step(self, U: np.ndarray) -> float:
+        """Make ``U`` (n, 3) current; its energy without the coupling of the rotations."""
+        q, self.U = self.q, U
+        if self.membrane is not None:
+            self.membrane.local_step(U)
+        energies = np.zeros(arap_cells.portion_count(len(U)))
+        self._turn_cells(U, q, energies)
+        self._follow_creases()
+        return self._energy(energies.sum())
+
+    def commit_creases(self) -> None:
+        """Make the flow at the current positions last."""
+        if self.creases:
+            self.creases.commit_flow(self.U, self.q)
+
+    def _follow_creases(self) -> None:
+        if self.creases:
+            self.creases.update_flow(self.U, self.q)
+
+    def _turn_cells(self, U: np.ndarray, q: np.ndarray, energies: np.ndarray = _NONE) -> None:
+        rest, material, S0 = self.rest, self.material, arap_cells.NO_MOMENTS
+        if self._bending is not None:
+            S0 = self._bending.moments(U, material.bending / material.rigidity)
+        if self._coupling > 0.0:
+            arap_cells.gauss_seidel_local_step(*rest.graph, rest.V, U, S0, self._coupling, q)
+            if len(energies):
+                energies[0] = arap_cells.energy(*rest.graph, rest.V, U, q)
+        else:
+            arap_cells.local_step(*rest.graph, rest.V, U, S0, q, energies)
+
+    def rotate_projections(self, rotations: np.ndarray) -> None:
+        """Rotate each term's projection by ``rotations`` (n, 4), unit quaternions."""
+        compose_rotations(rotations, self.q)
+        if self.membrane is not None:
+            self.membrane.rotate_projections(rotations)
+
+    def iterate(self, targets: np.ndarray) -> None:
+        """Global step with the held vertices at ``targets`` (k, 3), then the local step."""
+        self.local_step(self.global_step(targets))
+
+    @property
+    def energy(self) -> float:
+        """The energy of the current positions, without the coupling of the rotations."""
+        return self._energy(arap_cells.energy(*self.rest.graph, self.rest.V, self.U, self.q))
+
+    def _energy(self, cells: float) -> float:
+        """The energy of the current positions, with that of the cells."""
+        flat = 0.0 if self.membrane is None else self.membrane.energy
+        return self._without_membrane(self.U, self.q, cells) + flat
+
+    def energy_at(self, U: np.ndarray) -> float:
+        """Energy at ``U`` (n, 3) near the current positions, without a membrane."""
+        q = self.q.copy()
+        self._turn_cells(U, q)
+        return self._without_membrane(U, q, arap_cells.energy(*self.rest.graph, self.rest.V, U, q))
+
+    def _without_membrane(self, U: np.ndarray, q: np.ndarray, cells: float) -> float:
+        """Energy at ``U`` (n, 3) of bending, springs and ``cells`` turned by ``q``."""
+        E = self.material.rigidity * cells
+        if self._bending is not None:
+            E += self.material.bending * (self._bending.energy(U, q) + self.rest.area_barrier.energy(U))
+        if len(self.soft.ids):
+            away = U[self.soft.ids] - self._targets[len(self.fixed) :]
+            E += 2.0 * parallel_ops.inner_product(self._firm, (away * away).sum(axis=1))
+        return float(E)

@@ -1,0 +1,58 @@
+"""Metric of quasi-Newton steps: K at first, a projected Hessian near the minimum.
+
+K is the Hessian while all projections are held. It is factored already, and far from the minimum nothing
+better is known; near it a membrane that turns or shears is much softer than that, and steps by K creep. A
+Hessian of some steps ago still serves, since the quasi-Newton memory learns the difference [Liu, Bouaziz &
+Kavan 2017]; the global step keeps K.
+"""
+
+from __future__ import annotations
+
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
+from apd_viewer.geometry.goals.goal_projection import GoalProjection
+
+# With more free vertices a frame waits too long for a factorization: 0.9 to 1.2 s with 31,000 (160 MB), up to
+# 1.6 s with 40,000, 12 s (750 MB) with 125,000.
+MOST_HESSIAN_VERTICES = 40_000
+# Steps between two Hessians; they take about twice as long as to factor one.
+_PERIOD = 50
+
+
+def gains_from_hessian(elastic: ElasticSurface) -> bool:
+    """True if a surface converges sooner with its Hessian, and it is not too large.
+
+    With bending K is nearly as good a metric, and the Hessian takes seven times as long to factor.
+    """
+    soft = elastic.membrane is not None and elastic.material.bending == 0.0
+    return soft and len(elastic.free) <= MOST_HESSIAN_VERTICES
+
+
+class AdaptiveMetric:
+    """Choice of the metric of an elastic surface.
+
+    Parameters
+    ----------
+    elastic : ElasticSurface
+    """
+
+    def __init__(self, elastic: ElasticSurface) -> None:
+        self._elastic = elastic
+        self._age = 0
+
+    @property
+    def is_hessian(self) -> bool:
+        """True if it is not K."""
+        return self._elastic.metric is not self._elastic.factor
+
+    def update(self, projection: GoalProjection) -> None:
+        """Take the Hessian, or a new one, at the current shape, if it is due."""
+        elastic = self._elastic
+        if self.is_hessian and self._age < _PERIOD:
+            self._age += 1
+            return
+        elastic.metric, self._age = elastic.hessian.factor_at(elastic.U), 1
+        projection.refresh_directions(elastic.U)
+
+    def reset(self) -> None:
+        """Take K."""
+        self._elastic.metric = self._elastic.factor

@@ -1,0 +1,375 @@
+"""Deform a mesh in one call."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle
+from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.goals.goals import Region, RegionReading
+from apd_viewer.geometry.mesh.arrays import checked_floats
+from apd_viewer.geometry.mesh.checked_arguments import checked
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
+from apd_viewer.geometry.solver.contact_descent import whole_path_frame
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.held_vertices import HeldVertices
+from apd_viewer.geometry.solver.loose_components import GO
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+    contact_by_default,
+    method_named,
+    passing_walls_warning,
+)
+from apd_viewer.geometry.turns.held_turn import HeldTurn, pass_through_warnings
+from apd_viewer.geometry.turns.held_turns import held_turns, relative_paths
+from apd_viewer.language import tr
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A finished deformation; the fields of the command line's report.
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        Deformed positions in the order of the file, mesh units.
+    area_error : float
+        ``area / area_rest - 1``.
+    volume_rest, volume : float or None
+        Enclosed volume; None if the surface is not closed.
+    area_target, volume_target : float or None
+        What was asked of the total area and the volume.
+    volume_capped_rest, volume_capped : float or None
+        Volumes of an open surface, with flat caps over its ``openings``.
+    handle_drift : float
+        Distance between the centroid of a handle where it was asked for and where it is; the largest of
+        several handles.
+    regions : tuple of RegionReading
+        What became of each region.
+    local_change : float
+        Largest relative change of the area of a triangle, up or down.
+    energy : float
+        ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations.
+    warnings : tuple of str
+        What the user should know about the mesh or the result.
+    convergence : Convergence
+        What the iterations were ended by.
+    share_reached : float
+        Share of the way to the targets that contact has let the handles go.
+    least_gap : float or None
+        Least distance of walls in touch, mesh units; None without contact, or where nothing touches.
+    pairs_in_contact : int
+        Pairs of vertex and triangle, or of two edges, in touch.
+    loads : (o, 3) float array
+        Forces on the obstacles, energy per length: those of a material of stiffness 1.
+    shifts : (o, 3) float array
+        How far the obstacles have come from their places, mesh units.
+    turned : tuple of float
+        Turn that was asked of each handle against the base, degrees, with whole turns; positive about the
+        line from the base to the handle, or else about the largest coordinate of its axis.
+    turned_held : tuple of float or None
+        By how much the surface turns from the base to each handle, degrees. None where that was not looked
+        at: where less than 5 degrees were asked, no surface leads there, or handle or base is a line or a
+        point.
+    load_excess : float or None
+        Expected excess of the loads, 0.1 for 10 %, as the cells of the mesh bend, too; None without loads or
+        without stiffness, where loads are those of the cells alone.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> V, F = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]]
+    >>> result = apd_viewer.deform(V, F, [0, 1, 2], V[:3], method="arap")
+    >>> result.converged, result.method, result.warnings
+    (True, 'arap', ('There is no volume: the surface is open (4 boundary edges).',))
+    """
+
+    U: np.ndarray
+    method: str
+    iterations: int
+    converged: bool
+    area_rest: float
+    area: float
+    area_error: float
+    area_target: float | None
+    volume_rest: float | None
+    volume: float | None
+    volume_target: float | None
+    volume_capped_rest: float | None
+    volume_capped: float | None
+    openings: int
+    energy: float
+    handle_drift: float
+    regions: tuple[RegionReading, ...]
+    local_change: float
+    seconds: float
+    factor_seconds: float
+    seconds_per_iteration: float
+    warnings: tuple[str, ...]
+    convergence: Convergence
+    share_reached: float
+    least_gap: float | None
+    pairs_in_contact: int
+    loads: np.ndarray
+    shifts: np.ndarray
+    turned: tuple[float, ...]
+    turned_held: tuple[float | None, ...]
+    load_excess: float | None
+
+
+@checked
+def deform(
+    V: np.ndarray,
+    F: np.ndarray,
+    fixed: np.ndarray,
+    targets: np.ndarray,
+    method: str = DEFAULT_METHOD,
+    iterations: int | None = None,
+    tolerance: float = DEFAULT_TOLERANCE,
+    stiffness: float = 0.0,
+    *,
+    handle: np.ndarray | Sequence[np.ndarray] | None = None,
+    area_stiffness: float = DEFAULT_AREA_STIFFNESS,
+    shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
+    area: float | str | None = None,
+    volume: float | str | None = None,
+    regions: Sequence[Region] = (),
+    loose: str | Sequence[int] | np.ndarray = GO,
+    calm: bool = True,
+    contact: bool | None = None,
+    thickness: float | None = None,
+    obstacles: Sequence[Obstacle] = (),
+    shifts: np.ndarray | None = None,
+    convergence: Convergence = DEFAULT_CONVERGENCE,
+    weld: bool = False,
+    progress: Callable[[Frame], None] | bool | None = None,
+) -> Result:
+    """Deform a mesh with its ``fixed`` vertices held at their ``targets``.
+
+    Parameters
+    ----------
+    V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness
+        See :class:`Deformation`.
+    area, volume, regions, loose, calm, thickness, obstacles, convergence, weld
+        See there too.
+    contact : bool, optional
+        No shape crosses itself more than at rest; held vertices may be stopped on their way. By default so,
+        up to 20,000 vertices, by methods that can ("exact", "local", "arap") and unless iterations are plain.
+    shifts : (o, 3) float array, optional
+        How far each obstacle goes from its place, straight, together with the held vertices; an equal part of
+        it to each way point of a path. Without, they stay.
+    targets : (k, 3) or (s, k, 3) float array
+        A position for each of ``fixed``, mesh units; or a path of s way points that is walked in order. The
+        ``share_reached`` of a path counts all ways between two points alike.
+    iterations : int, optional
+        Do exactly so many plain iterations from the rest shape, without contact. Without it: until converged.
+    progress : callable or bool, optional
+        Called with every Frame. True shows a line of progress, in scripts and notebooks that call it as
+        ``apd_viewer.deform``; by itself this function is quiet.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import numpy as np
+    >>> mesh = apd_viewer.open_mesh("bottle.obj")
+    >>> base, neck = np.flatnonzero(mesh.V[:, 1] < 1.2), np.flatnonzero(mesh.V[:, 1] > 18.7)
+    >>> targets = np.vstack([mesh.V[base], mesh.V[neck] + [2, 0, 0]])
+    >>> result = apd_viewer.deform(mesh.V, mesh.F, np.r_[base, neck], targets, handle=neck)
+    >>> bool(abs(result.area_error) < 1e-8)
+    True
+    """
+    started, told = time.perf_counter(), progress if callable(progress) else None
+    rest = RestMesh.from_arrays(V, F, weld)
+    size = method, len(rest.V)
+    by_default = contact is None and iterations is None
+    solver = Deformation(
+        V,
+        F,
+        fixed,
+        method=method,
+        handle=handle,
+        tolerance=tolerance,
+        stiffness=stiffness,
+        area_stiffness=area_stiffness,
+        shear_stiffness=shear_stiffness,
+        area=area,
+        volume=volume,
+        regions=regions,
+        loose=loose,
+        calm=calm,
+        contact=contact_by_default(*size) if by_default else bool(contact),
+        thickness=thickness,
+        obstacles=obstacles,
+        convergence=convergence,
+        plain=iterations is not None,
+        rest=rest,
+    )
+    targets = checked_floats(targets, tr("Targets"))
+    last = None
+    if targets.ndim != 3 or not len(targets):
+        solver.aim(targets, shifts=shifts)
+        way = targets[None]
+    elif iterations is not None:
+        raise InputError(tr("Plain iterations know of no path; give the last targets alone."))
+    else:
+        last, way = _walk(solver, targets, shifts, told), targets
+    result = iterate_to_result(solver, started, iterations, told, last, _turns(solver, handle, way))
+    passing = passing_walls_warning(*size, tr("--contact or contact=True")) if by_default else ""
+    return replace(result, warnings=(*result.warnings, passing)) if passing else result
+
+
+def _walk(
+    solver: Deformation,
+    targets: np.ndarray,
+    shifts: np.ndarray | None,
+    progress: Callable[[Frame], None] | None,
+) -> Callable[[], Frame]:
+    """Walk along ``targets`` (s, k, 3); return a call for the frame at its end."""
+    for leg, point in enumerate(targets):
+        solver.aim(point, shifts=None if shifts is None else (leg + 1) / len(targets) * np.asarray(shifts))
+        if leg == len(targets) - 1:
+            break
+        count = 0
+        while count < ITERATIONS_A_STEP or solver.is_on_its_way:
+            solver.iterate()
+            count += 1
+            if progress:
+                progress(solver.frame())
+        if solver.share_reached < 1.0:
+            break
+    return lambda: whole_path_frame(solver.frame(), leg, len(targets), solver.contact)
+
+
+def _turns(
+    solver: Deformation, handle: np.ndarray | Sequence[np.ndarray] | None, places: np.ndarray
+) -> Callable[[np.ndarray], tuple[HeldTurn, ...]]:
+    """The turns in a shape (n, 3) after a way along ``places`` (s, k, 3)."""
+    rest, held = solver.rest, HeldVertices(solver.fixed, handle, solver.rest)
+    labels = np.full(len(rest.solve_mesh.V), FREE)
+    labels[held.ids] = np.where(held.handle_of > 0, HANDLE - 1 + held.handle_of, BASE)
+    own = labels[rest.weld.inverse[solver.fixed]]
+    ways = relative_paths(rest.V[solver.fixed], places, own)
+    return lambda U: held_turns(rest.solve_mesh.V, U[rest.weld.first], rest.solve_mesh.F, labels, ways)
+
+
+def iterate_to_result(
+    solver: Deformation,
+    started: float,
+    iterations: int | None = None,
+    progress: Callable[[Frame], None] | None = None,
+    last: Callable[[], Frame] | None = None,
+    turns: Callable[[np.ndarray], tuple[HeldTurn, ...]] = lambda _: (),
+) -> Result:
+    """Iterate until the shape has settled, or ``iterations`` times.
+
+    Parameters
+    ----------
+    solver : Deformation
+        Aimed.
+    started : float
+        When work began, by ``time.perf_counter()``.
+    iterations, progress
+        See :func:`deform`.
+    last : callable, optional
+        Gives the last frame, where it is not simply the solver's.
+    turns : callable
+        Gives the turns of the handles in the last shape (n, 3).
+    """
+    iterating = time.perf_counter()
+    count, most = 0, iterations or solver.convergence.most_iterations
+    while count < most and (iterations is not None or not solver.settled):
+        solver.iterate()
+        count += 1
+        if progress:
+            progress(solver.frame())
+    frame = (last or solver.frame)()
+    ended = time.perf_counter()
+    each = (ended - iterating) / frame.iteration
+    return deformation_result(solver, frame, ended - started, each, turns(frame.U))
+
+
+def deformation_result(
+    solver: Deformation,
+    frame: Frame,
+    seconds: float,
+    seconds_per_iteration: float,
+    turns: Sequence[HeldTurn] = (),
+) -> Result:
+    """Result of the iterations up to ``frame``, with the turns of the handles there."""
+    unsettled: tuple[str, ...] = ()
+    if frame.unreached:
+        unsettled = (frame.unreached,)
+    elif solver.missed_goals_sentence:
+        unsettled = (
+            tr("Targets not met after {iteration:,} iterations: {missed}.").format(
+                iteration=frame.iteration, missed=solver.missed_goals_sentence
+            ),
+        )
+    elif not frame.settled and frame.iteration == (most := solver.convergence.most_iterations):
+        unsettled = (tr("The shape did not converge within {most:,} iterations.").format(most=most),)
+    touch = solver.contact is not None, method_named(solver.method).may_use_contact
+    return Result(
+        U=frame.U,
+        method=solver.method,
+        iterations=frame.iteration,
+        converged=frame.converged,
+        area_rest=solver.rest.area,
+        area=frame.area,
+        area_error=frame.area_error,
+        area_target=solver.target("the area"),
+        volume_rest=solver.rest.volume,
+        volume=frame.volume,
+        volume_target=solver.target("the volume"),
+        volume_capped_rest=solver.rest.volume_capped,
+        volume_capped=frame.volume_capped,
+        openings=solver.rest.openings,
+        energy=solver.rest.energy(frame.U),
+        handle_drift=frame.handle_drift,
+        regions=solver.readings(frame),
+        local_change=frame.local_change,
+        seconds=seconds,
+        factor_seconds=solver.factor_seconds,
+        seconds_per_iteration=seconds_per_iteration,
+        warnings=(
+            *solver.warnings,
+            *unsettled,
+            *pass_through_warnings(turns, frame, solver.rest.volume, *touch),
+        ),
+        convergence=solver.convergence,
+        share_reached=frame.share_reached,
+        least_gap=None if frame.contact is None else frame.contact.least_gap,
+        pairs_in_contact=0 if frame.contact is None else frame.contact.pairs,
+        loads=frame.loads,
+        shifts=frame.shifts,
+        turned=tuple(turn.degrees[0] for turn in turns),
+        turned_held=tuple(turn.degrees[1] for turn in turns),
+        load_excess=_load_excess(solver) if len(frame.loads) else None,
+    )
+
+
+def _load_excess(solver: Deformation) -> float | None:
+    """Expected excess of the loads on obstacles; None without stiffness."""
+    assert solver.contact is not None
+    shape = solver.rest.solve_mesh
+    return load_excess(solver.contact.elastic.material, cell_stiffness(shape.V, shape.F))

@@ -1,0 +1,346 @@
+"""Loose parts, carried along as rigid bodies by the nearest held surface.
+
+In contact they touch what they may come to, but not the surface that carries them: nobody could say whether a
+button that is sunk into it should be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numba import prange
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.surface_distance import nearest_triangles
+from apd_viewer.geometry.linalg.quaternions import rotated_vector
+from apd_viewer.geometry.linalg.rotations import horn
+from apd_viewer.geometry.linalg.threads import cores_for, parallel
+from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.solver.held_vertices import vertex_ids
+from apd_viewer.language import tr, trn
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.energy.rest_mesh import RestMesh
+
+GO, STAY = "go", "stay"
+# A place of a part this much of its size farther from the surface than the nearest one counts half: a spout
+# goes with the wall that it stands on, and not with all that it points at.
+_REACH = 0.05
+# Weight of each corner of a triangle in the fit, beside those of the nearest point: where that is a corner,
+# it says nothing of a rotation. Small, as on an edge two triangles are equally near.
+_AROUND = 0.01
+
+
+class LooseComponents:
+    """Connected parts without held vertices, a vertex without a face among them.
+
+    Nothing says where such a part belongs, so the solver leaves it at rest. It is bound to the triangles of
+    the held surface nearest to it at rest, and makes the rigid motion that takes a point between them along
+    and fits their corners best. So it keeps its area, its volume and its distance from the surface.
+
+    Parameters
+    ----------
+    rest : RestMesh
+    held : (k,) int array
+        Held vertices of the solve.
+    handle_of : (k,) int array
+        For each the number of its handle, from 1; 0 is base.
+    loose : "go", "stay" or int array
+        All parts go along, all stay at rest, or those with these vertices of the file stay.
+    contact : bool
+        Whether contact keeps apart what is held.
+    """
+
+    def __init__(
+        self,
+        rest: RestMesh,
+        held: np.ndarray,
+        handle_of: np.ndarray,
+        loose: str | Sequence[int] | np.ndarray,
+        contact: bool = False,
+    ) -> None:
+        self._rest, self._contact = rest, contact
+        piece = rest.solve_mesh.component
+        self._without_base = _without_base(piece, held, handle_of)
+        self._is_held = np.zeros(len(piece), dtype=bool)
+        # Where nothing is held, all deforms.
+        self._is_held[piece[held] if len(held) else slice(None)] = True
+        self._vertices = np.flatnonzero(~self._is_held[piece])
+        self._stays = self._chosen(loose)
+
+    def choose_loose(self, loose: str | Sequence[int] | np.ndarray) -> None:
+        """Let other parts go along or stay; see the class.
+
+        Raises
+        ------
+        InputError
+            If others would stay in contact: there might be no free way to where they are.
+        """
+        stays = self._chosen(loose)
+        if self._contact and not np.array_equal(stays[~self._is_held], self._stays[~self._is_held]):
+            raise InputError(tr("In contact no other loose parts can stay; make another Deformation."))
+        self._stays = stays
+
+    def _chosen(self, loose: str | Sequence[int] | np.ndarray) -> np.ndarray:
+        """Mask of the pieces that stay."""
+        if not isinstance(loose, str):
+            return self._with(loose)
+        if loose in (GO, STAY):
+            return np.full(len(self._is_held), loose == STAY)
+        raise InputError(
+            tr("Loose parts must 'go' or 'stay'; or give a list with a vertex of each that stays.")
+        )
+
+    def _with(self, vertices: Sequence[int] | np.ndarray) -> np.ndarray:
+        """Mask of the pieces with these ``vertices`` of the file."""
+        weld, piece = self._rest.weld, self._rest.solve_mesh.component
+        stays = np.zeros(len(piece), dtype=bool)
+        stays[piece[weld.inverse[vertex_ids(vertices, len(weld.inverse), "loose")]]] = True
+        return stays
+
+    @property
+    def warning(self) -> str | None:
+        """Sentences about parts without base; None without such parts."""
+        shape = self._rest.solve_mesh
+        loose = np.zeros(len(shape.component), dtype=bool)
+        loose[shape.component[shape.F[:, 0]]] = True
+        loose &= ~self._is_held
+        stay = int((loose & self._stays).sum())
+        said = [_sentence_on_going(int(loose.sum()) - stay), _sentence_on_staying(stay)]
+        if self._contact and loose.sum() > stay:
+            said.append(tr("Contact keeps them apart from all but the surface that they go along with."))
+        said.append(_sentence_on_handles(self._without_base))
+        return " ".join(filter(None, said)) or None
+
+    def with_loose_at_rest(self, U: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3) with all loose parts at rest."""
+        if len(self._vertices):
+            U = U.copy()
+            U[self._vertices] = self._rest.solve_mesh.V[self._vertices]
+        return U
+
+    def with_followers(self, U: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3), loose parts at rest, with those that go along moved."""
+        if not len(self._vertices) or self._binding is None:
+            return U
+        out, piece = U.copy(), self._rest.solve_mesh.component
+        with cores_for(len(U)):
+            _carry(U, self._rest.solve_mesh.V, *self._binding[:-1], self._stays[piece[self._vertices]], out)
+        return out
+
+    @property
+    def exempt_groups(self) -> np.ndarray:
+        """Row (1, n) of groups: parts that go along, and below 0 their carriers.
+
+        Parts that share some of it are in one group. No row without such parts.
+        """
+        shape, n = self._rest.solve_mesh, len(self._rest.solve_mesh.V)
+        binding = self._binding if len(self._vertices) else None
+        if binding is None:
+            return np.zeros((0, n), np.int64)
+        group = np.zeros((1, n), np.int64)
+        part, corner, _ = self._carrying(binding, binding.is_close)
+        leader = binding.member[binding.member_start[:-1]]
+        links = coo_array((np.ones(len(part)), (leader[part], corner)), shape=(n, n))
+        number = 1 + connected_components(links, directed=False)[1].astype(np.int64)
+        group[0, corner] = -number[corner]
+        around = shape.F[(group[0][shape.F] < 0).any(axis=1)]
+        np.minimum.at(group[0], around, group[0][around].min(axis=1, keepdims=True))
+        of_part = np.zeros(len(leader), np.int64)
+        of_part[part] = number[leader[part]]
+        group[0, binding.member] = np.repeat(of_part, np.diff(binding.member_start))
+        return group
+
+    def transfer_gradient(self, g: np.ndarray) -> None:
+        """Add the gradient (n, 3) of parts to their carriers, but for rotations."""
+        if len(self._vertices) and self._binding is not None:
+            part, corner, share = self._carrying(self._binding)
+            force = np.add.reduceat(g[self._binding.member], self._binding.member_start[:-1])
+            np.add.at(g, corner, share[:, None] * force[part])
+
+    def limit_shares(self, shares: np.ndarray) -> None:
+        """Let nothing that carries parts go farther than they do, by shares (n,)."""
+        if len(self._vertices) and self._binding is not None:
+            part, corner, _ = self._carrying(self._binding)
+            least = np.minimum.reduceat(shares[self._binding.member], self._binding.member_start[:-1])
+            np.minimum.at(shares, corner, least[part])
+
+    def _carrying(
+        self, binding: LooseBinding, among: np.ndarray | bool = True
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Corners that carry a part: the part (c,), the corner (c,) and its share (c,)."""
+        leader = binding.member[binding.member_start[:-1]]
+        part = np.repeat(np.arange(len(leader)), np.diff(binding.start))
+        goes = among & ~self._stays[self._rest.solve_mesh.component[leader]][part]
+        return part[goes], binding.corner[goes], binding.share[goes]
+
+    @cached_property
+    def _binding(self) -> LooseBinding | None:
+        shape = self._rest.solve_mesh
+        F = shape.F[self._is_held[shape.component[shape.F[:, 0]]]]
+        F = F[face_areas(shape.V, F) > 0.0]
+        return _bound(shape.V, F, shape.component, self._vertices) if len(F) else None
+
+
+class LooseBinding(NamedTuple):
+    """Loose parts, and the corners of the triangles nearest to each.
+
+    Attributes
+    ----------
+    member_start : (p + 1,) int array
+        Part k has the vertices ``member[member_start[k]:member_start[k + 1]]``.
+    member : (l,) int array
+    start : (p + 1,) int array
+        Its corners are ``corner[start[k]:start[k + 1]]``.
+    corner : (c,) int array
+    share : (c,) float array
+        Weights of the point between the triangles, by part, with sum one.
+    weight : (c,) float array
+        Weights of the fit.
+    is_close : (c,) bool array
+        True where it is of the surface that the part lies on, and not of what is opposite.
+    """
+
+    member_start: np.ndarray
+    member: np.ndarray
+    start: np.ndarray
+    corner: np.ndarray
+    share: np.ndarray
+    weight: np.ndarray
+    is_close: np.ndarray
+
+
+def _bound(V: np.ndarray, F: np.ndarray, component: np.ndarray, vertices: np.ndarray) -> LooseBinding:
+    """Bind the parts of ``vertices`` (l,) to the triangles ``F`` (m, 3)."""
+    vertices = vertices[np.argsort(component[vertices], kind="stable")]
+    _, first, part = np.unique(component[vertices], return_index=True, return_inverse=True)
+    away, T = nearest_triangles(V[vertices], V, F)
+    reach = _reach(V[vertices], away, first)[part]
+    near = _nearness(away, reach, part)
+    share = near[:, None] * _barycentric(V[T], V[vertices])
+    weight = share + _AROUND * near[:, None]
+    key, which = np.unique((part[:, None] * len(V) + T).ravel(), return_inverse=True)
+    part_of_corner, corner = np.divmod(key, len(V))
+    start = np.searchsorted(part_of_corner, np.arange(len(first) + 1))
+    return LooseBinding(
+        np.append(first, len(vertices)),
+        vertices,
+        start,
+        corner,
+        np.bincount(which, share.ravel()),
+        np.bincount(which, weight.ravel()),
+        np.bincount(which, np.repeat(away <= reach, 3)) > 0,
+    )
+
+
+def _reach(points: np.ndarray, away: np.ndarray, first: np.ndarray) -> np.ndarray:
+    """Distance (p,) from the surface at which a point of each part counts half."""
+    extent = np.maximum.reduceat(points, first) - np.minimum.reduceat(points, first)
+    reach = np.minimum.reduceat(away, first) + _REACH * np.linalg.norm(extent, axis=1)
+    reach[reach == 0.0] = 1.0  # a single vertex on the surface
+    return reach
+
+
+def _nearness(away: np.ndarray, reach: np.ndarray, component: np.ndarray) -> np.ndarray:
+    """Weight (l,) of each point of a part by its distance, with sum one a part."""
+    near = 1.0 / (1.0 + (away / reach) ** 2)
+    return near / np.bincount(component, near)[component]
+
+
+def _barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Barycentric coordinates (l, 3) of points dropped on triangles, kept inside."""
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    d, n = points - corners[:, 0], np.cross(a, b)
+    squared = np.einsum("ij,ij->i", n, n)
+    second = np.einsum("ij,ij->i", np.cross(d, b), n) / squared
+    third = np.einsum("ij,ij->i", np.cross(a, d), n) / squared
+    inside = np.maximum(np.column_stack([1.0 - second - third, second, third]), 0.0)
+    return inside / inside.sum(axis=1, keepdims=True)
+
+
+@parallel()
+def _carry(
+    U: np.ndarray,
+    V: np.ndarray,
+    member_start: np.ndarray,
+    member: np.ndarray,
+    start: np.ndarray,
+    corner: np.ndarray,
+    share: np.ndarray,
+    weight: np.ndarray,
+    stays: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """Write the members (l,) of parts that do not ``stays`` (l,) into ``out`` (n, 3)."""
+    for p in prange(len(start) - 1):
+        # Beside a surface that has not moved a part stays to the last bit.
+        moved = False
+        for e in range(start[p], start[p + 1]):
+            i = corner[e]
+            moved |= U[i, 0] != V[i, 0] or U[i, 1] != V[i, 1] or U[i, 2] != V[i, 2]
+        if not moved or stays[member_start[p]]:
+            continue
+        before, after = np.zeros(3), np.zeros(3)
+        for e in range(start[p], start[p + 1]):
+            for axis in range(3):
+                before[axis] += share[e] * V[corner[e], axis]
+                after[axis] += share[e] * U[corner[e], axis]
+        scratch, q = np.zeros((3, 4, 4)), np.zeros((1, 4))
+        S, q[0, 0] = scratch[0], 1.0
+        for e in range(start[p], start[p + 1]):
+            for a in range(3):
+                for b in range(3):
+                    to, fro = U[corner[e], a] - after[a], V[corner[e], b] - before[b]
+                    S[a, b] += weight[e] * to * fro
+        if np.abs(S).sum() > 0.0:
+            horn(S, q[0], scratch[1], scratch[2])
+        for k in range(member_start[p], member_start[p + 1]):
+            v = member[k]
+            x, y, z = rotated_vector(q, 0, V[v, 0] - before[0], V[v, 1] - before[1], V[v, 2] - before[2])
+            out[v, 0], out[v, 1], out[v, 2] = after[0] + x, after[1] + y, after[2] + z
+
+
+def _without_base(component: np.ndarray, held: np.ndarray, handle_of: np.ndarray) -> int:
+    """Number of parts with free vertices that one handle holds alone."""
+    if (handle_of > 0).all():
+        return 0
+    size = np.bincount(component)
+    least, most = np.full(len(size), handle_of.max() + 1), np.zeros(len(size), dtype=np.int64)
+    np.minimum.at(least, component[held], handle_of)
+    np.maximum.at(most, component[held], handle_of)
+    is_free = np.bincount(component[held], minlength=len(size)) < size
+    return int(((least == most) & (least > 0) & is_free).sum())
+
+
+def _sentence_on_going(n: int) -> str:
+    said = trn(
+        "{n:,} connected part without base or handle; it goes along with the nearest surface.",
+        "{n:,} connected parts without base or handle; they go along with the nearest surface.",
+        n,
+    )
+    return said.format(n=n) if n else ""
+
+
+def _sentence_on_staying(n: int) -> str:
+    said = trn(
+        "{n:,} connected part without base or handle; it stays where it is.",
+        "{n:,} connected parts without base or handle; they stay where they are.",
+        n,
+    )
+    return said.format(n=n) if n else ""
+
+
+def _sentence_on_handles(n: int) -> str:
+    said = trn(
+        "{n:,} connected part with a handle but no base; it moves with its handle as a whole. "
+        "Paint base on it to deform it.",
+        "{n:,} connected parts with a handle but no base; they move with their handles as a whole. "
+        "Paint base on them to deform them.",
+        n,
+    )
+    return said.format(n=n) if n else ""

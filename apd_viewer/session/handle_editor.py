@@ -1,0 +1,146 @@
+"""Poses and pivots of the handles: dragged, typed, nudged or reset."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.language import tr
+from apd_viewer.session.model.handle_paths import with_rounded_poses
+from apd_viewer.session.posing.mirror_partner import with_pair_moved, with_pair_reset
+from apd_viewer.session.posing.motion_plan import MotionPlan, plan_motion
+from apd_viewer.session.posing.motion_titles import motion_title_between
+from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.handles_and_regions import Handle
+    from apd_viewer.session.model.motion_kind import MotionKind
+    from apd_viewer.session.state_store import StateStore
+
+
+class HandleEditor:
+    """Moves the handles; the mesh follows.
+
+    Parameters
+    ----------
+    store : StateStore
+    gestures : Gestures
+    listener : Listener
+    """
+
+    def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
+        self._store = store
+        self._gestures = gestures
+        self._listener = listener
+        self._warned: Mesh | None = None
+
+    def drag(self, pose: np.ndarray, k: int = 0) -> None:
+        """Move a handle on to a pose (4, 4), relative to its grip, within a gesture."""
+        state = self._store.required_state()
+        if self._gestures.state_before is not None:  # another mesh may have ended the drag
+            self._store.solve(with_pair_moved(state.document, k, pose))
+
+    def end_drag(self, k: int = 0) -> None:
+        """End the drag of a handle; the shape of a winding path is solved anew along it.
+
+        The hand came there at its own pace, and a shape with many minima would tell.
+        """
+        before, document = self._gestures.state_before, self._store.required_state().document
+        if before is not None:  # another mesh may have ended the drag
+            self._gestures.end(motion_title_between(before.document, document, k, self._store.unit))
+            if document.has_half_turn:
+                self._walk(document)
+
+    def set_pose(self, pose: np.ndarray, k: int, gesture: str, is_repeat: bool = False) -> None:
+        """Move a handle on to a pose (4, 4) as one step, or as part of the last."""
+        self.apply_poses(
+            with_pair_moved(self._gestures.state_without_gesture().document, k, pose), gesture, is_repeat
+        )
+
+    def plan_motion(
+        self, motion: MotionKind, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
+    ) -> MotionPlan:
+        """Motion of a handle by a typed amount, or to that total, without making it.
+
+        ``line`` (2, 3) is the axis of a bend about a line. Raises InputError if the text is none.
+        """
+        return plan_motion(
+            self._store.required_state(), k, motion, unambiguous_text(text), self._store.unit, line, is_total
+        )
+
+    def move_by(
+        self, motion: MotionKind, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
+    ) -> None:
+        """Move a handle by a typed amount, or to that total; raises InputError."""
+        self._gestures.cancel()
+        plan = self.plan_motion(motion, text, k, line, is_total)
+        end = plan.end_document()
+        self.apply_poses(end, plan.title(end, self._store.unit))
+
+    def reset_handle(self, k: int) -> None:
+        """Bring one handle back to where it is at rest; the mesh follows."""
+        state = self._gestures.state_without_gesture()
+        if state.document.paint_problem or state.is_handle_moved(k):
+            self.apply_poses(with_pair_reset(state.document, k), tr("Reset handle"))
+
+    def apply_poses(self, document: Document, gesture: str, is_repeat: bool = False) -> None:
+        """Go on to a document with other poses of its handles, as one step."""
+        state = self._store.required_state()
+        pairs = zip(state.document.handles, document.handles, strict=True)
+        if state.document.paint_problem:
+            self._listener.failed(state.document.paint_problem)
+        elif document.grip is not state.document.grip or any(_differ(*pair) for pair in pairs):
+            self._gestures.record(gesture, state, is_repeat)
+            self.solve_poses(document)
+
+    def solve_poses(self, document: Document) -> None:
+        """Solve a document, along the paths of its handles if they wind.
+
+        Anew too if they wound before: the shortest way back would leave the shape wound by a full turn.
+        """
+        before = self._store.required_state().document
+        regripped = document.grip is not before.grip
+        if (
+            document.has_half_turn
+            or before.has_half_turn
+            or (regripped and before.relative_to_rest.has_half_turn)
+        ):
+            self._walk(document)
+        else:
+            self._store.solve(document)
+
+    def _walk(self, document: Document) -> None:
+        """Solve a document along its winding paths, and say once what may come of it."""
+        kept_apart = document.contact and document.method_traits.may_use_contact
+        if document.has_half_turn and not kept_apart and document.mesh is not self._warned:
+            self._warned = document.mesh
+            self._listener.message_sent(
+                tr(
+                    "Beyond half a turn a thin wall may pass through itself and unwind; "
+                    "the handle keeps its turns."
+                )
+            )
+        self._store.solve_from_grip(with_rounded_poses(document))
+
+    def set_pivot(self, point: np.ndarray | None, k: int) -> None:
+        """Set a handle's pivot to a ``point`` (3,) on screen; None is its centre."""
+        state = self._gestures.state_without_gesture()
+        handle = state.document.handles[k]
+        if point is not None:
+            point = frozen(transform(np.linalg.inv(handle.pose), np.asarray(point, dtype=float)[None])[0])
+        elif handle.pivot is None:
+            return
+        self._gestures.record(tr("Move pivot"), state)
+        self._store.set_document(state.document.with_handle(k, replace(handle, pivot=point)))
+
+
+def _differ(before: Handle, after: Handle) -> bool:
+    return not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints)

@@ -1,0 +1,203 @@
+"""Named parts of a document: handles and regions, with the flags of all parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE, transform
+from apd_viewer.geometry.pose.waypoint_path import extended_waypoints, has_half_turn, rotation_vector
+from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
+
+MOST_POSES = 100
+IDENTITY = frozen(np.eye(4))
+
+
+class PartFlags(NamedTuple):
+    """Flags of a part.
+
+    Attributes
+    ----------
+    locked : bool
+        Its vertices are neither painted over nor added to.
+    hidden : bool
+        Its colour is not drawn; it holds all the same.
+    """
+
+    locked: bool = False
+    hidden: bool = False
+
+
+NO_FLAGS = PartFlags()
+
+
+class FlagsByCode(NamedTuple):
+    """One of the flags by label, (256,) bool, and by region number, (256,) bool."""
+
+    labels: np.ndarray
+    regions: np.ndarray
+
+
+class DocumentFlags(NamedTuple):
+    """Flags of all parts of a document."""
+
+    base: PartFlags
+    handles: tuple[PartFlags, ...]
+    regions: tuple[PartFlags, ...]
+
+    @property
+    def locked(self) -> FlagsByCode:
+        """Locked labels and region numbers."""
+        return self._by_code("locked")
+
+    @property
+    def hidden(self) -> FlagsByCode:
+        """Hidden labels and region numbers."""
+        return self._by_code("hidden")
+
+    def _by_code(self, name: str) -> FlagsByCode:
+        found = FlagsByCode(np.zeros(256, dtype=bool), np.zeros(256, dtype=bool))
+        found.labels[BASE] = getattr(self.base, name)
+        found.labels[HANDLE : HANDLE + len(self.handles)] = [getattr(each, name) for each in self.handles]
+        found.regions[1 : 1 + len(self.regions)] = [getattr(each, name) for each in self.regions]
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Handle:
+    """A part moved rigidly as one.
+
+    Attributes
+    ----------
+    name : str
+    pose : (4, 4) float array
+        Its motion since it was gripped, read-only.
+    waypoints : tuple of (4, 4) float arrays
+        Poses on its way from the grip, by which a turn of more than half is known; read-only.
+    pivot : (3,) float array or None
+        What it turns about, where that was when it was gripped, read-only; None is its centre.
+    falloff : float
+        How far along the surface it draws free vertices along, mesh units.
+    flags : PartFlags
+    earlier_poses : tuple of (4, 4) float arrays
+        Poses from rest on its way until it was gripped, the last one at its grip; read-only.
+    former_twist_axis : (3,) float array or None
+        From the base to it before the base was painted otherwise: what a twist was about.
+    """
+
+    name: str = field(metadata=NOT_FACTORED)
+    pose: np.ndarray = field(default_factory=lambda: IDENTITY, metadata=NOT_FACTORED)
+    pivot: np.ndarray | None = field(default=None, metadata=NOT_FACTORED)
+    falloff: float = field(default=0.0, metadata=FACTORED)
+    waypoints: tuple[np.ndarray, ...] = field(default=(), metadata=NOT_FACTORED)
+    flags: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
+    earlier_poses: tuple[np.ndarray, ...] = field(default=(), metadata=NOT_FACTORED)
+    former_twist_axis: np.ndarray | None = field(default=None, metadata=NOT_FACTORED)
+
+    def with_pose(self, pose: np.ndarray, waypoints: tuple[np.ndarray, ...] = ()) -> Handle:
+        """The handle at ``pose`` (4, 4), reached along waypoints."""
+        return replace(self, pose=frozen(np.array(pose, dtype=np.float64)), waypoints=waypoints)
+
+    def moved_to(self, pose: np.ndarray) -> Handle:
+        """The handle moved on to ``pose`` (4, 4), by the shortest rotation."""
+        return self.with_pose(pose, extended_waypoints(self.waypoints, self.pose, pose))
+
+    @cached_property
+    def rotation(self) -> np.ndarray:
+        """Total rotation since it was gripped, (3,): unit axis times angle, radians."""
+        return frozen(rotation_vector(self.waypoints, self.pose))
+
+    @property
+    def has_half_turn(self) -> bool:
+        """True if it has turned by half a turn or more, which its pose does not tell."""
+        return has_half_turn(self.waypoints, self.pose)
+
+    @property
+    def is_moved(self) -> bool:
+        """True if it has been moved since it was gripped, by full turns too."""
+        return bool(self.waypoints) or not np.array_equal(self.pose, IDENTITY)
+
+    def regripped(self) -> Handle:
+        """The handle gripped at its current pose; its motion from rest is kept."""
+        whole = self.relative_to_rest
+        earlier = (*whole.waypoints, whole.pose) if whole.is_moved else ()
+        return replace(self.with_pose(IDENTITY), pivot=_carried(self.pivot, self.pose), earlier_poses=earlier)
+
+    @property
+    def relative_to_rest(self) -> Handle:
+        """The handle as if gripped at rest: with its whole motion, and its pivot there."""
+        if not self.earlier_poses:
+            return self
+        whole, start = (
+            replace(self.with_pose(self.earlier_poses[-1], self.earlier_poses[:-1]), earlier_poses=()),
+            self.earlier_poses[-1],
+        )
+        for pose in (*self.waypoints, self.pose) if self.is_moved else ():
+            whole = whole.moved_to(pose @ start)
+        return replace(whole, pivot=_carried(self.pivot, np.linalg.inv(start)))
+
+    def with_pose_from_rest(self, pose: np.ndarray, waypoints: tuple[np.ndarray, ...] = ()) -> Handle:
+        """The handle at ``pose`` (4, 4) from rest, reached along waypoints."""
+        if not self.earlier_poses:
+            return self.with_pose(pose, waypoints)
+        handle, back = self.with_pose(IDENTITY), np.linalg.inv(self.earlier_poses[-1])
+        for each in (*reversed(self.earlier_poses[:-1]), IDENTITY, *waypoints, pose):
+            handle = handle.moved_to(each @ back)  # what both ways share is taken off
+        return handle
+
+
+def _carried(point: np.ndarray | None, pose: np.ndarray) -> np.ndarray | None:
+    return None if point is None else frozen(transform(pose, point[None])[0])
+
+
+class HandlePlacement(NamedTuple):
+    """Place of a handle.
+
+    Attributes
+    ----------
+    handle : str
+        Its name.
+    pose : (4, 4) float array
+        Its motion from the rest shape, read-only.
+    waypoints : tuple of (4, 4) float arrays
+        On the way there; see :class:`Handle`.
+    """
+
+    handle: str
+    pose: np.ndarray
+    waypoints: tuple[np.ndarray, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class NamedPose:
+    """Places of the handles, kept under a name.
+
+    Attributes
+    ----------
+    name : str
+    placements : tuple of HandlePlacement
+    """
+
+    name: str
+    placements: tuple[HandlePlacement, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class NamedRegion:
+    """A part with its area measured, and kept if it has a target.
+
+    Attributes
+    ----------
+    name : str
+    area : float or None
+        What its area should be, in percent of its area at rest; None only measures it.
+    flags : PartFlags
+    """
+
+    name: str
+    area: float | None = None
+    flags: PartFlags = NO_FLAGS

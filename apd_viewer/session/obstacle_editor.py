@@ -1,0 +1,235 @@
+"""Obstacles: added, placed by numbers, moved, renamed and removed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.language import comma_separated, tr
+from apd_viewer.notation import localized_number
+from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
+from apd_viewer.session.model.unique_names import next_name, unique_name
+from apd_viewer.session.posing.obstacle_placement import (
+    contact_distance,
+    is_clear,
+    moved_clear,
+    obstacle_name,
+    proposed_obstacle,
+    touching_plate,
+)
+
+if TYPE_CHECKING:
+    from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.quantities.units import Unit
+    from apd_viewer.session.state_store import StateStore
+
+_NOWHERE = frozen(np.zeros(3))
+# In sizes of the mesh: what a drag computes in floating point is equal within this.
+_SAME = 1e-9
+
+
+class ObstacleEditor:
+    """Changes the obstacles of the document; each change is a step of undo.
+
+    Obstacles push by contact, which is turned on with the first of them.
+
+    Parameters
+    ----------
+    store : StateStore
+    gestures : Gestures
+    listener : Listener
+    """
+
+    def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
+        self._store = store
+        self._gestures = gestures
+        self._listener = listener
+
+    # Adding
+
+    def proposed_obstacle(
+        self,
+        kind: ObstacleKind,
+        point: np.ndarray,
+        normal: np.ndarray,
+        thickness: float | None = None,
+        is_preview: bool = False,
+    ) -> NamedObstacle:
+        """New obstacle at a point of the surface and its normal there, both (3,).
+
+        ``thickness`` is the distance to keep if contact is not on yet. Where another part of the shape is
+        in the way, the obstacle is moved back, but for a first look ``is_preview``, unless it is a plate.
+        """
+        state, apart = self._store.required_state(), self._apart(thickness)
+        obstacle = proposed_obstacle(kind, point, normal, state, apart)
+        if is_preview and kind is not ObstacleKind.PLATE:
+            return obstacle
+        return moved_clear(obstacle, state, apart)
+
+    def add(self, obstacle: NamedObstacle, thickness: float | None = None) -> int | None:
+        """Add an obstacle under a name of its own and turn contact on; return its number.
+
+        None, and a sentence to the listener, where that is not possible.
+        """
+        title = tr("Add {name}").format(name=self._named(obstacle).name)
+        return self._add(title, (self._named(obstacle),), thickness)
+
+    def add_floor(self, up: np.ndarray, thickness: float | None = None) -> int | None:
+        """Add a plate under the lowest point, with its normal ``up`` (3,)."""
+        state = self._gestures.state_without_gesture()
+        taken = [each.name for each in state.document.obstacles]
+        name = tr("Floor") if tr("Floor") not in taken else next_name(tr("Floor"), taken, first=2)
+        plate = touching_plate(name, up, state, self._apart(thickness))
+        return self._add(tr("Add floor"), (plate,), thickness)
+
+    def add_plates(self, axis: np.ndarray, thickness: float | None = None) -> int | None:
+        """Add two plates that touch the shape on both sides along ``axis`` (3,)."""
+        state, apart = self._gestures.state_without_gesture(), self._apart(thickness)
+        taken, plates = [each.name for each in state.document.obstacles], []
+        for side in (1.0, -1.0):
+            name = obstacle_name(ObstacleKind.PLATE, taken)
+            taken.append(name)
+            plates.append(touching_plate(name, side * np.asarray(axis), state, apart))
+        return self._add(tr("Put plates on both sides"), tuple(plates), thickness)
+
+    def _add(self, gesture: str, new: tuple[NamedObstacle, ...], thickness: float | None) -> int | None:
+        state = self._gestures.state_without_gesture()
+        document = state.document
+        if not document.method_traits.may_use_contact:
+            self._listener.failed(
+                tr("The method {method} knows no contact; choose another one first.").format(
+                    method=document.method_traits.title
+                )
+            )
+            return None
+        if len(document.obstacles) + len(new) > MOST_OBSTACLES:
+            self._listener.failed(
+                tr("The limit is {most} obstacles; remove one first.").format(most=MOST_OBSTACLES)
+            )
+            return None
+        if not document.contact:
+            document = replace(document, contact=True, thickness=thickness)
+        self._gestures.record(gesture, state)
+        self._store.solve(replace(document, obstacles=(*document.obstacles, *new)))
+        return len(document.obstacles)
+
+    def _named(self, obstacle: NamedObstacle) -> NamedObstacle:
+        taken = [each.name for each in self._store.required_state().document.obstacles]
+        return replace(obstacle, name=obstacle_name(obstacle.kind, taken), shift=_NOWHERE)
+
+    def _apart(self, thickness: float | None = None) -> float:
+        state = self._store.required_state()
+        own = state.document.thickness if state.document.contact else thickness
+        return contact_distance(state, own)
+
+    # Changing
+
+    def remove(self, k: int) -> None:
+        """Remove obstacle ``k``."""
+        there = self._store.required_state().document.obstacles
+        self._set(tr("Remove {name}").format(name=there[k].name), (*there[:k], *there[k + 1 :]))
+
+    def rename(self, k: int, name: str) -> None:
+        """Rename obstacle ``k``; a name in use gets a number."""
+        there = self._store.required_state().document.obstacles
+        name = unique_name(name, there[k].name, [each.name for each in there])
+        if name != there[k].name:
+            state = self._gestures.state_without_gesture()
+            self._gestures.record(tr("Rename"), state)
+            self._store.set_document(_with(state.document, k, replace(there[k], name=name)))
+
+    def replace(self, k: int, obstacle: NamedObstacle) -> None:
+        """Place obstacle ``k`` anew, as said by ``obstacle``; its motion begins there.
+
+        A plate that would cut the shape is moved back to touch it.
+
+        Raises
+        ------
+        InputError
+            If the obstacle has no extent or direction, or another kind would stand in the shape.
+        """
+        state, apart = self._store.required_state(), self._apart()
+        obstacle = replace(obstacle, shift=_NOWHERE, axis=frozen(np.array(obstacle.axis, dtype=float)))
+        if not is_clear(obstacle, state, apart):
+            if obstacle.kind is not ObstacleKind.PLATE:
+                raise InputError(_stands_in(obstacle, state, apart, self._store.unit))
+            obstacle = moved_clear(obstacle, state, apart)
+            self._listener.message_sent(
+                tr("{name} would cut the shape; it was moved back to touch it.").format(name=obstacle.name)
+            )
+        there = state.document.obstacles
+        self._set(tr("Place {name}").format(name=obstacle.name), (*there[:k], obstacle, *there[k + 1 :]))
+
+    # Moving
+
+    def drag(self, k: int, shift: np.ndarray) -> None:
+        """Move obstacle ``k`` on to ``shift`` (3,) from its place, within a gesture."""
+        state = self._store.required_state()
+        if self._gestures.state_before is not None and k < len(state.document.obstacles):
+            obstacle = state.document.obstacles[k]
+            self._store.solve(_with(state.document, k, obstacle.with_shift(shift)))
+
+    def end_drag(self, k: int) -> None:
+        """End the drag of obstacle ``k``."""
+        before, document = self._gestures.state_before, self._store.required_state().document
+        if before is not None:  # another mesh may have ended the drag
+            old, new = before.document.obstacles[k], document.obstacles[k]
+            self._gestures.end(_title(old, new, document, self._store.unit))
+
+    def move(self, k: int, shift: np.ndarray, is_repeat: bool = False) -> None:
+        """Move obstacle ``k`` by (3,) in one step, or as part of the last if it repeats."""
+        state = self._gestures.state_without_gesture()
+        obstacle = state.document.obstacles[k]
+        moved = obstacle.with_shift(obstacle.shift + shift)
+        if np.array_equal(moved.shift, obstacle.shift):
+            return
+        title = _title(obstacle, moved, state.document, self._store.unit)
+        if is_repeat:
+            title = tr("Nudge {name}").format(name=obstacle.name)
+        self._gestures.record(title, state, is_repeat)
+        self._store.solve(_with(state.document, k, moved))
+
+    def reset(self, k: int) -> None:
+        """Move obstacle ``k`` back to where it was put."""
+        there = self._store.required_state().document.obstacles
+        if there[k].shift.any():
+            title = tr("Reset {name}").format(name=there[k].name)
+            self._set(title, (*there[:k], there[k].with_shift(_NOWHERE), *there[k + 1 :]))
+
+    def _set(self, gesture: str, obstacles: tuple[NamedObstacle, ...]) -> None:
+        state = self._gestures.state_without_gesture()
+        self._gestures.record(gesture, state)
+        self._store.solve(replace(state.document, obstacles=obstacles))
+
+
+def _with(document: Document, k: int, obstacle: NamedObstacle) -> Document:
+    there = document.obstacles
+    return replace(document, obstacles=(*there[:k], obstacle, *there[k + 1 :]))
+
+
+def _title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Unit) -> str:
+    """Title of a motion with its distance, signed where it is along the axis."""
+    by = new.shift - old.shift
+    along = float(by @ new.axis)
+    aside = float(np.linalg.norm(by - along * new.axis))
+    straight = aside <= _SAME * diagonal(document.mesh.V)
+    distance = along if straight else float(np.linalg.norm(by))
+    return tr("Move {name} by {distance}").format(
+        name=new.name, distance=unit.format_length(localized_number(f"{distance:.4g}").replace("-", "−"))
+    )
+
+
+def _stands_in(obstacle: NamedObstacle, state: State, distance: float, unit: Unit) -> str:
+    """Sentence about an obstacle in the shape, with the nearest clear place."""
+    free = moved_clear(obstacle, state, distance).place
+    return tr("The {kind} would stand in the shape; the nearest place behind is {place}.").format(
+        kind=obstacle.kind.word,
+        place=comma_separated(unit.format_length(localized_number(f"{x:.5g}")) for x in free),
+    )

@@ -1,0 +1,121 @@
+"""Named poses, kept, gone to, renamed, updated and removed as steps of undo."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from apd_viewer.language import comma_separated, in_quotes, tr
+from apd_viewer.session.model.handles_and_regions import MOST_POSES, NamedPose
+from apd_viewer.session.model.unique_names import next_name, unique_name
+from apd_viewer.session.posing.named_poses import (
+    handle_placements,
+    is_in_pose,
+    missing_handles,
+    with_named_pose,
+)
+
+if TYPE_CHECKING:
+    from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.handle_editor import HandleEditor
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.state_store import StateStore
+
+_NO_HANDLE = tr("There is no handle whose pose could be kept; paint one first.")
+
+
+class PoseEditor:
+    """Keeps the places of all handles under names, and brings the handles back there.
+
+    Parameters
+    ----------
+    store : StateStore
+    gestures : Gestures
+    handles : HandleEditor
+    listener : Listener
+    """
+
+    def __init__(
+        self, store: StateStore, gestures: Gestures, handles: HandleEditor, listener: Listener
+    ) -> None:
+        self._store = store
+        self._gestures = gestures
+        self._handles = handles
+        self._listener = listener
+
+    def add(self) -> None:
+        """Keep the present places of all handles under a new name."""
+        document = self._gestures.state_without_gesture().document
+        if not handle_placements(document):
+            self._listener.failed(_NO_HANDLE)
+        elif len(document.poses) >= MOST_POSES:
+            self._listener.failed(tr("The limit is {most} poses; remove one first.").format(most=MOST_POSES))
+        else:
+            name = next_name(tr("Pose"), [pose.name for pose in document.poses])
+            self._set(tr("Keep pose"), (*document.poses, NamedPose(name, handle_placements(document))))
+            # The list of poses may be out of sight.
+            self._listener.message_sent(tr("Kept as “{pose}”.").format(pose=name))
+
+    def go_to(self, k: int) -> None:
+        """Bring the handles to pose ``k``; any others stay where they are."""
+        document = self._gestures.state_without_gesture().document
+        pose = document.poses[k]
+        gone = missing_handles(document, pose)
+        if len(gone) == len(pose.placements):
+            self._listener.failed(
+                tr("The handles of “{pose}” are gone or empty; update or remove the pose.").format(
+                    pose=pose.name
+                )
+            )
+            return
+        if not is_in_pose(document, pose):
+            self._handles.apply_poses(
+                with_named_pose(document, pose), tr("Go to “{pose}”").format(pose=pose.name)
+            )
+        if gone:
+            self._listener.message_sent(
+                tr("“{pose}” also places {handles}, which is gone or empty; the others are there.").format(
+                    pose=pose.name, handles=comma_separated(map(in_quotes, gone))
+                )
+            )
+
+    def go_to_neighbour(self, offset: int) -> None:
+        """Go to the next pose (1) or the previous one (-1), around the ends of the list."""
+        document = self._gestures.state_without_gesture().document
+        at = [is_in_pose(document, pose) for pose in document.poses]
+        if not at:
+            self._listener.failed(tr("No poses are kept yet; keep one first."))
+        elif not all(at):
+            k = at.index(True) if any(at) else -1 if offset > 0 else len(at)
+            while at[k := (k + offset) % len(at)]:
+                pass
+            self.go_to(k)
+
+    def rename(self, k: int, name: str) -> None:
+        """Rename pose ``k``; a name in use gets a number."""
+        poses = self._store.required_state().document.poses
+        name = unique_name(name, poses[k].name, [pose.name for pose in poses])
+        if name != poses[k].name:
+            self._replace(tr("Rename"), k, replace(poses[k], name=name))
+
+    def update(self, k: int) -> None:
+        """Give pose ``k`` the present places of all handles."""
+        document = self._gestures.state_without_gesture().document
+        if present := handle_placements(document):
+            self._replace(tr("Update pose"), k, replace(document.poses[k], placements=present))
+        else:
+            self._listener.failed(_NO_HANDLE)
+
+    def remove(self, k: int) -> None:
+        """Remove pose ``k``; the handles stay where they are."""
+        poses = self._store.required_state().document.poses
+        self._set(tr("Remove pose"), poses[:k] + poses[k + 1 :])
+
+    def _replace(self, gesture: str, k: int, pose: NamedPose) -> None:
+        poses = self._store.required_state().document.poses
+        self._set(gesture, (*poses[:k], pose, *poses[k + 1 :]))
+
+    def _set(self, gesture: str, poses: tuple[NamedPose, ...]) -> None:
+        state = self._gestures.state_without_gesture()
+        self._gestures.record(gesture, state)
+        self._store.set_document(replace(state.document, poses=poses))

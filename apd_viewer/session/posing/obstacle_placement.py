@@ -1,0 +1,130 @@
+"""Places of obstacles that touch a shape and do not stand in it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.contact.clearance import clearance
+from apd_viewer.geometry.contact.mesh_contact import contact_thickness
+from apd_viewer.geometry.mesh.arrays import checked_direction, diagonal, frozen
+from apd_viewer.session.model import memo
+from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
+from apd_viewer.session.model.unique_names import next_name
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from apd_viewer.session.model.state import State
+
+# Of new ones, in longest sides of the mesh: about a thumb on a bottle.
+_RADIUS = {ObstacleKind.PLATE: 0.0, ObstacleKind.SPHERE: 0.08, ObstacleKind.CYLINDER: 0.05}
+_LENGTH = 0.3
+# Out of a narrow fold it takes steps; each is at least so long, in distances that walls keep.
+_LEAST_STEP, _MOST_STEPS = 0.05, 500
+# Relative to the distance that walls keep: what was put there in floating point is still clear.
+_ROUNDING = 1e-6
+
+
+def contact_distance(state: State, thickness: float | None) -> float:
+    """Distance that walls and obstacles keep, mesh units."""
+    mesh = state.document.mesh
+    return contact_thickness(diagonal(mesh.V[_corners(mesh.F)]), thickness)
+
+
+def obstacle_clearance(obstacle: NamedObstacle, state: State) -> float:
+    """Distance of an obstacle, where it was put, from the shape; negative within it.
+
+    Raises InputError if it has no extent or direction.
+    """
+    U, F = state.frame.U, state.document.mesh.F
+    if obstacle.kind is ObstacleKind.PLATE:
+        return float(((U[_corners(F)] - obstacle.place) @ checked_direction(obstacle.axis)).min())
+    return clearance(obstacle.to_obstacle(1.0), np.zeros(3), U, F)
+
+
+@memo.memoised
+def _corners(F: np.ndarray) -> np.ndarray:
+    """Vertices of the triangles, ascending."""
+    return frozen(np.unique(F))
+
+
+def is_clear(obstacle: NamedObstacle, state: State, distance: float) -> bool:
+    """True if an obstacle keeps at least ``distance`` from the shape."""
+    return obstacle_clearance(obstacle, state) >= (1.0 - _ROUNDING) * distance
+
+
+def moved_clear(obstacle: NamedObstacle, state: State, distance: float) -> NamedObstacle:
+    """The obstacle, moved back along its axis to ``distance`` from the shape.
+
+    No obstacle comes nearer faster than it moves, so that no place in between is passed over.
+    """
+    back, place = -checked_direction(obstacle.axis), np.array(obstacle.place, dtype=float)
+    for _ in range(_MOST_STEPS):
+        obstacle = replace(obstacle, place=frozen(place.copy()))
+        missing = distance - obstacle_clearance(obstacle, state)
+        if missing <= _ROUNDING * distance:
+            break
+        place += max(missing, _LEAST_STEP * distance) * back
+    return obstacle
+
+
+def proposed_obstacle(
+    kind: ObstacleKind, point: np.ndarray, normal: np.ndarray, state: State, distance: float
+) -> NamedObstacle:
+    """New obstacle at a point of the surface, ready to be pushed in; without a name.
+
+    Parameters
+    ----------
+    kind : ObstacleKind
+    point, normal : (3,) float arrays
+        On the surface, and its unit normal there.
+    state : State
+    distance : float
+        Distance to the point, mesh units.
+    """
+    longest = float(max(state.inspection.size))
+    radius, length = _RADIUS[kind] * longest, _LENGTH * longest if kind is ObstacleKind.CYLINDER else 0.0
+    place = point + (distance + radius + 0.5 * length) * normal
+    axis = -checked_direction(normal) + 0.0  # no negative zeros
+    return NamedObstacle("", kind, frozen(place), frozen(axis), radius, length)
+
+
+def reset_obstacles(state: State) -> tuple[NamedObstacle, ...]:
+    """Obstacles of a state where they were put, moved back out of its shape."""
+    apart, found = contact_distance(state, state.document.thickness), []
+    for obstacle in state.document.obstacles:
+        obstacle = obstacle.with_shift_applied(np.zeros(3))
+        clear = is_clear(obstacle, state, apart)
+        found.append(obstacle if clear else moved_clear(obstacle, state, apart))
+    return tuple(found)
+
+
+def obstacles_outside_shape(state: State, thickness: float | None) -> tuple[NamedObstacle, ...]:
+    """Obstacles of a state; those put where its shape is now are moved back out of it.
+
+    ``thickness`` is the distance that they keep, as of a document.
+    """
+    apart, found = contact_distance(state, thickness), []
+    for obstacle in state.document.obstacles:
+        clear = is_clear(obstacle, state, apart)
+        found.append(
+            obstacle if clear else moved_clear(obstacle.with_shift_applied(np.zeros(3)), state, apart)
+        )
+    return tuple(found)
+
+
+def touching_plate(name: str, axis: np.ndarray, state: State, distance: float) -> NamedObstacle:
+    """Plate that touches the shape from behind, with its normal along ``axis`` (3,)."""
+    axis = checked_direction(axis)
+    X = state.frame.U[_corners(state.document.mesh.F)]
+    middle = 0.5 * (X.min(axis=0) + X.max(axis=0))
+    place = middle + (float((X @ axis).min()) - distance - float(middle @ axis)) * axis
+    return NamedObstacle(name, ObstacleKind.PLATE, frozen(place), frozen(axis + 0.0))
+
+
+def obstacle_name(kind: ObstacleKind, taken: Collection[str]) -> str:
+    """The first free name, such as Plate 1."""
+    return next_name(kind.title, taken)

@@ -1,0 +1,109 @@
+"""Requests to the solver and its replies; whole values, so one may be skipped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from apd_viewer.geometry.pose.frame import NO_SHIFTS, Frame
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.factor_key import factored_fields
+from apd_viewer.session.model.handles_and_regions import Handle
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """A document to be solved, and the shape to start from.
+
+    Attributes
+    ----------
+    document : Document
+    generation : int
+        Counts jumps of the state. A new one starts from ``U``; the same one goes on from where
+        the solver is.
+    U : (n, 3) float array
+        The shape to start from.
+    iterate : bool
+        Otherwise only make ready: factor, so that the first drag need not wait.
+    with_cost : bool
+        Whether the last reply should say what it took.
+    shifts : (o, 3) float array
+        How far the obstacles have come at ``U``; empty where that is not known.
+    """
+
+    document: Document
+    generation: int
+    U: np.ndarray
+    iterate: bool
+    with_cost: bool = False
+    shifts: np.ndarray = field(default_factory=lambda: NO_SHIFTS)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Cost of an answer, by the same measure for every method.
+
+    Attributes
+    ----------
+    energy : float
+        Eq. 1 of the shape, each undirected edge counted twice, squared lengths.
+    seconds : float
+        Time from the mesh at rest to the last iteration: factoring and iterating.
+    """
+
+    energy: float
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class Reply:
+    """The result of a request: a frame, or a sentence with the reason for none.
+
+    Attributes
+    ----------
+    finished : bool
+        Nothing more comes for this request.
+    seconds : float
+        Time that an iteration takes.
+    warning : str or None
+        What the user should know about what is held.
+    news : str or None
+        What has happened to the solver meanwhile.
+    cost : Cost or None
+        With the last reply, where it was asked for.
+    """
+
+    document: Document
+    generation: int
+    frame: Frame | None
+    finished: bool
+    seconds: float = 0.0
+    failure: str | None = None
+    warning: str | None = None
+    news: str | None = None
+    cost: Cost | None = None
+
+
+_OF_DOCUMENT, _OF_HANDLE = factored_fields(Document), factored_fields(Handle)
+
+
+def factor_key(document: Document) -> tuple[object, ...]:
+    """Key of a document's factorization; another key needs another factor."""
+    of_handles = (getattr(handle, name) for handle in document.handles for name in _OF_HANDLE)
+    return (*(getattr(document, name) for name in _OF_DOCUMENT), *of_handles)
+
+
+def are_same_keys(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
+    """True if two tuples are equal, arrays by identity."""
+    return len(a) == len(b) and all(
+        x is y or (not isinstance(x, np.ndarray) and x == y) for x, y in zip(a, b, strict=True)
+    )
+
+
+def obstacle_key(document: Document) -> tuple[object, ...]:
+    """Key of the obstacles where they were put; another key needs another contact."""
+    if not document.has_active_obstacles:
+        return ()
+    each = ((one.kind, one.place, one.axis, one.radius, one.length) for one in document.obstacles)
+    return tuple(value for values in each for value in values)

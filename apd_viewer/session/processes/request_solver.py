@@ -1,0 +1,284 @@
+"""Solver of the newest request: preparation, iterations and readings.
+
+An iteration is cheap against its readings. So while nobody has looked at the last frame, the iterations go on
+and none of them is measured; the one with which a request is finished always is.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.linalg.linear_solver import Factor
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import Constraints
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.multilevel import compute_decimations
+from apd_viewer.geometry.warmup import warm_up
+from apd_viewer.language import tr
+from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
+from apd_viewer.session.jobs.mailbox import Mailbox
+from apd_viewer.session.model.document_parts import obstacle_shifts
+from apd_viewer.session.model.targets import targets_of
+from apd_viewer.session.processes.document_deformation import deformation_of
+from apd_viewer.session.processes.messages import RequestMessage, RequestStage, SolverMessage
+from apd_viewer.session.processes.path_iteration import PathIteration
+from apd_viewer.session.processes.remote_factor import RemoteFactor
+from apd_viewer.session.processes.request_and_reply import (
+    Cost,
+    Reply,
+    Request,
+    are_same_keys,
+    factor_key,
+    obstacle_key,
+)
+from apd_viewer.session.processes.shared_memory import SharedShapeBuffer
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.linalg.linear_solver import Matrix
+
+_log = logging.getLogger(__name__)
+_NOTHING = np.zeros((0, 3))
+_MOMENT = 0.0005  # s
+_SOON = 1.0  # s
+# Without an order. Kept memory saves the frames of a drag a third of their time, but from gesture to gesture
+# it lies ever more scattered: 165 MiB after 2,000 of them.
+_PAUSE = 2.0  # s
+_NO_ROOM = tr("Not enough memory for this mesh; close other programs and try again.")
+# Matrices with this many rows take more than half a second to factor, which another process does.
+REMOTE_FACTOR_ROWS = 100_000
+
+
+class RequestSolver:
+    """Answers orders one after another, and caches preparations for the next one.
+
+    Parameters
+    ----------
+    requests : Mailbox of RequestMessage
+        Where the newest order is; its end is the end of :meth:`run`.
+    send : callable
+        Called with every message.
+    """
+
+    def __init__(self, requests: Mailbox[RequestMessage], send: Callable[[SolverMessage], None]) -> None:
+        self._orders = requests
+        self._tell = send
+        self._tray: SharedShapeBuffer | None = None
+        self._rest: tuple[Mesh, RestMesh] | None = None
+        self._solver: Deformation | None = None
+        self._factors: list[RemoteFactor] = []
+        self._warning: str | None = None
+        self._key: tuple[object, ...] = ()
+        self._goals: tuple[object, ...] = ()
+        self._poses: tuple[object, ...] = ()
+        self._placed: tuple[object, ...] = ()
+        self._walk: PathIteration | None = None
+        self._generation: int | None = None
+        self._warm = False
+
+    def run(self, when_idle: Callable[[Callable[[], bool]], object] = lambda _: None) -> None:
+        """Answer orders until there are no more.
+
+        While there are none ``when_idle(called)`` is called, until it has come to its end: it should return
+        soon once ``called()``.
+        """
+        done = not self._orders.wait_for_value(_SOON) and self._rested(when_idle)
+        while (order := self._orders.wait()) is not None:
+            self._tell(SolverMessage(order.number, RequestStage.TURNED_TO))
+            try:
+                self.answer(order)
+            except InputError as error:
+                self._fail(order, str(error))
+            except Exception as error:
+                # A bug or a lack of memory must be reported, and the next request must find a solver.
+                _log.exception("The solver stopped")
+                said = str(error) or type(error).__name__
+                stopped = tr("The solver stopped ({said}); undo the last step.").format(said=said)
+                self._fail(order, _NO_ROOM if isinstance(error, MemoryError) else stopped)
+            self._tell(SolverMessage(order.number, RequestStage.ANSWERED))
+            if not done and not self._orders.is_ready:
+                done = self._rested(when_idle)
+            if not self._orders.wait_for_value(_PAUSE):
+                give_back_freed_memory()
+        self._drop()
+
+    def answer(self, order: RequestMessage) -> None:
+        """Tell what an order asks for, or prepare for the next one."""
+        request = order.request
+        self.turn_to(request.document.mesh)
+        if request.document.paint_problem:
+            # During painting; an undeformable mesh is refused at the first request.
+            if request.with_cost:  # who compares methods waits for an answer
+                raise InputError(request.document.paint_problem)
+            with contextlib.suppress(InputError):
+                compute_decimations(self._rest_of(order))
+            return
+        if request.with_cost and not self._warm:
+            warm_up()  # otherwise the first method would pay for all
+            self._warm = True
+        self._rest_of(order)
+        started = time.perf_counter()
+        solver = self._prepared(order)
+        if request.iterate:
+            self._iterate(order, solver, started)
+        else:
+            self._begin_factorizations()
+
+    def turn_to(self, mesh: Mesh) -> None:
+        """Forget what is prepared for another mesh."""
+        if self._rest is not None and self._rest[0] is not mesh:
+            self._drop()
+            self._rest = self._tray = None
+
+    @property
+    def is_factoring(self) -> bool:
+        """True while another process factors."""
+        return any(factor.is_factoring for factor in self._factors)
+
+    def _rested(self, when_idle: Callable[[Callable[[], bool]], object]) -> bool:
+        """Call ``when_idle``; False if an order came first."""
+        when_idle(lambda: self._orders.is_ready)
+        return not self._orders.is_ready
+
+    def _drop(self) -> None:
+        """Forget the deformation, and end its factorizations."""
+        self._solver = self._walk = None
+        for factor in self._factors:
+            factor.close()
+        self._factors = []
+
+    def _fail(self, order: RequestMessage, message: str) -> None:
+        self._drop()
+        request = order.request
+        reply = Reply(request.document, request.generation, None, finished=True, failure=message)
+        self._tell(SolverMessage(order.number, reply))
+
+    def _iterate(self, order: RequestMessage, solver: Deformation, started: float) -> None:
+        tray, cost, walk = self._shape_buffer_of(order), None, self._walk
+        assert walk is not None
+        iterations, since, last = 0, time.perf_counter(), 0
+        while True:  # once at least, or poses faster than their preparation would show nothing
+            while not solver.ready:
+                if self._orders.is_ready:
+                    return
+                time.sleep(_MOMENT)
+            walk.iterate()
+            iterations += 1
+            if walk.is_iterate_hidden:
+                if self._orders.is_ready:
+                    return
+                continue
+            most = solver.convergence.most_iterations
+            finished = walk.has_arrived and (solver.settled or iterations >= most)
+            if finished:
+                took = time.perf_counter() - started
+                while tray is not None and not tray.is_free and not self._orders.is_ready:
+                    time.sleep(_MOMENT)
+            if tray is None or (tray.is_free and (finished or tray.is_displayed)):
+                seconds = (time.perf_counter() - since) / (iterations - last)
+                frame = walk.frame()
+                put = None
+                if finished and order.request.with_cost:
+                    cost = Cost(solver.rest.energy(frame.U), took)
+                if tray is not None:
+                    put, frame = tray.write_shape(frame.U), replace(frame, U=_NOTHING)
+                reply = Reply(
+                    order.request.document,
+                    order.request.generation,
+                    frame,
+                    finished,
+                    seconds,
+                    warning=self._warning,
+                    cost=cost,
+                )
+                self._tell(SolverMessage(order.number, reply, put))
+                since, last = time.perf_counter(), iterations
+                self._begin_factorizations()
+            if finished or self._orders.is_ready:
+                return
+
+    def _shape_buffer_of(self, order: RequestMessage) -> SharedShapeBuffer | None:
+        if order.shape_buffer is None:
+            return None
+        if self._tray is None or self._tray.name != order.shape_buffer:
+            self._tray = SharedShapeBuffer(len(order.request.document.mesh.V), order.shape_buffer)
+        return self._tray
+
+    def _prepared(self, order: RequestMessage) -> Deformation:
+        """Return the solver with the goals and poses of the request; factor if needed."""
+        request = order.request
+        document = request.document
+        held = document.constraints()
+        kept_apart = (document.thickness, document.staying_components) if document.contact else None
+        key = *factor_key(document), kept_apart
+        names = tuple(region.name for region in document.regions)
+        goals = (document.target_percentages, document.hold_area, document.member, names, document.calm)
+        moved = *(handle.pose for handle in document.handles), *(each.shift for each in document.obstacles)
+        poses = document.grip, *moved
+        around = obstacle_key(document)
+        fresh = self._solver is None or not are_same_keys(key, self._key)
+        if self._solver is None or fresh:
+            self._drop()  # frees the memory for the next one
+            self._solver = self._made(order, held)
+        else:
+            if not are_same_keys(goals, self._goals):
+                self._solver.keep(*targets_of(document), document.calm)
+            if not are_same_keys(around, self._placed):
+                self._solver.replace_obstacles(document.active_obstacles)
+        self._solver.tolerance, self._solver.convergence = document.tolerance, document.convergence
+        self._solver.loose.choose_loose(document.staying_components)
+        self._warning = self._solver.loose.warning
+        jumps = request.generation != self._generation
+        elsewhere = jumps or not are_same_keys(around, self._placed)
+        # Aiming again would reset the paper method's handle to its target.
+        if fresh or elsewhere or not are_same_keys(poses, self._poses):
+            U = request.U if fresh or elsewhere else None
+            walks = request.iterate and (jumps or (fresh and _begins_at_rest(self._solver, request)))
+            self._walk = PathIteration(self._solver, document, U, walks, request.shifts)
+        self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
+        self._placed = around
+        return self._solver
+
+    def _made(self, order: RequestMessage, held: Constraints) -> Deformation:
+        rest, document = self._rest_of(order), order.request.document
+        return deformation_of(document, held, rest, self._factored if _is_large(rest) else None)
+
+    def _factored(self, matrix: Callable[[], Matrix], V: np.ndarray) -> Factor:
+        self._factors.append(RemoteFactor(matrix, V))
+        return self._factors[-1]
+
+    def _begin_factorizations(self) -> None:
+        """Begin the factorizations, after the more urgent first shape."""
+        for factor in self._factors:
+            factor.begin()
+
+    def _rest_of(self, order: RequestMessage) -> RestMesh:
+        mesh = order.request.document.mesh
+        if self._rest is None or self._rest[0] is not mesh:
+            rest = RestMesh(mesh.V, mesh.F, mesh.weld, order.decimations)
+            self._rest = mesh, rest
+            if _is_large(rest) and not order.decimations:
+                self._tell(SolverMessage(order.number, compute_decimations(rest)))
+        return self._rest[1]
+
+
+def _begins_at_rest(solver: Deformation, request: Request) -> bool:
+    """True if contact cannot go on from a shape that crosses itself or an obstacle."""
+    contact, shifts = solver.contact, request.shifts
+    if contact is None:
+        return False
+    if len(shifts) != len(contact.shifts):
+        shifts = obstacle_shifts(request.document)
+    return not contact.contact.can_start_at(solver.rest.to_local(request.U[solver.rest.weld.first]), shifts)
+
+
+def _is_large(rest: RestMesh) -> bool:
+    return len(rest.solve_mesh.V) >= REMOTE_FACTOR_ROWS

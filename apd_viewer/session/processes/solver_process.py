@@ -1,0 +1,233 @@
+"""Client of the solver process."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.decimation import Decimation
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.jobs.silence_watch import SilenceWatch
+from apd_viewer.session.processes import array_pipe
+from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
+from apd_viewer.session.processes.messages import (
+    CompilationProgress,
+    RequestMessage,
+    RequestStage,
+    SolverMessage,
+    unpacked_message,
+)
+from apd_viewer.session.processes.request_and_reply import Reply, Request, are_same_keys, factor_key
+from apd_viewer.session.processes.shared_memory import SharedShapeBuffer
+
+_PATIENCE = 5  # s
+_AT_START = 30  # s, until its libraries are loaded from a slow disk
+_START = START_SCRIPT.format(module="processes.solver_main")
+
+
+def start_solver_process() -> ChildProcess:
+    """Start the process; raises OSError if it cannot be started."""
+    process = ChildProcess("solver", _START)
+    process.start()
+    return process
+
+
+class SolverProcess:
+    """A solver process; sends requests one after another and publishes the replies.
+
+    Parameters
+    ----------
+    on_reply : callable
+        ``on_reply(reply, looked)``, called with every reply, on a thread of the child. ``looked()`` tells the
+        solver that it is displayed, and that it may send another.
+    on_decimations : callable
+        Called on that thread with a mesh and its thinnings, once the process has found them.
+    on_compilation : callable
+        Called on that thread with the share of the kernels compiled so far.
+    on_silence : callable
+        Called with the seconds in which the process has said nothing though it should, 0 once it does again;
+        see :class:`SilenceWatch`.
+    on_end : callable
+        Called on that thread, last, when the process has come to its end, for whatever reason.
+
+    Attributes
+    ----------
+    is_alive : bool
+    is_dismissed : bool
+        It was ended on purpose.
+
+    Raises
+    ------
+    OSError
+        If there can be no process.
+    """
+
+    def __init__(
+        self,
+        on_reply: Callable[[Reply, Callable[[], object]], object],
+        on_decimations: Callable[[Mesh, tuple[Decimation, ...]], object],
+        on_compilation: Callable[[float], object],
+        on_silence: Callable[[int], object],
+        on_end: Callable[[SolverProcess], object],
+    ) -> None:
+        self.is_alive = True
+        self.is_dismissed = False
+        self._publish, self._learned, self._compiling, self._ended = (
+            on_reply,
+            on_decimations,
+            on_compilation,
+            on_end,
+        )
+        self._process = start_solver_process()
+        self._packer = array_pipe.ArrayPacker()
+        self._numbers = itertools.count(1)
+        self._requests: dict[int, Request] = {}
+        self._trays: dict[int, SharedShapeBuffer | None] = {}
+        self._tray: tuple[int, SharedShapeBuffer | None] | None = None
+        self._start: Request | None = None
+        self._finder_of: Mesh | None = None
+        self._received = threading.Event()
+        self._received.set()
+        self._watch = SilenceWatch(on_silence, _AT_START)
+        self._thread = threading.Thread(target=self._listen, name="answers", daemon=True)
+        self._thread.start()
+
+    def wait_until_received(self) -> None:
+        """Wait until the process has received the last request, or has ended."""
+        self._received.wait()
+
+    def send_request(self, request: Request, decimations: tuple[Decimation, ...]) -> bool:
+        """Send a request once the last one is received; False if the process has ended.
+
+        The ``decimations`` of its mesh, where they are known, save the process finding them.
+        """
+        self._received.clear()
+        number, tray = next(self._numbers), self._shape_buffer_for(request)
+        self._watch.expect_answer(number, _patience(len(request.document.mesh.F)))
+        self._requests[number], self._trays[number] = request, tray
+        # With every order: the process may skip earlier ones. It has the decimations it computed itself.
+        known = () if request.document.mesh is self._finder_of else decimations
+        order = RequestMessage(
+            number, _to_solve(self._with_first_start(request)), tray.name if tray else None, known
+        )
+        message = self._packer.packed_message(order)
+        if self.is_alive:  # if it has just ended, the listening thread reports so
+            self._process.send_messages(message)
+        if not self.is_alive:
+            self._discard_shared_arrays()
+        return self.is_alive
+
+    def dismiss(self) -> None:
+        """End the process now, whatever it is doing; does not wait for it."""
+        self.is_dismissed = True
+        self._process.kill()
+
+    def join(self) -> None:
+        """Wait until all has ended."""
+        self._thread.join()
+
+    def _shape_buffer_for(self, request: Request) -> SharedShapeBuffer | None:
+        n = len(request.U)
+        if self._tray is None or self._tray[0] != n:
+            try:
+                self._tray = n, SharedShapeBuffer(n)
+            except OSError:  # no shared memory: the shapes come with the replies
+                self._tray = n, None
+        return self._tray[1]
+
+    def _with_first_start(self, request: Request) -> Request:
+        """Return the request with the start shape of the first of its kind.
+
+        The process goes on from where it is, and needs it only if it has seen none of them. So it travels
+        once, and not with every pose.
+        """
+        start = self._start
+        if (
+            start is None
+            or start.generation != request.generation
+            or not are_same_keys(factor_key(start.document), factor_key(request.document))
+        ):
+            self._start = start = request
+        return replace(request, U=start.U)
+
+    # The thread
+
+    def _listen(self) -> None:
+        try:
+            while (message := self._process.receive()) is not None:
+                self._hear(unpacked_message(message, self._requests))
+        finally:
+            self.is_alive = False
+            self._watch.close()
+            self._process.end()
+            self._discard_shared_arrays()
+            self._received.set()
+            self._ended(self)
+
+    def _hear(self, message: SolverMessage | logging.LogRecord) -> None:
+        self._watch.note_message()
+        if isinstance(message, logging.LogRecord):
+            logging.getLogger(message.name).handle(message)
+        elif isinstance(message.content, Reply):
+            self._hear_reply(message.content, self._trays[message.number], message.shape_number)
+        elif message.content is RequestStage.RECEIVED:
+            self._discard_shared_arrays()
+            self._received.set()
+        elif message.content is RequestStage.TURNED_TO:
+            for number in [n for n in list(self._requests) if n < message.number]:
+                del self._requests[number], self._trays[number]
+        elif message.content is RequestStage.ANSWERED:
+            self._watch.note_message(answer=message.number)
+        elif isinstance(message.content, CompilationProgress):
+            self._compiling(message.content.share)
+        elif isinstance(message.content, tuple):
+            self._finder_of = self._requests[message.number].document.mesh
+            self._learned(self._finder_of, message.content)
+
+    def _hear_reply(
+        self, reply: Reply, shape_buffer: SharedShapeBuffer | None, shape_number: int | None
+    ) -> None:
+        if reply.failure:
+            # The process took its state along: the next request starts from the displayed shape.
+            self._start = None
+        looked: Callable[[], object] = _nothing
+        if (frame := reply.frame) is not None:
+            U = frame.U
+            if shape_buffer is not None and shape_number is not None:
+                U, looked = (
+                    shape_buffer.take_shape(shape_number),
+                    partial(shape_buffer.mark_displayed, shape_number),
+                )
+            reply = replace(reply, frame=replace(frame, U=frozen(U)))
+        self._publish(reply, looked)
+
+    def _discard_shared_arrays(self) -> None:
+        envelope, self._packer.shared_arrays = self._packer.shared_arrays, None
+        if envelope is not None:
+            envelope.discard()
+
+
+def _patience(faces: int) -> int:
+    """Seconds of silence before it is told.
+
+    Native code holds the interpreter, and with it the pulse of the process, at most 2.4 s for a million
+    triangles, on two busy cores.
+    """
+    return max(_PATIENCE, round(1e-5 * faces))
+
+
+def _nothing() -> None:
+    """Ignore a displayed reply."""
+
+
+def _to_solve(request: Request) -> Request:
+    """The request without the target shape: nothing is solved for it."""
+    document = request.document
+    if document.target_shape is None:
+        return request
+    return replace(request, document=replace(document, target_shape=None))

@@ -1,0 +1,169 @@
+"""Recursive-descent parser of expressions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.session.quantities.ambiguous_numbers import check_unambiguous
+from apd_viewer.session.quantities.expression_functions import FUNCTIONS, call_function
+from apd_viewer.session.quantities.quantity import DIMENSIONLESS, Quantity
+from apd_viewer.session.quantities.tokens import is_number, quoted_input
+from apd_viewer.session.quantities.units import NoUnitError, Unit
+
+# Deeper than needed, and far below Python's own limit.
+_MOST_NESTED = 30
+_MICROMETRES = {"mm": 1e3, "cm": 1e4, "m": 1e6, "um": 1.0, "in": 25_400.0, "ft": 304_800.0}
+_DEGREES = {"deg": 1.0, "rad": math.degrees(1.0), "turn": 360.0}
+
+
+class ExpressionParser:
+    """Parser of the tokens by recursive descent."""
+
+    def __init__(self, tokens: list[str], names: Mapping[str, float], unit: Unit | None) -> None:
+        self._left = tokens[::-1]
+        self._names = names
+        self._unit = unit
+        self._nested = 0
+
+    def parsed_quantity(self) -> Quantity:
+        """Value of all tokens."""
+        said = self._sum()
+        if self._token:
+            raise self._misplaced()
+        return said
+
+    @property
+    def _token(self) -> str:
+        """The next token; empty at the end."""
+        return self._left[-1] if self._left else ""
+
+    def _take(self) -> str:
+        return self._left.pop() if self._left else ""
+
+    def _sum(self) -> Quantity:
+        total = self._product()
+        while self._token in ("+", "-"):
+            sign = Quantity(1.0 if self._take() == "+" else -1.0)
+            total += sign * self._product()
+        return total
+
+    def _product(self) -> Quantity:
+        product = self._signed() * self._unit_behind()
+        while self._token in ("*", "/", "(") or self._token[:1].isalpha():
+            divides = self._token == "/"
+            if self._token in ("*", "/"):
+                self._take()
+            factor, unit = self._signed(), self._unit_behind()
+            if not divides:
+                product *= factor * unit
+            elif product.powers == DIMENSIONLESS:
+                product = product / factor * unit
+            else:
+                product /= factor * unit
+        return product
+
+    def _signed(self) -> Quantity:
+        self._nested += 1
+        if self._nested > _MOST_NESTED:
+            raise InputError(tr("Too many nested parentheses; use fewer."))
+        sign = 1.0
+        while self._token in ("+", "-"):
+            sign *= 1.0 if self._take() == "+" else -1.0
+        power = self._raised(self._single())
+        self._nested -= 1
+        return Quantity(sign) * power
+
+    def _raised(self, root: Quantity) -> Quantity:
+        if self._token not in ("^", "**"):
+            return root
+        self._take()
+        return root ** self._signed()
+
+    def _single(self) -> Quantity:
+        if self._token == "(":
+            self._take()
+            value = self._sum()
+            self._close()
+        elif is_number(self._token):
+            value = _number(self._take())
+        elif self._token in FUNCTIONS and self._token not in self._names:
+            value = call_function(self._take(), self._arguments())
+        elif self._token[:1].isalpha():
+            value = self._named(self._take())
+        else:
+            raise self._misplaced()
+        while self._token == "%":
+            self._take()
+            value /= Quantity(100.0)
+        return value
+
+    def _arguments(self) -> list[Quantity]:
+        if self._take() != "(":
+            raise InputError(tr("A function needs parentheses, as in sqrt(2)."))
+        values = [self._sum()]
+        while self._token == ",":
+            self._take()
+            values.append(self._sum())
+        self._close()
+        return values
+
+    def _close(self) -> None:
+        if self._token and self._token != ")":
+            raise self._misplaced()
+        if not self._take():
+            raise InputError(tr("A parenthesis is not closed; close it."))
+
+    def _unit_behind(self) -> Quantity:
+        """The unit behind a number; 1 if there is none."""
+        if self._token in self._names or self._token not in (*_MICROMETRES, *_DEGREES):
+            return Quantity(1.0)
+        return self._raised(self._named(self._take()))
+
+    def _named(self, word: str) -> Quantity:
+        if word in self._names:
+            return Quantity(self._names[word], length=1.0)
+        if word == "pi":
+            return Quantity(math.pi)
+        if word in _DEGREES:
+            return Quantity(_DEGREES[word], angle=1.0)
+        if word in _MICROMETRES:
+            return self._unit_of_length(word)
+        raise InputError(
+            tr(
+                "{text} is unknown; use {names}, a unit such as mm or deg, or a function such as sqrt."
+            ).format(text=quoted_input(word), names=", ".join([*self._names, "pi"]))
+        )
+
+    def _unit_of_length(self, word: str) -> Quantity:
+        if self._unit is None:
+            raise InputError(
+                tr("{text} is a unit of length, which is not allowed here; remove it.").format(
+                    text=quoted_input(word)
+                )
+            )
+        if self._unit is Unit.NONE:
+            raise NoUnitError(word)
+        return Quantity(_MICROMETRES[word] / _MICROMETRES[self._unit.symbol], length=1.0)
+
+    def _misplaced(self) -> InputError:
+        if not self._token:
+            return InputError(tr("The expression is incomplete; complete it."))
+        if is_number(self._token):
+            return InputError(
+                tr("An operator is missing before {text}; enter one such as * or +.").format(
+                    text=quoted_input(self._token)
+                )
+            )
+        return InputError(
+            tr("{text} is not expected here; remove it or complete the expression.").format(
+                text=quoted_input(self._token)
+            )
+        )
+
+
+def _number(token: str) -> Quantity:
+    check_unambiguous(token, ",")
+    return Quantity(float(token.replace(",", ".")))

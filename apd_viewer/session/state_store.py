@@ -1,0 +1,231 @@
+"""The state on screen, and the solver's work on its shape.
+
+All methods are called on the owner's thread. Whatever happens ends in one replacement of the state, which
+tells the one listener what was and what is; it compares by identity and shows what differs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import Enum
+
+import numpy as np
+
+from apd_viewer.language import tr
+from apd_viewer.session.listener import Listener
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.trace import Trace
+from apd_viewer.session.posing.regripping import regripped_document
+from apd_viewer.session.processes.request_and_reply import Reply, Request, are_same_keys, factor_key
+from apd_viewer.session.processes.solver_worker import SolverWorker
+from apd_viewer.session.quantities.units import Unit
+
+
+class Activity(Enum):
+    """State of the solver's work on the shape on screen."""
+
+    IDLE = "idle"
+    REFINING = "refining"
+    PAUSED = "paused"
+    SETTLED = "settled"
+    UNREACHED = "not reached"
+
+
+def silence_text(seconds: int) -> str:
+    """Sentence on a solver that has not answered for so long; empty for 0."""
+    words = tr("The solver has not answered for {n} s; wait, undo the last step, or restart the solver.")
+    return words.format(n=seconds) if seconds else ""
+
+
+class StateStore:
+    """The state on screen, and the activity of the solver.
+
+    Parameters
+    ----------
+    listener : Listener
+    worker : SolverWorker
+
+    Attributes
+    ----------
+    state : State or None
+        None until a mesh is open.
+    activity : Activity
+    seconds_per_iteration : float
+    trace : Trace
+        The readings on the way to the shape on screen.
+    unit : Unit
+        Of the lengths of the mesh.
+    silence_text : str
+        Sentence on a solver that does not answer; empty while it does.
+    compiled_share : float or None
+        Share of the kernels compiled for this computer; None if not yet known.
+    """
+
+    def __init__(self, listener: Listener, worker: SolverWorker) -> None:
+        self.state: State | None = None
+        self.trace = Trace()
+        self.activity = Activity.IDLE
+        self.seconds_per_iteration = 0.0
+        self.unit = Unit.NONE
+        self.silence_text = ""
+        self.compiled_share: float | None = None
+        self._listener = listener
+        self._worker = worker
+        self._generation = 0
+        self._asked: Document | None = None
+        self._factored: tuple[object, ...] = ()
+        self._warned: str | None = None
+
+    @property
+    def is_preparing(self) -> bool:
+        """True until the solver has factored for the document; seconds on a large mesh."""
+        if self._asked is None or self.activity is not Activity.REFINING:
+            return False
+        return not are_same_keys(factor_key(self._asked), self._factored)
+
+    @property
+    def is_previewing(self) -> bool:
+        """True while a first shape waits for kernels.
+
+        So far it is known only where the handles are to be.
+        """
+        return self.is_preparing and self.compiled_share is not None and self.compiled_share < 1.0
+
+    def required_state(self) -> State:
+        """The state; there must be one."""
+        if self.state is None:
+            raise RuntimeError("no mesh is open")
+        return self.state
+
+    def set_state(self, state: State) -> None:
+        """Replace the state, and nothing else."""
+        old, self.state = self.state, state
+        self._listener.changed(old, state)
+
+    def jump_to(self, state: State, from_grip: bool = False) -> None:
+        """Go to ``state``; frames of the time before are no longer wanted.
+
+        What is left to iterate begins with its shape, or ``from_grip`` with that at the grip.
+        """
+        if self.state is None or state.document.mesh is not self.state.document.mesh:
+            self._warned = None
+        self._generation += 1
+        if self.state is not None and state.frame.U is self.state.frame.U:
+            self.begin_trace()
+        else:
+            self.trace.begin(state)
+        self._ask_and_show(state, not state.frame.settled, from_grip)
+
+    def set_document(self, document: Document) -> None:
+        """Replace the document by one with the same shape."""
+        self.set_state(self.required_state().updated(document))
+
+    def solve(self, document: Document) -> None:
+        """Replace the document and ask the solver, unless all is at rest."""
+        state = self.required_state().updated(document)
+        at_rest = state.frame.U is document.mesh.V and not document.is_posed and not state.has_unmet_target
+        iterate = self.activity in (Activity.REFINING, Activity.PAUSED) or not at_rest
+        self._ask_and_show(state.as_unsettled() if iterate else state, iterate)
+
+    def solve_from_grip(self, document: Document) -> None:
+        """Replace the document and solve it from the grip, along the paths of its handles."""
+        self.jump_to(self.required_state().updated(document).as_unsettled(), from_grip=True)
+
+    def pause_or_resume(self) -> None:
+        """Stop the solver where it is, or let it go on; so does the next change."""
+        paused = self.activity is Activity.PAUSED
+        if self._asked is not None and (paused or self.activity is Activity.REFINING):
+            self.activity = Activity.REFINING if paused else Activity.PAUSED
+            frame = self.required_state().frame
+            asked = Request(self._asked, self._generation, frame.U, iterate=paused, shifts=frame.shifts)
+            self._worker.put_request(asked)
+            self._listener.status_changed()
+
+    def restart_solver(self) -> None:
+        """End the process of the solver, and go on from the shape on screen in another."""
+        self._factored = ()
+        self._worker.restart_process()
+
+    def revert_to(self, document: Document) -> None:
+        """Go back to a document; the solver is asked unless it was its last request."""
+        (self.set_document if document is self._asked else self.solve)(document)
+
+    def begin_trace(self) -> None:
+        """Begin another trace from here with the next change of the document."""
+        self.trace.begin_with_next_frame(self._asked, self.required_state())
+
+    def regrip(self, before: Document, document: Document) -> None:
+        """Replace the document, with base and handles gripped at the shape on screen."""
+        state = self.required_state()
+        state = state.updated(regripped_document(before, document, state.frame))
+        lacks = state.has_unmet_target
+        # An unfinished pose is given up with the jump; nothing else is pending.
+        goes_on = lacks and (before.paint_problem is not None or not before.is_posed)
+        unreached = state.frame.unreached if lacks else None
+        frame = replace(
+            state.frame, handle_drift=0.0, converged=not lacks, settled=not goes_on, unreached=unreached
+        )
+        self.jump_to(replace(state, frame=frame))
+
+    def receive(self) -> None:
+        """Receive the newest reply of the worker, and whether it is silent or compiles."""
+        self._hear_silence()
+        if self.compiled_share != self._worker.compiled_share:
+            self.compiled_share = self._worker.compiled_share
+            self._listener.status_changed()
+        reply = self._worker.take_reply()
+        if reply is not None and reply.news:
+            self._factored = ()
+            self._listener.message_sent(reply.news)
+        if reply is not None and reply.generation == self._generation:
+            self._accept(reply)
+
+    def _hear_silence(self) -> None:
+        sentence = silence_text(self._worker.silent_seconds)
+        if sentence != self.silence_text:
+            self.silence_text = sentence
+            if sentence:
+                self._listener.message_sent(sentence)
+            self._listener.status_changed()
+
+    def _accept(self, reply: Reply) -> None:
+        if reply.warning and reply.warning != self._warned:
+            self._listener.message_sent(reply.warning)
+        if reply.frame is not None:
+            self._warned = reply.warning
+            self._factored = factor_key(reply.document)
+        # A slightly stale frame of this drag is worth showing, but does not tell whether it has converged.
+        latest = reply.document is self._asked
+        if reply.frame is not None:
+            self.seconds_per_iteration = reply.seconds
+            state = self._showing(reply)
+            self.trace.add_frame(reply.document, reply.frame)
+            self.set_state(state if latest else state.as_unsettled())
+        if reply.finished and latest:
+            settled = reply.frame is not None and reply.frame.converged
+            self.activity = Activity.SETTLED if settled else Activity.UNREACHED
+        if reply.failure:
+            self._listener.failed(reply.failure)
+        self._listener.status_changed()
+
+    def _showing(self, reply: Reply) -> State:
+        """The state with the frame of a reply; changed regions are measured anew."""
+        state, asked = self.required_state(), reply.document
+        if state.document.member is asked.member and state.document.regions is asked.regions:
+            assert reply.frame is not None
+            return replace(state, frame=reply.frame)
+        return state.updated(frame=reply.frame)
+
+    def _ask_and_show(self, state: State, iterate: bool, from_grip: bool = False) -> None:
+        """Ask the solver first: it works while the listener repaints."""
+        old, self.state = self.state, state
+        iterate = iterate and state.document.paint_problem is None
+        self.activity = Activity.REFINING if iterate else Activity.IDLE
+        self._asked = state.document
+        U, shifts = state.frame.U, state.frame.shifts
+        if from_grip and not state.document.has_half_turn:  # a path is walked from the grip in any case
+            U, shifts = state.document.grip, np.zeros_like(shifts)
+        self._worker.put_request(Request(state.document, self._generation, U, iterate, shifts=shifts))
+        self._listener.changed(old, state)
+        self._listener.status_changed()

@@ -1,0 +1,170 @@
+"""Leftovers of killed programs, found at the next start.
+
+Beside every file lies another one, which is locked while the program lives that writes it, and while another
+one offers it. A process id tells nothing: it may be somebody else's by now. Nor does a time, since clocks may
+be wrong: however old a leftover seems, it stays until it is restored or discarded.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import stat
+import time
+from pathlib import Path, PurePath
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.storage.archive import Archive
+from apd_viewer.files.storage.json_fields import JsonFields
+from apd_viewer.files.storage.lock import FileLock, acquire_lock
+from apd_viewer.files.storage.regular_files import open_regular
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.language import tr, trn
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.view import SESSION_SUFFIX, View
+from apd_viewer.session.storage.session_file import open_session
+from apd_viewer.session.storage.session_meshes import JSON_MEMBER
+
+_NAME = re.compile(r"\d+-\d+")
+_DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0  # s
+_MOST_TRIES = 5
+_FIRST = 1577836800.0  # 2020: a clock that was earlier had not been set
+
+
+class RecoveryFile:
+    """File of a dead program, locked by this one.
+
+    Parameters
+    ----------
+    path : Path
+    lock : FileLock
+    time : float
+
+    Attributes
+    ----------
+    name : str
+        Of the mesh, for people.
+    time : float
+        When it was written by the clock of then, in seconds of :func:`time.time`.
+    mesh : Mesh or None
+        What has been read of it.
+    is_restored : bool
+        It has been restored: the program that did so keeps it safe.
+    """
+
+    def __init__(self, path: Path, lock: FileLock, time: float) -> None:
+        self.path = path
+        self.name = _name_of_mesh(path)
+        self.time = time
+        self.mesh: Mesh | None = None
+        self.is_restored = False
+        self._lock = lock
+
+    def read(self) -> tuple[State, View]:
+        """Its content; raises InputError if it is damaged or its mesh is missing."""
+        try:
+            found = open_session(self.path)
+        except InputError as error:
+            why = str(error.__cause__ or error).rstrip(".")
+            raise InputError(
+                tr("The unsaved work on {name} cannot be restored: {why}.").format(name=self.name, why=why)
+            ) from error
+        self.mesh = found[0].document.mesh
+        return found
+
+    def discard(self) -> None:
+        """Remove it for good."""
+        remove_with_lock(self.path, self._lock)
+
+    def release(self) -> None:
+        """Leave it for the next start."""
+        self._lock.release()
+
+
+def find_recovery_files(folder: Path) -> list[RecoveryFile]:
+    """Leftovers in a folder, newest first."""
+    make_private(folder, 0o700)
+    try:
+        stems = {path.stem for path in folder.iterdir() if _NAME.fullmatch(path.stem)}
+    except OSError:
+        return []
+    found = (_claimed(folder / f"{stem}{SESSION_SUFFIX}") for stem in stems)
+    return sorted(filter(None, found), key=lambda left: -left.time)
+
+
+def _claimed(path: Path) -> RecoveryFile | None:
+    """The leftover at ``path``; None if its owner lives, or it is claimed or gone."""
+    try:
+        lock = acquire_lock(lock_path(path))
+    except OSError:
+        return None
+    if lock is None:
+        return None
+    try:
+        found = path.lstat()
+        if stat.S_ISREG(found.st_mode):
+            make_private(path)
+            return RecoveryFile(path, lock, found.st_mtime)
+        lock.release()  # it is none of the program's
+    except FileNotFoundError:
+        remove_with_lock(path, lock)
+    except OSError:
+        lock.release()
+    return None
+
+
+def claim_path(folder: Path) -> tuple[Path, FileLock]:
+    """A path in ``folder`` for this program alone, and its lock; raises OSError."""
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    make_private(folder, 0o700)
+    for _ in range(_MOST_TRIES):  # a program starting just now may be testing the lock
+        path = folder / f"{os.getpid()}-{time.time_ns()}{SESSION_SUFFIX}"
+        if (lock := acquire_lock(lock_path(path))) is not None:
+            return path, lock
+    raise OSError(tr("files in it cannot be locked"))
+
+
+def lock_path(path: Path) -> Path:
+    """The lock file beside ``path``; locked while its owner lives."""
+    return path.with_suffix(".lock")
+
+
+def remove_with_lock(path: Path, lock: FileLock) -> None:
+    """Remove a file, its temporary files and last its lock."""
+    for each in (path, *path.parent.glob(f".{path.name}-*")):
+        with contextlib.suppress(OSError):
+            each.unlink()
+    lock.remove()
+
+
+def make_private(path: Path, mode: int = 0o600) -> None:
+    """Let nobody else read it, unless the disk knows no owners."""
+    with contextlib.suppress(OSError):
+        if stat.S_IMODE(path.stat().st_mode) & ~mode:
+            path.chmod(mode)
+
+
+def age_text(written_at: float) -> str:
+    """Age of a file in words, by the time when it was written."""
+    seconds = time.time() - written_at
+    if written_at < _FIRST or seconds < -_MINUTE:
+        return tr("at an unknown time")
+    days, hours, minutes = (int(max(seconds, 0.0) // size) for size in (_DAY, _HOUR, _MINUTE))
+    if days:
+        return trn("{n} day ago", "{n} days ago", days).format(n=days)
+    if hours:
+        return trn("{n} hour ago", "{n} hours ago", hours).format(n=hours)
+    if minutes:
+        return trn("{n} minute ago", "{n} minutes ago", minutes).format(n=minutes)
+    return tr("just now")
+
+
+def _name_of_mesh(path: Path) -> str:
+    """Mesh entry of a session file."""
+    try:
+        with open_regular(path) as stream:  # which may be large
+            said = JsonFields.parse(Archive(stream).content(JSON_MEMBER), path.name)
+        return PurePath(said.nested_fields("mesh").text("name")).name
+    except (OSError, ValueError):
+        return tr("a damaged session")

@@ -1,0 +1,200 @@
+"""Changes of the document by keys, menus and panel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.ui.overlays.text_entries import TextEntries
+from apd_viewer.ui.tools.toolbox import Tool
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.motion_kind import MotionKind
+    from apd_viewer.session.selecting.part_operation import PartOperation
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.panel.panel import Panel
+    from apd_viewer.ui.tools.active_parts import ActiveParts
+    from apd_viewer.ui.tools.canvas import Canvas
+
+
+class EditController:
+    """Changes of the document by a window; during a drag most only take it back.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    panel : Panel
+    session : Session
+    parts : ActiveParts
+    choose_tool : callable
+        Chooses a tool.
+
+    Attributes
+    ----------
+    text_entries : TextEntries
+    nudge_obstacle : callable, returns False if no obstacle is in the hand
+    """
+
+    def __init__(
+        self,
+        canvas: Canvas,
+        panel: Panel,
+        session: Session,
+        parts: ActiveParts,
+        choose_tool: Callable[[Tool], None],
+    ) -> None:
+        self._canvas, self._panel = canvas, panel
+        self._session, self._parts, self._take = session, parts, choose_tool
+        self.nudge_obstacle: Callable[[tuple[int, int, int]], bool] = lambda _: False
+        self.text_entries = TextEntries(canvas, session, parts, self.cancel_drag)
+        handles = panel.handles
+        handles.add_requested.connect(self.add_handle)
+        handles.reset_all_requested.connect(self.reset_all)
+        handles.reset_handle_requested.connect(self.reset_handle)
+        handles.motion.motion_entered.connect(self.move_by)
+        panel.regions.add_requested.connect(self.add_region)
+        handles.motion.line_requested.connect(self.pick_line)
+        handles.motion.choice.currentIndexChanged.connect(self._show_line)
+
+    @property
+    def _is_open(self) -> bool:
+        return self._session.store.state is not None
+
+    def _may_begin(self) -> bool:
+        """True if a document is open and no drag was under way; cancel a drag."""
+        return self._is_open and not self.cancel_drag()
+
+    def cancel_drag(self) -> bool:
+        """Cancel the drag or sweep under way; True if there was one."""
+        return self._canvas.viewport.mouse.cancel() or self._panel.cancel_slider_drag()
+
+    # Going back
+
+    def undo(self) -> None:
+        """Undo the last step."""
+        if self._may_begin():
+            self._session.gestures.undo()
+
+    def redo(self) -> None:
+        """Redo the step undone last."""
+        if self._may_begin():
+            self._session.gestures.redo()
+
+    def go_to_step(self, steps: int) -> None:
+        """Undo or redo until so many steps are done."""
+        if self._may_begin():
+            self._session.gestures.go_to_step(steps)
+
+    def reset_all(self) -> None:
+        """Put all handles back, and the mesh in its rest shape."""
+        if self._is_open:
+            self.cancel_drag()
+            self._session.rest_shape.restore()
+
+    def bake(self) -> None:
+        """Make the shape on screen the rest shape."""
+        if self._may_begin():
+            self._session.rest_shape.bake()
+
+    # Parts
+
+    def add_handle(self) -> None:
+        """Add a handle and take its brush."""
+        if self._is_open:
+            self._parts.add_handle()
+            self._take(Tool.HANDLE)
+
+    def next_handle(self) -> None:
+        """Make the next handle active."""
+        if self._is_open:
+            self._parts.next_handle()
+
+    def add_region(self) -> None:
+        """Add a region and take its brush."""
+        if self._is_open:
+            self._parts.add_region()
+            self._take(Tool.REGION)
+
+    def reshape(self, operation: PartOperation) -> None:
+        """Change the whole part painted by the current tool."""
+        if self._may_begin():
+            self._session.painting.apply_operation(self._canvas.strokes.part, operation)
+
+    def open_vertex_entry(self) -> None:
+        """Choose vertices by ids or coordinates, in a card."""
+        if self._is_open:
+            self.text_entries.open_entry(self.text_entries.vertices)
+
+    def open_brush_entry(self) -> None:
+        """Enter the radius of the brush, in a card."""
+        if self._is_open:
+            if not self._canvas.tool.words.is_brush:
+                self._take(Tool.HANDLE)
+            self.text_entries.open_brush_entry()
+
+    # Moving the active handle
+
+    def reset_handle(self) -> None:
+        """Put the active handle back."""
+        if self._may_begin():
+            self._session.handles.reset_handle(self._parts.handle)
+
+    def nudge(self, step: tuple[int, int, int]) -> None:
+        """Move the handle or obstacle a little in the picture: right, up, to the viewer."""
+        may = self._may_begin() and not self.nudge_obstacle(step)
+        if may and (pose := self._canvas.nudged_pose(step)) is not None:
+            self._session.handles.set_pose(pose, self._parts.handle, tr("Nudge handle"), is_repeat=True)
+
+    def move_by(self, motion: MotionKind, text: str, is_total: bool) -> None:
+        """Move the active handle by a typed motion, or show an error in the field."""
+        if not self._is_open:
+            return
+        field = self._panel.handles.motion
+        try:
+            self._session.handles.move_by(motion, text, self._parts.handle, self._canvas.bend_line, is_total)
+        except InputError as error:
+            field.show_error(str(error))
+        else:
+            field.finish_entry()
+
+    # The pivot, and the line to bend about
+
+    def pick_pivot(self) -> None:
+        """Have the next click on the mesh set the pivot of the active handle."""
+        if self._may_begin():
+            self._take(Tool.MOVE)
+            self._canvas.picker.pick_points(
+                1,
+                lambda points: self._session.handles.set_pivot(points[0], self._parts.handle),
+                tr("Click the point of the mesh to rotate the handle about; Esc cancels"),
+            )
+
+    def open_pivot_entry(self) -> None:
+        """Enter the coordinates of the pivot, in a card."""
+        if self._is_open:
+            self.text_entries.open_entry(self.text_entries.pivot)
+
+    def centre_pivot(self) -> None:
+        """Put the pivot of the active handle at its centre."""
+        if self._may_begin():
+            self._session.handles.set_pivot(None, self._parts.handle)
+
+    def pick_line(self) -> None:
+        """Have the next two clicks on the mesh set the line to bend about."""
+        if self._may_begin():
+            self._take(Tool.MOVE)
+            words = tr("Click two points of the mesh to set the line to bend about")
+            self._canvas.picker.pick_points(2, self._keep_line, words)
+
+    def _keep_line(self, line: np.ndarray) -> None:
+        self._canvas.bend_line = line
+        self._show_line()
+        self._panel.focus_motion_field()
+
+    def _show_line(self) -> None:
+        line = self._canvas.bend_line if self._panel.handles.motion.is_about_line else None
+        self._canvas.picker.marked_points = np.empty((0, 3)) if line is None else line

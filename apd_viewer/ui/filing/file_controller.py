@@ -1,0 +1,209 @@
+"""Commands on files, with their questions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import QWidget
+
+from apd_viewer.files.known_file import FileState, KnownFile
+from apd_viewer.language import tr
+from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
+from apd_viewer.session.storage.recovery_file import RecoveryFile, find_recovery_files
+from apd_viewer.ui.filing import file_dialogs, unsaved_question
+from apd_viewer.ui.filing.changed_file_question import ChangedFileAnswer, ask_about_changed_file
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.preferences.preferences import Preferences, user_file
+from apd_viewer.ui.widgets.display_names import window_title_text
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.model.view import View
+    from apd_viewer.session.session import Session
+
+
+class FileController:
+    """Opens and writes for a window.
+
+    Parameters
+    ----------
+    window : QWidget
+        Over which to ask.
+    preferences : Preferences
+    session : Session
+    view : callable
+        Returns the camera, overlay and unit to be saved with the mesh.
+    small_picture : callable
+        Returns a small picture of the view as a PNG file, empty if there is none.
+    recovery : Path or None
+        Folder for autosaves; None keeps nothing.
+    """
+
+    def __init__(
+        self,
+        window: QWidget,
+        preferences: Preferences,
+        session: Session,
+        view: Callable[[], View],
+        small_picture: Callable[[], bytes],
+        recovery: Path | None = None,
+    ) -> None:
+        self._window = window
+        self._memory = preferences
+        self._session = session
+        self._view, self._picture = view, small_picture
+        self._recovery = recovery
+        if recovery is not None:
+            session.autosave.start(recovery, view)
+
+    def recovery_files(self) -> list[RecoveryFile]:
+        """Recoverable sessions of killed programs, locked for this window."""
+        return find_recovery_files(self._recovery) if self._recovery is not None else []
+
+    def restore(self, recovery_file: RecoveryFile) -> None:
+        """Open a recovered session in the background; its file is not for saving."""
+        self.run_unless_unsaved(lambda: self._session.autosave.restore(recovery_file))
+
+    def open_path(self, path: str | Path) -> None:
+        """Open a file in the background."""
+        self.run_unless_unsaved(lambda: self._session.files.open(path))
+
+    def open_sample(self, name: str) -> None:
+        """Open a sample in the background."""
+        self.run_unless_unsaved(lambda: self._session.files.open_sample(name))
+
+    def show_mesh(self, mesh: Mesh) -> None:
+        """Show a mesh from memory."""
+        self.run_unless_unsaved(lambda: self._session.files.open_mesh(mesh))
+
+    def export_mesh(self, on_done: Callable[[], object] = lambda: None) -> None:
+        """Choose a target for the deformed mesh; ``on_done()`` follows once it is written."""
+        if (state := self._session.store.state) is None:
+            return
+        path = file_dialogs.ask_where_to_put_mesh(self._window, self._memory.last_folder, state.document.mesh)
+        if path is not None:
+            self._session.files.export(path, on_done)
+
+    def export_scalars(self) -> None:
+        """Choose a target for the scalars."""
+        if (state := self._session.store.state) is None:
+            return
+        found = file_dialogs.ask_where_to_put_scalars(
+            self._window, self._memory.last_folder, state.document.mesh
+        )
+        if found is not None:
+            self._session.files.export_scalars(*found)
+
+    def export_deck(self) -> None:
+        """Choose a target for the FE deck."""
+        if (state := self._session.store.state) is None:
+            return
+        path = file_dialogs.ask_where_to_put_deck(self._window, self._memory.last_folder, state.document.mesh)
+        if path is not None:
+            self._session.files.export_deck(path, self._view())
+
+    def save(self, on_done: Callable[[], object] = lambda: None) -> None:
+        """Save the session to its file; ask for one if there is none or no folder.
+
+        ``on_done()`` follows once it is saved.
+        """
+        last = self._session.saved_work.last_saved
+        if last is None or last.file is None or not last.file.path.parent.is_dir():
+            self.save_as(on_done)
+        else:
+            self._save(last.file.path, last.embeds_mesh, on_done)
+
+    def save_as(self, on_done: Callable[[], object] = lambda: None) -> None:
+        """Choose a target for the session, with or without the mesh."""
+        if (state := self._session.store.state) is None:
+            return
+        mesh = state.document.mesh
+        found = file_dialogs.ask_where_to_put_session(self._window, self._memory.last_folder, mesh)
+        if found is not None:
+            self._memory.remember_file(found[0])
+            self._save(*found, on_done)
+
+    def _save(
+        self, path: Path, embeds: bool, then: Callable[[], object], over: KnownFile | None = None
+    ) -> None:
+        def changed(file: KnownFile) -> None:
+            ways = {
+                ChangedFileAnswer.OVERWRITE: partial(self._save, path, embeds, then, file),
+                ChangedFileAnswer.SAVE_AS: partial(self.save_as, then),
+                ChangedFileAnswer.RELOAD: partial(self._session.files.open, path),
+            }
+            ask_about_changed_file(self._window, path.name, ways)
+
+        self._session.files.save(path, self._view(), embeds, then, self._picture(), changed, over)
+
+    def remember_opened(self, state: State) -> None:
+        """Add the files of another mesh to the recent ones, and make room."""
+        for path in (user_file(state.document.mesh), self._session.saved_work.path):
+            if path is not None and path.is_file():  # a mesh out of a session may have none
+                self._memory.remember_file(path)
+        give_back_freed_memory()  # of the meshes before, whose sizes may never be needed again
+
+    def load_selection(self) -> None:
+        """Choose a selection file to load."""
+        if self._session.store.state is None:
+            return
+        path = file_dialogs.ask_for_selection(self._window, self._memory.last_folder)
+        if path is not None:
+            self._session.files.load_selection(path)
+
+    def save_selection(self) -> None:
+        """Choose a target for the selection."""
+        if (state := self._session.store.state) is None:
+            return
+        path = file_dialogs.ask_where_to_put_selection(
+            self._window, self._memory.last_folder, state.document.mesh
+        )
+        if path is not None:
+            self._session.files.save_selection(path)
+
+    # Unsaved work
+
+    def show_title(self) -> None:
+        """Name session and mesh in the title of the window, and mark unsaved work."""
+        state, session = self._session.store.state, self._session.saved_work.path
+        if state is None:
+            return
+        mesh, unsaved = state.document.mesh, self._session.saved_work.is_unsaved
+        title = tr("{session}[*] – {mesh} – APD Viewer") if session else tr("{mesh}[*] – APD Viewer")
+        self._window.setWindowFilePath(str(session or mesh.path or ""))
+        names = {
+            "mesh": window_title_text(mesh.name),
+            "session": window_title_text(session.name if session else ""),
+        }
+        self._window.setWindowTitle(title.format(**names))
+        if self._window.isWindowModified() != unsaved:  # Qt tells the screen again what it knows
+            self._window.setWindowModified(unsaved)
+
+    def run_unless_unsaved(self, action: Callable[[], object], closes: bool = False) -> None:
+        """Call ``action()``, first asking about unsaved work and saving it if wanted."""
+        if self.may_discard_work(action, closes):
+            action()
+
+    def may_discard_work(self, action: Callable[[], object], closes: bool = False) -> bool:
+        """True if nothing unsaved is lost by ``action()``, or the user agrees.
+
+        Otherwise it is done once the user has saved or exported, or never.
+        """
+        state, work = self._session.store.state, self._session.saved_work
+        work.check_file_now()
+        if state is None or not work.is_unsaved:
+            return True
+        file, name = work.file, work.path.name if work.path else state.document.mesh.name
+        found = FileState.SAME if file is None else file.state
+        answer = unsaved_question.ask_before_leaving(self._window, name, closes, found)
+        if answer is UnsavedAnswer.SAVE:
+            self.save(
+                partial(self.run_unless_unsaved, action, closes)
+            )  # the work may go on while it is written
+        elif answer is UnsavedAnswer.EXPORT:
+            self.export_mesh(action)
+        return answer is UnsavedAnswer.DISCARD

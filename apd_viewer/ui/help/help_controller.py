@@ -1,0 +1,217 @@
+"""Help over the window: shortcut sheet and tour."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, QTimer
+from PySide6.QtWidgets import QMainWindow, QWidget
+
+from apd_viewer.files.samples import resource_path
+from apd_viewer.language import tr
+from apd_viewer.session.model.targets import kept_percentages
+from apd_viewer.session.session import Session
+from apd_viewer.session.state_store import Activity
+from apd_viewer.ui.actions.action_maker import without_mnemonic
+from apd_viewer.ui.help.command_search import CommandSearch
+from apd_viewer.ui.help.context_help import ContextHelp, look_up_in_manual, show_manual
+from apd_viewer.ui.help.manual import FIRST_PAGE
+from apd_viewer.ui.help.manual_places import ManualPlace
+from apd_viewer.ui.help.menu_entries import menu_entries
+from apd_viewer.ui.help.mouse_help import mouse_gestures
+from apd_viewer.ui.help.searchable import searchable_entries
+from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, ShortcutGroup, ShortcutRow
+from apd_viewer.ui.help.shortcut_sheet import ShortcutSheet
+from apd_viewer.ui.help.tour import Tour
+from apd_viewer.ui.help.tour_targets import TourTargets
+from apd_viewer.ui.preferences.shortcuts import Shortcuts
+from apd_viewer.ui.tools.toolbox import Tool
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.actions.actions import Actions
+    from apd_viewer.ui.panel.panel import Panel
+    from apd_viewer.ui.preferences.preferences import Preferences
+    from apd_viewer.ui.tools.canvas import Canvas
+    from apd_viewer.ui.widgets.theme import Theme
+
+
+class HelpController(QObject):
+    """Opens and closes sheet and tour, and keeps them out of each other's way.
+
+    Parameters
+    ----------
+    window : QMainWindow
+    widgets : tuple
+        The window's canvas, actions and panel.
+    preferences : Preferences
+    open_bottle : callable
+        Opens the sample that the tour speaks of.
+    session : Session
+    open_settings : callable
+        Opens the settings at a preference, by its name.
+
+    Attributes
+    ----------
+    shortcuts : Shortcuts
+    sheet : ShortcutSheet
+    search : CommandSearch
+    context : ContextHelp
+    tour : Tour
+    """
+
+    def __init__(
+        self,
+        window: QMainWindow,
+        widgets: tuple[Canvas, Actions, Panel],
+        preferences: Preferences,
+        open_bottle: Callable[[], object],
+        session: Session,
+        open_settings: Callable[[str], object],
+    ) -> None:
+        super().__init__(window)
+        self._window = window
+        self._memory = preferences
+        self._open_bottle = open_bottle
+        canvas, actions, panel = widgets
+        self._canvas = canvas
+        self.shortcuts = Shortcuts(actions.entries, _mnemonics(window), preferences)
+        self.sheet = ShortcutSheet(canvas.viewport, self.shortcuts, self._groups)
+        self.tour = Tour(window, canvas, TourTargets(window, *widgets))
+        self.search = CommandSearch(
+            canvas.viewport,
+            partial(searchable_entries, window, self.shortcuts.entries, panel, session.store, open_settings),
+            look_up_in_manual,
+        )
+        self.context = ContextHelp(window, canvas, actions.help["help"], self._marked)
+        for card in (self.sheet, self.search):
+            card.dismissed.connect(self.close)
+        self.tour.area_requested.connect(lambda: panel.ensureWidgetVisible(panel.area.percent))
+        self.tour.ring_requested.connect(partial(_show_gizmo, canvas, actions))
+        self._session = session
+        self._wished = False
+        self._mesh: object = None
+
+    def open_sheet(self) -> None:
+        """List the shortcuts, or close the list."""
+        if not self._close_sheet():
+            self._close_card(self.search)
+            self.tour.card.hide()
+            self.sheet.open()
+
+    def open_manual(self) -> None:
+        """Open the first page of the manual."""
+        show_manual(FIRST_PAGE)
+
+    def explain_next_click(self) -> None:
+        """Explain the next click."""
+        self.context.explain_next_click()
+
+    def open_search(self) -> None:
+        """Search for a command, or close the search."""
+        if not self._close_card(self.search):
+            self._close_sheet()
+            self.search.open()
+
+    def begin_tour(self) -> None:
+        """Begin the tour, on the bottle."""
+        self._close_sheet()
+        self.tour.end()
+        if self._can_begin():
+            self._begin()
+        else:
+            self._open_bottle()  # which may ask first
+            self._wished = True
+
+    def plan_first_tour(self, opens_sample: bool) -> None:
+        """Start the tour with the bottle, at the first start only."""
+        self._wished = opens_sample and not self._memory.has_toured
+        self._memory.has_toured = True
+
+    def refresh(self) -> None:
+        """Start a waiting tour with the bottle; end it with another mesh."""
+        state = self._session.store.state
+        if state is None or self._session.jobs.current is not None:
+            return
+        if self.tour.is_active and state.document.mesh is not self._mesh:
+            self.tour.end()
+        if self._wished:
+            self._wished = False
+            if self._can_begin():
+                QTimer.singleShot(0, self, self._begin)  # the mesh is shown by then
+
+    def close(self) -> bool:
+        """Close a card, or else end the tour; True if there was one to close."""
+        return self._close_card(self.search) or self._close_sheet() or self.tour.end()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the parts beyond the style sheet's reach."""
+        self.sheet.set_theme(theme)
+        self.search.set_theme(theme)
+        self.tour.card.set_theme(theme)
+
+    def _can_begin(self) -> bool:
+        """True if the bottle is open and its handle can be moved."""
+        state = self._session.store.state
+        if state is None or state.document.paint_problem:
+            return False
+        return state.document.mesh.path == resource_path("bottle.obj")
+
+    def _begin(self) -> None:
+        store = self._session.store
+        if store.state is not None and self._can_begin():
+            self._mesh = store.state.document.mesh
+            self.tour.begin(lambda: store.activity is not Activity.REFINING, self._holds_area)
+
+    def _holds_area(self) -> bool:
+        state = self._session.store.state
+        return state is not None and kept_percentages(state.document)[0] is not None
+
+    def _close_sheet(self) -> bool:
+        closed = self._close_card(self.sheet)
+        if closed:
+            self.tour.card.setVisible(self.tour.is_active)
+        return closed
+
+    def _close_card(self, card: QWidget) -> bool:
+        if card.isHidden():
+            return False
+        if card.isAncestorOf(self._window.focusWidget()):
+            self._canvas.viewport.setFocus()
+        card.hide()
+        return True
+
+    def _marked(self) -> ManualPlace | None:
+        """Place of the entry marked in the search, if the search has the keys."""
+        marked = self.search.marked_entry if self.search.isAncestorOf(self._window.focusWidget()) else None
+        return None if marked is None else marked.place
+
+    def _groups(self, parent: QWidget) -> list[ShortcutGroup]:
+        """All actions by their menus, and the gestures of the mouse."""
+        entries = {entry.action: entry for entry in self.shortcuts.entries}
+        rows: dict[str, list[ShortcutRow]] = {}
+        for found in menu_entries(self._window.menuBar()):
+            entry = entries.get(found.action)
+            if entry is not None:
+                rows.setdefault(found.menu, []).append(ActionRow(entry, found.full_title(entry.title)))
+        groups = [ShortcutGroup(title, own, parent) for title, own in rows.items()]
+        groups.append(
+            ShortcutGroup(tr("Mouse"), [GestureRow(gesture) for gesture in mouse_gestures()], parent)
+        )
+        return groups
+
+
+def _show_gizmo(canvas: Canvas, actions: Actions) -> None:
+    if not canvas.gizmo.visible:
+        actions.tools[Tool.MOVE].trigger()
+
+
+def _mnemonics(window: QMainWindow) -> dict[str, str]:
+    """Mnemonics of the menus, and their titles."""
+    titles = [top.text() for top in window.menuBar().actions()]
+    return {
+        f"Alt+{title.partition('&')[2][:1].upper()}": without_mnemonic(title)
+        for title in titles
+        if "&" in title
+    }

@@ -1,0 +1,136 @@
+"""Obstacles under the cursor: named, taken by a press, round ones dragged."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
+
+from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.ui.obstacles.obstacle_rays import ray_distance
+from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent
+from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.navigation import DEAD_ZONE
+from apd_viewer.ui.tools.gizmo_drawing import draw_tag
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from PySide6.QtGui import QMouseEvent, QPainter
+
+    from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle
+    from apd_viewer.ui.scene.surface import Surface
+    from apd_viewer.ui.scene.viewport import Viewport
+    from apd_viewer.ui.tools.gizmo import Gizmo
+
+
+class ObstaclePicker(MouseTool, QObject):
+    """Tool to take an obstacle by a press on it.
+
+    A drag that begins on a plate turns the camera, as plates are large; a click takes the plate.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    surface : Surface
+        What is in front of it is not pressed through.
+    gizmo : Gizmo
+        Drags the obstacle taken.
+
+    Attributes
+    ----------
+    enabled : bool
+    chosen : Signal(int)
+        Number of the obstacle that was pressed.
+    hovered : Signal(object)
+        Number of the obstacle under the cursor, or None.
+    """
+
+    chosen = Signal(int)
+    hovered = Signal(object)
+
+    def __init__(self, viewport: Viewport, surface: Surface, gizmo: Gizmo) -> None:
+        super().__init__(viewport)
+        self._viewport, self._surface, self._gizmo = viewport, surface, gizmo
+        self.enabled = False
+        self._shown: Sequence[DrawnObstacle] = ()
+        self._extent = ShapeExtent(np.zeros(3), np.ones(3))
+        self._hot: int | None = None
+        self._cursor = 0.0, 0.0
+        self._pressed: tuple[int, QPointF] | None = None
+
+    def set_obstacles(self, obstacles: Sequence[DrawnObstacle], extent: ShapeExtent) -> None:
+        """Look for these obstacles."""
+        self._shown, self._extent = obstacles, extent
+        if self._hot is not None and self._hot >= len(obstacles):
+            self._hover(None)
+
+    def press(self, event: QMouseEvent) -> bool:
+        """Take a round obstacle under the cursor, or wait for a click on a plate."""
+        self._pressed = None
+        pans = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
+        k = self.obstacle_at(event.position()) if self.enabled else None
+        if k is None or pans or event.button() != Qt.MouseButton.LeftButton:
+            return False
+        if self._shown[k].obstacle.kind is ObstacleKind.PLATE:
+            self._pressed = k, event.position()
+            return False
+        self.chosen.emit(k)
+        self._gizmo.begin_drag(event.position())
+        return True
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Drag the obstacle taken, or name the one under the cursor."""
+        if self._gizmo.is_dragged:
+            return self._gizmo.move(event)
+        if event.type() == QEvent.Type.MouseButtonRelease:
+            self._click(event.position())
+        self._cursor = event.position().x(), event.position().y()
+        k = self.obstacle_at(event.position()) if self.enabled else None
+        self._hover(k)
+        if k is not None:
+            self._viewport.setCursor(Qt.CursorShape.PointingHandCursor)
+            self._viewport.tool_layer.update()
+        return k is not None
+
+    def _click(self, position: QPointF) -> None:
+        pressed, self._pressed = self._pressed, None
+        if pressed is not None and (position - pressed[1]).manhattanLength() <= DEAD_ZONE:
+            self.chosen.emit(pressed[0])
+
+    def release(self, event: QMouseEvent) -> None:
+        """Let the obstacle go."""
+        self._gizmo.release(event)
+
+    def leave(self) -> None:
+        """Forget the cursor."""
+        self._hover(None)
+
+    def paint(self, painter: QPainter) -> None:
+        """Write the name of the obstacle under the cursor."""
+        if self._hot is not None and self._hot < len(self._shown) and not self._gizmo.is_dragged:
+            size = self._viewport.width(), self._viewport.height()
+            draw_tag(painter, self._shown[self._hot].obstacle.name, self._cursor, size)
+
+    def obstacle_at(self, position: QPointF, solid_only: bool = False) -> int | None:
+        """Number of the nearest obstacle at a position, before the surface; or None."""
+        origin, way = self._viewport.camera_controller.camera.ray(position.x(), position.y())
+        reached = [
+            np.inf
+            if solid_only and each.obstacle.kind is ObstacleKind.PLATE
+            else ray_distance(each.obstacle, each.shift, self._extent, origin, way)
+            for each in self._shown
+        ]
+        if not np.isfinite(reached).any():
+            return None
+        k, hit = int(np.argmin(reached)), self._surface.hit(position)
+        if hit is not None and float((hit.point - origin) @ way) < reached[k]:
+            return None
+        return k
+
+    def _hover(self, k: int | None) -> None:
+        if k != self._hot:
+            self._hot = k
+            self._viewport.tool_layer.update()
+            self.hovered.emit(k)

@@ -1,0 +1,93 @@
+"""Extremes of the deviation, marked on the mesh one after another."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QRectF
+
+from apd_viewer.geometry.analysis.deviation_extremes import extreme_vertices
+from apd_viewer.language import tr
+from apd_viewer.ui.overlays.vertex_callout import VertexCallout
+from apd_viewer.ui.scene.mouse_tool import MouseTool
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from PySide6.QtCore import QRect
+    from PySide6.QtGui import QPainter
+
+    from apd_viewer.presentation.scales import Scale
+    from apd_viewer.session.quantities.units import Unit
+    from apd_viewer.ui.tools.canvas import Canvas
+
+_PLACES = 12  # worst places, so far apart in sizes of the mesh, shown with so much around them
+_APART, _AROUND = 0.08, 0.04
+
+
+class ExtremeMarker(MouseTool):
+    """Steps through the extremes and marks the current one.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    covered_rect : callable
+        The part of the viewport hidden at its lower left.
+
+    Attributes
+    ----------
+    callout : VertexCallout
+    """
+
+    def __init__(self, canvas: Canvas, covered_rect: Callable[[], QRect]) -> None:
+        self._canvas, self._covered = canvas, covered_rect
+        self._places: np.ndarray | None = None
+        self.callout = VertexCallout(canvas.viewport, canvas.surface)
+        canvas.viewport.tools.insert(0, self)
+
+    def remove_mark(self) -> None:
+        """Remove the mark; the values are out of date."""
+        self._places = None
+        self.callout.show_at(None)
+
+    def show_extreme(self, values: np.ndarray, size: float, by: int, scale: Scale, unit: Unit) -> None:
+        """Frame the next or previous extreme, if there is any.
+
+        Parameters
+        ----------
+        values : (n,) float array
+            Of the vertices.
+        size : float
+            Of the mesh.
+        by : int
+        scale : Scale
+        unit : Unit
+            They say which value is the largest, and how it is written.
+        """
+        surface = self._canvas.surface
+        if self._places is None:
+            self._places = extreme_vertices(
+                scale.displayed_changes(values), surface.U, _APART * size, _PLACES
+            )
+        if not len(self._places):
+            return
+        before = np.flatnonzero(self._places == self.callout.vertex)
+        k = (int(before[0]) + by) % len(self._places) if len(before) else 0
+        vertex = int(self._places[k])
+        text = tr("{number} of {count}: {value}").format(
+            number=k + 1, count=len(self._places), value=scale.format_value(float(values[vertex]), unit)
+        )
+        self.callout.show_at(vertex, text)
+        away = ((surface.U - surface.U[vertex]) ** 2).sum(axis=1)
+        around = np.flatnonzero(away <= (_AROUND * size) ** 2)
+        self._canvas.view.show_vertices(around, QRectF(self._covered()))
+
+    def cancel(self) -> bool:
+        """Remove the mark; nothing is cancelled for Esc."""
+        self.callout.show_at(None)
+        return False
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the mark."""
+        self.callout.paint(painter)

@@ -1,0 +1,165 @@
+"""Text entries over the canvas: vertices, brush size, pivot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr, trn
+from apd_viewer.presentation.number_format import format_editable
+from apd_viewer.ui.overlays.text_entry_card import TextEntryCard
+
+if TYPE_CHECKING:
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.tools.active_parts import ActiveParts
+    from apd_viewer.ui.tools.canvas import Canvas
+    from apd_viewer.ui.tools.selection_tool import StrokeEffect
+
+_PIXELS = "px"
+
+
+class TextEntries:
+    """Three entry cards, at most one of them open.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    session : Session
+    parts : ActiveParts
+    cancel_drag : callable
+        Takes back the drag that is under way; True if there was one.
+
+    Attributes
+    ----------
+    vertices, brush, pivot : TextEntryCard
+    """
+
+    def __init__(
+        self, canvas: Canvas, session: Session, parts: ActiveParts, cancel_drag: Callable[[], bool]
+    ) -> None:
+        self._canvas, self._session, self._parts = canvas, session, parts
+        self._give_up = cancel_drag
+        self.vertices = TextEntryCard(
+            canvas.viewport,
+            tr("Select by ID or expression"),
+            tr("IDs or conditions of the vertices to select"),
+            tr("y > 80% and x < 0      or IDs: 3, 10-20"),
+            tr("Enter adds, Alt+Enter removes, Ctrl+Enter replaces, Esc closes."),
+        )
+        self.brush = TextEntryCard(
+            canvas.viewport,
+            tr("Brush size"),
+            tr("Brush radius"),
+            tr("24px      or 5mm, 0.05L"),
+            tr("Pixels refer to the screen, lengths to the mesh. Enter applies, Esc closes."),
+        )
+        self.pivot = TextEntryCard(
+            canvas.viewport,
+            tr("Pivot at"),
+            tr("Coordinates of the pivot"),
+            tr("0, 0.5Y, 12mm"),
+            tr("Three coordinates, separated by commas. Enter applies, Esc closes."),
+        )
+        self.vertices.text_changed.connect(self._preview)
+        self.vertices.text_entered.connect(self._choose)
+        self.vertices.closed.connect(lambda: canvas.preview_selection(None))
+        self.brush.text_changed.connect(lambda text: self._understood(self.brush, text, self._radius))
+        self.brush.text_entered.connect(self._take_brush)
+        self.pivot.text_changed.connect(self._show_pivot)
+        self.pivot.text_entered.connect(self._take_pivot)
+        self.pivot.closed.connect(lambda: self._mark(None))
+
+    @property
+    def cards(self) -> tuple[TextEntryCard, ...]:
+        """All of them."""
+        return self.vertices, self.brush, self.pivot
+
+    def open_entry(self, card: TextEntryCard) -> None:
+        """Show a card and hide the others."""
+        if self._session.store.state is not None:
+            for other in self.cards:
+                if other is not card and other.isVisible():
+                    other.close_card()
+            card.open_card()
+
+    def _understood(self, card: TextEntryCard, text: str, read: Callable[[str], object]) -> object:
+        """Value of a text; None for an invalid one, explained on the card."""
+        if self._session.store.state is None:
+            return None
+        try:
+            meant = read(text)
+        except InputError as error:
+            card.show_message(str(error) if text else "")
+            return None
+        card.show_message("")
+        return meant
+
+    # Vertices
+
+    def _preview(self, text: str) -> None:
+        ids = self._understood(self.vertices, text, self._session.typed_values.parse_vertices)
+        self._canvas.preview_selection(ids if isinstance(ids, np.ndarray) else None)
+        if isinstance(ids, np.ndarray):
+            said = trn("{n:,} vertex.", "{n:,} vertices.", len(ids)).format(n=len(ids))
+            self.vertices.show_message(f"{said} {self.vertices.help}")
+
+    def _choose(self, text: str, act: StrokeEffect) -> None:
+        ids = self._understood(self.vertices, text, self._session.typed_values.parse_vertices)
+        if isinstance(ids, np.ndarray) and not self._give_up():
+            self._canvas.preview_selection(None)
+            self._canvas.strokes.paint_vertices(ids, act)
+
+    # The brush
+
+    def open_brush_entry(self) -> None:
+        """Show the card of the brush with its present radius."""
+        size = self._canvas.brush.size
+        length = (
+            None
+            if size.length is None
+            else f"{format_editable(size.length, 4)}{self._session.store.unit.symbol}"
+        )
+        self.brush.text.setText(length or f"{size.radius:.0f}{_PIXELS}")
+        self.open_entry(self.brush)
+
+    def _radius(self, text: str) -> tuple[float, bool]:
+        """The radius, and whether it is in pixels."""
+        pixels = text.strip().lower().endswith(_PIXELS)
+        if not pixels:
+            radius = self._session.typed_values.parse_length(text)
+        else:
+            try:
+                radius = float(text.strip()[: -len(_PIXELS)].replace(",", "."))
+            except ValueError:
+                problem = tr("“{text}” is not a number of pixels; enter one such as 24px.")
+                raise InputError(problem.format(text=text)) from None
+        if not 0.0 < radius < np.inf:
+            raise InputError(tr("Enter a brush radius greater than 0, such as 24px or 0.05L."))
+        return radius, pixels
+
+    def _take_brush(self, text: str, _: StrokeEffect) -> None:
+        meant = self._understood(self.brush, text, self._radius)
+        if isinstance(meant, tuple):
+            radius, pixels = meant
+            if pixels:
+                self._canvas.brush.size.radius = radius
+            else:
+                self._canvas.brush.size.length = radius
+            self.brush.close_card()
+
+    # The pivot
+
+    def _show_pivot(self, text: str) -> None:
+        self._mark(self._understood(self.pivot, text, self._session.typed_values.parse_point))
+
+    def _take_pivot(self, text: str, _: StrokeEffect) -> None:
+        point = self._understood(self.pivot, text, self._session.typed_values.parse_point)
+        if isinstance(point, np.ndarray) and not self._give_up():
+            self._session.handles.set_pivot(point, self._parts.handle)
+            self.pivot.close_card()
+
+    def _mark(self, point: object) -> None:
+        self._canvas.picker.marked_points = point[None] if isinstance(point, np.ndarray) else np.empty((0, 3))

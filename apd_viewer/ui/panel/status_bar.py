@@ -1,0 +1,170 @@
+"""Status bar: tool hint, jobs and solver speed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
+
+from apd_viewer.language import tr, trn
+from apd_viewer.presentation.number_format import format_short
+from apd_viewer.ui.panel.compiling_progress import CompilingProgress
+from apd_viewer.ui.panel.convergence_progress import ConvergenceProgress
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.quantities.units import Unit
+    from apd_viewer.session.session import Session
+    from apd_viewer.session.state_store import Activity
+    from apd_viewer.ui.tools.brush_size import BrushSize
+
+# Values of Activity, whose module loads too much for the first picture.
+_SOLVING, _PAUSED = "refining", "paused"
+
+
+class ElidedLabel(QLabel):
+    """Label elided to its width, with all of its text in the tip."""
+
+    def show_text(self, text: str) -> None:
+        """Show a text."""
+        self.setText(text)
+        self.setToolTip(text)
+
+    def minimumSizeHint(self) -> QSize:
+        """Give way to all others."""
+        return QSize(0, super().minimumSizeHint().height())
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw as much as there is room for."""
+        room = self.rect().adjusted(8, 0, -8, 0)
+        painter = QPainter(self)
+        painter.setPen(self.palette().windowText().color())
+        text = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room.width())
+        painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, text)
+
+
+class StatusBar(QStatusBar):
+    """Hint at the left; job, progress, pace, size and findings at the right.
+
+    Parameters
+    ----------
+    badge : QWidget
+        Of the findings.
+
+    Attributes
+    ----------
+    cancel_requested, pause_requested, restart_requested : Signal()
+    pause : QToolButton
+        Stops the solver, or lets it go on; restarts it while it does not answer.
+    progress : ConvergenceProgress
+    compiling : CompilingProgress
+    words : ElidedLabel
+        About the current tool.
+    extent : QLabel
+        Number of vertices; size in the tip.
+    """
+
+    cancel_requested = Signal()
+    pause_requested = Signal()
+    restart_requested = Signal()
+
+    def __init__(self, badge: QWidget) -> None:
+        super().__init__()
+        self.setSizeGripEnabled(False)
+        self.words = ElidedLabel()
+        self._cancel = QToolButton(text=tr("Cancel"))
+        self._cancel.clicked.connect(self.cancel_requested)
+        self.pause = QToolButton(text=tr("Pause"))
+        self.pause.clicked.connect(self._press_pause)
+        self._silence = ""
+        policy = self.pause.sizePolicy()
+        policy.setRetainSizeWhenHidden(True)  # every drag shows it, and nothing is to jump
+        self.pause.setSizePolicy(policy)
+        self.compiling = CompilingProgress()
+        self.progress = ConvergenceProgress(is_waiting=self.compiling.isVisible)
+        self._job, self._pace, self.extent = QLabel(), ElidedLabel(), QLabel()
+        # It shrinks first: it may be elided, and its tooltip is complete.
+        self.words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.addWidget(self.words, 1)
+        for widget in (
+            self._job,
+            self._cancel,
+            self.compiling,
+            self.progress,
+            self._pace,
+            self.pause,
+            self.extent,
+            badge,
+        ):
+            self.addPermanentWidget(widget)
+        # In words: a busy indicator would have the whole window composed 60 times a second.
+        self._job.setText(tr("Starting…"))
+        self._cancel.hide()
+        self.pause.hide()
+
+    def show_hint(self, text: str) -> None:
+        """Show the hint of the current tool."""
+        self.words.show_text(text)
+
+    def show_brush_size(self, brush: BrushSize, unit: Unit) -> None:
+        """Tell for a moment how large the brush is."""
+        size = (
+            f"{brush.radius:.0f} px"
+            if brush.length is None
+            else unit.format_length(format_short(brush.length))
+        )
+        self.showMessage(tr("Brush {size}").format(size=size), 1500)
+
+    def show_edge_angle(self, degrees: float) -> None:
+        """Tell for a moment at which edges a fill stops."""
+        self.showMessage(tr("Edge angle {angle:g}°").format(angle=degrees), 1500)
+
+    def show_session(self, session: Session) -> None:
+        """Show the session's jobs and the solver's activity."""
+        job, state = session.jobs.current, session.store.state
+        self._job.setText(tr("{job}…").format(job=job.title) if job else "")
+        self._job.setVisible(job is not None)
+        self._cancel.setVisible(job is not None and job.can_be_cancelled)
+        self.extent.setText(_vertices(state) if state else "")
+        self.extent.setToolTip(_extent(state, session.store.unit) if state else "")
+        self.compiling.follow(session.store.compiled_share)
+        activity = session.store.activity
+        self._silence = session.store.silence_text
+        self._show_pause(activity)
+        self.progress.follow(state.frame if state else None, activity.value == _SOLVING)
+        iteration = state.frame.iteration if state else 0
+        pace = 1e3 * session.store.seconds_per_iteration
+        # A shape that was opened or restored came without iterations here.
+        measured = tr("iteration {iteration:,}, {pace:.1f} ms per iteration")
+        words = measured if pace else tr("iteration {iteration:,}")
+        self._pace.show_text(words.format(iteration=iteration, pace=pace) if iteration else "")
+
+    def _press_pause(self) -> None:
+        (self.restart_requested if self._silence else self.pause_requested).emit()
+
+    def _show_pause(self, activity: Activity) -> None:
+        if self._silence:
+            self.pause.setText(tr("Restart solver"))
+            self.pause.setToolTip(tr("Restart the solver from the shape on screen"))
+            self.pause.show()
+            return
+        paused = activity.value == _PAUSED
+        self.pause.setText(tr("Continue") if paused else tr("Pause"))
+        self.pause.setToolTip(tr("Continue solving") if paused else tr("Pause the solver"))
+        self.pause.setVisible(activity.value in (_PAUSED, _SOLVING))
+
+
+def _vertices(state: State) -> str:
+    n = state.inspection.vertices
+    return trn("{n:,} vertex", "{n:,} vertices", n).format(n=n)
+
+
+def _extent(state: State, unit: Unit) -> str:
+    """Face count and extents along x, y and z, in words."""
+    found = state.inspection
+    size = unit.format_length(" × ".join(format_short(extent) for extent in found.size))
+    return tr("{vertices:,} vertices, {faces:,} faces; {size} at rest").format(
+        vertices=found.vertices, faces=found.faces, size=size
+    )

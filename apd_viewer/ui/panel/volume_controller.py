@@ -1,0 +1,150 @@
+"""Measurements of size and wall, kept in step with panel and preferences."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+from PySide6.QtCore import QObject
+
+from apd_viewer.files.storage.links import resolved_path
+from apd_viewer.presentation.number_format import format_editable
+from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
+from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, wall_thickness
+from apd_viewer.ui.preferences.preferences import user_file
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.model.view import View
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
+    from apd_viewer.ui.overlays.findings_controller import FindingsController
+    from apd_viewer.ui.panel.panel import Panel
+    from apd_viewer.ui.preferences.preferences import Preferences
+
+
+class VolumeController(QObject):
+    """Synchronises panel, findings and preferences with the shape checks.
+
+    What the surface is made of is remembered with its file; of samples, and of meshes that have no file, only
+    as long as the mesh is there.
+
+    Parameters
+    ----------
+    panel : Panel
+    findings : FindingsController
+    preferences : Preferences
+    overlay : DeviationOverlay
+        What a session says of its overlay is done there.
+    session : Session
+    """
+
+    def __init__(
+        self,
+        panel: Panel,
+        findings: FindingsController,
+        preferences: Preferences,
+        overlay: DeviationOverlay,
+        session: Session,
+    ) -> None:
+        super().__init__(panel)
+        self._panel = panel
+        self._health = findings
+        self._memory = preferences
+        self._heat = overlay
+        self._session = session
+        self._walls: WeakKeyDictionary[Mesh, Wall] = WeakKeyDictionary()
+        self._texts: dict[float | None, str] = {}
+        panel.measures.wall_entered.connect(self._type)
+        panel.measures.wall_entered.connect(self.update_wall_distance)
+        panel.method.contact_chosen.connect(self._keep_apart)
+        panel.volume.crossings.clicked.connect(findings.open_at_last)
+
+    def show_check(self) -> None:
+        """Show the current results for the shape on screen."""
+        if (state := self._session.store.state) is None:
+            return
+        checks, mesh = self._session.shape_checks, state.document.mesh
+        found = checks.shape_check
+        self._panel.measures.show_check(found, checks.rest_check)
+        self._panel.volume.show_check(state, found, checks.is_checking)
+        self._panel.handles.show_check(state, found)
+        exempt = (
+            exempt_zone_findings(mesh, checks.rest_check.crossing)
+            if state.is_contact_active and checks.rest_check
+            else ()
+        )
+        crossing = crossing_findings(mesh, found.crossing) if found is not None else ()
+        self._health.show_shape_findings((*exempt, *crossing))
+
+    def show_wall_of(self, mesh: Mesh) -> None:
+        """Another mesh is open."""
+        if mesh not in self._walls:
+            path = user_file(mesh)
+            known = {} if path is None else self._memory.walls
+            self._walls[mesh] = NO_WALL if path is None else known.get(resolved_path(path), NO_WALL)
+        self._panel.measures.show_wall(self._walls[mesh])
+
+    def follow(self, old: State | None, new: State) -> None:
+        """Follow another document: contact turned on or off, another distance of walls."""
+        if old is None or old.document.mesh is not new.document.mesh:
+            return
+        if (old.is_contact_active, old.is_safe_from_crossing) != (
+            new.is_contact_active,
+            new.is_safe_from_crossing,
+        ):
+            self.show_check()
+        thickness, wall = new.document.thickness, self._panel.measures.wall
+        is_typed = thickness == wall_thickness(wall, self._session.store.unit)
+        if new.document.contact and thickness != old.document.thickness and not is_typed:
+            bare = "" if thickness is None else format_editable(thickness, 12)
+            wall = wall._replace(thickness=self._texts.get(thickness, bare))
+            self._panel.measures.show_wall(wall)
+            self._type(wall)
+
+    def restore_view(self, view: View) -> None:
+        """Apply wall and overlay of a session's view; missing ones change nothing."""
+        # A later version may have overlays unknown here.
+        measure = next((measure for measure in Measure if measure.value == view.overlay), None)
+        if measure is not self._heat.measure and (measure is not None or view.overlay == ""):
+            self._heat.choose_measure(measure)
+        if view.wall != NO_WALL:
+            self._type(view.wall)
+            self._panel.measures.show_wall(view.wall)
+
+    def with_wall_and_overlay(self, view: View) -> View:
+        """The view with the wall and the overlay added."""
+        measure = self._heat.measure
+        overlay = "" if measure is None else measure.value
+        return replace(view, wall=self._panel.measures.wall, overlay=overlay)
+
+    def _type(self, wall: Wall) -> None:
+        if (state := self._session.store.state) is None:
+            return
+        mesh = state.document.mesh
+        self._walls[mesh] = wall
+        path = user_file(mesh)
+        if path is not None:
+            self._memory.remember_wall(path, wall)
+
+    def update_wall_distance(self) -> None:
+        """Keep walls apart by another thickness or in another unit, if contact is on."""
+        state = self._session.store.state
+        thickness = wall_thickness(self._panel.measures.wall, self._session.store.unit)
+        if state is not None and state.document.contact and state.document.thickness != thickness:
+            self._keep_apart(True)
+
+    def wall_thickness(self) -> float | None:
+        """Thickness of the walls as typed, mesh units; None without."""
+        return wall_thickness(self._panel.measures.wall, self._session.store.unit)
+
+    def _keep_apart(self, on: bool) -> None:
+        """Keep walls apart by their thickness, or let them pass."""
+        wall, unit = self._panel.measures.wall, self._session.store.unit
+        thickness = wall_thickness(wall, unit)
+        self._texts[thickness] = wall.thickness
+        self._session.settings.set_contact(on, thickness)
+        self._panel.method.show_settings(self._session.store.required_state().document)

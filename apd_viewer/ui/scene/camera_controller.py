@@ -1,0 +1,128 @@
+"""Camera of a viewport and its moves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.ui.scene.camera import ORTHOGRAPHIC, PERSPECTIVE, Camera
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from PySide6.QtCore import QPointF
+    from pyvistaqt import QtInteractor
+
+HOME_DIRECTION = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])
+CLOSEST_ZOOM = 1e-4  # zoom limits, in multiples of what was framed
+FARTHEST_ZOOM = 50.0
+
+
+class CameraController:
+    """Camera of a viewport: standard views, framing and zoom.
+
+    Parameters
+    ----------
+    viewport : QtInteractor
+    pick : callable
+        From a position in the widget to the point of the surface seen there, or None.
+
+    Attributes
+    ----------
+    linked : sequence of CameraController
+        Of other viewports with the same camera; see :func:`link_cameras`.
+    """
+
+    def __init__(self, viewport: QtInteractor, pick: Callable[[QPointF], np.ndarray | None]) -> None:
+        self._viewport, self._pick = viewport, pick
+        self.linked: Sequence[CameraController] = ()
+        self._up_axis = UpAxis.PLUS_Y
+        self._extent = 1.0  # height of the picture when it was framed
+        # Points, the room around them, and where the camera went to show them.
+        self._framed: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        eye = Camera(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), PERSPECTIVE, 1, 1)
+        self.camera = replace(eye, position=HOME_DIRECTION)
+
+    @property
+    def camera(self) -> Camera:
+        """The camera; assign another one to move it."""
+        camera = self._viewport.renderer.GetActiveCamera()
+        return Camera(
+            position=np.array(camera.GetPosition()),
+            focal=np.array(camera.GetFocalPoint()),
+            up=np.array(camera.GetViewUp()),
+            angle=np.deg2rad(camera.GetViewAngle()),
+            width=max(self._viewport.width(), 1),
+            height=max(self._viewport.height(), 1),
+            up_axis=self._up_axis,
+        )
+
+    @camera.setter
+    def camera(self, eye: Camera) -> None:
+        camera = self._viewport.renderer.GetActiveCamera()
+        camera.SetPosition(*eye.position)
+        camera.SetFocalPoint(*eye.focal)
+        camera.SetViewUp(*eye.up)
+        camera.SetViewAngle(np.rad2deg(eye.angle))
+        # All at once: Qt composes the window once for all viewports, and not for each.
+        for look in (self, *self.linked):
+            look._up_axis = eye.up_axis
+            look._viewport.update()
+
+    def frame(self, points: np.ndarray, padding: np.ndarray | float = 0.0) -> None:
+        """Frame the points (k, 3) in the current direction, ``padding`` pixels apart."""
+        if len(points):
+            points, padding = np.asarray(points), np.broadcast_to(padding, len(points))
+            self.camera = self.camera.framed(points, padding)
+            self._extent = self.camera.span
+            self._framed = points, padding, self.camera.position
+
+    def keep_framing(self) -> None:
+        """Frame the same points again at another size, unless the camera was moved."""
+        if self._framed is not None and np.array_equal(self._framed[2], self.camera.position):
+            self.frame(*self._framed[:2])
+
+    def look_from_home(self) -> None:
+        """Look from the home direction: from the front, right and above."""
+        self.camera = self.camera.seen_from(HOME_DIRECTION @ self._up_axis.frame)
+
+    def set_up_axis(self, up_axis: UpAxis) -> None:
+        """Look from the home direction, with another axis up."""
+        self.camera = replace(self.camera, up_axis=up_axis)
+        self.look_from_home()
+
+    def set_orthographic(self, orthographic: bool) -> None:
+        """Look with parallel lines of sight, or in perspective."""
+        eye, angle = self.camera, ORTHOGRAPHIC if orthographic else PERSPECTIVE
+        if eye.is_orthographic != orthographic:
+            self.camera = eye.with_angle(angle)
+            if self._framed is not None and np.array_equal(self._framed[2], eye.position):
+                self._framed = *self._framed[:2], self.camera.position
+
+    def look_along(self, axis: str) -> None:
+        """Look from the 'front', 'side' or 'top', '-' for the opposite."""
+        self.camera = self.camera.looking_along(axis)
+
+    def close(self) -> None:
+        """Release the linked viewports and the framed points."""
+        self.linked, self._framed = (), None
+
+    def zoom_at(self, position: QPointF, factor: float) -> None:
+        """Zoom by a factor, keeping the point under a position."""
+        eye, point = self.camera, self._pick(position)
+        if point is None:
+            point = eye.on_focal_plane(position.x(), position.y())
+        closer = eye.zoomed(point, factor)
+        if CLOSEST_ZOOM <= closer.span / self._extent <= FARTHEST_ZOOM:
+            self.camera = closer
+
+
+def link_cameras(controllers: Sequence[CameraController]) -> None:
+    """Let viewports of one size share the first one's camera."""
+    camera = controllers[0]._viewport.renderer.GetActiveCamera()
+    for look in controllers:
+        look._viewport.renderer.SetActiveCamera(camera)
+        look.linked = [other for other in controllers if other is not look]

@@ -1,0 +1,136 @@
+"""Dialogs for many shapes: sweeps, animations, presses, the paper's tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject
+from PySide6.QtWidgets import QDialog, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.session.posing.gesture_motion import gesture_motion
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.studies.animation_dialog import AnimationDialog
+from apd_viewer.ui.studies.paper_dialog import PaperDialog
+from apd_viewer.ui.studies.press_dialog import PressDialog
+from apd_viewer.ui.studies.sweep_dialog import SweepDialog
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.model.view import View
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.filing.file_controller import FileController
+    from apd_viewer.ui.preferences.preferences import Preferences
+
+
+class RunController(QObject):
+    """Opens the dialogs, each once at most.
+
+    Parameters
+    ----------
+    window : QWidget
+    preferences : Preferences
+    session : Session
+        Whose last step can be exported.
+    files : FileController
+        Asks about unsaved work before another mesh is opened.
+    open_document : callable
+        What is open, which handle is in the hand, and how the mesh is looked at; None before there is a mesh.
+    show_failure : callable
+        Says a sentence.
+    """
+
+    def __init__(
+        self,
+        window: QWidget,
+        preferences: Preferences,
+        session: Session,
+        files: FileController,
+        open_document: Callable[[], tuple[State, int, View] | None],
+        show_failure: Callable[[str], object],
+    ) -> None:
+        super().__init__(window)
+        self._window, self._memory = window, preferences
+        self._session, self._filing = session, files
+        self._opened, self._failed = open_document, show_failure
+        self.dialogs: dict[str, QDialog] = {}
+
+    def open_sweep(self) -> None:
+        """Sweep the motion of the handles that are open."""
+        found = self._opened()
+        if found is None:
+            return
+        state, handle, view = found
+        if state.document.paint_problem:
+            self._failed(state.document.paint_problem)
+            return
+        self._show("sweep", lambda: SweepDialog(self._window, state, handle, view, self._memory))
+
+    def open_animation(self) -> None:
+        """Export the motion of the handles that are open, or their last gesture."""
+        found = self._opened()
+        if found is None:
+            return
+        state, _, view = found
+        motions = self._motions(state)
+        if state.document.paint_problem or not motions:
+            words = tr("No handle has moved, so there is no motion to export; move a handle first.")
+            self._failed(state.document.paint_problem or words)
+            return
+        self._show("animate", lambda: AnimationDialog(self._window, state, motions, view, self._memory))
+
+    def _motions(self, state: State) -> list[tuple[str, Document]]:
+        """Motions that can be exported, with their titles."""
+        document, found = state.document, []
+        latest = self._session.gestures.history.last_entry
+        if document.relative_to_rest.is_posed:
+            found.append((tr("current motion of the handles"), document))
+        gesture = gesture_motion(latest.state, document) if latest is not None else None
+        if latest is not None and gesture is not None:
+            found.append((tr("last step: “{gesture}”").format(gesture=latest.gesture), gesture))
+        return found
+
+    def open_press(self) -> None:
+        """Press the mesh that is open between two plates; nothing need be painted."""
+        found = self._opened()
+        if found is not None:
+            state, _, view = found
+            self._show("press", lambda: self._press_dialog(state, view))
+
+    def _press_dialog(self, state: State, view: View) -> PressDialog:
+        dialog = PressDialog(self._window, state, view, self._memory)
+        unit = Unit(view.unit)
+        leave_for, show = self._filing.run_unless_unsaved, self._show_pressed
+        dialog.run.mesh_requested.connect(lambda path: leave_for(partial(show, path, unit)))
+        return dialog
+
+    def _show_pressed(self, path: Path, unit: Unit) -> None:
+        """Close the dialog, and open a pressed mesh in the window behind it."""
+        if (dialog := self.dialogs.get("press")) is not None:
+            dialog.close()
+        if unit is not Unit.NONE and not unit.is_guess:
+            self._memory.remember_unit(path, unit)
+        self._session.files.open(path)
+
+    def open_paper(self) -> None:
+        """Re-run the paper's tables."""
+        self._show("paper", lambda: PaperDialog(self._window, self._memory))
+
+    def close_all(self) -> None:
+        """Close the dialogs, and end their runs."""
+        for dialog in list(self.dialogs.values()):
+            dialog.close()
+
+    def _show(self, name: str, make: Callable[[], QDialog]) -> None:
+        dialog = self.dialogs.get(name)
+        if dialog is None:
+            dialog = self.dialogs[name] = make()
+            dialog.destroyed.connect(lambda: self.dialogs.pop(name, None))
+            dialog.finished.connect(lambda: self.dialogs.pop(name, None))
+        dialog.show()
+        dialog.raise_()
+        dialog.activateWindow()

@@ -1,0 +1,190 @@
+"""The brush: strokes on the surface become sets of vertices."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QPen, QPolygonF
+
+from apd_viewer.ui.tools.brush_size import BrushSize
+from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
+
+    from apd_viewer.ui.scene.surface import Hit, Surface
+    from apd_viewer.ui.scene.viewport import Viewport
+
+RADIUS_PER_NOTCH = 1.12
+RING_POINTS = 65
+STEEPEST_STEP = 4.0  # two hits farther apart than this many times their distance on the screen are not joined
+
+
+class BrushTool(SelectionTool):
+    """Brush to paint vertices by strokes.
+
+    A left press on the surface begins a stroke; the wheel changes the radius, with Ctrl it zooms; Esc takes
+    the stroke back. What ``painted`` brings are the vertices that a stroke covers for the first time.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    surface : Surface
+
+    Attributes
+    ----------
+    size : BrushSize
+    """
+
+    def __init__(self, viewport: Viewport, surface: Surface) -> None:
+        super().__init__(viewport, surface)
+        self.size = BrushSize(viewport)
+        self._covered: np.ndarray | None = None  # (n,) bool while a stroke goes on
+        self._cursor: QPointF | None = None
+        self._hit: Hit | None = None
+        self._seen: tuple[object, ...] = ()  # what the hit depends on
+
+    def press(self, event: QMouseEvent) -> bool:
+        """Begin a stroke if the cursor is on the surface."""
+        if not may_begin_stroke(event):
+            return False
+        self._look(event)
+        if self._hit is None:
+            return False
+        self._covered = np.zeros(len(self._surface.U), dtype=bool)
+        self.stroke_began.emit(self.effect)
+        self._cover([(None, self._hit)])
+        return True
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Go on with the stroke, or show the ring."""
+        if self._covered is None:
+            self._look(event)
+            if self._hit is not None:
+                self._viewport.setCursor(Qt.CursorShape.CrossCursor)
+            return self._hit is not None
+        last, hit, self._cursor = self._cursor, self._hit, event.position()
+        steps = list(self._steps(last or self._cursor, hit, self._cursor))
+        self._hit = steps[-1][1]
+        self._seen = self._sight
+        self._cover(steps)
+        self._viewport.tool_layer.update()
+        return True
+
+    def release(self, _event: QMouseEvent) -> None:
+        """End the stroke."""
+        if self._covered is None:
+            return
+        self._covered = None
+        self.stroke_ended.emit()
+
+    def wheel(self, event: QWheelEvent) -> bool:
+        """Change the radius."""
+        if not self._enabled or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            return False
+        # Qt turns the wheel sideways while Alt is down.
+        notches = (event.angleDelta().y() or event.angleDelta().x()) / 120
+        self.size.scale(RADIUS_PER_NOTCH**notches)
+        return True
+
+    def leave(self) -> None:
+        """Hide the ring."""
+        if self._covered is None and self._cursor is not None:
+            self._cursor = self._hit = None
+            self._viewport.tool_layer.update()
+
+    def cancel(self) -> bool:
+        """Cancel the stroke; True if there was one."""
+        if self._covered is None:
+            return False
+        self._covered = None
+        self.stroke_cancelled.emit()
+        return True
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the ring of the brush on the surface."""
+        if self._cursor is not None and self._seen != self._sight:
+            self._pick()  # the mesh or the camera has moved under a resting cursor
+        if self._hit is None:
+            return
+        ring = QPolygonF(
+            [QPointF(x, y) for x, y in self._viewport.camera_controller.camera.project(self._ring(self._hit))]
+        )
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.setPen(QPen(self._halo, 4.2))
+        painter.drawPolyline(ring)
+        painter.setPen(QPen(self._color, 2.0, self._pen_style))
+        painter.drawPolyline(ring)
+
+    def _look(self, event: QMouseEvent) -> None:
+        """Note the cursor's position and redraw the ring if necessary."""
+        before = self._hit, self.effect
+        self._cursor = event.position() if self._enabled else None
+        self.effect = stroke_effect(event)
+        self._pick()
+        if self._hit is not None or before[0] is not None:
+            self._viewport.tool_layer.update()
+
+    def _pick(self) -> None:
+        self._hit = None if self._cursor is None else self._surface.hit(self._cursor)
+        self._seen = self._sight
+
+    def _steps(
+        self, start: QPointF, last: Hit | None, end: QPointF
+    ) -> Iterator[tuple[Hit | None, Hit | None]]:
+        """Pairs of neighbouring hits along the cursor's path, without gaps.
+
+        The first of a pair is None where the surface under the cursor leaps to another depth: what
+        lies between the two was never touched.
+        """
+        way = end - start
+        count = max(1, int(np.ceil(np.hypot(way.x(), way.y()) / self.size.dab_spacing(last))))
+        spacing = np.hypot(way.x(), way.y()) / count
+        for i in range(1, count + 1):
+            hit = self._surface.hit(start + way * (i / count))
+            joined = last is not None and hit is not None and self._near(last, hit, spacing)
+            yield (last if joined else None), hit
+            last = hit
+
+    def _near(self, a: Hit, b: Hit, spacing: float) -> bool:
+        reach = (
+            STEEPEST_STEP
+            * max(spacing, 1.0)
+            * self._viewport.camera_controller.camera.world_per_pixel(b.point)
+        )
+        return bool(np.linalg.norm(b.point - a.point) <= reach)
+
+    def _cover(self, steps: list[tuple[Hit | None, Hit | None]]) -> None:
+        """Emit the vertices under the steps not yet covered by the stroke."""
+        if self._covered is None:
+            return
+        fresh = []
+        for last, hit in steps:
+            if hit is not None:
+                ids = self._under(hit if last is None else last, hit)
+                fresh.append(ids[~self._covered[ids]])
+                self._covered[ids] = True
+        covered = np.concatenate(fresh) if fresh else np.empty(0, dtype=np.int32)
+        if len(covered):
+            self.vertices_painted.emit(covered)
+
+    def _under(self, last: Hit, hit: Hit) -> np.ndarray:
+        skin = self._surface.picking_index
+        assert skin is not None
+        return skin.under_brush(
+            self._surface.U, (hit.face, last.face), last.point, hit.point, self.size.radius_on_mesh(hit)
+        )
+
+    def _ring(self, hit: Hit) -> np.ndarray:
+        """Circle (65, 3) around the hit in the tangent plane of the surface."""
+        a = np.cross(hit.normal, np.eye(3)[np.argmin(np.abs(hit.normal))])
+        a /= np.linalg.norm(a)
+        b = np.cross(hit.normal, a)
+        turn = np.linspace(0.0, 2 * np.pi, RING_POINTS)
+        return hit.point + self.size.radius_on_mesh(hit) * (
+            np.outer(np.cos(turn), a) + np.outer(np.sin(turn), b)
+        )

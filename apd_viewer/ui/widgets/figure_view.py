@@ -1,0 +1,83 @@
+"""Figures on white cards, as wide as there is room."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+from PySide6.QtCore import QRectF, QSize, Qt
+from PySide6.QtGui import QPainter, QPainterPath, QPaintEvent, QPixmap
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from apd_viewer.files.storage.regular_files import read_bytes
+
+_EDGE = 12  # px
+_ROUND = 8
+
+
+class FigureView(QWidget):
+    """Picture scaled to its width.
+
+    Parameters
+    ----------
+    path : Path
+    description : str
+        What is to be seen, for those who do not see it.
+    """
+
+    def __init__(self, path: Path, description: str) -> None:
+        super().__init__()
+        self._picture, self._less = QPixmap(), 0
+        with suppress(OSError):
+            self._picture.loadFromData(read_bytes(path))
+        self.setAccessibleName(description)
+        policy = QSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        policy.setHeightForWidth(True)
+        self.setSizePolicy(policy)
+        self.setMinimumSize(320, 80)
+
+    @property
+    def has_picture(self) -> bool:
+        """True if there is a picture."""
+        return not self._picture.isNull()
+
+    def shrink_by(self, pixels: int) -> None:
+        """Ask for so much less height than the picture would fill."""
+        self._less = pixels
+        self.updateGeometry()
+
+    def hasHeightForWidth(self) -> bool:
+        """Keep the picture's aspect ratio."""
+        return True
+
+    def heightForWidth(self, width: int) -> int:
+        """The picture, and the edge around it."""
+        size = self._picture.size()
+        full = 2 * _EDGE + round((width - 2 * _EDGE) * size.height() / max(1, size.width()))
+        return max(self.minimumHeight(), full - self._less)
+
+    def sizeHint(self) -> QSize:
+        """As wide as a dialog likes to be."""
+        return QSize(860, self.heightForWidth(860))
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw the card and the picture."""
+        painter = QPainter(self)
+        painter.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.SmoothPixmapTransform)
+        card = QPainterPath()
+        card.addRoundedRect(QRectF(self.rect()), _ROUND, _ROUND)
+        painter.fillPath(card, Qt.GlobalColor.white)
+        if self._picture.isNull():
+            return
+        room = self.rect().adjusted(_EDGE, _EDGE, -_EDGE, -_EDGE)
+        ratio = self.devicePixelRatioF()
+        scaled = self._picture.scaled(
+            room.size() * ratio,
+            Qt.AspectRatioMode.KeepAspectRatio,
+            Qt.TransformationMode.SmoothTransformation,
+        )
+        scaled.setDevicePixelRatio(ratio)
+        size = scaled.deviceIndependentSize()
+        left = room.left() + (room.width() - size.width()) / 2
+        top = room.top() + (room.height() - size.height()) / 2
+        painter.drawPixmap(round(left), round(top), scaled)
