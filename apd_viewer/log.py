@@ -14,20 +14,18 @@ import platform
 import sys
 import threading
 import warnings
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from datetime import datetime
 from importlib.metadata import PackageNotFoundError, version
 from logging.handlers import RotatingFileHandler
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
 import platformdirs
 
 from apd_viewer.errors import InputError
 from apd_viewer.redaction import redacted_text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 _LOGGER = logging.getLogger("apd_viewer")
 _FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"

@@ -454,3 +454,21 @@ def test_architecture_lets_a_first_picture_wait_for_nothing_that_only_work_needs
         timeout=60,
     )
     assert done.returncode == 0, done.stderr
+
+
+# Each would load much for a type that is seldom needed: the API, matplotlib, the solver for a mesh check.
+TYPES_ALONE = {"apd_viewer", "apd_viewer.figures.press_curves", "apd_viewer.files.report"}
+
+
+def test_architecture_imports_for_types_alone_only_where_the_first_picture_waits():
+    script = (
+        "import sys, apd_viewer.__main__, apd_viewer.ui.application, apd_viewer.ui.shell; print(*sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True, timeout=60
+    )
+    alone = {
+        name for name, path in modules(ROOT).items() if "\nif TYPE_CHECKING:\n" in path.read_text("utf-8")
+    }
+    assert len(alone) > 50, "the test is blind"
+    assert alone - (set(done.stdout.split()) - TYPES_ALONE) == TYPES_ALONE

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import argparse
 
 from apd_viewer.commands.motion_options import add_input_options, input_from
 from apd_viewer.commands.result_output import mesh_remarks
@@ -17,9 +17,6 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.session.quantities.wall_materials import WALL_MATERIALS, wall_material
 from apd_viewer.session.studies.deck_setup import deck_of
-
-if TYPE_CHECKING:
-    import argparse
 
 
 def deck_parser() -> Parser:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -33,6 +33,7 @@ from apd_viewer.files.selections.survey_formats import read_region, read_transfo
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.goals.goals import Region
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, constraints
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deformation_result import Result, deform
@@ -48,12 +49,6 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
 from apd_viewer.session.model.named_obstacle import geometric_obstacles
 from apd_viewer.session.storage.obstacle_json import read_obstacles
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from apd_viewer.geometry.mesh.mesh import Mesh
-
 
 _PICTURE = (1600, 1000)  # pixels
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 from dataclasses import fields
-from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
@@ -16,9 +16,6 @@ from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.model.status_text import caps_phrase, crossing_findings, exempt_zone_findings
 from apd_viewer.session.quantities.units import Unit
-
-if TYPE_CHECKING:
-    import argparse
 
 _MOST_VERTICES = 100  # of a finding in a report
 # Keys of a report whose names are older than those of the fields.

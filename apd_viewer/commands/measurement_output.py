@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
 from apd_viewer.geometry.measuring.measurement import Measurement, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document import Document
 
 _FIELDS = {0: "angle", 1: "length", 2: "area"}
 

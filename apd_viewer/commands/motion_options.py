@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from apd_viewer.commands.terminal.unit_option import naming_unit_option
 from apd_viewer.commands.terminal.weld_option import open_input_mesh
 from apd_viewer.errors import InputError
+from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.handle_paths import intermediate_documents
-from apd_viewer.session.model.state import initial_state, welded_state
+from apd_viewer.session.model.state import State, initial_state, welded_state
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.posing.motion_path import document_along, motion_paths
 from apd_viewer.session.posing.motion_step import MotionStep, motion_steps
@@ -22,16 +27,6 @@ from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.session.posing.typed_motion import named_lengths
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.storage.session_file import open_session
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import numpy as np
-
-    from apd_viewer.files.selections.selection import Selection
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.state import State
 
 _WORDS = {
     "twist": ("ANGLE", tr("about the line from the centre of the base to the handle's own, such as 180deg")),

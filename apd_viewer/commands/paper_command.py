@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.commands import paper_tables
+from apd_viewer.commands.paper_tables import PaperTableRow
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.rendered_pictures import Picture, draw_shapes, no_pictures_reason
 from apd_viewer.files.samples import open_sample
 from apd_viewer.files.storage.atomic_folder import filling_folder
 from apd_viewer.files.tables import write_table
+from apd_viewer.geometry.solver.deformation_result import Result
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.studies.paper_curves import HandleCurvePoint, LossCurvePoint, handle_curve, loss_curve
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Sequence
-
-    from apd_viewer.commands.paper_tables import PaperTableRow
-    from apd_viewer.geometry.solver.deformation_result import Result
 
 # Size in pixels, and direction of view.
 _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (0.25, 0.25, 1.0))}

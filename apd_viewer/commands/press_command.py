@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from apd_viewer.files.storage.atomic_folder import filling_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked_direction
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
 from apd_viewer.geometry.pressing.press_options import PressOptions
 from apd_viewer.geometry.pressing.pressed_mesh import press_between
@@ -40,11 +41,6 @@ from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
-
-if TYPE_CHECKING:
-    import argparse
-
-    from apd_viewer.geometry.mesh.mesh import Mesh
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _PRESSING = {name: method for name, method in METHODS.items() if method.may_use_contact}

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from apd_viewer.commands.press_rows import press_row
+from apd_viewer.commands.press_wall import NewtonConversion, PressWall
 from apd_viewer.commands.terminal.plain_numbers import format_signed
 from apd_viewer.files.report import shape_check_fields
 from apd_viewer.geometry.analysis.shape_check import check_shape
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pressing.press_options import PressOptions
+from apd_viewer.geometry.pressing.press_step import PressStep
+from apd_viewer.geometry.pressing.pressed_mesh import Pressed
 from apd_viewer.language import tr
 from apd_viewer.presentation import obstacle_readings
 from apd_viewer.presentation.number_format import format_exact
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from apd_viewer.commands.press_wall import NewtonConversion, PressWall
-    from apd_viewer.geometry.energy.rest_mesh import RestMesh
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.geometry.pressing.press_options import PressOptions
-    from apd_viewer.geometry.pressing.press_step import PressStep
-    from apd_viewer.geometry.pressing.pressed_mesh import Pressed
 
 
 def press_report(

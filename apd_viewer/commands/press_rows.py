@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from apd_viewer.commands.press_wall import NewtonConversion
-    from apd_viewer.files.tables import Cell
-    from apd_viewer.geometry.pressing.press_step import PressStep
-    from apd_viewer.geometry.pressing.pressed_mesh import Pressed
+from apd_viewer.commands.press_wall import NewtonConversion
+from apd_viewer.files.tables import Cell
+from apd_viewer.geometry.pressing.press_step import PressStep
+from apd_viewer.geometry.pressing.pressed_mesh import Pressed
 
 
 def press_row(

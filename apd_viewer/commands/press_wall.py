@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.unit_option import naming_unit_option
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.total_curvature import total_curvature
+from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.presentation.number_format import format_short
 from apd_viewer.session.quantities.elastic_wall import (
@@ -28,13 +31,6 @@ from apd_viewer.session.quantities.wall_materials import (
     wall_material,
     yield_radius,
 )
-
-if TYPE_CHECKING:
-    import argparse
-
-    from apd_viewer.commands.terminal.parser import Parser
-    from apd_viewer.geometry.energy.material import Material
-    from apd_viewer.geometry.energy.rest_mesh import RestMesh
 
 _GPA = 1e9
 _GRAMS = 1e6  # in a cubic metre of 1 g/cm³

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 import tempfile
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.commands.measurement_output import measurements_report
 from apd_viewer.commands.result_output import result_summary, show_progress_line, write_result
@@ -29,15 +30,10 @@ from apd_viewer.files.animations.animation_shapes import Animation, ShapeRecorde
 from apd_viewer.files.animations.series_files import replacing_series
 from apd_viewer.files.mesh_writing import check_mesh_path
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.status_text import about_missing_target
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.studies.session_replay import replay_session
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Sequence
-
-    from apd_viewer.session.model.document import Document
 
 # Shapes of an animation: ten seconds of them.
 _MOST = 240

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 from apd_viewer.files.mesh_writing import WrittenMesh, save_mesh
 from apd_viewer.files.report import write_report
@@ -14,19 +14,14 @@ from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.analysis.mesh_findings import file_findings
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.analysis.shape_findings import seam_findings
+from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.geometry.solver.deformation_result import Result
 from apd_viewer.language import comma_separated, in_quotes, tr
 from apd_viewer.presentation.notebooks.progress_line import frame_line
 from apd_viewer.session.model.status_text import caps_phrase, crossing_findings
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from apd_viewer.geometry.analysis.target_shape import TargetShape
-    from apd_viewer.geometry.mesh.mesh import Mesh
-
 
 _ROUNDED = 1e-6  # relative change of the area by the file's rounding worth a warning
 

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
+import argparse
+from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.scalar_files import ScalarRows, check_scalar_file, write_scalars
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.analysis.scalars import shape_scalars
+from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    import argparse
-    from contextlib import ExitStack
-
-    import numpy as np
-
-    from apd_viewer.geometry.analysis.target_shape import TargetShape
-    from apd_viewer.geometry.mesh.mesh import Mesh
 
 
 def add_scalar_options(parser: argparse.ArgumentParser) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import argparse
 import tempfile
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.commands.motion_options import add_input_options, input_from
 from apd_viewer.commands.sweep_output import (
@@ -33,14 +33,9 @@ from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS, passing_walls_warning
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS
+from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS, Sweep
 from apd_viewer.session.studies.sweep_setup import sweep_of
-
-if TYPE_CHECKING:
-    import argparse
-
-    from apd_viewer.session.studies.sweep import Sweep
-    from apd_viewer.session.studies.sweep_step import SweepStep
+from apd_viewer.session.studies.sweep_step import SweepStep
 
 
 def sweep_parser() -> Parser:

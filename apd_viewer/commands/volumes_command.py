@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.parser import Parser
@@ -20,9 +20,6 @@ from apd_viewer.presentation.volume_text import DEFAULT_BAG, volume_rows
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall_mass import parse_density, parse_thickness
-
-if TYPE_CHECKING:
-    import argparse
 
 
 def volumes_parser() -> Parser:

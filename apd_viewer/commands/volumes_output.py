@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 from apd_viewer.commands.terminal.columns import column_count, padded_text
 from apd_viewer.files.report import hull_fields
 from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, PACKING
+from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
 from apd_viewer.language import tr
 from apd_viewer.presentation.published_volumes import PUBLISHED_FIGURES
+from apd_viewer.presentation.volume_text import TextWithRange, VolumeRow
 from apd_viewer.session.quantities.bulk_density import bulk_density, object_count
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
-    from apd_viewer.presentation.volume_text import TextWithRange, VolumeRow
-    from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import Unit
 
 _WIDTH, _GAP = 28, 2
 

@@ -8,21 +8,17 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pyvista as pv
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import Colormap, LinearSegmentedColormap
 
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.ui.appearance.shading import headlight, shade
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from matplotlib.colors import Colormap
 
 _LIMIT = 10.0  # percent; the colours end here
 _INK, _QUIET = "#1d2129", "#5a6270"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image
@@ -11,9 +11,6 @@ from PIL import Image
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 FILM_SUFFIXES = (".gif", ".mp4")
 _LENGTH = 3.0  # s, there; and as long back

@@ -6,14 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.figures.style import draw_figure
+from apd_viewer.geometry.pressing.press_step import PressStep
+from apd_viewer.geometry.pressing.pressed_mesh import Pressed
 from apd_viewer.language import tr
 from apd_viewer.presentation import obstacle_readings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from apd_viewer.geometry.pressing.press_step import PressStep
-    from apd_viewer.geometry.pressing.pressed_mesh import Pressed
 
 _SIZE = (9.0, 3.9)
 

@@ -6,20 +6,17 @@ import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.figures.fonts import font_file
 from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from apd_viewer.geometry.mesh.mesh import Mesh
 
 # Not -m: it would import from the current folder.
 _START = """

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
@@ -12,12 +15,6 @@ from matplotlib.ticker import ScalarFormatter
 from apd_viewer.figures.fonts import families
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.notation import localized_number
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from matplotlib.axes import Axes
 
 INK, QUIET, LINE = "#1d2129", "#5a6270", "#dcdfe4"
 # Okabe and Ito's palette, ordered so that neighbouring curves differ in lightness too.

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from apd_viewer.figures.style import METHOD_STYLES, draw_figure, zero_line
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from apd_viewer.session.studies.sweep_step import SweepStep
+from apd_viewer.session.studies.sweep_step import SweepStep
 
 _SIZE = (11.0, 3.9)
 _DENSE = 40  # steps; with more, markers would hide the curve

@@ -8,14 +8,12 @@ from __future__ import annotations
 import base64
 from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING, TypeAlias
+from pathlib import Path
+from typing import TypeAlias
 
 from apd_viewer.files.html_template import PAGE, STYLE
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import LANGUAGE
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 GridCell: TypeAlias = tuple[tuple[str, str], ...]
 

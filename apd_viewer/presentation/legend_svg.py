@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from apd_viewer.presentation.scales import Scale
-    from apd_viewer.session.quantities.units import Unit
+from apd_viewer.presentation.scales import Scale
+from apd_viewer.session.quantities.units import Unit
 
 # In units of the drawing, which are pixels of the window.
 WIDTH, HEIGHT = 264, 74

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
@@ -17,13 +18,9 @@ from apd_viewer.presentation.number_format import (
     superscript,
 )
 from apd_viewer.presentation.readings import volumes
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.session.studies.comparison import MethodOutcome
+from apd_viewer.session.model.state import State
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.studies.comparison import MethodOutcome
 
 _FINEST = 1e-6  # relative; smaller errors are written with a power of ten
 _ROUNDING = 1e-15

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_obstacle import ObstacleKind, stopping_extent
 from apd_viewer.session.model.targets import targets_of
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
 
 
 def obstacle_lines(document: Document) -> Iterator[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,12 +13,10 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
 from apd_viewer.language import tr
 from apd_viewer.presentation.python_arguments import obstacle_lines, settings_arguments
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.handle_paths import intermediate_documents
 from apd_viewer.session.model.targets import targets_of
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
 
 _WIDTH = 110
 _TARGETS = """

@@ -6,19 +6,15 @@ import platform
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import metadata
-from typing import TYPE_CHECKING
 
+from apd_viewer.files.fingerprint import Fingerprint
 from apd_viewer.files.html_page import PageAttachment, PageBlock, PageCommand, PageNote, PageTable
+from apd_viewer.geometry.analysis.area_change import LocalChange
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.number_format import format_grouped, format_short
+from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
-
-if TYPE_CHECKING:
-    from apd_viewer.files.fingerprint import Fingerprint
-    from apd_viewer.geometry.analysis.area_change import LocalChange
-    from apd_viewer.session.model.state import State
-
 
 _LIBRARIES = (
     "numpy",

@@ -5,10 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.html_page import Page, PageBlock, PageNote, PagePictureRow, PageSection, PageTable
+from apd_viewer.files.html_page import (
+    Page,
+    PageBlock,
+    PageDrawing,
+    PageNote,
+    PagePictureRow,
+    PageSection,
+    PageTable,
+)
+from apd_viewer.geometry.analysis.area_change import LocalChange
+from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation import measurement_text, readings, report_settings
 from apd_viewer.presentation.number_format import format_length, format_short
@@ -20,6 +29,8 @@ from apd_viewer.presentation.report_origin import (
     version_rows,
 )
 from apd_viewer.presentation.report_volumes import volumes_block
+from apd_viewer.session.measurement_readings import MeasurementReading
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import (
     crossing_findings,
     exempt_zone_findings,
@@ -27,13 +38,6 @@ from apd_viewer.session.model.status_text import (
 )
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall, wall_mass
-
-if TYPE_CHECKING:
-    from apd_viewer.files.html_page import PageDrawing
-    from apd_viewer.geometry.analysis.area_change import LocalChange
-    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
-    from apd_viewer.session.measurement_readings import MeasurementReading
-    from apd_viewer.session.model.state import State
 
 
 @dataclass(frozen=True, eq=False)

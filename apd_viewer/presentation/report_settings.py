@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.files.html_page import PageBlock, PageNote, PageTable
+from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr, trn
 from apd_viewer.notation import localized_number
@@ -19,15 +19,11 @@ from apd_viewer.presentation.number_format import (
     format_short,
     format_significant,
 )
+from apd_viewer.session.model.handles_and_regions import Handle
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import held_turn_phrase
 from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.quantities.units import Unit
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
-    from apd_viewer.session.model.handles_and_regions import Handle
-    from apd_viewer.session.model.state import State
-
 
 _RIGID = 1e-9  # of a pose's matrix: a smaller scale is rounding
 

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from apd_viewer.files.html_page import PageBlock, PageGrid, PageNote
+from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.volume_text import volume_rows
+from apd_viewer.session.model.state import State
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall, wall_density, wall_thickness
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
 
 
 def volumes_block(state: State, unit: Unit, wall: Wall, checks: tuple[ShapeCheck, ShapeCheck]) -> PageBlock:

@@ -6,20 +6,18 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from apd_viewer.geometry.analysis.deviation import Deviation
+from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.frame import TARGET_ACCURACY
 from apd_viewer.language import tr
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL, ColorMap
 from apd_viewer.presentation.number_format import format_short, round_step
 from apd_viewer.session.quantities.units import Unit
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.deviation import Deviation
-    from apd_viewer.geometry.analysis.target_shape import TargetShape
-    from apd_viewer.geometry.mesh.mesh import Mesh
 
 _NOTHING = 5e-5  # of the scale, displayed as zero
 _ROUNDING = 1e-9  # of the usual scale, too small for a scale

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple, TypeAlias
 
 from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, PACKING
+from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import (
     format_exact,
@@ -16,12 +18,7 @@ from apd_viewer.presentation.published_volumes import PUBLISHED_FIGURES, Publish
 from apd_viewer.presentation.readings import NO_VALUE, change_percent
 from apd_viewer.session.model.status_text import caps_phrase
 from apd_viewer.session.quantities.bulk_density import bulk_density, object_count
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
-    from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
-    from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import Unit
 
 DEFAULT_BAG = 45.0  # litres, as in the published counts
 _DIGITS = 4

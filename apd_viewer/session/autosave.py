@@ -4,24 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.session.file_jobs import FileJobs
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.history import HistoryEntry
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
-from apd_viewer.session.state_store import Activity
+from apd_viewer.session.saved_work import SavedWork
+from apd_viewer.session.state_store import Activity, StateStore
 from apd_viewer.session.storage.autosave_writer import AutosaveCopy, AutosaveWriter
 from apd_viewer.session.storage.recovery_file import RecoveryFile
-
-if TYPE_CHECKING:
-    from apd_viewer.session.file_jobs import FileJobs
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.model.history import HistoryEntry
-    from apd_viewer.session.saved_work import SavedWork
-    from apd_viewer.session.state_store import StateStore
-
 
 # A step counts as done once it is safe: that takes 5 ms, or 0.1 s for a million vertices. Where it takes more
 # than this the disk is slow, and the step does not wait for it; nor does a held key.

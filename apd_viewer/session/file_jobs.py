@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +20,10 @@ from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import passing_walls_warning
 from apd_viewer.language import tr
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.jobs.background_job import Jobs
+from apd_viewer.session.listener import Listener
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_selection import selection_of, with_selection
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.status_text import (
@@ -35,18 +38,11 @@ from apd_viewer.session.model.status_text import (
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.saved_work import SavedDocument
+from apd_viewer.session.saved_work import SavedDocument, SavedWork
+from apd_viewer.session.state_store import StateStore
 from apd_viewer.session.storage.changed_file import ChangedFileError, save_if_unchanged
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.studies.deck_setup import deck_of
-
-if TYPE_CHECKING:
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.jobs.background_job import Jobs
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.saved_work import SavedWork
-    from apd_viewer.session.state_store import StateStore
 
 
 class FileJobs:

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.history import History
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.model.state import State
+from apd_viewer.session.state_store import StateStore
 
 # Key presses within this many seconds of each other are one step.
 _TOGETHER = 1.0

@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.listener import Listener
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handle_paths import with_rounded_poses
+from apd_viewer.session.model.handles_and_regions import Handle
+from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.posing.mirror_partner import with_pair_moved, with_pair_reset
 from apd_viewer.session.posing.motion_plan import MotionPlan, plan_motion
 from apd_viewer.session.posing.motion_titles import motion_title_between
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.handles_and_regions import Handle
-    from apd_viewer.session.model.motion_kind import MotionKind
-    from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import StateStore
 
 
 class HandleEditor:

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.measuring.measurement import Measurement, Plane
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.language import tr
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.unique_names import next_name, unique_name
+from apd_viewer.session.state_store import StateStore
 from apd_viewer.session.storage.measurements_json import MOST_MEASUREMENTS
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
-    from apd_viewer.geometry.measuring.surface_point import SurfacePoint
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.state_store import StateStore
 
 
 class MeasurementEditor:

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
 
 from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.measurement import Measurement, MeasurementResult, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.listener import Listener
+from apd_viewer.session.model.state import State
 from apd_viewer.session.processes.geodesic_finder import GeodesicFinder, GeodesicQuery, find_geodesic
-from apd_viewer.session.state_store import Activity
+from apd_viewer.session.state_store import Activity, StateStore
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import numpy as np
-
-    from apd_viewer.geometry.measuring.surface_point import SurfacePoint
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.state_store import StateStore
-
-    EndPoints = tuple[SurfacePoint, ...]
+EndPoints = tuple[SurfacePoint, ...]
 
 
 class MeasurementReading(NamedTuple):

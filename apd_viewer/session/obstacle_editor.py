@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,7 +10,11 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.listener import Listener
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.unique_names import next_name, unique_name
 from apd_viewer.session.posing.obstacle_placement import (
     contact_distance,
@@ -21,14 +24,8 @@ from apd_viewer.session.posing.obstacle_placement import (
     proposed_obstacle,
     touching_plate,
 )
-
-if TYPE_CHECKING:
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.state_store import StateStore
 
 _NOWHERE = frozen(np.zeros(3))
 # In sizes of the mesh: what a drag computes in floating point is equal within this.

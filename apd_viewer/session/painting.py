@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from apd_viewer.language import tr
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.listener import Listener
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import has_region_targets, with_next_region, without_paint
+from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.selecting.part_operations import members_after
-
-if TYPE_CHECKING:
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.painted_part import PaintedPart
-    from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import StateStore
 
 
 class Painting:

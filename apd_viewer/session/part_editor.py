@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document_parts import with_next_region, without_handle, without_region
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.model.unique_names import next_name, unique_name
 from apd_viewer.session.posing.named_poses import with_handle_renamed
-
-if TYPE_CHECKING:
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import StateStore
 
 
 class PartEditor:

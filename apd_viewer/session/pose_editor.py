@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from apd_viewer.language import comma_separated, in_quotes, tr
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.handle_editor import HandleEditor
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.handles_and_regions import MOST_POSES, NamedPose
 from apd_viewer.session.model.unique_names import next_name, unique_name
 from apd_viewer.session.posing.named_poses import (
@@ -14,12 +16,7 @@ from apd_viewer.session.posing.named_poses import (
     missing_handles,
     with_named_pose,
 )
-
-if TYPE_CHECKING:
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.handle_editor import HandleEditor
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import StateStore
 
 _NO_HANDLE = tr("There is no handle whose pose could be kept; paint one first.")
 

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.jobs.background_job import Jobs
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.baking import baked_state
 from apd_viewer.session.model.state import State, rest_frame, welded_state
 from apd_viewer.session.model.status_text import about_baking
 from apd_viewer.session.posing.named_poses import rebased_poses
 from apd_viewer.session.posing.obstacle_placement import reset_obstacles
-
-if TYPE_CHECKING:
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.jobs.background_job import Jobs
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import StateStore
 
 
 class RestShape:

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.language import comma_separated, tr
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document_parts import have_same_paint
 from apd_viewer.session.posing.obstacle_placement import obstacles_outside_shape
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from apd_viewer.geometry.solver.convergence import Convergence
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import StateStore
 
 
 class SettingsEditor:

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.language import tr
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.jobs.background_job import Jobs
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.status_text import about_target
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.jobs.background_job import Jobs
-    from apd_viewer.session.listener import Listener
-    from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import StateStore
 
 
 class TargetShapes:

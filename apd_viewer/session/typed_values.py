@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from apd_viewer.session.posing.typed_motion import named_lengths
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.selecting.vertex_expression import parse_point, parse_vector, parse_vertices
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import StateStore
 
 
 class TypedValues:

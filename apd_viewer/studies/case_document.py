@@ -7,12 +7,13 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import read_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
@@ -22,12 +23,9 @@ from apd_viewer.session.posing.typed_motion import named_lengths
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
+from apd_viewer.session.studies.sweep import Sweep
 from apd_viewer.session.studies.sweep_setup import sweep_of
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.studies.sweep import Sweep
-    from apd_viewer.studies.plans.case import InputFile, StudyCase
+from apd_viewer.studies.plans.case import InputFile, StudyCase
 
 T = TypeVar("T")
 # Opened meshes that a worker keeps, the last used ones, have at most so many vertices together.

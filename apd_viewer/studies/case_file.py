@@ -8,7 +8,8 @@ import struct
 import sys
 import zlib
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, TypeAlias
+from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -18,9 +19,6 @@ from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 Curves: TypeAlias = dict[str, list[float | None]]
 

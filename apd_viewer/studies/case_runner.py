@@ -10,20 +10,17 @@ import contextlib
 import queue
 import time
 from collections import deque
+from collections.abc import Callable, Mapping
 from concurrent.futures import BrokenExecutor, CancelledError, Future
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.language import tr
 from apd_viewer.studies.case_file import case_to_bytes
 from apd_viewer.studies.case_worker import CaseAnswer, CaseTask
+from apd_viewer.studies.plans.case import StudyCase
 from apd_viewer.studies.run_case import failed_result
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from apd_viewer.studies.plans.case import StudyCase
 
 # Others may end a process, who are short of memory, say: a case is tried again before it is blamed.
 MOST_DEATHS = 3

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.language import tr
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion_path import document_along
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.storage.session_json import frame_from_json
@@ -15,12 +17,6 @@ from apd_viewer.studies.case_document import CaseDocuments, case_state, case_swe
 from apd_viewer.studies.case_file import damaged_case_error, read_case
 from apd_viewer.studies.plans.case import StudyCase
 from apd_viewer.studies.plans.plan_row import parse_cell
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.view import View
 
 INPUTS_FOLDER = "inputs"
 

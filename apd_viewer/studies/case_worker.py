@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable, Mapping
 from functools import cache
 from itertools import count
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from threadpoolctl import threadpool_limits
 
@@ -20,10 +20,8 @@ from apd_viewer.session.jobs.freed_memory import give_back_freed_memory, keep_fr
 from apd_viewer.studies.case_document import CaseDocuments, MissingInputError
 from apd_viewer.studies.case_file import case_to_bytes
 from apd_viewer.studies.kernel_compilation import compile_kernels_once
+from apd_viewer.studies.plans.case import InputFile, StudyCase
 from apd_viewer.studies.run_case import run_case
-
-if TYPE_CHECKING:
-    from apd_viewer.studies.plans.case import InputFile, StudyCase
 
 # A process runs one case at a time: memory is measured by it, and kernels run one at a time anyway.
 _ONE_CASE = threading.Lock()

@@ -6,20 +6,17 @@ Tasks travel as pickles, which are programs: a scheduler is for people who trust
 from __future__ import annotations
 
 import time
+from concurrent.futures import Future
 from contextlib import suppress
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from apd_viewer.errors import InputError
 from apd_viewer.installation import is_packaged
 from apd_viewer.language import tr
+from apd_viewer.studies.case_worker import CaseAnswer, CaseTask, TaskRunner
 from apd_viewer.studies.case_worker import run_task as work_on_case
-
-if TYPE_CHECKING:
-    from concurrent.futures import Future
-    from pathlib import Path
-
-    from apd_viewer.studies.case_worker import CaseAnswer, CaseTask, TaskRunner
 
 ANSWER_SECONDS = 20  # s that a scheduler may take to answer
 _GONE = 30.0  # s without a scheduler, after which it does not come back

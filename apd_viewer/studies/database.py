@@ -7,17 +7,14 @@ from __future__ import annotations
 
 import os
 import sqlite3
+from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
-from typing import TYPE_CHECKING
+from pathlib import Path
 from urllib.parse import quote
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import NotRegularError, check_regular
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 DATABASE_NAME = "study.sqlite"
 _BESIDE = "-journal", "-wal", "-shm"  # what SQLite opens with a database

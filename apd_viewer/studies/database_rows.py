@@ -7,14 +7,11 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
-from apd_viewer.studies.case_file import is_reading
+from apd_viewer.studies.case_file import CaseResult, is_reading
 from apd_viewer.studies.database import DATABASE_NAME
-
-if TYPE_CHECKING:
-    from apd_viewer.studies.case_file import CaseResult
-    from apd_viewer.studies.plans.plan import Plan
+from apd_viewer.studies.plans.plan import Plan
 
 T = TypeVar("T")
 

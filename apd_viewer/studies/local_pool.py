@@ -11,14 +11,11 @@ import time
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from multiprocessing import get_context, parent_process
 from threading import Thread
-from typing import TYPE_CHECKING
 
 from apd_viewer.session.processes.child_boot import set_up_process
+from apd_viewer.studies.case_worker import CaseAnswer, CaseTask, TaskRunner
 from apd_viewer.studies.case_worker import run_task as work_on_case
 from apd_viewer.studies.worker_environment import starting_workers
-
-if TYPE_CHECKING:
-    from apd_viewer.studies.case_worker import CaseAnswer, CaseTask, TaskRunner
 
 # Cases of a process before another one takes its place.
 RECYCLE_AFTER = 300

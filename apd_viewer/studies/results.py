@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import Any
 
 from apd_viewer.files.storage.atomic_file import replacing_file
-from apd_viewer.files.tables import write_table
+from apd_viewer.files.tables import Cell, write_table
 from apd_viewer.language import tr
-from apd_viewer.studies.case_file import DONE, FAILED
+from apd_viewer.studies.case_file import DONE, FAILED, Curves
 from apd_viewer.studies.database import DATABASE_NAME, read_error, reading_database
 from apd_viewer.studies.database_rows import checked_value, readings_from_json, value_from_json
 from apd_viewer.studies.run_case import FINAL_READINGS
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-    from typing import Any
-
-    from apd_viewer.files.tables import Cell
-    from apd_viewer.studies.case_file import Curves
 
 WAITING, WRONG, DUPLICATE = "waiting", "wrong", "duplicate"
 _STATES = DONE, FAILED, WAITING, WRONG, DUPLICATE

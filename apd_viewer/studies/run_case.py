@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.shape_check import check_shape
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import passing_walls_warning
 from apd_viewer.language import tr
 from apd_viewer.session.storage.session_json import frame_to_json
+from apd_viewer.session.studies.sweep import Sweep
+from apd_viewer.session.studies.sweep_step import SweepStep
 from apd_viewer.studies.case_document import CaseDocuments, MissingInputError, case_state, case_sweep
 from apd_viewer.studies.case_file import DONE, FAILED, CaseResult
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.studies.sweep import Sweep
-    from apd_viewer.session.studies.sweep_step import SweepStep
-    from apd_viewer.studies.plans.case import StudyCase
+from apd_viewer.studies.plans.case import StudyCase
 
 # Readings of a case beside those of its curves, in the order of the tables.
 FINAL_READINGS = (

@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 from apd_viewer.errors import InputError
 from apd_viewer.studies.case_file import FAILED
-from apd_viewer.studies.case_runner import CaseRunner
+from apd_viewer.studies.case_runner import CaseRunner, Engine
 from apd_viewer.studies.case_session import INPUTS_FOLDER
+from apd_viewer.studies.plans.case import StudyCase
 from apd_viewer.studies.plans.input_files import InputFiles
-from apd_viewer.studies.plans.plan import read_plan
-from apd_viewer.studies.progress_meter import ProgressMeter
-from apd_viewer.studies.results import write_curves, write_results
+from apd_viewer.studies.plans.plan import Plan, read_plan
+from apd_viewer.studies.progress_meter import CaseCounts, ProgressMeter
+from apd_viewer.studies.results import ResultTable, write_curves, write_results
 from apd_viewer.studies.study_folder import check_links
 from apd_viewer.studies.study_store import StudyStore
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from apd_viewer.studies.case_runner import Engine
-    from apd_viewer.studies.plans.case import StudyCase
-    from apd_viewer.studies.plans.plan import Plan
-    from apd_viewer.studies.progress_meter import CaseCounts
-    from apd_viewer.studies.results import ResultTable
 
 # Seconds between two tables written on the way, and how many times longer than writing took that is at least.
 _TABLE, _TIMES = 20.0, 50.0

@@ -5,20 +5,16 @@ from __future__ import annotations
 import errno
 import os
 from collections import defaultdict
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_folder import folder_write_error
 from apd_viewer.studies.case_file import FAILED, case_sizes, read_case
 from apd_viewer.studies.database import reading_database
-from apd_viewer.studies.database_rows import case_rows
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from apd_viewer.studies.database_rows import CaseRow
-    from apd_viewer.studies.plans.case import StudyCase
-    from apd_viewer.studies.plans.plan import Plan
+from apd_viewer.studies.database_rows import CaseRow, case_rows
+from apd_viewer.studies.plans.case import StudyCase
+from apd_viewer.studies.plans.plan import Plan
 
 
 class StudyForecast(NamedTuple):

@@ -12,8 +12,10 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import TYPE_CHECKING, TypeVar
+from pathlib import Path
+from typing import TypeVar
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_folder import folder_write_error
@@ -23,6 +25,7 @@ from apd_viewer.language import tr
 from apd_viewer.studies.case_file import (
     FAILED,
     CaseResult,
+    Curves,
     case_from_bytes,
     case_path,
     case_sizes,
@@ -36,15 +39,8 @@ from apd_viewer.studies.database import (
     write_error,
 )
 from apd_viewer.studies.database_rows import case_rows, write_plan, write_result
-from apd_viewer.studies.results import read_result_table
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-    from pathlib import Path
-
-    from apd_viewer.studies.case_file import Curves
-    from apd_viewer.studies.plans.plan import Plan
-    from apd_viewer.studies.results import ResultTable
+from apd_viewer.studies.plans.plan import Plan
+from apd_viewer.studies.results import ResultTable, read_result_table
 
 T = TypeVar("T")
 

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.selecting.part_operation import PartOperation
+from apd_viewer.session.session import Session
+from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.panel.status_bar import StatusBar
+from apd_viewer.ui.part_lists.part_list import PartList
+from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.click_tool import ClickTool
 from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
-
-if TYPE_CHECKING:
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.panel.panel import Panel
-    from apd_viewer.ui.panel.status_bar import StatusBar
-    from apd_viewer.ui.part_lists.part_list import PartList
-    from apd_viewer.ui.tools.active_parts import ActiveParts
-    from apd_viewer.ui.tools.canvas import Canvas
 
 
 def connect_settings(panel: Panel, session: Session) -> None:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 import sysconfig
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.commands.desktop.desktop_files import data_folder, install_files, remove_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.installation import is_packaged
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    import argparse
 
 _ENDING = ".exe" if sys.platform == "win32" else ""
 

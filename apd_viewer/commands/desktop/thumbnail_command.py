@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from apd_viewer.presentation.shape_picture import VIEW_DIRECTION, shape_picture
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.storage.session_picture import session_picture
-
-if TYPE_CHECKING:
-    import argparse
 
 _USUAL, _LEAST, _MOST = 256, 16, 1024  # pixels
 # Bytes of a file: more take more time and memory than a file manager gives.

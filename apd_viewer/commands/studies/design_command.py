@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
@@ -14,9 +14,6 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.studies.plans.design import DESIGNS, LATIN, DesignVariable, design_table, parse_variable
 from apd_viewer.studies.plans.plan_columns import AUTO, COLUMNS, NOTE_PREFIX
-
-if TYPE_CHECKING:
-    import argparse
 
 _FILES = ("mesh", "session", "selection")
 _CONTACT = "contact"  # written in every new plan, since plans without it are from a time when there was none

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import argparse
 import signal
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from apd_viewer.commands.studies.study_output import (
     damaged_results_line,
@@ -18,6 +20,7 @@ from apd_viewer.commands.studies.study_progress import StudyProgress
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.language import localize_numbers, tr
+from apd_viewer.studies.case_runner import Engine
 from apd_viewer.studies.case_session import INPUTS_FOLDER
 from apd_viewer.studies.cluster import connected_cluster
 from apd_viewer.studies.local_pool import LocalPool, core_count
@@ -26,12 +29,6 @@ from apd_viewer.studies.plans.plan import read_plan
 from apd_viewer.studies.plans.plan_columns import CASE_COLUMNS, SETTING_COLUMNS
 from apd_viewer.studies.study import Study
 from apd_viewer.studies.study_forecast import study_forecast
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-
-    from apd_viewer.studies.case_runner import Engine
 
 _INTERRUPTED = 130
 

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from apd_viewer.language import comma_separated, tr, trn
 from apd_viewer.presentation.number_format import format_grouped
 from apd_viewer.presentation.time_left import duration_text
 from apd_viewer.studies.case_file import FAILED
-from apd_viewer.studies.results import status_text
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from apd_viewer.studies.plans.plan import Plan
-    from apd_viewer.studies.results import ResultTable
-    from apd_viewer.studies.study_forecast import StudyForecast
+from apd_viewer.studies.plans.plan import Plan
+from apd_viewer.studies.results import ResultTable, status_text
+from apd_viewer.studies.study_forecast import StudyForecast
 
 _MOST_SAID = 20  # sentences; the table has all of them
 

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.presentation.time_left import duration_text
-
-if TYPE_CHECKING:
-    from apd_viewer.studies.progress_meter import CaseCounts
+from apd_viewer.studies.progress_meter import CaseCounts
 
 _LOG = 30.0  # s between two lines of a log
 

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.commands.terminal.output_files import check_names
+from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, check_animation
 from apd_viewer.files.storage.atomic_folder import filling_folder
 from apd_viewer.files.storage.links import resolved_path
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Sequence
-    from contextlib import ExitStack
-
-    from apd_viewer.commands.terminal.parser import Parser
 
 
 def add_animation_option(parser: Parser, films: bool = True) -> None:

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
 
+from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.geometry.solver.methods import MOST_VERTICES_IN_CONTACT, contact_by_default
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from apd_viewer.commands.terminal.parser import Parser
 
 
 def add_contact_option(parser: Parser) -> None:

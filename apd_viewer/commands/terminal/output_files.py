@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from pathlib import Path
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_writable
 from apd_viewer.files.storage.links import resolved_path
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-    from pathlib import Path
 
 
 def check_files(paths: Iterable[Path | None]) -> None:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.units import NoUnitError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @contextmanager

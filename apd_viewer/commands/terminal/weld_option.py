@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    import argparse
-    from pathlib import Path
-
-    from apd_viewer.geometry.mesh.mesh import Mesh
 
 
 def add_weld_option(parser: argparse.ArgumentParser) -> None:

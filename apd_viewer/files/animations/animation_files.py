@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.files.animations.morph_targets import write_morph_targets
 from apd_viewer.files.animations.point_cache import write_mdd, write_pc2
 from apd_viewer.files.mesh_writing import check_writable
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from apd_viewer.files.animations.animation_shapes import Animation
 
 _SERIES = ".pvd"
 _WRITERS = {".pc2": write_pc2, ".mdd": write_mdd, ".glb": write_morph_targets}

@@ -6,15 +6,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.files.animations.imported_vertices import imported_vertices
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.target_shape import TargetShape
-    from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.mesh.mesh import Mesh
 
 
 @dataclass(frozen=True, eq=False)

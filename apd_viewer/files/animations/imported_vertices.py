@@ -6,14 +6,9 @@ to follow what importers make of the file, and not the file alone.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from apd_viewer.geometry.mesh.mesh import BakedOrigin
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import BakedOrigin, Mesh
 
 # Formats of which vertices without a face are not imported.
 _FACES_ALONE = (".obj", ".glb", ".gltf")

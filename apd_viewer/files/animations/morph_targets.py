@@ -10,18 +10,16 @@ from __future__ import annotations
 import json
 import struct
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.files.animations.shading_normals import shading_normals
 from apd_viewer.files.mesh_writing import METRES
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from apd_viewer.files.animations.animation_shapes import Animation
 
 _FLOAT, _UINT = 5126, 5125  # component types of four bytes each
 _VERTICES, _INDICES = 34962, 34963  # targets of buffer views

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import VTK_TRIANGLE, vtkCellArray, vtkUnstructuredGrid
+from vtkmodules.vtkCommonDataModel import (
+    VTK_TRIANGLE,
+    vtkCellArray,
+    vtkDataSetAttributes,
+    vtkUnstructuredGrid,
+)
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
+from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.files.storage.atomic_folder import filling_folder
 from apd_viewer.geometry.analysis.scalars import shape_scalars
-
-if TYPE_CHECKING:
-    from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes
-
-    from apd_viewer.files.animations.animation_shapes import Animation
 
 _HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
 _ROW = '    <DataSet timestep="{time!r}" part="0" file={file}/>\n'

@@ -7,14 +7,12 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 
+from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.files.storage.atomic_file import replacing_file
-
-if TYPE_CHECKING:
-    from apd_viewer.files.animations.animation_shapes import Animation
 
 # Signature, version, points, first frame, frames from sample to sample, samples.
 _PC2 = struct.Struct("<12siiffi")

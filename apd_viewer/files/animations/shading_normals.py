@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.triangle_frames import triangle_frames
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
 
 _ANY = 0.0, 0.0, 1.0  # where there is no area: a normal has to have a direction
 

@@ -10,18 +10,15 @@ import contextlib
 import os
 import shutil
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.links import check_not_circular, resolved_path
 from apd_viewer.files.storage.lock import FileLock, acquire_lock
 from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _PREFIX, _PART, _LOCK = ".apd-viewer-", ".part", ".lock"
 

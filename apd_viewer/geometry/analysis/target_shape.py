@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,10 +18,8 @@ from apd_viewer.geometry.analysis.surface_distance import (
 )
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy, bounding_hierarchy
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
 
 # Sizes of two meshes farther apart than by this factor suggest another unit: inches are 25.4 mm.
 _ALIKE = 8.0

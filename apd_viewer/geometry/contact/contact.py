@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
 
 from apd_viewer.geometry.analysis.self_intersections import crossing_pairs
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.contact.exempt_zones import exempt_zones, is_within_zone
 from apd_viewer.geometry.contact.followers import Followers, NoFollowers
 from apd_viewer.geometry.contact.near_pairs import NearPairs
 from apd_viewer.geometry.contact.obstacle_pairs import ObstaclePairs
 from apd_viewer.geometry.linalg.kernels import njit
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 
 # Against the mean of the Laplacian's diagonal: settled gaps are 0.75 to 0.8 of the range.
 _STIFFNESS = 1.0

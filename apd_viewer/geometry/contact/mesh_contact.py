@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import Contact
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.contact.followers import Followers
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.mesh.checked_arguments import check_argument
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 
 # Walls keep this part of the diagonal of the bounding box apart, unless their thickness is known.
 _THICKNESS = 1e-3

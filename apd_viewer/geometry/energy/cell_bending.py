@@ -11,16 +11,12 @@ side; there it is h^2 along the sides, and half of that across.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.mesh.laplacian import cotangents
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.operators import face_areas
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.material import Material
 
 # Of the squared trace: cells whose edges are parallel have no best plane.
 _FLAT = 1e-12

@@ -9,16 +9,12 @@ lengths; d_ij is what that adds to ``v_i - v_j`` in the cell of vertex i:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numba import prange
 
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.quaternions import rotated_vector
 from apd_viewer.geometry.linalg.threads import parallel, total
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 
 _TINY = np.finfo(float).tiny
 # Vertices per task of a core.

@@ -14,8 +14,8 @@ Springs draw some vertices to places of their own; they add to K and to b, and k
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import coo_array, diags_array, hstack
@@ -27,14 +27,9 @@ from apd_viewer.geometry.energy.plastic_bending import PlasticBending
 from apd_viewer.geometry.energy.projected_hessian import ProjectedHessian
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import parallel_ops, row_ops
-from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.geometry.linalg.linear_solver import Factorizer, LinearSolver, Matrix, Metric
 from apd_viewer.geometry.linalg.quaternions import compose_rotations
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from apd_viewer.geometry.linalg.linear_solver import Factorizer, Matrix, Metric
 
 _MINUS = np.array([-1.0])
 _NOTHING = np.empty((0, 3))

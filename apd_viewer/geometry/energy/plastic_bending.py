@@ -14,17 +14,13 @@ it takes. While flow and rotations are held the energy is quadratic, with the ma
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from apd_viewer.geometry.energy import plastic_kernels as kernels
 from apd_viewer.geometry.energy.bending import corner_sums, gradients
 from apd_viewer.geometry.energy.creased_cells import CreasedCells
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.parallel_ops import inner_product
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 
 _NONE = np.empty((0, 3, 3, 3), np.float32)
 

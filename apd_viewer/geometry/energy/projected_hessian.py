@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import scipy.sparse as sp
 
 from apd_viewer.geometry.energy import membrane_hessian
-from apd_viewer.geometry.linalg.block_cholesky import BlockPattern
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.membrane import Membrane
-    from apd_viewer.geometry.linalg.block_cholesky import BlockFactor
-    from apd_viewer.geometry.linalg.linear_solver import Matrix
+from apd_viewer.geometry.energy.membrane import Membrane
+from apd_viewer.geometry.linalg.block_cholesky import BlockFactor, BlockPattern
+from apd_viewer.geometry.linalg.linear_solver import Matrix
 
 
 class ProjectedHessian:

@@ -11,7 +11,7 @@ import logging
 import time
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from cholespy import CholeskySolverD, MatrixType
@@ -19,9 +19,6 @@ from scipy.sparse import csr_array, diags_array, eye_array, kron
 
 from apd_viewer.geometry.linalg.supernodal_factor import SupernodalFactor
 from apd_viewer.geometry.linalg.supernodes import Supernodes
-
-if TYPE_CHECKING:
-    from typing import TypeAlias
 
 _log = logging.getLogger(__name__)
 # With fewer unknowns a supernodal factor saves nothing.
@@ -60,10 +57,9 @@ class Factor(Metric, Protocol):
         """Seconds that the factorization took, or has taken so far."""
 
 
-if TYPE_CHECKING:
-    Matrix: TypeAlias = csr_array
-    # Given what makes the matrix, and the positions (n, 3) of its unknowns.
-    Factorizer: TypeAlias = Callable[[Callable[[], Matrix], np.ndarray], Factor]
+Matrix: TypeAlias = csr_array
+# Given what makes the matrix, and the positions (n, 3) of its unknowns.
+Factorizer: TypeAlias = Callable[[Callable[[], Matrix], np.ndarray], Factor]
 
 
 class LinearSolver:

@@ -5,15 +5,11 @@ numpy does these on one core, and in a pass of its own for every operation.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numba import prange
+from scipy.sparse import csr_array
 
 from apd_viewer.geometry.linalg.threads import parallel, totals
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 # Rows per task of a core.
 _PORTION = 2048

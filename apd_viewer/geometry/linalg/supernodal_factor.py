@@ -15,17 +15,13 @@ double precision and kept in single: half the memory to read. That is enough for
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
+from scipy.sparse import csr_array
 
 from apd_viewer.geometry.linalg import parallel_ops, supernodal, supernodal_solve
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
-
-    from apd_viewer.geometry.linalg.supernodes import Supernodes
+from apd_viewer.geometry.linalg.supernodes import Supernodes
 
 
 class SupernodalFactor:

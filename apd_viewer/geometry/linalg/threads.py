@@ -22,7 +22,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any, ParamSpec, TypeVar
 
 import numba
 import numpy as np
@@ -32,11 +32,8 @@ from threadpoolctl import ThreadpoolController
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 
-if TYPE_CHECKING:
-    from typing import ParamSpec, TypeVar
-
-    P = ParamSpec("P")
-    R = TypeVar("R")
+P = ParamSpec("P")
+R = TypeVar("R")
 
 # Below this many vertices a second core takes longer to wake than it saves.
 _WORTH_WAKING = 8000

@@ -6,16 +6,11 @@ Multi-level adaptive solutions to boundary-value problems].
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-from scipy.sparse import diags_array
+from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 # Of the mean diagonal: keeps coarse unknowns that interpolate nothing from being singular.
 _SHIFT = 1e-9

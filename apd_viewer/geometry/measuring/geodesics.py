@@ -9,7 +9,7 @@ Sharp & Crane, You can find geodesic paths in triangle meshes by just flipping e
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -21,9 +21,6 @@ from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_posi
 from apd_viewer.geometry.mesh.adjacency import opposite_half_edges
 from apd_viewer.geometry.mesh.arrays import mesh_arrays
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 # Nearer to a corner than this a point is the corner: slivers around it would spoil the angles there.
 _CORNER = 1e-6

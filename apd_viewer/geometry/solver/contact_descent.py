@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
@@ -19,6 +18,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.contact.mesh_contact import mesh_contact
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.pose.frame import Frame
@@ -30,9 +30,6 @@ from apd_viewer.geometry.solver.methods import Method
 from apd_viewer.geometry.solver.touching_descent import TouchingDescent
 from apd_viewer.geometry.solver.touching_surface import TouchingSurface
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 
 # In sizes of the mesh: how far held vertices are moved at once, and steps before they are moved on.
 _PART, _STEPS = 0.05, 10

@@ -5,17 +5,17 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.contact.contact_obstacles import shifted_obstacles
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle, shifted_obstacles
 from apd_viewer.geometry.contact.contact_readings import contact_readings
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.calm_parts import calm_levels
 from apd_viewer.geometry.goals.goals import Region, RegionReading
+from apd_viewer.geometry.linalg.linear_solver import Factorizer
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import frozen
@@ -54,10 +54,6 @@ from apd_viewer.geometry.solver.methods import (
 )
 from apd_viewer.geometry.solver.restarts import make_solver
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.contact.contact_obstacles import Obstacle
-    from apd_viewer.geometry.linalg.linear_solver import Factorizer
 
 
 class Deformation(Uncopyable):

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE
 from apd_viewer.geometry.goals.goals import Goal, Region, RegionReading, make_goals, region_patch
 from apd_viewer.geometry.goals.percentage import percentage
@@ -17,9 +17,6 @@ from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.checked_arguments import check_argument
 from apd_viewer.geometry.solver.methods import Method
 from apd_viewer.language import comma_separated, tr
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.rest_mesh import RestMesh
 
 _CALM_GAVE_WAY = tr("Calm parts give way in this pose: with their areas kept, the targets are out of reach.")
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
-if TYPE_CHECKING:
-    import numpy as np
+import numpy as np
 
-    from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
-    from apd_viewer.geometry.goals.goals import Goal
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
+from apd_viewer.geometry.goals.goals import Goal
 
 
 class IterativeSolver(Protocol):

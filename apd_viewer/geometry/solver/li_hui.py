@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from scipy.sparse import diags_array
 
-from apd_viewer.geometry.goals.goals import GoalMeasures
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
+from apd_viewer.geometry.goals.goals import Goal, GoalMeasures
 from apd_viewer.geometry.mesh.operators import area
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
-    from apd_viewer.geometry.goals.goals import Goal
 
 
 class LiHui:

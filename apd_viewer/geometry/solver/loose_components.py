@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import prange
@@ -17,15 +17,13 @@ from scipy.sparse.csgraph import connected_components
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.surface_distance import nearest_triangles
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.quaternions import rotated_vector
 from apd_viewer.geometry.linalg.rotations import horn
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.solver.held_vertices import vertex_ids
 from apd_viewer.language import tr, trn
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.rest_mesh import RestMesh
 
 GO, STAY = "go", "stay"
 # A place of a part this much of its size farther from the surface than the nearest one counts half: a spout

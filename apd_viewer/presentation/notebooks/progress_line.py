@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.pose.frame import Frame
 
 _INTERVAL = 0.1  # s; the eye reads no faster
 

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from apd_viewer.files.selections.selection import Selection
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import Handle, NamedRegion
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
 
 
 def selection_of(document: Document) -> Selection:

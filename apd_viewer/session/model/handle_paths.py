@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.waypoint_path import HandlePath, handle_path, rounded_pose
 from apd_viewer.geometry.turns.held_turn import LEAST_TURN, HandleTurns
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document import Document
 
 # Radians: with steps this large a shape follows the turn, and a full turn takes a second on the samples.
 _STEP = math.radians(45.0)

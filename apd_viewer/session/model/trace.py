@@ -5,17 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.targets import kept_percentages
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.pose.frame import Frame
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.state import State
 
 TRACE_COLUMNS = (
     "seconds",

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import have_same_paint
-from apd_viewer.session.model.handles_and_regions import IDENTITY
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.handles_and_regions import Handle
-    from apd_viewer.session.model.state import State
+from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle
+from apd_viewer.session.model.state import State
 
 
 def gesture_motion(before: State, document: Document) -> Document | None:

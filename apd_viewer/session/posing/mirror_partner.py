@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.mirror_images import nearest_mirror_vertices
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.pose.mirror import MirrorPlane
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_handles_reset
+from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.memo import memoised
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.handles_and_regions import Handle
 
 # Of the size of a handle: so near to the mirror image of a vertex there is another. A mesh need not have the
 # same vertices on both sides.

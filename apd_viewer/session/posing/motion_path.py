@@ -5,22 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.geometry.pose.screw_motion import RotationPath
+from apd_viewer.geometry.pose.waypoint_path import HandlePath
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import IDENTITY
+from apd_viewer.session.posing.motion_step import MotionStep
 from apd_viewer.session.posing.typed_motion import MOST_TURNS
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.pose.waypoint_path import HandlePath
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.posing.motion_step import MotionStep
 
 # Radians between two poses of a path that is written down by its waypoints.
 _STEP = math.radians(60.0)

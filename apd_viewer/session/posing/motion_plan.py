@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.mirror_partner import with_pair_moved
 from apd_viewer.session.posing.motion_titles import motion_title, moved_handle_names
 from apd_viewer.session.posing.typed_motion import parse_amount, pose_after, poses_along, remaining_amount
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.motion_kind import MotionKind
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import Unit
 
 _ROUNDING = 1e-9  # of a pose; of the diagonal of the mesh for its translation
 _ARC = math.radians(5.0)  # between two documents on the way: arcs drawn through them look round

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,16 +12,12 @@ from apd_viewer.geometry.pose.constraints import BASE, transform
 from apd_viewer.geometry.pose.transforms import translation
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion_text import MotionTextStep
 from apd_viewer.session.posing.typed_motion import pose_after
 from apd_viewer.session.quantities.expressions import parse_angle, parse_length, parse_number
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.posing.motion_text import MotionTextStep
-    from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import Unit
 
 _NAMES = dict.fromkeys("XYZLD", 1.0)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +11,10 @@ from apd_viewer.geometry.pose.transforms import rigid_transform
 from apd_viewer.geometry.pose.waypoint_path import summed_rotations
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.motion_kind import MotionKind
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.handles_and_regions import Handle
-    from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import Unit
 
 # Relative: what a drag computes in floating point is equal within this.
 _SAME = 1e-9

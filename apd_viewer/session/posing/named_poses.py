@@ -5,21 +5,17 @@ From the rest shape, for what the handles were gripped at changes with every str
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.pose.fitted_motion import fitted_motion
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle, HandlePlacement, NamedPose
 from apd_viewer.session.model.memo import memoised
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from apd_viewer.session.model.document import Document
 
 # Of a matrix and of an angle in radians; of the diagonal of the mesh for translations.
 _SAME = 1e-7

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +12,8 @@ from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.mesh.arrays import checked_direction, diagonal, frozen
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.unique_names import next_name
-
-if TYPE_CHECKING:
-    from collections.abc import Collection
-
-    from apd_viewer.session.model.state import State
 
 # Of new ones, in longest sides of the mesh: about a thumb on a bottle.
 _RADIUS = {ObstacleKind.PLATE: 0.0, ObstacleKind.SPHERE: 0.08, ObstacleKind.CYLINDER: 0.05}

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE, transform
 from apd_viewer.geometry.pose.fitted_motion import fitted_motion
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.waypoint_path import rotation_vector
 from apd_viewer.session.model import memo
-from apd_viewer.session.model.handles_and_regions import IDENTITY
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.pose.frame import Frame
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.handles_and_regions import Handle
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle
 
 
 def regripped_document(before: Document, document: Document, frame: Frame) -> Document:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,14 +13,11 @@ from apd_viewer.geometry.pose.transforms import bend, rotation_about, scaling_ab
 from apd_viewer.geometry.pose.waypoint_path import rotation_vector
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.expressions import parse_angle, parse_length, parse_number
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
-
+from apd_viewer.session.quantities.units import Unit
 
 MOST_TURNS = 100
 _LARGEST_STEP = math.radians(90.0)

@@ -9,12 +9,11 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from typing import TYPE_CHECKING, BinaryIO, Protocol, cast
+from typing import BinaryIO, Protocol, cast
+
+import numpy as np
 
 from apd_viewer.session.processes import array_pipe
-
-if TYPE_CHECKING:
-    import numpy as np
 
 _log = logging.getLogger(__name__)
 

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.linalg.linear_solver import Factorizer
+from apd_viewer.geometry.pose.constraints import Constraints
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.targets import targets_of
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.rest_mesh import RestMesh
-    from apd_viewer.geometry.linalg.linear_solver import Factorizer
-    from apd_viewer.geometry.pose.constraints import Constraints
-    from apd_viewer.session.model.document import Document
 
 
 def deformation_of(

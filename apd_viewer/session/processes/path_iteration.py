@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from apd_viewer.geometry.pose.constraints import Constraints
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
 from apd_viewer.geometry.solver.contact_descent import whole_path_frame
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.handle_paths import intermediate_documents
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.pose.constraints import Constraints
-    from apd_viewer.geometry.pose.frame import Frame
-    from apd_viewer.geometry.solver.deformation import Deformation
-    from apd_viewer.session.model.document import Document
 
 
 class _Goal(NamedTuple):

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 
-from apd_viewer.geometry.linalg.linear_solver import csr_rows
+from apd_viewer.geometry.linalg.linear_solver import Matrix, csr_rows
 from apd_viewer.language import tr
 from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from apd_viewer.geometry.linalg.linear_solver import Matrix
 
 _START = START_SCRIPT.format(module="processes.factor_main")
 _MOST_DEATHS = 3

@@ -11,13 +11,12 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.linalg.linear_solver import Factor
+from apd_viewer.geometry.linalg.linear_solver import Factor, Matrix
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import Constraints
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -41,9 +40,6 @@ from apd_viewer.session.processes.request_and_reply import (
     obstacle_key,
 )
 from apd_viewer.session.processes.shared_memory import SharedShapeBuffer
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.linalg.linear_solver import Matrix
 
 _log = logging.getLogger(__name__)
 _NOTHING = np.zeros((0, 3))

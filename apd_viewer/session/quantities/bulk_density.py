@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from apd_viewer.geometry.analysis.hull_readings import PACKING
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
-    from apd_viewer.session.quantities.units import Unit
+from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
+from apd_viewer.session.quantities.units import Unit
 
 _KG_M3 = 1000.0  # in a g/cm³
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from apd_viewer.geometry.picking.vertex_sets import grown_set, mirrored_set, shrunk_set, smoothed_set
+from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.mirror_partner import mirror_plane
 from apd_viewer.session.selecting.part_operation import PartOperation
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.painted_part import PaintedPart
-    from apd_viewer.session.model.state import State
 
 MemberOperation: TypeAlias = "Callable[[State, np.ndarray], np.ndarray]"
 

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.typed_motion import named_lengths
 from apd_viewer.session.quantities.expressions import parse_length, parse_number
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import Unit
 
 _IDS = re.compile(r"[\d\s,;–-]+")
 _ID = re.compile(r"(\d+)(?:\s*[–-]\s*(\d+))?")

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @contextmanager

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_location import (
@@ -17,12 +18,8 @@ from apd_viewer.files.storage.archive import Archive
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.regular_files import open_regular
 from apd_viewer.geometry.analysis.target_shape import TargetShape
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.model.document import Document
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.document import Document
 
 JSON_MEMBER = "session.json"  # member with all that is said in words
 _OF_TARGET = "target-"  # members of the target shape begin with it

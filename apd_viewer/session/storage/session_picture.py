@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from apd_viewer.files.storage.archive import Archive
 from apd_viewer.files.storage.regular_files import open_regular
 from apd_viewer.session.storage.session_errors import explaining_errors
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 PICTURE_MEMBER = "picture.png"
 PICTURE_SIDE = 256  # pixels at most: what file managers ask for

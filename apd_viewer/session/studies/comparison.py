@@ -10,15 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
-from apd_viewer.session.processes.request_and_reply import Cost, Request
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.processes.request_and_reply import Cost, Reply, Request
 from apd_viewer.session.processes.solver_worker import SolverWorker
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.pose.frame import Frame
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.processes.request_and_reply import Reply
 
 
 @dataclass(frozen=True, eq=False)

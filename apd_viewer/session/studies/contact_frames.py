@@ -10,17 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
+import numpy as np
+
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.processes.document_deformation import deformation_of
 from apd_viewer.session.processes.path_iteration import PathIteration
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from apd_viewer.geometry.pose.frame import Frame
-    from apd_viewer.geometry.solver.deformation import Deformation
-    from apd_viewer.session.model.document import Document
 
 
 def contact_frames(

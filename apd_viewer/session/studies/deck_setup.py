@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,12 +12,10 @@ from apd_viewer.files.fe_deck import Deck, DeckRegion, DeckWall, NodeSet
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handle_paths import document_at, handle_paths
 from apd_viewer.session.posing.motion_path import document_along, motion_paths, total_turn
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.posing.motion_step import MotionStep
+from apd_viewer.session.posing.motion_step import MotionStep
 
 MOST_STEPS = 1000
 # Radians: the chord of so much of a turn stays within 3.4 % of the radius of its arc.

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import numpy as np
 
+from apd_viewer.geometry.turns.held_turn import HeldTurn
 from apd_viewer.geometry.turns.held_turns import held_turns
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handle_paths import handle_pose_sequences
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from apd_viewer.geometry.turns.held_turn import HeldTurn
-    from apd_viewer.session.model.document import Document
 
 
 def document_turns(document: Document, U: np.ndarray) -> tuple[HeldTurn, ...]:

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import translation
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.posing.motion_step import MotionStep
 from apd_viewer.session.studies.sweep_setup import sweep_of
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
 
 # Iteration counts from rest at which ARAP is measured.
 LOSS_ITERATIONS = (1, 2, 3, 5, 20)

@@ -5,32 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.screw_motion import RotationPath
 from apd_viewer.geometry.pose.waypoint_path import HandlePath, WaypointPath
+from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.methods import method_named
 from apd_viewer.geometry.turns.held_turn import pass_through_warnings
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.handle_paths import document_at
+from apd_viewer.session.model.named_obstacle import NamedObstacle
 from apd_viewer.session.model.state import load_excess_of
 from apd_viewer.session.posing.motion_path import MotionPath, document_along, total_turn
 from apd_viewer.session.processes.document_deformation import deformation_of
 from apd_viewer.session.studies.contact_frames import contact_frames
 from apd_viewer.session.studies.document_turns import document_turns
 from apd_viewer.session.studies.sweep_step import SweepStep
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.rest_mesh import RestMesh
-    from apd_viewer.geometry.pose.frame import Frame
-    from apd_viewer.geometry.solver.deformation import Deformation
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.named_obstacle import NamedObstacle
 
 # For each step: "local" creeps on for thousands of iterations without visible effect on the curve.
 DEFAULT_ITERATIONS = 500

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import next_paint_sentence
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, method_named
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.handle_paths import handle_paths
 from apd_viewer.session.posing.motion_path import motion_paths
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.posing.motion_step import MotionStep
-
+from apd_viewer.session.posing.motion_step import MotionStep
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS, Sweep, SweepPath
 
 MOST_STEPS = 1000

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.turns.held_turn import HeldTurn, most_lost_turn
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.pose.frame import Frame
 
 
 class SweepStep(NamedTuple):

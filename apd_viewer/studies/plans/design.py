@@ -5,9 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +15,6 @@ from apd_viewer.language import tr
 from apd_viewer.session.posing.motion_text import MOTION_WORDS
 from apd_viewer.studies.plans.plan_columns import COLUMNS, COUNT_COLUMNS, NOTE_PREFIX
 from apd_viewer.studies.plans.plan_row import parse_cell
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 LATIN, SOBOL, GRID = "lhs", "sobol", "grid"
 DESIGNS = (LATIN, SOBOL, GRID)

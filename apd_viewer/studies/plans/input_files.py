@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
@@ -14,10 +15,6 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.studies.plans.case import InputFile, input_path
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 # Its buffers may be in files beside it, which do not travel with it.
 _IN_PARTS = ".gltf"

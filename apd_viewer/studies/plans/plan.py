@@ -5,22 +5,18 @@ from __future__ import annotations
 import csv
 import io
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.files.tables import cell_text
 from apd_viewer.language import tr
 from apd_viewer.studies.plans.case import StudyCase
+from apd_viewer.studies.plans.input_files import InputFiles
 from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE_PREFIX
 from apd_viewer.studies.plans.plan_row import parse_case
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from apd_viewer.studies.plans.input_files import InputFiles
 
 MOST_ROWS = 1_000_000
 _SEPARATORS = ",;\t"

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import lru_cache
-from typing import TYPE_CHECKING, TypeVar
+from pathlib import Path
+from typing import TypeVar
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, MOST_VERTICES_IN_CONTACT
@@ -17,13 +18,8 @@ from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import NoUnitError, Unit
 from apd_viewer.studies.plans.case import Setting, StudyCase
+from apd_viewer.studies.plans.input_files import InputFiles
 from apd_viewer.studies.plans.plan_columns import SETTING_COLUMNS, parse_steps, parse_unit
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    from apd_viewer.studies.plans.input_files import InputFiles
 
 T = TypeVar("T")
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.ui.actions.action_maker import ActionMaker, without_mnemonic
+from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.display_actions import DisplayActions
+from apd_viewer.ui.actions.edit_controller import EditController
 from apd_viewer.ui.actions.file_actions import FileActions
 from apd_viewer.ui.actions.help_actions import help_actions
 from apd_viewer.ui.actions.measure_actions import MeasureActions
@@ -24,11 +26,6 @@ from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.display_names import menu_text
 from apd_viewer.ui.widgets.theme import Theme
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.ui.actions.commands import Commands
-    from apd_viewer.ui.actions.edit_controller import EditController
 
 _KEYS = QKeySequence.StandardKey
 

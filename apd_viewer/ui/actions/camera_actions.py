@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr, trc
 from apd_viewer.session.model.up_axis import UpAxis
-
-if TYPE_CHECKING:
-    from PySide6.QtWidgets import QMenu
-
-    from apd_viewer.ui.actions.action_maker import ActionMaker
-    from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.actions.action_maker import ActionMaker
+from apd_viewer.ui.tools.canvas import Canvas
 
 _VIEWS = (
     (trc("view", "Front"), tr("View the mesh from the front"), "1", "front"),

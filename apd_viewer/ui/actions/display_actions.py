@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.model.document import Document
+from apd_viewer.ui.actions.action_maker import ActionMaker
+from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.preferences.shortcut_hints import show_keys_in_tip
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.ui.actions.action_maker import ActionMaker
-    from apd_viewer.ui.overlays.display_options import DisplayOptions
-
 
 _COLORS = tr("Show the vertex colours of the file under the paint")
 _TEXTURES = tr("Show the textures of the file under the paint")

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.selecting.part_operation import PartOperation
+from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.text_entries import TextEntries
+from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import Tool
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.motion_kind import MotionKind
-    from apd_viewer.session.selecting.part_operation import PartOperation
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.panel.panel import Panel
-    from apd_viewer.ui.tools.active_parts import ActiveParts
-    from apd_viewer.ui.tools.canvas import Canvas
 
 
 class EditController:

@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.ui.actions.action_maker import ActionMaker
+from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.widgets.display_names import distinct_names, menu_text
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.ui.actions.action_maker import ActionMaker
-    from apd_viewer.ui.actions.commands import Commands
 
 _KEYS = QKeySequence.StandardKey
 

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from PySide6.QtGui import QAction, QKeySequence
 
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from apd_viewer.ui.actions.action_maker import ActionMaker
-    from apd_viewer.ui.actions.commands import Commands
+from apd_viewer.ui.actions.action_maker import ActionMaker
+from apd_viewer.ui.actions.commands import Commands
 
 # Name, title, icon, tip, keys and command.
 _Row = tuple[str, str, str, str, object, "Callable[[], object]"]

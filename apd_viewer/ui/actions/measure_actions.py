@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
+from apd_viewer.ui.actions.action_maker import ActionMaker
 from apd_viewer.ui.measuring.kind_words import KIND_WORDS
-
-if TYPE_CHECKING:
-    from PySide6.QtWidgets import QMenu
-
-    from apd_viewer.ui.actions.action_maker import ActionMaker
-    from apd_viewer.ui.measuring.measure_controller import MeasureController
+from apd_viewer.ui.measuring.measure_controller import MeasureController
 
 
 class MeasureActions:

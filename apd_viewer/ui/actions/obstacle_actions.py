@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.ui.actions.action_maker import ActionMaker
+from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
 from apd_viewer.ui.obstacles.obstacle_section import FLOOR_TIP, SIDES_TIP, TIPS
-
-if TYPE_CHECKING:
-    from PySide6.QtGui import QAction
-    from PySide6.QtWidgets import QMenu
-
-    from apd_viewer.ui.actions.action_maker import ActionMaker
-    from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
 
 _KINDS = {
     ObstacleKind.PLATE: (tr("Add &plate"), "obstacle-plate"),

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.session.model.handles_and_regions import PartFlags
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.selecting.part_operation import PartOperation
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.handles_and_regions import PartFlags
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.tools.active_parts import ActiveParts
-    from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.session.session import Session
+from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.ui.tools.canvas import Canvas
 
 
 class PartController:

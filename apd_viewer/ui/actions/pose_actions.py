@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
+from apd_viewer.ui.actions.action_maker import ActionMaker
+from apd_viewer.ui.actions.commands import Commands
+from apd_viewer.ui.actions.obstacle_actions import ObstacleActions
 from apd_viewer.ui.tools.gizmo_layout import GizmoOrientation
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.actions.action_maker import ActionMaker
-    from apd_viewer.ui.actions.commands import Commands
-    from apd_viewer.ui.actions.obstacle_actions import ObstacleActions
 
 # Right, up and towards the viewer, in the picture.
 _NUDGES = (

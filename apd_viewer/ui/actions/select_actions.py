@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.session.selecting.part_operation import PartOperation
+from apd_viewer.ui.actions.action_maker import ActionMaker
+from apd_viewer.ui.actions.commands import Commands
+from apd_viewer.ui.actions.part_controller import PartController
+from apd_viewer.ui.filing.file_controller import FileController
 from apd_viewer.ui.tools.toolbox import SelectionMode
-
-if TYPE_CHECKING:
-    from PySide6.QtGui import QAction
-
-    from apd_viewer.ui.actions.action_maker import ActionMaker
-    from apd_viewer.ui.actions.commands import Commands
-    from apd_viewer.ui.actions.part_controller import PartController
-    from apd_viewer.ui.filing.file_controller import FileController
 
 _LARGER, _SMALLER = 1.25, 0.8
 # Title, icon, tip, keys and operation on the active part.

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
+from apd_viewer.ui.actions.action_maker import ActionMaker
 from apd_viewer.ui.actions.camera_actions import CameraActions
+from apd_viewer.ui.actions.commands import Commands
+from apd_viewer.ui.actions.display_actions import DisplayActions
 from apd_viewer.ui.appearance.shading import Shading
-
-if TYPE_CHECKING:
-    from PySide6.QtGui import QAction
-    from PySide6.QtWidgets import QMenu
-
-    from apd_viewer.ui.actions.action_maker import ActionMaker
-    from apd_viewer.ui.actions.commands import Commands
-    from apd_viewer.ui.actions.display_actions import DisplayActions
 
 _SCHEMES = (
     (tr("&System default"), Qt.ColorScheme.Unknown, tr("Follow the light or dark mode of the system")),

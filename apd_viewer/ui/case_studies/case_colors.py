@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
 from apd_viewer.presentation.axis import Axis, magnitude_axis, rounded_axis
 from apd_viewer.presentation.color_maps import SEQUENTIAL
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from apd_viewer.ui.case_studies.result_columns import ResultColumn
+from apd_viewer.ui.case_studies.result_columns import ResultColumn
 
 # Okabe and Ito's, those first that stand out on light and dark.
 _CHOSEN = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a63c9", "#8c8c1e")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QSize
@@ -16,11 +15,9 @@ from apd_viewer.presentation.axis import linear_axis, rounded_axis
 from apd_viewer.studies.case_file import DONE, read_case
 from apd_viewer.ui.case_studies.column_choice import ColumnChoice
 from apd_viewer.ui.case_studies.result_columns import ResultColumn, reading_words
+from apd_viewer.ui.case_studies.result_model import ResultModel
 from apd_viewer.ui.plots.chart import Chart, Curve
 from apd_viewer.ui.plots.plots import ChartView, ChartWords
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.case_studies.result_model import ResultModel
 
 _ABSCISSA = "part"
 _OFFERED = (

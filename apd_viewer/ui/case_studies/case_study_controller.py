@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QObject
@@ -14,6 +13,9 @@ from PySide6.QtWidgets import QDockWidget, QFileDialog, QMessageBox, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.view import View
+from apd_viewer.session.session import Session
 from apd_viewer.studies.case_file import DONE
 from apd_viewer.studies.case_session import case_session
 from apd_viewer.studies.database import DATABASE_NAME
@@ -22,16 +24,11 @@ from apd_viewer.ui.case_studies.folder_watch import FolderWatch
 from apd_viewer.ui.case_studies.plan_dialog import PlanDialog
 from apd_viewer.ui.case_studies.results_panel import ResultsPanel
 from apd_viewer.ui.case_studies.study_run import StudyRun, scheduler_option, stored_options
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.view import View
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.filing.file_controller import FileController
-    from apd_viewer.ui.overlays.notice import Notice
-    from apd_viewer.ui.posing.motion_ghost import MotionGhost
-    from apd_viewer.ui.preferences.preferences import Preferences
-    from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.filing.file_controller import FileController
+from apd_viewer.ui.overlays.notice import Notice
+from apd_viewer.ui.posing.motion_ghost import MotionGhost
+from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.widgets.theme import Theme
 
 
 class CaseStudyController(QObject):

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt, Signal
 
 from apd_viewer.language import tr
+from apd_viewer.ui.case_studies.result_columns import ResultColumn
 from apd_viewer.ui.widgets.fields import ComboBox
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.case_studies.result_columns import ResultColumn
 
 _NARROWEST, _AROUND = 72, 44  # px, of a choice and around its title
 

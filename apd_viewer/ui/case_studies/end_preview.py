@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.posing.motion_ghost import MotionGhost
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
+from apd_viewer.session.session import Session
+from apd_viewer.ui.posing.motion_ghost import MotionGhost
 
 
 class EndPreview:

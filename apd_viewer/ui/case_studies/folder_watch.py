@@ -7,18 +7,15 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from apd_viewer.errors import InputError
 from apd_viewer.studies.database import DATABASE_NAME
-from apd_viewer.studies.results import read_results
+from apd_viewer.studies.results import ResultTable, read_results
 from apd_viewer.ui.case_studies.result_columns import ResultColumn, shown_columns
 from apd_viewer.ui.widgets.background_task import BackgroundTask
-
-if TYPE_CHECKING:
-    from apd_viewer.studies.results import ResultTable
 
 _EVERY = 1000  # ms
 _TIMES = 20.0  # so many times longer than reading takes is waited before the next

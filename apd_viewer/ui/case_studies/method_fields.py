@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QHBoxLayout
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.ui.studies.run_dialog import widget_row
 from apd_viewer.ui.widgets.fields import CheckBox
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
 
 
 class MethodFields(QObject):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtWidgets import (
@@ -14,14 +13,18 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
+    QLayout,
     QPushButton,
     QVBoxLayout,
+    QWidget,
 )
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_folder import unused_folder
 from apd_viewer.language import tr
+from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.session import Session
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS
 from apd_viewer.studies.plans.design import GRID, LATIN, MOST_SAMPLES, SOBOL
 from apd_viewer.ui.case_studies.end_preview import EndPreview
@@ -35,19 +38,13 @@ from apd_viewer.ui.case_studies.study_files import (
     write_study,
 )
 from apd_viewer.ui.case_studies.varied_fields import TITLE_COLUMN_WIDTH, VariedFields
+from apd_viewer.ui.posing.motion_ghost import MotionGhost
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import count_field, widget_row
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import ComboBox, TextField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
-
-if TYPE_CHECKING:
-    from PySide6.QtWidgets import QLayout, QWidget
-
-    from apd_viewer.session.model.view import View
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.posing.motion_ghost import MotionGhost
-    from apd_viewer.ui.preferences.preferences import Preferences
 
 _WIDTH = 720  # px
 _CASES, _LEVELS = 100, 5

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from heapq import nlargest
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,10 +17,7 @@ from apd_viewer.presentation.number_format import format_grouped, format_short, 
 from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.studies.case_file import DONE, FAILED
 from apd_viewer.studies.plans.plan_columns import NOTE_PREFIX
-from apd_viewer.studies.results import DUPLICATE, READINGS, WAITING, WRONG, status_text
-
-if TYPE_CHECKING:
-    from apd_viewer.studies.results import ResultTable
+from apd_viewer.studies.results import DUPLICATE, READINGS, WAITING, WRONG, ResultTable, status_text
 
 LINE_COLUMN, MOTION_COLUMN, STATUS_COLUMN, REMARK_COLUMN = "line", "motion", "status", "sentence"
 _ASKED_FOR = "plan "  # before the name of a column of the plan

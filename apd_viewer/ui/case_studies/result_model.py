@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QBrush, QColor
 
 from apd_viewer.studies.case_file import FAILED
-from apd_viewer.studies.results import DUPLICATE, WAITING, WRONG
+from apd_viewer.studies.results import DUPLICATE, WAITING, WRONG, ResultRow, ResultTable
 from apd_viewer.ui.case_studies.result_columns import LINE_COLUMN, REMARK_COLUMN, STATUS_COLUMN, ResultColumn
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from apd_viewer.studies.results import ResultRow, ResultTable
 
 _ROLES = Qt.ItemDataRole
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter

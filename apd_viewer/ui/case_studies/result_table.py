@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import (
@@ -19,10 +18,8 @@ from PySide6.QtGui import QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QAbstractItemView, QFrame, QHeaderView, QTableView
 
 from apd_viewer.language import tr
+from apd_viewer.ui.case_studies.result_model import ResultModel
 from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.case_studies.result_model import ResultModel
 
 _ROW = 24  # px
 _WIDEST, _NARROWEST = 360, 48

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import QSize, Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices, QResizeEvent
@@ -19,16 +19,14 @@ from PySide6.QtWidgets import (
 from apd_viewer.language import tr
 from apd_viewer.ui.case_studies.case_colors import CaseColors
 from apd_viewer.ui.case_studies.case_curves import CaseCurves
+from apd_viewer.ui.case_studies.folder_watch import ReadResults
 from apd_viewer.ui.case_studies.result_model import ResultModel
 from apd_viewer.ui.case_studies.result_table import ResultsView
 from apd_viewer.ui.case_studies.scatter_plot import ScatterPlot
 from apd_viewer.ui.case_studies.study_status import StudyStatus
 from apd_viewer.ui.panel.status_bar import ElidedLabel
 from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.case_studies.folder_watch import ReadResults
-    from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.theme import Theme
 
 _SCALE = 1000
 _SMALLEST, _NARROWEST = QSize(320, 160), 72  # px, of it and of the name of a study

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 import numpy as np
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
@@ -11,14 +11,10 @@ from apd_viewer.language import tr
 from apd_viewer.studies.case_file import FAILED
 from apd_viewer.ui.case_studies.case_colors import axis_of, color_bar_colors, dot_colors, uniform_colors
 from apd_viewer.ui.case_studies.column_choice import ColumnChoice
+from apd_viewer.ui.case_studies.result_columns import ResultColumn
+from apd_viewer.ui.case_studies.result_model import ResultModel
 from apd_viewer.ui.plots.chart import Chart, ColorBar, Dots
 from apd_viewer.ui.plots.scatter_view import ScatterView
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from apd_viewer.ui.case_studies.result_columns import ResultColumn
-    from apd_viewer.ui.case_studies.result_model import ResultModel
 
 
 class ScatterPlot(QWidget):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from pathlib import Path
 from urllib.parse import urlsplit
 
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -13,9 +13,6 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.language import tr
 from apd_viewer.ui.case_studies.study_files import path_from_text
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SCHEDULER_FILE_SUFFIX = ".json"
 _PATIENCE = 5000  # ms

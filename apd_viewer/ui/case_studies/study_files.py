@@ -3,31 +3,27 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handle_paths import document_at, handle_paths
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion_path import document_along, motion_paths
 from apd_viewer.session.posing.motion_step import motion_steps
 from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.session.posing.typed_motion import named_lengths
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.studies.plans.design import DesignVariable, design_table
 from apd_viewer.studies.plans.plan_columns import SETTING_COLUMNS
-from apd_viewer.ui.case_studies.varied_quantity import SHARE_COLUMN
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.view import View
-    from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.ui.case_studies.varied_quantity import QuantityRange
+from apd_viewer.ui.case_studies.varied_quantity import SHARE_COLUMN, QuantityRange
 
 PLAN_FILE, SESSION_FILE = "plan.csv", "session.apd"
 PlanRows = tuple[list[str], list[list[str]]]

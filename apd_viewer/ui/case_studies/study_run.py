@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
@@ -14,9 +15,6 @@ from apd_viewer.language import tr
 from apd_viewer.studies.local_pool import core_count
 from apd_viewer.ui.case_studies.study_files import PLAN_FILE
 from apd_viewer.ui.studies.command_process import CommandProcess
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 RUN_FILE = "run.json"
 _SCHEDULERS = "--scheduler", "--scheduler-file"

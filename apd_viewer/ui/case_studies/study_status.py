@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from apd_viewer.language import comma_separated, tr, trn
 from apd_viewer.presentation.time_left import duration_text
 from apd_viewer.studies.case_file import DONE, FAILED
 from apd_viewer.studies.progress_meter import CaseCounts, ProgressMeter
-from apd_viewer.studies.results import WAITING, WRONG
+from apd_viewer.studies.results import WAITING, WRONG, ResultTable
 from apd_viewer.ui.case_studies.study_run import may_continue
-
-if TYPE_CHECKING:
-    from apd_viewer.studies.results import ResultTable
 
 _SILENT = 120.0  # s without a new result, after which a study elsewhere is taken to have stopped
 

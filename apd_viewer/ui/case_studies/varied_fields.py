@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.model.state import State
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.case_studies.varied_quantity import (
     SHARE_COLUMN,
     QuantityRange,
@@ -18,10 +19,6 @@ from apd_viewer.ui.case_studies.varied_quantity import (
     varied_quantities,
 )
 from apd_viewer.ui.widgets.fields import CheckBox, TextField
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
 
 _WIDTH = 104  # px, of an end
 TITLE_COLUMN_WIDTH = 140  # px, of the column of titles with its gap

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable
+from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.typed_motion import named_lengths
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
 from apd_viewer.session.quantities.expressions import parse_angle, parse_length, parse_number
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.studies.plans.design import DesignVariable, parse_variable
 from apd_viewer.studies.plans.plan_columns import SETTING_COLUMNS
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
 
 DEGREES, PERCENT, NO_UNIT = "deg", "%", ""
 SHARE_COLUMN = "to"

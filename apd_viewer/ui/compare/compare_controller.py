@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING
+
+from PySide6.QtGui import QAction
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, default_scale
+from apd_viewer.session.model.state import State
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.state_store import StateStore
 from apd_viewer.ui.compare.comparison_window import ComparisonWindow
+from apd_viewer.ui.overlays.display_options import DisplayOptions
+from apd_viewer.ui.overlays.notice import Notice
+from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
-
-if TYPE_CHECKING:
-    from PySide6.QtGui import QAction
-
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.session.state_store import StateStore
-    from apd_viewer.ui.overlays.display_options import DisplayOptions
-    from apd_viewer.ui.overlays.notice import Notice
-    from apd_viewer.ui.preferences.preferences import Preferences
-    from apd_viewer.ui.tools.canvas import Canvas
 
 _AT_REST = tr("All methods agree on a mesh at rest; move a handle first, then compare.")
 

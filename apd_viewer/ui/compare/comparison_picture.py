@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFont, QImage, QPainter
 
+from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.filing.plot_export import write_drawing
 from apd_viewer.ui.overlays.scale_bar import scale_image
 from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
 from apd_viewer.ui.widgets.theme import LIGHT
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from apd_viewer.presentation.scales import Scale
 
 PIXEL_RATIO = 2  # pixels of a shape for each on the screen
 _HEAD, _FOOT, _PAD = 52, 72, 16  # px

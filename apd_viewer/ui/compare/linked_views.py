@@ -4,24 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QGridLayout, QWidget
 
+from apd_viewer.geometry.analysis.deviation import Deviation
+from apd_viewer.presentation.scales import Scale
+from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.compare.method_view import HEAD_HEIGHT, MethodView
+from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.scene.camera_controller import link_cameras
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.deviation import Deviation
-    from apd_viewer.presentation.scales import Scale
-    from apd_viewer.session.model.state import State
-    from apd_viewer.ui.scene.camera import Camera
-    from apd_viewer.ui.scene.surface_probe import ProbedPoint
-    from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.scene.surface_probe import ProbedPoint
+from apd_viewer.ui.widgets.theme import Theme
 
 _READ = 250  # ms between two readings while shapes move
 

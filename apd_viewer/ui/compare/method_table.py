@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
@@ -16,10 +15,8 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
+from apd_viewer.presentation.method_readings import ReadingColumn, ReadingsByName
 from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
-
-if TYPE_CHECKING:
-    from apd_viewer.presentation.method_readings import ReadingColumn, ReadingsByName
 
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _ROW, _COLUMN = 28, 96  # px

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
@@ -12,15 +10,13 @@ from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.deviation_extremes import write_shades
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of
+from apd_viewer.session.model.state import State
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.notice import CanvasHint
 from apd_viewer.ui.scene.coloring import colors_of
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.surface_probe import ProbedPoint, SurfaceProbe
 from apd_viewer.ui.scene.viewport import Viewport
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
 
 HEAD_HEIGHT = 32  # px
 

@@ -5,25 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QWidget
 
 from apd_viewer.files.known_file import FileState, KnownFile
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.view import View
+from apd_viewer.session.session import Session
 from apd_viewer.session.storage.recovery_file import RecoveryFile, find_recovery_files
 from apd_viewer.ui.filing import file_dialogs, unsaved_question
 from apd_viewer.ui.filing.changed_file_question import ChangedFileAnswer, ask_about_changed_file
 from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
 from apd_viewer.ui.widgets.display_names import window_title_text
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.view import View
-    from apd_viewer.session.session import Session
 
 
 class FileController:

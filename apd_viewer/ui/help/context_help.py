@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from collections.abc import Callable
+from typing import cast
 
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
 from PySide6.QtGui import QAction, QCursor, QHelpEvent, QKeyEvent, QKeySequence
@@ -13,12 +14,8 @@ from apd_viewer.language import tr
 from apd_viewer.ui.help import manual, manual_places
 from apd_viewer.ui.help.manual_places import ManualPlace
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.help_button import HelpButton
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from apd_viewer.ui.tools.canvas import Canvas
 
 _WINDOW = ManualPlace("reference/window")
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtWidgets import QMainWindow, QWidget
@@ -15,6 +14,7 @@ from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.actions.action_maker import without_mnemonic
+from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.help.command_search import CommandSearch
 from apd_viewer.ui.help.context_help import ContextHelp, look_up_in_manual, show_manual
 from apd_viewer.ui.help.manual import FIRST_PAGE
@@ -26,15 +26,12 @@ from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, ShortcutGrou
 from apd_viewer.ui.help.shortcut_sheet import ShortcutSheet
 from apd_viewer.ui.help.tour import Tour
 from apd_viewer.ui.help.tour_targets import TourTargets
+from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.preferences.shortcuts import Shortcuts
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import Tool
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.actions.actions import Actions
-    from apd_viewer.ui.panel.panel import Panel
-    from apd_viewer.ui.preferences.preferences import Preferences
-    from apd_viewer.ui.tools.canvas import Canvas
-    from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.theme import Theme
 
 
 class HelpController(QObject):

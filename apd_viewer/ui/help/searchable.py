@@ -5,26 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QScrollArea, QWidget
 
 from apd_viewer.language import tr
+from apd_viewer.session.state_store import StateStore
 from apd_viewer.ui.help import manual_places
 from apd_viewer.ui.help.control_texts import texts_of
 from apd_viewer.ui.help.manual_places import ManualPlace
 from apd_viewer.ui.help.menu_entries import menu_entries
 from apd_viewer.ui.help.search_query import SearchTexts
 from apd_viewer.ui.help.synonyms import SYNONYMS
+from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, keys_of, native_keys
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.widgets.folding_section import Heading, Section
 from apd_viewer.ui.widgets.slider_field import SliderField
-
-if TYPE_CHECKING:
-    from apd_viewer.session.state_store import StateStore
-    from apd_viewer.ui.panel.panel import Panel
 
 
 @dataclass(frozen=True)

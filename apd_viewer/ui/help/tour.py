@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QEvent, QObject, QRect, QTimer, Signal
@@ -11,10 +11,8 @@ from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.language import tr
 from apd_viewer.ui.help.tour_card import TourCard
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.help.tour_targets import TourTargets
-    from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.help.tour_targets import TourTargets
+from apd_viewer.ui.tools.canvas import Canvas
 
 _LOOK = 33  # ms from a change on screen to the update of the target's place
 _READING_TIME = 1500  # ms for the area, once the shape has settled

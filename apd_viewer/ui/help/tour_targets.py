@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QPoint, QRect
@@ -13,10 +12,8 @@ from PySide6.QtWidgets import QMainWindow, QWidget
 from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.tools.gizmo_layout import GizmoFrame
 from apd_viewer.ui.tools.toolbox import Tool
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.tools.gizmo_layout import GizmoFrame
 
 _MOST_POINTS = 500  # sample of a mesh's vertices
 

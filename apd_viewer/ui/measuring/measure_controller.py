@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -10,20 +10,16 @@ from PySide6.QtGui import QGuiApplication
 
 from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.language import tr
 from apd_viewer.presentation import measurement_text as words
+from apd_viewer.session.session import Session
 from apd_viewer.ui.measuring.kind_words import KIND_WORDS
 from apd_viewer.ui.measuring.measure_tool import MeasureTool
 from apd_viewer.ui.measuring.measure_view import MeasureView
+from apd_viewer.ui.panel.measure_section import MeasureSection
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import Tool
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from apd_viewer.geometry.measuring.surface_point import SurfacePoint
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.panel.measure_section import MeasureSection
-    from apd_viewer.ui.tools.canvas import Canvas
 
 
 class MeasureController(QObject):

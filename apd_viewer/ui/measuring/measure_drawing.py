@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPen
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from apd_viewer.geometry.measuring.measurement import MeasurementResult
-    from apd_viewer.ui.scene.camera import Camera
+from apd_viewer.geometry.measuring.measurement import MeasurementResult
+from apd_viewer.ui.scene.camera import Camera
 
 # Dark on a white halo: seen on any paint, overlay and background.
 _INK, _HALO = QColor("#1d2129"), QColor(255, 255, 255, 215)

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
+from PySide6.QtGui import QMouseEvent, QWheelEvent
 
 from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
 from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.selection_tool import may_begin_stroke
-
-if TYPE_CHECKING:
-    from PySide6.QtGui import QMouseEvent, QWheelEvent
-
-    from apd_viewer.ui.scene.surface import Surface
-    from apd_viewer.ui.scene.viewport import Viewport
 
 
 class MeasureTool(MouseTool, QObject):

@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
-from PySide6.QtGui import QColor
+from PySide6.QtGui import QColor, QPainter
 
 from apd_viewer.geometry.measuring.measurement import Measurement, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
 from apd_viewer.presentation import measurement_text as words
+from apd_viewer.session.measurement_readings import MeasurementReading
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.measuring.measure_drawing import draw_labels, draw_lines, draw_points
+from apd_viewer.ui.measuring.measure_tool import MeasureTool
 from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.polylines import axis_rectangle, draw_plane
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from PySide6.QtGui import QPainter
-
-    from apd_viewer.session.measurement_readings import MeasurementReading
-    from apd_viewer.ui.measuring.measure_tool import MeasureTool
-    from apd_viewer.ui.scene.surface import Surface
-    from apd_viewer.ui.scene.viewport import Viewport
 
 _PLANE, _HALO = QColor("#2f6fde"), QColor(255, 255, 255, 200)
 # What is being picked is measured as a shape of its own.

@@ -2,34 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, QPointF, Signal
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
+from apd_viewer.session.model.state import State
+from apd_viewer.session.session import Session
 from apd_viewer.ui.obstacles.obstacle_picker import ObstaclePicker
 from apd_viewer.ui.obstacles.obstacle_placer import ObstaclePlacer
 from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle, ObstacleScene
+from apd_viewer.ui.obstacles.obstacle_section import ObstacleSection
 from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent, axes_along, drawing_anchor
+from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.tools.gizmo_drag import nice_step
 from apd_viewer.ui.tools.gizmo_layout import ARROWS, SQUARES, GizmoOrientation
 from apd_viewer.ui.tools.toolbox import Tool
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from PySide6.QtCore import QPointF
-
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.obstacles.obstacle_section import ObstacleSection
-    from apd_viewer.ui.tools.active_parts import ActiveParts
-    from apd_viewer.ui.tools.canvas import Canvas
 
 _ALONG_NORMAL, _FREELY = frozenset({"z"}), frozenset({*ARROWS, *SQUARES, "centre"})
 _LATE = 2.0  # pixels that an obstacle may be behind before it is shown where it should be

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
+from PySide6.QtGui import QMouseEvent, QPainter
 
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.ui.obstacles.obstacle_rays import ray_distance
+from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle
 from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent
 from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.navigation import DEAD_ZONE
+from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.tools.gizmo_drawing import draw_tag
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from PySide6.QtGui import QMouseEvent, QPainter
-
-    from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle
-    from apd_viewer.ui.scene.surface import Surface
-    from apd_viewer.ui.scene.viewport import Viewport
-    from apd_viewer.ui.tools.gizmo import Gizmo
 
 
 class ObstaclePicker(MouseTool, QObject):

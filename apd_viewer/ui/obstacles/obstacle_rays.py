@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from apd_viewer.session.model.named_obstacle import ObstacleKind
-from apd_viewer.ui.obstacles.obstacle_shapes import axes_along, drawing_anchor, plate_half_sides
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.named_obstacle import NamedObstacle
-    from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent
+from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
+from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent, axes_along, drawing_anchor, plate_half_sides
 
 
 def ray_distance(

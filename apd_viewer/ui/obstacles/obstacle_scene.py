@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pyvista as pv
@@ -14,12 +14,8 @@ from apd_viewer.presentation.palette import OBSTACLE_COLOR, OBSTACLE_COLOR_ON_DA
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.ui.appearance.shading import PLATE_SHADER, ROUND_OBSTACLE_SHADER
 from apd_viewer.ui.obstacles.obstacle_shapes import ObstacleShape, ShapeExtent, drawing_anchor, obstacle_shape
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from apd_viewer.ui.scene.viewport import Viewport
 
 # Opacity of others, of the one in the hand, and of idle ones.
 _PANES, _BUBBLES = (0.13, 0.18, 0.05), (0.42, 0.52, 0.15)

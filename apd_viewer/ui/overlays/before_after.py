@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QFocusEvent
 from PySide6.QtWidgets import QFrame, QGridLayout, QLabel
 
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.slider import Slider, SliderScale
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.ui.tools.canvas import Canvas
 
 _WHOLE = 200
 _SCALE = SliderScale(_WHOLE, lambda step: step / _WHOLE, lambda share: share * _WHOLE, _WHOLE)

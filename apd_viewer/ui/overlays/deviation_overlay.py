@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QObject, QRect, QTimer, Signal
 
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.deviation_extremes import write_shades
+from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, default_scale, measures_of
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.deviation_reading import DeviationReading
+from apd_viewer.ui.overlays.document_measures import DocumentMeasures
 from apd_viewer.ui.overlays.extreme_marker import ExtremeMarker
+from apd_viewer.ui.overlays.legend import Legend
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.background_task import BackgroundTask
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.target_shape import TargetShape
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.ui.overlays.document_measures import DocumentMeasures
-    from apd_viewer.ui.overlays.legend import Legend
-    from apd_viewer.ui.tools.canvas import Canvas
 
 _REST = 200  # ms without another shape, after which what takes longer is measured
 

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-from PySide6.QtCore import QObject, QTimer
+from PySide6.QtCore import QObject, QPointF, QTimer
+from PySide6.QtGui import QMouseEvent
 
 from apd_viewer.presentation.scales import span_of
+from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.scene.mouse_tool import MouseTool
-
-if TYPE_CHECKING:
-    from PySide6.QtCore import QPointF
-    from PySide6.QtGui import QMouseEvent
-
-    from apd_viewer.ui.overlays.legend import Legend
-    from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.tools.canvas import Canvas
 
 _READ = 250  # ms between two readings of the legend while the shape moves
 

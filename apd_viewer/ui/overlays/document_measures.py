@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from apd_viewer.geometry.contact.contact_pressure import ContactPressure
-    from apd_viewer.session.model.document import Document
+from apd_viewer.geometry.contact.contact_pressure import ContactPressure
+from apd_viewer.session.model.document import Document
 
 
 class DocumentMeasures(NamedTuple):

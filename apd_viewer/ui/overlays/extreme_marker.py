@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
-from PySide6.QtCore import QRectF
+from PySide6.QtCore import QRect, QRectF
+from PySide6.QtGui import QPainter
 
 from apd_viewer.geometry.analysis.deviation_extremes import extreme_vertices
 from apd_viewer.language import tr
+from apd_viewer.presentation.scales import Scale
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.vertex_callout import VertexCallout
 from apd_viewer.ui.scene.mouse_tool import MouseTool
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from PySide6.QtCore import QRect
-    from PySide6.QtGui import QPainter
-
-    from apd_viewer.presentation.scales import Scale
-    from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.tools.canvas import Canvas
 
 _PLACES = 12  # worst places, so far apart in sizes of the mesh, shown with so much around them
 _APART, _AROUND = 0.08, 0.04

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
@@ -11,15 +11,11 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QScrollA
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import MARK_COLOR
 from apd_viewer.ui.overlays.findings_badge import ENTER_KEYS
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import CheckBox, small_button
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import Theme, set_style_property
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from apd_viewer.ui.scene.viewport import Viewport
 
 _MARGIN = 12
 _WIDEST = 380

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from PySide6.QtCore import QObject, QPointF, QRectF
 from PySide6.QtWidgets import QApplication, QWidget
@@ -10,12 +10,10 @@ from PySide6.QtWidgets import QApplication, QWidget
 from apd_viewer.geometry.analysis.mesh_findings import SEPARATE_COMPONENTS, Finding
 from apd_viewer.geometry.analysis.shape_findings import SEAMS
 from apd_viewer.session.model.loose_findings import loose_component_findings
+from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.finding_list import FindingList, FindingRow
 from apd_viewer.ui.overlays.findings_badge import Badge, issue_count_text
-
-if TYPE_CHECKING:
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.tools.canvas import Canvas
 
 
 class ListedFinding(NamedTuple):

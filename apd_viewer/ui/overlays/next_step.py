@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+
+from PySide6.QtGui import QAction
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.state_store import StateStore
 from apd_viewer.ui.overlays.notice import CanvasHint
 from apd_viewer.ui.preferences.shortcut_hints import with_keys
 from apd_viewer.ui.tools.toolbox import Tool
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from PySide6.QtGui import QAction
-
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.state_store import StateStore
 
 _TWIST = tr("Drag a ring to rotate, an arrow to move")
 _PUSH = tr("Drag an arrow of the obstacle, or enter a distance, to push the surface")

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation.number_format import format_editable
+from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.text_entry_card import TextEntryCard
-
-if TYPE_CHECKING:
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.tools.active_parts import ActiveParts
-    from apd_viewer.ui.tools.canvas import Canvas
-    from apd_viewer.ui.tools.selection_tool import StrokeEffect
+from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.tools.selection_tool import StrokeEffect
 
 _PIXELS = "px"
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
-if TYPE_CHECKING:
-    from apd_viewer.ui.scene.surface import Surface
-    from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.viewport import Viewport
 
 _RADIUS, _GAP, _ROOM = 11.0, 7.0, 5.0
 _INK, _PAPER = QColor(20, 23, 29), QColor(255, 255, 255, 235)

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+import numpy as np
 from PySide6.QtCore import QObject
+from PySide6.QtWidgets import QWidget
 
+from apd_viewer.geometry.analysis.target_shape import TargetDistance, TargetShape
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
+from apd_viewer.ui.panel.target_section import TargetSection
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.widgets.background_task import BackgroundTask
-
-if TYPE_CHECKING:
-    import numpy as np
-    from PySide6.QtWidgets import QWidget
-
-    from apd_viewer.geometry.analysis.target_shape import TargetDistance, TargetShape
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
-    from apd_viewer.ui.panel.target_section import TargetSection
-    from apd_viewer.ui.preferences.preferences import Preferences
 
 
 class _Compared(NamedTuple):

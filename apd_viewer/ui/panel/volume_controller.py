@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QObject
 
 from apd_viewer.files.storage.links import resolved_path
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
+from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, wall_thickness
-from apd_viewer.ui.preferences.preferences import user_file
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.view import View
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
-    from apd_viewer.ui.overlays.findings_controller import FindingsController
-    from apd_viewer.ui.panel.panel import Panel
-    from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.session.session import Session
+from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
+from apd_viewer.ui.overlays.findings_controller import FindingsController
+from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.preferences.preferences import Preferences, user_file
 
 
 class VolumeController(QObject):

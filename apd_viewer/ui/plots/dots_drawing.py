@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QLinearGradient, QPainter, QPen, QPixmap
 
-from apd_viewer.ui.widgets.theme import LIGHT
+from apd_viewer.ui.plots.chart import ColorBar, Dots
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from apd_viewer.ui.plots.chart import ColorBar, Dots
-    from apd_viewer.ui.widgets.theme import Theme
-
-    # Points (n, 2) on the axes in pixels, of their numbers across and upwards.
-    PixelPositions = Callable[[np.ndarray, np.ndarray], np.ndarray]
+PixelPositions = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 # Pixels.
 DOT_RADIUS = 4.0

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QRect, QRectF, QSize, Qt, QTimer
@@ -28,19 +28,17 @@ from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.model.memo import triangle_areas
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.trace import TRACE_COLUMNS
+from apd_viewer.session.session import Session
 from apd_viewer.ui.filing.plot_export import ask_where_to_save_plots, write_drawing
+from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.plots import reading_charts
 from apd_viewer.ui.plots.chart import Chart
 from apd_viewer.ui.plots.chart_drawing import ChartArea, draw_chart
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.overlays.notice import Notice
-    from apd_viewer.ui.preferences.preferences import Preferences
 
 _SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
 _LOWEST = 140  # pixels, of a chart below another one

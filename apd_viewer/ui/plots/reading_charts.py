@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from apd_viewer.geometry.analysis.area_change import LocalChange
 from apd_viewer.geometry.pose.frame import TARGET_ACCURACY
 from apd_viewer.language import tr
 from apd_viewer.presentation.axis import (
@@ -23,15 +22,12 @@ from apd_viewer.presentation.number_format import (
     format_signed,
     format_significant,
 )
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.targets import kept_percentages
+from apd_viewer.session.model.trace import Trace
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.plots.chart import Bars, Chart, Curve, ReferenceLine
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.area_change import LocalChange
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.trace import Trace
-    from apd_viewer.session.quantities.units import Unit
 
 _ROUNDING = 1e-15  # less of an error is nothing but rounding
 _DEEPEST = 1e-4

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QPointF, Qt
@@ -11,14 +10,12 @@ from PySide6.QtGui import QColor, QPainter, QPen
 
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
 from apd_viewer.presentation.palette import handle_color
+from apd_viewer.session.model.document import Document
 from apd_viewer.ui.posing.motion_trace import MotionTrace, motion_trace
 from apd_viewer.ui.scene.ghost import PatchGhost
 from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.polylines import draw_polyline, to_polygon, with_opacity
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.ui.scene.viewport import Viewport
 
 _DOT = 4.5  # pixels
 _SECTOR = 64  # opacity, of 255

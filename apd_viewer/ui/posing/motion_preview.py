@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from apd_viewer.errors import InputError
+from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.model.state import State
+from apd_viewer.session.session import Session
+from apd_viewer.ui.panel.motion_field import MotionField
 from apd_viewer.ui.posing.motion_ghost import MotionGhost
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.motion_kind import MotionKind
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.panel.motion_field import MotionField
-    from apd_viewer.ui.tools.active_parts import ActiveParts
-    from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.ui.tools.canvas import Canvas
 
 
 class MotionPreview:

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from apd_viewer.session.posing.named_poses import is_in_pose
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.panel.pose_section import PoseSection
+from apd_viewer.session.session import Session
+from apd_viewer.ui.panel.pose_section import PoseSection
 
 
 class PoseController:

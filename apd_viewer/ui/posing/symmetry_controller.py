@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.posing.mirror_partner import mirror_partner
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.panel.symmetry_row import SymmetryRow
-    from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.session.session import Session
+from apd_viewer.ui.panel.symmetry_row import SymmetryRow
+from apd_viewer.ui.tools.active_parts import ActiveParts
 
 # Of the vertices of two handles: fewer that are mirror images are worth mentioning.
 _ALIKE = 0.98

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.ui.appearance.shading import GLASS_SHADER, TINTED_GLASS_SHADER
 from apd_viewer.ui.scene.rest_actor import RestActor
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.scene.viewport import Viewport
 
 
 class Ghost(RestActor):

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pyvista as pv
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPen
 
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_position, format_short, round_step
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.rest_actor import RestActor
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.scene.viewport import Viewport
 
 _LINES = 12  # about so many fit along the longer side of the mesh
 _AROUND = 0.3  # of the size of the mesh

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QImage
 from vtkmodules.vtkRenderingCore import vtkRenderer
 
+from apd_viewer.presentation.scales import Scale
+from apd_viewer.session.model.state import State
 from apd_viewer.ui.appearance.shading import Shading
 from apd_viewer.ui.scene.coloring import colors_of
 from apd_viewer.ui.scene.scene_picture import scene_picture
 from apd_viewer.ui.scene.surface import Surface
-
-if TYPE_CHECKING:
-    from apd_viewer.presentation.scales import Scale
-    from apd_viewer.session.model.state import State
-    from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.scene.viewport import Viewport
 
 _LONGER = 1000  # px
 _ROOM = 0.02  # of the picture, around the shapes

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
 
+import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-if TYPE_CHECKING:
-    import pyvista as pv
-
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.ui.scene.viewport import Viewport
 
 
 class RestActor(ABC):

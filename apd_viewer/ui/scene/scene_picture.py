@@ -5,22 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QPoint, QRect, QSize, Qt
 from PySide6.QtGui import QImage
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
-
-    from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.scene.viewport import Viewport
 
 # Pixels that are drawn so as to be made fewer; a software renderer needs seconds for more.
 _MOST_DRAWN = 24_000_000

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction
 
 from apd_viewer.language import choose_language, tr
+from apd_viewer.session.session import Session
+from apd_viewer.ui.preferences.preference_values import PreferenceValues
 from apd_viewer.ui.settings_page.preference_table import (
     AUTOSAVE,
     BRUSH_RADIUS,
@@ -15,17 +20,8 @@ from apd_viewer.ui.settings_page.preference_table import (
     SELECTION_MODE,
     UNDO_MEMORY,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from PySide6.QtCore import Qt
-    from PySide6.QtGui import QAction
-
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.preferences.preference_values import PreferenceValues
-    from apd_viewer.ui.tools.brush_size import BrushSize
-    from apd_viewer.ui.tools.tool_choice import ToolChoice
+from apd_viewer.ui.tools.brush_size import BrushSize
+from apd_viewer.ui.tools.tool_choice import ToolChoice
 
 
 def limit_threads(threads: int) -> None:

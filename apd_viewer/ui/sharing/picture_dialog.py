@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from PySide6.QtCore import QRect, QSize, Qt, QTimer
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent
 from PySide6.QtWidgets import QDialog, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.ui.sharing.pictures import PictureSettings
+from apd_viewer.ui.sharing.pictures import Pictures, PictureSettings
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.help_button import HelpButton
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.sharing.pictures import Pictures
 
 _LEAST, _MOST = 16, 32_768  # pixels per side; a hint tells what cannot be drawn
 _TIMES = (1, 2, 3, 4)

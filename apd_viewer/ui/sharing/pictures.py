@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QByteArray, QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QGuiApplication, QImage, QPainter, QPen
@@ -14,15 +13,13 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import tr
 from apd_viewer.presentation.legend_svg import HEIGHT, WIDTH, legend_svg
+from apd_viewer.session.jobs.background_job import Jobs
+from apd_viewer.ui.overlays.display_options import DisplayOptions
+from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.scene.scene_picture import check_picture_size, picture_scale, scene_picture
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
-
-if TYPE_CHECKING:
-    from apd_viewer.session.jobs.background_job import Jobs
-    from apd_viewer.ui.overlays.display_options import DisplayOptions
-    from apd_viewer.ui.overlays.notice import Notice
-    from apd_viewer.ui.tools.canvas import Canvas
 
 _MARGIN, _ROUND = 12.0, 8.0  # pixels of the window
 

@@ -6,7 +6,6 @@ import tempfile
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QRectF, QSize, Qt
@@ -20,6 +19,7 @@ from apd_viewer.files.report import target_distance_fields
 from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.deviation_extremes import write_shades
+from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
@@ -30,29 +30,26 @@ from apd_viewer.presentation.report_page import ReportSubject, report_page
 from apd_viewer.presentation.scales import Measure, Scale, default_scale
 from apd_viewer.session.measurement_readings import complete_readings
 from apd_viewer.session.model.memo import triangle_areas
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.view import View
 from apd_viewer.session.processes.shape_checker import ShapeQuery, check_shape_apart
+from apd_viewer.session.session import Session
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.filing.plot_export import svg_element
+from apd_viewer.ui.overlays.display_options import DisplayOptions
+from apd_viewer.ui.overlays.notice import Notice
+from apd_viewer.ui.panel.volume_controller import VolumeController
 from apd_viewer.ui.plots import reading_charts
 from apd_viewer.ui.plots.chart_drawing import draw_chart
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.offscreen_scene import OffscreenScene
 from apd_viewer.ui.scene.scene_picture import png_of
 from apd_viewer.ui.sharing.diagnostics import diagnostics
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import Pictures, PictureSettings
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.view import View
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.overlays.display_options import DisplayOptions
-    from apd_viewer.ui.overlays.notice import Notice
-    from apd_viewer.ui.panel.volume_controller import VolumeController
-    from apd_viewer.ui.preferences.preferences import Preferences
-    from apd_viewer.ui.tools.canvas import Canvas
 
 _CHART, _LETTERS = QSize(1016, 230), 12  # px
 _LONGEST = 24_000_000  # bytes of a session; base64 adds a third

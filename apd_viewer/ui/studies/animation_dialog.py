@@ -2,30 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import check_animation
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
 from apd_viewer.ui.filing.file_dialogs import ask_where_to_save
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.animation_formats import format_choice
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.run_dialog import RunDialog, count_field, widget_row
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import ComboBox
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.view import View
-    from apd_viewer.ui.preferences.preferences import Preferences
 
 _STEPS = 24
 

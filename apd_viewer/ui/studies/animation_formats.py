@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.fields import ComboBox
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 ANIMATION_FORMATS: Mapping[str, str] = {
     ".glb": tr("glTF with morph targets (GLB)"),

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
 from apd_viewer.session.quantities.expressions import parse_length
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.fields import TextField
-
-if TYPE_CHECKING:
-    from apd_viewer.session.quantities.units import Unit
 
 
 class LengthField(TextField):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
@@ -19,12 +18,10 @@ from PySide6.QtWidgets import (
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_grouped, format_signed
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.preferences.preferences import Preferences
 
 
 def _about() -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
@@ -13,6 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.energy.cell_bending import load_excess
+from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS
 from apd_viewer.geometry.pressing.plate_travel import plate_travel
@@ -21,22 +21,18 @@ from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_m
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.session.model import memo
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.targets import kept_percentages
-from apd_viewer.session.model.view import SESSION_SUFFIX
+from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.elastic_wall import metres_per_unit
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.run_dialog import RunDialog, count_field, widget_row
 from apd_viewer.ui.studies.wall_fields import WallFields
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.energy.material import Material
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.view import View
-    from apd_viewer.ui.preferences.preferences import Preferences
 
 _AXES = "xyz"
 _PROPOSED_STIFFNESS = 0.001

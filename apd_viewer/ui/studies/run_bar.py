@@ -7,7 +7,6 @@ import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices
@@ -24,11 +23,9 @@ from PySide6.QtWidgets import (
 from apd_viewer.files.storage.atomic_folder import filling_folder, remove_scratch_of, unused_folder
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.background_job import Job, JobOutcome
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.command_process import CommandProcess
 from apd_viewer.ui.widgets.help_button import HelpButton
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.preferences.preferences import Preferences
 
 _SCALE = 1000
 

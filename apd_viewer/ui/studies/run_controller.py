@@ -5,26 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QDialog, QWidget
 
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.gesture_motion import gesture_motion
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.session import Session
+from apd_viewer.ui.filing.file_controller import FileController
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.animation_dialog import AnimationDialog
 from apd_viewer.ui.studies.paper_dialog import PaperDialog
 from apd_viewer.ui.studies.press_dialog import PressDialog
 from apd_viewer.ui.studies.sweep_dialog import SweepDialog
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.view import View
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.filing.file_controller import FileController
-    from apd_viewer.ui.preferences.preferences import Preferences
 
 
 class RunController(QObject):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
@@ -18,12 +17,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.widgets.fields import NumberField
 from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import largest_on_screen, resize_on_screen
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.studies.run_bar import RunBar
 
 _WIDTH, _WIDTH_WITH_FIGURE = 640, 900  # px
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QWidget
 
@@ -11,22 +10,20 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS
 from apd_viewer.language import tr
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion_step import MotionStep, motion_steps
 from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.animation_formats import format_choice
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.run_dialog import RunDialog, count_field, widget_row
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox
-
-if TYPE_CHECKING:
-    from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.view import View
-    from apd_viewer.ui.preferences.preferences import Preferences
 
 _POSED, _TWIST = "posed", "twist"
 

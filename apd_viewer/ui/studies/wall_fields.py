@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QHBoxLayout, QLabel
@@ -24,9 +24,6 @@ from apd_viewer.session.quantities.wall_materials import WALL_MATERIALS, yield_r
 from apd_viewer.ui.studies.length_field import LengthField
 from apd_viewer.ui.studies.run_dialog import widget_row
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 _DIGITS, _AIR = 3, "1atm"
 _OWN = tr("your own numbers")

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from PySide6.QtCore import QObject, Signal
 
-if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.session import Session
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.session import Session
 
 
 class ActiveParts(QObject):

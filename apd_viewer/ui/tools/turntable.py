@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtGui import QMouseEvent
 
 from apd_viewer.ui.scene.camera import DEGREES_PER_PIXEL
 from apd_viewer.ui.scene.mouse_tool import MouseTool
-
-if TYPE_CHECKING:
-    from PySide6.QtGui import QMouseEvent
-
-    from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.scene.viewport import Viewport
 
 SPEED = 24.0  # degrees a second
 _TICK = 16  # ms
