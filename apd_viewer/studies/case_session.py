@@ -11,7 +11,6 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion_path import document_along
-from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.storage.session_json import frame_from_json
 from apd_viewer.studies.case_document import CaseDocuments, case_state, case_sweep, motion_share
 from apd_viewer.studies.case_file import damaged_case_error, read_case
@@ -61,8 +60,3 @@ def case_session(folder: Path, key: str) -> tuple[State, View]:
         document = document_along(sweep.document_at(part), sweep.paths, part)
     state = state.updated(document)
     return state.updated(frame=frame_from_json(JsonFields(result.frame, "frame"), state, result.U)), view
-
-
-def write_case_session(folder: Path, key: str, path: Path) -> None:
-    """Write the session of a finished case, with its mesh in it; raises InputError."""
-    save_session(path, *case_session(folder, key), embed=True)

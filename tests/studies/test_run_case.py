@@ -20,7 +20,7 @@ from apd_viewer.session.studies.sweep_setup import sweep_of
 from apd_viewer.studies import run_case as module
 from apd_viewer.studies.case_document import CaseDocuments
 from apd_viewer.studies.case_file import case_path, case_to_bytes, write_case
-from apd_viewer.studies.case_session import write_case_session
+from apd_viewer.studies.case_session import case_session
 from apd_viewer.studies.run_case import run_case
 
 
@@ -79,10 +79,10 @@ def test_run_case_gives_the_readings_of_the_shape(run, document):
 @pytest.mark.parametrize(
     "cells", [{"motion": "twist 400deg; push 10%"}, {"motion": "bend 30", "contact": "yes"}]
 )
-def test_write_case_session_lets_a_case_open_as_a_session(cells, run, bar):
+def test_case_session_lets_a_case_open_as_a_session(cells, run, bar):
     result = run(**cells, iterations="30", unit="cm")
     write_case(case_path(bar, result.key), case_to_bytes(result))
-    write_case_session(bar, result.key, bar / "case.apd")
+    save_session(bar / "case.apd", *case_session(bar, result.key), embed=True)
     state, view = open_session(bar / "case.apd")
     assert np.array_equal(state.frame.U, result.U)
     assert state.frame.area_error == pytest.approx(result.readings["area_error"], abs=1e-12)
@@ -145,7 +145,7 @@ def test_part_of_motion_is_a_smaller_motion(run, bar):
     np.testing.assert_array_equal(part.U, whole.U)
     assert part.key != whole.key
     write_case(case_path(bar, part.key), case_to_bytes(part))
-    write_case_session(bar, part.key, bar / "part.apd")
+    save_session(bar / "part.apd", *case_session(bar, part.key), embed=True)
     state, _ = open_session(bar / "part.apd")
     turned = np.degrees(np.arccos((np.trace(state.document.handles[0].pose[:3, :3]) - 1.0) / 2.0))
     assert turned == pytest.approx(20.0)

@@ -71,7 +71,7 @@ def geodesic_path(
     V, F, corners = _with_points(V, F, places, ends)
     ids = [int(F[face, corner]) for face, corner in corners]
     first = _first_path(V, F, *ids)
-    kept = _within_reach(V, F, ends, _length(V[first]))
+    kept = _within_reach(V, F, ends, path_length(V[first]))
     new = np.cumsum(kept) - 1
     G, old = manifold_pieces(F[kept], len(V))
     ids = [int(G[new[face], corner]) for face, corner in corners]
@@ -80,10 +80,6 @@ def geodesic_path(
 
 def path_length(path: np.ndarray) -> float:
     """Length of a polyline (k, 3)."""
-    return _length(path)
-
-
-def _length(path: np.ndarray) -> float:
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 

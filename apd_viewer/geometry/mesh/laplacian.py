@@ -89,11 +89,3 @@ def element_laplacian(cot: np.ndarray, F: np.ndarray, n: int) -> sp.csr_array:
     i, j = _opposite(F)
     W = sp.coo_array((np.concatenate([w, w]), (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(n, n))
     return laplacian(W.tocsr())
-
-
-def cotangent_laplacian(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
-    """Cotangent Laplacian (n, n), positive semi-definite, without clamping.
-
-    ``u^T C u`` is the integral of the squared gradient of the function with the values u at the vertices.
-    """
-    return element_laplacian(np.clip(cotangents(V, F), -_NEEDLE, _NEEDLE), F, len(V))
