@@ -23,30 +23,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from apd_viewer.api import (
-        Convergence,
-        Deformation,
-        Frame,
-        HullReadings,
-        Mesh,
-        Obstacle,
-        Pressed,
-        PressStep,
-        Region,
-        Result,
-        SurfacePoint,
-        VolumeReadings,
-        capsule,
-        deform,
-        geodesic_path,
-        open_mesh,
-        plane_section,
-        plate,
-        press,
-        save_mesh,
-        sphere,
-        volume_readings,
-    )
+    from apd_viewer.api import *
 
 __version__ = "0.1.0"
 __all__ = [
