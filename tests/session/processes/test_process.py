@@ -1,5 +1,6 @@
 """The solver's process: killed, useless, unable to start, left alone. The user's work survives all of it."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -497,6 +498,7 @@ def test_session_takes_no_more_memory_with_the_events_of_a_drag(session, process
         session.changes.clear()  # what the test itself keeps
         time.sleep(0.0005)
         if k + 1 in (events // 3, events):
+            gc.collect()  # which is seldom done by itself where much is alive, as after many tests
             sizes.append((resident("self"), resident(processes[-1].pid)))
     session.gestures.end("Move handle")
     for before, after in zip(*sizes, strict=True):

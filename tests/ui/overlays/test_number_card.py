@@ -6,6 +6,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from apd_viewer.geometry.pose.constraints import BASE
+from apd_viewer.ui.scene.coloring import colors_of
 from apd_viewer.ui.tools.toolbox import Tool
 
 ALT = Qt.KeyboardModifier.AltModifier
@@ -51,7 +52,6 @@ def test_typed_card_removes_with_alt_and_replaces_with_ctrl(qtbot, bottle, card)
 
 def test_typed_card_says_what_cannot_be_read_and_leaves_no_trace_on_escape(qtbot, bottle, card):
     state = bottle.session.store.state
-    colors = np.array(bottle.canvas.surface.arrays.rgba)
     QTest.keyClicks(card.text, "y > 5 furlong")
     assert "furlong" in card.message_label.text()
     assert bottle.canvas.coloring.previewed_ids is None
@@ -61,5 +61,5 @@ def test_typed_card_says_what_cannot_be_read_and_leaves_no_trace_on_escape(qtbot
     qtbot.keyClick(card.text, Qt.Key.Key_Escape)
     assert card.isHidden()
     assert bottle.session.store.state is state
-    np.testing.assert_array_equal(bottle.canvas.surface.arrays.rgba, colors)
+    np.testing.assert_array_equal(bottle.canvas.surface.arrays.rgba, colors_of(state.document))
     assert bottle.shell.focusWidget() is bottle.canvas.viewport
