@@ -18,9 +18,10 @@ class Listener:
     wake : callable
         Something waits to be received: call :meth:`Session.receive` on the owner's thread.
     changed : callable
-        ``changed(old, new)``: the state was replaced; old is None the first time.
+        ``changed(old, new)``: the state was replaced, and activity, job or history may differ, too; old is
+        None the first time.
     status_changed : callable
-        Activity, job or history may differ.
+        Activity, job or history may differ, and the state does not.
     message_sent : callable
         ``message_sent(sentence)``: something the user should read.
     failed : callable

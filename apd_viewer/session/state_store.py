@@ -11,6 +11,7 @@ from enum import Enum
 
 import numpy as np
 
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.language import tr
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
@@ -192,30 +193,29 @@ class StateStore:
     def _accept(self, reply: Reply) -> None:
         if reply.warning and reply.warning != self._warned:
             self._listener.message_sent(reply.warning)
-        if reply.frame is not None:
-            self._warned = reply.warning
-            self._factored = factor_key(reply.document)
         # A slightly stale frame of this drag is worth showing, but does not tell whether it has converged.
         latest = reply.document is self._asked
-        if reply.frame is not None:
-            self.seconds_per_iteration = reply.seconds
-            state = self._showing(reply)
-            self.trace.add_frame(reply.document, reply.frame)
-            self.set_state(state if latest else state.as_unsettled())
         if reply.finished and latest:
             settled = reply.frame is not None and reply.frame.converged
             self.activity = Activity.SETTLED if settled else Activity.UNREACHED
         if reply.failure:
             self._listener.failed(reply.failure)
-        self._listener.status_changed()
+        if reply.frame is None:
+            self._listener.status_changed()
+            return
+        self._warned = reply.warning
+        self._factored = factor_key(reply.document)
+        self.seconds_per_iteration = reply.seconds
+        self.trace.add_frame(reply.document, reply.frame)
+        state = self._showing(reply.document, reply.frame)
+        self.set_state(state if latest else state.as_unsettled())
 
-    def _showing(self, reply: Reply) -> State:
-        """The state with the frame of a reply; changed regions are measured anew."""
-        state, asked = self.required_state(), reply.document
+    def _showing(self, asked: Document, frame: Frame) -> State:
+        """The state with the frame for a document; changed regions are measured anew."""
+        state = self.required_state()
         if state.document.member is asked.member and state.document.regions is asked.regions:
-            assert reply.frame is not None
-            return replace(state, frame=reply.frame)
-        return state.updated(frame=reply.frame)
+            return replace(state, frame=frame)
+        return state.updated(frame=frame)
 
     def _ask_and_show(self, state: State, iterate: bool, from_grip: bool = False) -> None:
         """Ask the solver first: it works while the listener repaints."""
@@ -228,4 +228,3 @@ class StateStore:
             U, shifts = state.document.grip, np.zeros_like(shifts)
         self._worker.put_request(Request(state.document, self._generation, U, iterate, shifts=shifts))
         self._listener.changed(old, state)
-        self._listener.status_changed()

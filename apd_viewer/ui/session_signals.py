@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.session.listener import Listener
+from apd_viewer.session.model.state import State
 
 
 class SessionSignals(QObject):
@@ -15,7 +16,9 @@ class SessionSignals(QObject):
     woken : Signal()
         Emitted on any thread; the others on the thread of the session.
     changed : Signal(State or None, State)
-    status_changed, measured : Signal()
+    status_changed : Signal()
+        Emitted after ``changed``, too.
+    measured : Signal()
     message_sent, failed : Signal(str)
     view_opened : Signal(View)
     """
@@ -32,10 +35,14 @@ class SessionSignals(QObject):
         """Listener emitting the signals."""
         return Listener(
             wake=self.woken.emit,
-            changed=self.changed.emit,
+            changed=self._change,
             status_changed=self.status_changed.emit,
             message_sent=self.message_sent.emit,
             failed=self.failed.emit,
             view_opened=self.view_opened.emit,
             measurements_changed=self.measured.emit,
         )
+
+    def _change(self, old: State | None, new: State) -> None:
+        self.changed.emit(old, new)
+        self.status_changed.emit()

@@ -15,6 +15,7 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.history import History
+from apd_viewer.session.shape_checks import ShapeChecks
 from apd_viewer.session.state_store import Activity
 
 # Undo and redo
@@ -416,6 +417,24 @@ def test_request_solver_aims_at_few_of_a_burst_of_poses_and_the_last_one_settles
     assert np.array_equal(aimed[-1], held.targets)
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
     assert session.store.activity is Activity.SETTLED
+
+
+def test_listener_is_told_of_a_change_once(monkeypatch):
+    followed = []
+    monkeypatch.setattr(ShapeChecks, "follow_state", lambda _: followed.append("state"))
+    session = Driven()
+    session.show_now(bar())
+    session.paint_ends()
+    ready(session)
+    session.gestures.begin()
+    for angle in (0.1, 0.2):
+        del followed[:], session.changes[:]
+        session.handles.drag(pose(angle))
+        assert len(followed) == len(session.changes) == 1, "of an event of the mouse"
+        del followed[:], session.changes[:]
+        session.until(lambda: session.changes)
+        assert len(followed) == len(session.changes) == 1, "of a reply"
+    session.close()
 
 
 def test_store_shows_frames_while_poses_arrive_faster_than_a_step(session, slow):

@@ -41,14 +41,12 @@ class MotionPreview:
         """Begin from another document, if an amount is being typed."""
         if self._field.amount.hasFocus() and old is not None and old.document is not new.document:
             self._field.request_preview()
-        self._show_asked(new)
 
-    def follow_status(self) -> None:
-        """Begin or end with the wait for kernels."""
-        if (state := self._session.store.state) is not None:
-            self._show_asked(state)
-
-    def _show_asked(self, state: State) -> None:
+    def show_requested(self) -> None:
+        """Show where the handles are to be while they wait or were stopped."""
+        state = self._session.store.state
+        if state is None:
+            return
         stopped = state.frame.share_reached < 1.0 and state.frame.settled
         if stopped or self._session.store.is_previewing:
             self.requested_ghost.show_handles(state.document)

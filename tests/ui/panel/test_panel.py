@@ -217,10 +217,10 @@ def test_patch_ghost_shows_where_contact_has_not_let_the_handle_go(qtbot, bottle
     state, ghost = bottle.session.store.state, bottle.motion_preview.requested_ghost.patches
     assert len(ghost.vertices) == 0
     stopped = replace(state, frame=replace(state.frame, share_reached=0.6, settled=True))
-    bottle.motion_preview.follow(state, stopped)
+    bottle.session.store.set_state(stopped)
     held = state.document.constraints()
     assert np.array_equal(ghost.vertices, held.targets[np.isin(held.fixed, held.handles[0])])
-    bottle.motion_preview.follow(stopped, replace(stopped, frame=replace(stopped.frame, settled=False)))
+    bottle.session.store.set_state(replace(stopped, frame=replace(stopped.frame, settled=False)))
     assert len(ghost.vertices) == 0
 
 
