@@ -221,8 +221,9 @@ def main(commit, *names):
 def _is_equal(tree, name):
     (before, first), (now, second) = run(tree, CASES[name]), run(ROOT, CASES[name])
     said = difference(before, now)
-    failed = "" if now["status"] == b"0" else f", status {now['status'].decode()}"
-    print(f"{name}: {'; '.join(said) or 'equal'}{failed} ({first:.1f} s, now {second:.1f} s)", flush=True)
+    if now["status"] != b"0":  # alike or not: nothing was computed that could be compared
+        said.append(f"status {now['status'].decode()}: {now['errors'].decode().strip()}")
+    print(f"{name}: {'; '.join(said) or 'equal'} ({first:.1f} s, now {second:.1f} s)", flush=True)
     return not said
 
 

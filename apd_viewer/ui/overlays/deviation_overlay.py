@@ -35,7 +35,7 @@ class _OverlayInputs(NamedTuple):
     change: Deviation
 
 
-class _Inputs(NamedTuple):
+class _ValueInputs(NamedTuple):
     """Inputs of values: the measure, and revisions of the shape and the document."""
 
     measure: Measure
@@ -47,7 +47,7 @@ class _Inputs(NamedTuple):
 class _Slow(NamedTuple):
     """Values of a slow measure, None if cancelled, with their inputs."""
 
-    seen: _Inputs
+    seen: _ValueInputs
     values: np.ndarray | None
 
 
@@ -97,7 +97,7 @@ class DeviationOverlay(QObject):
         self._document_measures: DocumentMeasures | None = None
         self._document_revision = 0
         self._size = 1.0
-        self._seen: _Inputs | None = None
+        self._seen: _ValueInputs | None = None
         # Without a range of the user's the first values that are seen have one made for them.
         self._fresh = False
         self._fitted: Scale | None = None
@@ -225,7 +225,7 @@ class DeviationOverlay(QObject):
             return
         shape = surface.shape_revision if measure.follows_shape else 0
         document = self._document_revision if measure.follows_document else 0
-        now = _Inputs(measure, shape, document, self._change)
+        now = _ValueInputs(measure, shape, document, self._change)
         if now == self._seen or len(surface.U) != len(surface.shades):
             return
         if measure.is_delayed:
