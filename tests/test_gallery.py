@@ -77,7 +77,7 @@ def test_gallery_has_lines_that_run_and_a_session_that_says_the_same(name, compi
     assert np.isfinite(state.frame.U).all()
     assert not np.array_equal(state.frame.U, document.mesh.V)
     if not document.paint_problem and not document.has_active_obstacles:
-        assert in_place(state) < (0.1 if document.method_traits.moves_handles else 1e-5)
+        assert in_place(state) < (0.1 if document.settings.traits.moves_handles else 1e-5)
     path = entry.save(state, tmp_path)
     assert place_of_mesh(path) == Path(tmp_path.anchor) / document.mesh.name
     np.testing.assert_array_equal(open_session(path)[0].frame.U, state.frame.U)
@@ -92,4 +92,4 @@ def test_gallery_session_to_download_opens_and_can_be_replayed_unless_it_is_pres
     assert 500 < len(state.document.mesh.V) < 7000
     assert not np.array_equal(state.frame.U, state.document.mesh.V)
     if not state.document.paint_problem and not state.document.has_active_obstacles:
-        assert in_place(state) < (0.1 if state.document.method_traits.moves_handles else 1e-5)
+        assert in_place(state) < (0.1 if state.document.settings.traits.moves_handles else 1e-5)

@@ -19,9 +19,14 @@ from apd_viewer.commands.scalar_output import (
     scalar_files,
     write_scalar_files,
 )
-from apd_viewer.commands.terminal.contact_option import add_contact_option, has_contact
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.setting_options import (
+    add_contact_option,
+    add_setting_options,
+    has_contact,
+    setting_arguments,
+)
 from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.figures.rendered_pictures import Picture, check_picture, draw_shapes, no_pictures_reason
@@ -35,21 +40,26 @@ from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, constraints
-from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deformation_result import Result, deform
 from apd_viewer.geometry.solver.loose_components import GO, STAY
-from apd_viewer.geometry.solver.methods import (
-    DEFAULT_AREA_STIFFNESS,
-    DEFAULT_METHOD,
-    DEFAULT_SHEAR_STIFFNESS,
-    DEFAULT_TOLERANCE,
-    METHODS,
-)
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
 from apd_viewer.session.model.named_obstacle import geometric_obstacles
 from apd_viewer.session.storage.obstacle_json import read_obstacles
 
+_SETTINGS = (
+    "method",
+    "tolerance",
+    "stiffness",
+    "area_stiffness",
+    "shear_stiffness",
+    "area",
+    "volume",
+    "calm",
+    "thickness",
+    "convergence",
+)
 _PICTURE = (1600, 1000)  # pixels
 
 
@@ -73,16 +83,10 @@ def deform_parser() -> Parser:
     )
     add_motion_options(parser)
     parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
-    parser.add_argument("--method", choices=METHODS, default=DEFAULT_METHOD, help=tr("default: %(default)s"))
+    add_setting_options(parser, _SETTINGS)
+    add_contact_option(parser)
     parser.add_argument(
         "--iterations", metavar="N", type=int, help=tr("run exactly N iterations; default: until converged")
-    )
-    parser.add_argument(
-        "--tolerance",
-        metavar="T",
-        type=float,
-        default=DEFAULT_TOLERANCE,
-        help=tr("area tolerance of 'paper'; 0.001 is 0.1 %%"),
     )
     parser.add_argument(
         "--loose",
@@ -94,53 +98,12 @@ def deform_parser() -> Parser:
         ),
     )
     parser.add_argument(
-        "--no-calm",
-        dest="calm",
-        action="store_false",
-        help=tr("let 'exact' change the area of calm parts, those that the handles hardly reach"),
-    )
-    add_contact_option(parser)
-    parser.add_argument(
-        "--thickness",
-        metavar="LENGTH",
-        type=float,
-        help=tr("distance that walls in contact keep, in mesh units; default: 1/1000 of the diagonal"),
-    )
-    parser.add_argument(
         "--obstacles",
         metavar="FILE.json",
         type=Path,
         help=tr("plates, spheres and cylinders that push, as a session lists them; turns contact on"),
     )
     add_weld_option(parser)
-    _add_targets(parser)
-    _add_convergence(parser)
-    _add_stiffness(parser)
-    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
-    parser.add_argument(
-        "--compare",
-        metavar="OTHER",
-        help=tr("target shape: put the distance from the surface of another mesh into report and scalars"),
-    )
-    add_scalar_options(parser)
-    parser.add_argument("--picture", metavar="P.png", type=Path, help=tr("draw the mesh before and after"))
-    parser.set_defaults(run=_deform)
-    return parser
-
-
-def _add_targets(parser: Parser) -> None:
-    parser.add_argument(
-        "--area",
-        metavar="PERCENT",
-        help=tr(
-            "target of the total area, in percent of the rest area; default: 100 for 'exact' and 'paper'"
-        ),
-    )
-    parser.add_argument(
-        "--volume",
-        metavar="PERCENT",
-        help=tr("target of the volume, in percent of the rest volume; default: free"),
-    )
     parser.add_argument(
         "--region",
         nargs="+",
@@ -152,67 +115,16 @@ def _add_targets(parser: Parser) -> None:
             "area in percent"
         ),
     )
-
-
-def _add_convergence(parser: Parser) -> None:
-    usual = DEFAULT_CONVERGENCE
-    for option, metavar, kind, default, what in (
-        (
-            "--most-iterations",
-            "N",
-            int,
-            usual.most_iterations,
-            tr("stop after N iterations at the latest"),
-        ),
-        (
-            "--energy-tolerance",
-            "T",
-            float,
-            usual.energy_tolerance,
-            tr("converged once ten iterations reduce the energy by at most this part"),
-        ),
-        (
-            "--step-tolerance",
-            "T",
-            float,
-            usual.step_tolerance,
-            tr("of 'paper' and 'sr-arap': converged once steps are below this part of the mesh's size"),
-        ),
-    ):
-        parser.add_argument(
-            option,
-            metavar=metavar,
-            type=kind,
-            default=default,
-            help=tr("{what}; default: %(default)s").format(what=what),
-        )
-
-
-def _add_stiffness(parser: Parser) -> None:
-    for option, default, what in (
-        (
-            "--stiffness",
-            0.0,
-            tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal); CGAL's alpha for 'sr-arap'"),
-        ),
-        (
-            "--area-stiffness",
-            DEFAULT_AREA_STIFFNESS,
-            tr("how strongly 'local' keeps the area of each triangle"),
-        ),
-        (
-            "--shear-stiffness",
-            DEFAULT_SHEAR_STIFFNESS,
-            tr("how strongly 'local' keeps the shape of each triangle"),
-        ),
-    ):
-        parser.add_argument(
-            option,
-            metavar="A",
-            type=float,
-            default=default,
-            help=tr("{what}; default: %(default)s").format(what=what),
-        )
+    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
+    parser.add_argument(
+        "--compare",
+        metavar="OTHER",
+        help=tr("target shape: put the distance from the surface of another mesh into report and scalars"),
+    )
+    add_scalar_options(parser)
+    parser.add_argument("--picture", metavar="P.png", type=Path, help=tr("draw the mesh before and after"))
+    parser.set_defaults(run=_deform)
+    return parser
 
 
 def _region(words: Sequence[str], vertices: int) -> Region:
@@ -244,30 +156,19 @@ def _deform(options: argparse.Namespace) -> None:
     held = ways[-1]
     pushing = geometric_obstacles(obstacles, mesh.V)
     target = TargetShape(open_mesh(options.compare)) if options.compare else None
-    convergence = Convergence(options.most_iterations, options.energy_tolerance, options.step_tolerance)
-    last = options.iterations, convergence.most_iterations
+    last = options.iterations, options.most_iterations
     result = deform(
         mesh.V,
         mesh.F,
         held.fixed,
         held.targets if len(ways) == 1 else np.array([way.targets for way in ways]),
-        options.method,
-        options.iterations,
-        options.tolerance,
-        options.stiffness,
+        iterations=options.iterations,
         handle=held.handles,
-        area_stiffness=options.area_stiffness,
-        shear_stiffness=options.shear_stiffness,
-        area=options.area,
-        volume=options.volume,
         loose=options.loose,
-        calm=options.calm,
-        contact=contact or options.contact,
-        thickness=options.thickness,
+        **setting_arguments(options) | {"contact": contact or options.contact},
         obstacles=pushing,
         shifts=np.array([each.shift for each in obstacles]).reshape(-1, 3),
         regions=regions,
-        convergence=convergence,
         weld=options.weld,
         progress=show_progress_line(*last) if sys.stderr.isatty() else None,
     )

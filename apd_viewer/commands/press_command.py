@@ -16,6 +16,7 @@ from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
+from apd_viewer.commands.terminal.setting_options import add_setting_options
 from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
@@ -28,13 +29,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
 from apd_viewer.geometry.pressing.press_options import PressOptions
 from apd_viewer.geometry.pressing.pressed_mesh import press_between
-from apd_viewer.geometry.solver.methods import (
-    DEFAULT_AREA_STIFFNESS,
-    DEFAULT_METHOD,
-    DEFAULT_SHEAR_STIFFNESS,
-    METHODS,
-    method_material,
-)
+from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import welded_state
 from apd_viewer.session.model.view import SESSION_SUFFIX
@@ -43,7 +39,8 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-_PRESSING = {name: method for name, method in METHODS.items() if method.may_use_contact}
+_PRESSING = [name for name, method in METHODS.items() if method.may_use_contact]
+_SETTINGS = "method", "stiffness", "area_stiffness", "shear_stiffness", "area", "volume"
 
 
 def press_parser() -> Parser:
@@ -83,25 +80,7 @@ def press_parser() -> Parser:
         "--figure", metavar="F.png", type=Path, help=tr("draw load and volume, as F.png and F.svg")
     )
     parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
-    parser.add_argument(
-        "--method", choices=_PRESSING, default=DEFAULT_METHOD, help=tr("default: %(default)s")
-    )
-    for option, default, what in (
-        ("--stiffness", 0.0, tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal)")),
-        (
-            "--area-stiffness",
-            DEFAULT_AREA_STIFFNESS,
-            tr("how strongly 'local' keeps the area of each triangle"),
-        ),
-        (
-            "--shear-stiffness",
-            DEFAULT_SHEAR_STIFFNESS,
-            tr("how strongly 'local' keeps the shape of each triangle"),
-        ),
-    ):
-        parser.add_argument(option, metavar="A", type=float, default=default, help=what)
-    parser.add_argument("--area", metavar="PERCENT", help=tr("target of the total area"))
-    parser.add_argument("--volume", metavar="PERCENT", help=tr("target of the volume; default: free"))
+    add_setting_options(parser, _SETTINGS, _PRESSING)
     add_wall_options(parser)
     parser.add_argument(
         "--release", action="store_true", help=tr("open the plates again in the end, and write what remains")
@@ -153,7 +132,7 @@ def _press(options: argparse.Namespace) -> None:
     rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
     extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ checked_direction(axis)))
     moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
-    material = method_material(METHODS[options.method], *moduli)
+    material = Settings(options.method, *moduli).material
     newtons = wall.newton_conversion(material, rest)
     gas = parse_gas(options.gas, newtons, rest)
     goals = options.area, options.volume, wall.contact_distance

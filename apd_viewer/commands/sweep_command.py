@@ -20,9 +20,9 @@ from apd_viewer.commands.sweep_output import (
     write_sweep_films,
 )
 from apd_viewer.commands.terminal.animation_options import AnimationTargets, add_animation_option
-from apd_viewer.commands.terminal.contact_option import add_contact_option
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
+from apd_viewer.commands.terminal.setting_options import add_contact_option
 from apd_viewer.commands.terminal.weld_option import add_weld_option
 from apd_viewer.figures.rendered_pictures import no_pictures_reason, write_shape
 from apd_viewer.files.animations.animation_files import write_animation
@@ -85,7 +85,7 @@ def _sweep(options: argparse.Namespace) -> None:
     state, view, motion = input_from(options, options.weld)
     document = state.document
     if options.contact is not None:
-        document = replace(document, contact=options.contact)
+        document = document.with_settings(contact=options.contact)
     sweep = sweep_of(document, options.steps, options.to, methods, options.iterations, motion)
     animations = AnimationTargets(options, sweep.methods)
     progress = Progress(options.progress_lines)

@@ -42,7 +42,7 @@ def method_readings(state: State, outcome: MethodOutcome) -> ReadingsByName:
         "area": frame.area,
         "area_rest": rest.area,
         "area_error": frame.area_error,
-        "area_miss": (1.0 + frame.area_error) / (state.document.area / 100.0) - 1.0,
+        "area_miss": (1.0 + frame.area_error) / (state.document.settings.area / 100.0) - 1.0,
         "volume": math.nan if volume is None else volume,
         "volume_rest": volume_rest or math.nan,
         "energy": math.nan if cost is None else cost.energy,
@@ -65,7 +65,7 @@ class ReadingColumn(NamedTuple):
 def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
     """Columns of the table for a document, with lengths in a unit."""
     size = float(max(state.inspection.size))
-    asked = format_exact(state.document.area)
+    asked = format_exact(state.document.settings.area)
     energy = tr(
         "Deviation from rigidity: Eq. 1 of the paper for every method, each edge counted twice,"
         " whichever energy the method minimises"

@@ -34,11 +34,11 @@ _ALWAYS = 0.95  # factors from here to its inverse say nothing
 
 def idle_reason(state: State) -> str:
     """Sentence about obstacles that push nothing; empty where they do."""
-    method = state.document.method_traits
+    method = state.document.settings.traits
     if not method.may_use_contact:
         said = tr("The method {method} knows no contact: obstacles push nothing.")
         return said.format(method=method.title)
-    return "" if state.document.contact else tr("Contact is off: obstacles push nothing.")
+    return "" if state.document.settings.contact else tr("Contact is off: obstacles push nothing.")
 
 
 def load_text(state: State, k: int) -> str:

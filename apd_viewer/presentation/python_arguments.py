@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_obstacle import ObstacleKind, stopping_extent
 from apd_viewer.session.model.targets import targets_of
@@ -29,28 +29,23 @@ def obstacle_lines(document: Document) -> Iterator[str]:
 
 def settings_arguments(document: Document) -> str:
     """Arguments for method, settings and targets."""
-    method, targets = document.method_traits, targets_of(document)
-    said: dict[str, object] = {"method": document.method, "stiffness": document.stiffness}
-    if method.has_tolerance:
-        said["tolerance"] = document.tolerance
-    if method.has_moduli:
-        said |= {"area_stiffness": document.area_stiffness, "shear_stiffness": document.shear_stiffness}
-    said |= {
-        "area": targets.area,
-        "volume": targets.volume,
-        "loose": list(document.staying_components) or None,
-    }
-    words = [f"{name}={value!r}" for name, value in said.items() if value is not None]
-    if method.keeps_calm_parts and not document.calm:
-        words.append("calm=False")
-    if method.may_use_contact:
-        words.append(f"contact={bool(document.contact)}")
-    if document.contact and method.may_use_contact and document.thickness is not None:
-        words.append(f"thickness={document.thickness!r}")
+    settings, targets = document.settings, targets_of(document)
+    # Contact keeps a distance only while it is on, and "local" keeps the total area only if told to.
+    idle = {"hold_area", *(() if settings.uses_contact else ("thickness",))}
+    if settings.convergence == DEFAULT_SETTINGS.convergence:
+        idle.add("convergence")
+    given = {**vars(settings), **targets._asdict()}
+    words = [
+        f"{name}={given[name]!r}"
+        for name, setting in SETTINGS.items()
+        if given[name] is not None and setting.applies(settings.traits) and name not in idle
+    ]
+    if document.staying_components:
+        words.append(f"loose={list(document.staying_components)!r}")
     if document.has_active_obstacles:
         words.append("obstacles=obstacles")
     if document.mesh.has_welded_seams:
         words.append("weld=True")
-    if document.convergence != DEFAULT_CONVERGENCE:
-        words.append(f"convergence=apd_viewer.{document.convergence!r}")
-    return ", ".join([*words, "regions=regions"] if targets.regions else words)
+    if targets.regions:
+        words.append("regions=regions")
+    return ", ".join(words).replace("convergence=", "convergence=apd_viewer.")

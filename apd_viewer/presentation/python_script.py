@@ -178,5 +178,5 @@ def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
         way="zip(way, shifts_on_the_way)" if pushes else "way",
         shift=", shifts=shift" if pushes else "",
         iterations=ITERATIONS_A_STEP,
-        most=document.convergence.most_iterations,
+        most=document.settings.convergence.most_iterations,
     ).strip("\n")

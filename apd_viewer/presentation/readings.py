@@ -64,8 +64,11 @@ def area_verdict(state: State) -> str:
         return f"{change} %"
     wanted = asked / 100.0
     miss = abs(1.0 + state.frame.area_error - wanted)
-    if document.method_traits.has_tolerance:
-        near, tolerance = miss <= document.tolerance * wanted, format_short(100 * document.tolerance)
+    if document.settings.traits.has_tolerance:
+        near, tolerance = (
+            miss <= document.settings.tolerance * wanted,
+            format_short(100 * document.settings.tolerance),
+        )
         if asked == 100.0:
             said = tr("{change} %, within {tolerance} %") if near else tr("{change} %, outside {tolerance} %")
         elif near:
@@ -321,7 +324,7 @@ def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
     for at_rest, now, target in zip(rest, state.frame.regions, targets, strict=False):
         part = f"{format_grouped(100 * now / at_rest, 2)} %" if at_rest > 0.0 else tr("empty")
         kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
-        if kept and not document.method_traits.keeps_only_total_area:
+        if kept and not document.settings.traits.keeps_only_total_area:
             part = tr("{area}, kept").format(area=part)
         said.append((part, _of_rest(now, at_rest, unit, 2)))
     return said

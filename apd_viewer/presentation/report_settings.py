@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from apd_viewer.files.html_page import PageBlock, PageNote, PageTable
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.solver.settings import SETTINGS, Setting, SettingKind, Settings
 from apd_viewer.language import tr, trn
 from apd_viewer.notation import localized_number
 from apd_viewer.presentation import obstacle_readings, readings
@@ -30,38 +32,46 @@ _RIGID = 1e-9  # of a pose's matrix: a smaller scale is rounding
 
 def settings_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
     """Blocks on the method and all settings."""
-    document = state.document
-    method = document.method_traits
-    rows = [(tr("Method"), method.title, method.description)]
+    document, settings = state.document, state.document.settings
     area, volume, *_ = kept_percentages(document)
-    rows.append((tr("Area target"), tr("free") if area is None else f"{format_exact(area)} %", ""))
-    rows.append((tr("Volume target"), tr("free") if volume is None else f"{format_exact(volume)} %", ""))
-    if method.keeps_calm_parts:
-        rows.append((tr("Calm parts"), tr("kept") if document.calm else tr("not kept"), ""))
-    if method.may_use_contact:
-        rows.append((tr("Contact"), tr("kept apart") if document.contact else tr("not regarded"), ""))
-    if document.contact and document.thickness is not None and method.may_use_contact:
-        rows.append(
-            (tr("Distance of walls"), unit.format_length(format_significant(document.thickness, 4)), "")
-        )
-    if method.has_tolerance:
-        rows.append((tr("Tolerance"), f"{format_short(100 * document.tolerance)} %", ""))
-    if method.has_moduli:
-        rows.append((tr("Area stiffness"), format_exact(document.area_stiffness), ""))
-        rows.append((tr("Shear stiffness"), format_exact(document.shear_stiffness), ""))
-    rows.append((tr("Stiffness"), format_exact(document.stiffness), ""))
-    criteria = document.convergence
-    rows.append((tr("Most iterations"), format_grouped(criteria.most_iterations, 0), ""))
-    if method.is_plain_only:
-        rows.append((tr("Step tolerance"), format_short(criteria.step_tolerance), ""))
-    else:
-        rows.append((tr("Energy tolerance"), format_short(criteria.energy_tolerance), ""))
+    values = {**vars(settings), "area": area, "volume": volume}
+    rows = [
+        row
+        for name, setting in SETTINGS.items()
+        if setting.applies(settings.traits)
+        for row in _setting_rows(setting, values[name], settings, unit)
+    ]
     if document.loose_components:
         staying = sum(part.first in document.staying_components for part in document.loose_components)
         said = tr("{going:,} go along, {staying:,} stay")
         going = len(document.loose_components) - staying
         rows.append((tr("Loose parts"), said.format(going=going, staying=staying), ""))
     yield PageTable(tuple(rows))
+
+
+def _setting_rows(
+    setting: Setting, value: Any, settings: Settings, unit: Unit
+) -> Iterator[tuple[str, str, str]]:
+    match setting.kind:
+        case SettingKind.METHOD:
+            yield setting.title, settings.traits.title, settings.traits.description
+        case SettingKind.NUMBER:
+            yield setting.title, format_exact(value), ""
+        case SettingKind.TOLERANCE:
+            yield setting.title, f"{format_short(100 * value)} %", ""
+        case SettingKind.PERCENTAGE:
+            yield setting.title, tr("free") if value is None else f"{format_exact(value)} %", ""
+        case SettingKind.SWITCH:
+            yield setting.title, tr("yes") if value else tr("no"), ""
+        case SettingKind.LENGTH:
+            if value is not None and settings.uses_contact:
+                yield setting.title, unit.format_length(format_significant(value, 4)), ""
+        case SettingKind.CONVERGENCE:
+            yield tr("Most iterations"), format_grouped(value.most_iterations, 0), ""
+            if settings.traits.is_plain_only:
+                yield tr("Step tolerance"), format_short(value.step_tolerance), ""
+            else:
+                yield tr("Energy tolerance"), format_short(value.energy_tolerance), ""
 
 
 def handle_rows(state: State, unit: Unit, check: ShapeCheck | None = None) -> Iterator[tuple[str, str, str]]:
@@ -133,7 +143,7 @@ def region_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
     rows = []
     for region, (area, sizes) in zip(regions, readings.regions(state, unit), strict=False):
         more = sizes
-        if region.area is not None and not state.document.method_traits.keeps_only_total_area:
+        if region.area is not None and not state.document.settings.traits.keeps_only_total_area:
             more = tr("{sizes}; target {percent} %").format(sizes=sizes, percent=format_exact(region.area))
         rows.append((region.name, area, more))
     yield PageTable(tuple(rows))

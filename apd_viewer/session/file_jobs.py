@@ -262,7 +262,9 @@ class FileJobs:
 
 def _passing(document: Document) -> str:
     """Sentence on new work too large for contact by default; mostly empty."""
-    return passing_walls_warning(document.method, len(document.mesh.V), tr("“Contact” in the section Method"))
+    return passing_walls_warning(
+        document.settings.method, len(document.mesh.V), tr("“Contact” in the section Method")
+    )
 
 
 def sample_state(name: str) -> State:
@@ -270,4 +272,4 @@ def sample_state(name: str) -> State:
     sample, state = SAMPLES[name], initial_state(*open_sample(name))
     pivot = None if sample.pivot is None else frozen(np.array(sample.pivot))
     document = state.document.with_handle(0, replace(state.document.handles[0], pivot=pivot))
-    return state.updated(replace(document, **sample.settings))  # type: ignore[arg-type]
+    return state.updated(document.with_settings(**sample.settings))

@@ -116,7 +116,7 @@ class HandleEditor:
 
     def _walk(self, document: Document) -> None:
         """Solve a document along its winding paths, and say once what may come of it."""
-        kept_apart = document.contact and document.method_traits.may_use_contact
+        kept_apart = document.settings.uses_contact
         if document.has_half_turn and not kept_apart and document.mesh is not self._warned:
             self._warned = document.mesh
             self._listener.message_sent(

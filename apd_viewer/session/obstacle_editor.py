@@ -99,10 +99,10 @@ class ObstacleEditor:
     def _add(self, gesture: str, new: tuple[NamedObstacle, ...], thickness: float | None) -> int | None:
         state = self._gestures.state_without_gesture()
         document = state.document
-        if not document.method_traits.may_use_contact:
+        if not document.settings.traits.may_use_contact:
             self._listener.failed(
                 tr("The method {method} knows no contact; choose another one first.").format(
-                    method=document.method_traits.title
+                    method=document.settings.traits.title
                 )
             )
             return None
@@ -111,8 +111,8 @@ class ObstacleEditor:
                 tr("The limit is {most} obstacles; remove one first.").format(most=MOST_OBSTACLES)
             )
             return None
-        if not document.contact:
-            document = replace(document, contact=True, thickness=thickness)
+        if not document.settings.contact:
+            document = document.with_settings(contact=True, thickness=thickness)
         self._gestures.record(gesture, state)
         self._store.solve(replace(document, obstacles=(*document.obstacles, *new)))
         return len(document.obstacles)
@@ -123,7 +123,7 @@ class ObstacleEditor:
 
     def _apart(self, thickness: float | None = None) -> float:
         state = self._store.required_state()
-        own = state.document.thickness if state.document.contact else thickness
+        own = state.document.settings.thickness if state.document.settings.contact else thickness
         return contact_distance(state, own)
 
     # Changing

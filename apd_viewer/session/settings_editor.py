@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.solver.convergence import Convergence
+from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.listener import Listener
@@ -30,43 +32,17 @@ class SettingsEditor:
         self._gestures = gestures
         self._listener = listener
 
-    def set_area(self, percent: float) -> None:
-        """Ask for another total area, in percent of the area at rest."""
-        self._set(tr("Change area"), area=percent)
-
-    def set_hold_area(self, on: bool) -> None:
-        """Have the method "local" keep the total area too, or not."""
-        self._set(tr("Change area"), hold_area=on)
-
-    def set_volume(self, percent: float | None) -> None:
-        """Ask for a volume, in percent of the volume at rest; None leaves it free."""
+    def change(self, **settings: Any) -> None:
+        """Change settings by their names, as one gesture; a missing volume cannot be a target."""
         why = self._store.required_state().inspection.missing_volume_phrase
-        if percent is not None and why:
+        if settings.get("volume") is not None and why:
             self._listener.failed(
                 tr("There is no volume to keep: {why}; leave the volume free.").format(why=why)
             )
-        else:
-            self._set(tr("Change volume"), volume=percent)
-
-    def set_method(self, method: str) -> None:
-        """Deform by another method, from the shape on screen."""
-        self._set(tr("Change method"), method=method)
-
-    def set_tolerance(self, tolerance: float) -> None:
-        """Have "paper" accept another relative error of the area."""
-        self._set(tr("Change tolerance"), tolerance=tolerance)
-
-    def set_convergence(self, convergence: Convergence) -> None:
-        """End the iterations by other criteria."""
-        self._set(tr("Change convergence"), convergence=convergence)
-
-    def set_stiffness(self, stiffness: float) -> None:
-        """Resist bending by another weight."""
-        self._set(tr("Change stiffness"), stiffness=stiffness)
-
-    def set_calm(self, on: bool) -> None:
-        """Keep the area of calm parts too, or the total alone."""
-        self._set(tr("Keep calm parts") if on else tr("Let calm parts change"), calm=on)
+            return
+        name, value = next(iter(settings.items()))
+        switched_off = value is False and SETTINGS[name].off_gesture
+        self._set(switched_off or SETTINGS[name].gesture, settings)
 
     def set_contact(self, on: bool, thickness: float | None = None) -> None:
         """Keep walls from passing through each other, or let them.
@@ -77,9 +53,6 @@ class SettingsEditor:
         thickness : float, optional
             Distance to keep, mesh units; a thousandth of the size of the mesh without it.
         """
-        on_already = on and self._store.required_state().document.contact
-        switch = tr("Turn contact on") if on else tr("Turn contact off")
-        gesture = tr("Change distance of walls") if on_already else switch
         state, thickness = self._store.required_state(), thickness if on else None
         try:
             # Without contact obstacles and the shape pass through each other.
@@ -87,18 +60,14 @@ class SettingsEditor:
         except InputError as error:
             self._listener.failed(str(error))
             return
+        on_already = on and state.document.settings.contact
+        gesture = SETTINGS["thickness"].gesture if on_already else SETTINGS["contact"].gesture
+        gesture = gesture if on else SETTINGS["contact"].off_gesture
         moved = [a.name for a, b in zip(state.document.obstacles, obstacles, strict=True) if a is not b]
-        self._set(gesture, contact=on, thickness=thickness, obstacles=obstacles)
+        self._set(gesture, {"contact": on, "thickness": thickness}, obstacles=obstacles)
         if moved:
             names = comma_separated(moved)
             self._listener.message_sent(tr("Moved back out of the shape: {names}.").format(names=names))
-
-    def set_local_stiffness(
-        self, area_stiffness: float | None = None, shear_stiffness: float | None = None
-    ) -> None:
-        """Have the method "local" resist changes of areas and of shapes by other weights."""
-        given = {"area_stiffness": area_stiffness, "shear_stiffness": shear_stiffness}
-        self._set(tr("Change stiffness"), **{name: x for name, x in given.items() if x is not None})
 
     def set_falloff(self, k: int, falloff: float) -> None:
         """Set the falloff of handle ``k``, a distance along the surface; 0 is none."""
@@ -130,13 +99,16 @@ class SettingsEditor:
                 tr("Change region"), regions=document.with_region(k, replace(region, area=percent)).regions
             )
 
-    def _set(self, gesture: str, **changes: object) -> None:
-        state = self._store.required_state()
-        if all(getattr(state.document, name) == value for name, value in changes.items()):
+    def _set(self, gesture: str, settings: Mapping[str, Any] = MappingProxyType({}), **changes: Any) -> None:
+        before = self._store.required_state().document
+        document = replace(before.with_settings(**settings), **changes)
+        names = "settings", *changes
+        if all(getattr(document, name) == getattr(before, name) for name in names):
             return
-        before = self._gestures.state_before
-        if before is None or not have_same_paint(state.document, before.document):
+        begun = self._gestures.state_before
+        if begun is None or not have_same_paint(before, begun.document):
             # Vertices painted by an unfinished stroke are not gripped yet, and would jump.
             state = self._gestures.state_without_gesture()
             self._gestures.record(gesture, state)
-        self._store.solve(replace(state.document, **changes))  # type: ignore[arg-type]
+            document = replace(state.document.with_settings(**settings), **changes)
+        self._store.solve(document)

@@ -75,7 +75,7 @@ class CaseDocuments:
         read = _in_a_file(selection, self._content(selection), lambda path: read_selection_file(path, mesh))
         document = with_selection(state.document, read)
         # Cases that do not say it are from a time when walls passed through each other by default.
-        document = replace(document, contact=False)
+        document = document.with_settings(contact=False)
         return replace(state, document=document), View(unit=case.unit or mesh.unit)
 
 
@@ -109,7 +109,7 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
                 why=state.inspection.missing_volume_phrase
             )
         )
-    state = state.updated(replace(state.document, **said))  # type: ignore[arg-type]
+    state = state.updated(state.document.with_settings(**said))
     typed = parse_motion("; ".join(case.motion)) if case.motion else ()
     return state, view, motion_steps(state.document, typed, named_lengths(state), unit)
 
@@ -118,7 +118,7 @@ def case_sweep(case: StudyCase, document: Document, motion: tuple[MotionStep, ..
     """Sweep of a case; raises InputError if nothing moves."""
     iterations = dict(case.settings).get("iterations")
     most = None if iterations is None else int(iterations)
-    return sweep_of(document, case.steps, motion_share(case), (document.method,), most, motion)
+    return sweep_of(document, case.steps, motion_share(case), (document.settings.method,), most, motion)
 
 
 def motion_share(case: StudyCase) -> float:

@@ -22,26 +22,25 @@ from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 def connect_settings(panel: Panel, session: Session) -> None:
     """Connect the settings; a slider's drag is one gesture."""
-    panel.area.target.chosen.connect(session.settings.set_area)
-    panel.area.keep_toggled.connect(session.settings.set_hold_area)
-    panel.volume.target_changed.connect(session.settings.set_volume)
-    panel.volume.target.chosen.connect(session.settings.set_volume)
-    panel.method.method_chosen.connect(session.settings.set_method)
-    panel.method.calm_chosen.connect(session.settings.set_calm)
-    panel.method.tolerance_chosen.connect(session.settings.set_tolerance)
-    panel.method.convergence.chosen.connect(session.settings.set_convergence)
-    panel.method.stiffness.chosen.connect(session.settings.set_stiffness)
-    panel.method.area_stiffness_chosen.connect(
-        lambda x: session.settings.set_local_stiffness(area_stiffness=x)
-    )
-    panel.method.shear_stiffness_chosen.connect(
-        lambda x: session.settings.set_local_stiffness(shear_stiffness=x)
-    )
+    for chosen, name in (
+        (panel.area.target.chosen, "area"),
+        (panel.area.keep_toggled, "hold_area"),
+        (panel.volume.target_changed, "volume"),
+        (panel.volume.target.chosen, "volume"),
+        (panel.method.stiffness.chosen, "stiffness"),
+        (panel.method.convergence.chosen, "convergence"),
+    ):
+        chosen.connect(partial(_change, session, name))
+    panel.method.changed.connect(partial(_change, session))
     gestures = tr("Change area"), tr("Change volume"), tr("Change stiffness"), tr("Change falloff")
     for dial, gesture in zip(panel.slider_fields, gestures, strict=True):
         dial.drag_began.connect(session.gestures.begin)
         dial.drag_ended.connect(partial(session.gestures.end, gesture))
         dial.drag_cancelled.connect(session.gestures.cancel)
+
+
+def _change(session: Session, name: str, value: object) -> None:
+    session.settings.change(**{name: value})
 
 
 def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:

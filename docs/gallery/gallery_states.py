@@ -10,13 +10,14 @@ import numpy as np
 
 from apd_viewer.commands.deform_command import deform_parser
 from apd_viewer.commands.motion_options import motion_from, painted_state
-from apd_viewer.commands.terminal.contact_option import has_contact
+from apd_viewer.commands.terminal.setting_options import has_contact, setting_arguments
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_region, read_transform
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import NamedRegion
 from apd_viewer.session.model.state import State, initial_state
@@ -34,20 +35,13 @@ def state_after(words: Sequence[str], U: np.ndarray | None = None) -> State:
     state = initial_state(mesh)
     if options.selection:
         state = painted_state(mesh, read_selection_file(options.selection, mesh))
-    document = replace(
-        state.document,
-        method=options.method,
-        stiffness=options.stiffness,
-        area_stiffness=options.area_stiffness,
-        shear_stiffness=options.shear_stiffness,
-        area=options.area or 100.0,
-        hold_area=options.method == "local" and options.area is not None,
-        volume=options.volume,
-        calm=options.calm,
-        contact=has_contact(options, len(mesh.V)),
-        thickness=options.thickness,
-        obstacles=read_obstacles(Path(options.obstacles)) if options.obstacles else (),
-    )
+    settings = setting_arguments(options) | {
+        "area": options.area or 100.0,
+        "hold_area": options.method == "local" and options.area is not None,
+        "contact": has_contact(options, len(mesh.V)),
+    }
+    obstacles = read_obstacles(Path(options.obstacles)) if options.obstacles else ()
+    document = replace(state.document, settings=Settings(**settings), obstacles=obstacles)
     document = _with_regions(document, options.region)
     for number, path in enumerate(options.transform):
         document = document.with_pose(number, read_transform(path))

@@ -61,7 +61,7 @@ def falloff_session(folder: Path, count: int) -> None:
     document = state.document
     handle = replace(document.handles[0], falloff=7.0)
     state = state.updated(
-        replace(document, handles=(handle,), method="arap").with_pose(0, pose)
+        replace(document.with_settings(method="arap"), handles=(handle,)).with_pose(0, pose)
     ).as_unsettled()
     save_session(folder / "falloff.apd", state, View(unit="cm"), embed=True)
 

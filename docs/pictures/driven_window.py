@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from unittest.mock import patch
@@ -139,7 +138,7 @@ class DrivenWindow:
             if not self.quick:
                 return found
             found = coarser(found, _QUICK_VERTICES)
-            return found.updated(replace(found.document, convergence=_QUICK))
+            return found.updated(found.document.with_settings(convergence=_QUICK))
 
         self.window.session.files.open_result("mesh", state)
         self.settle()

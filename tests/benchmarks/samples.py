@@ -141,8 +141,8 @@ def plates() -> None:
     """Press the cushion between plates."""
     document = sample_state("cushion").document
     V, F = document.mesh.V, document.mesh.F
-    weights = document.stiffness, document.area_stiffness, document.shear_stiffness
-    options = PressOptions((), document.method, *weights, area=document.area)
+    weights = document.settings.stiffness, document.settings.area_stiffness, document.settings.shear_stiffness
+    options = PressOptions((), document.settings.method, *weights, area=document.settings.area)
     press = PlatePress(RestMesh(V, F), np.eye(3)[1], 0.4 * np.ptp(V[:, 1]), 24, options=options).solver
     watch = Watch(V, F)
     for share in np.linspace(0.0, 1.0, 25)[1:]:

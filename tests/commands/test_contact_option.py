@@ -2,7 +2,6 @@
 
 import csv
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -89,7 +88,7 @@ def in_python(turn=TURN, **said):
 def replayed(turn=TURN, **changed):
     """What the window does with a typed motion: a session of it, solved from rest."""
     state = initial_state(apd_viewer.open_mesh("tube.off"), labels())
-    document = replace(state.document, **changed)
+    document = state.document.with_settings(**changed)
     motion = [MotionStep(0, "twist", (np.radians(turn),))]
     save_session("new.apd", state.updated(document_along(document, motion_paths(document, motion))), View())
     return replay_session("new.apd", from_rest=True)[1]

@@ -25,7 +25,7 @@ FINGER = NamedObstacle("Finger", ObstacleKind.CYLINDER, vector(5, 1, 3), vector(
 
 def state(contact=True, **of_frame):
     rest = initial_state(bar())
-    document = replace(rest.document, contact=contact, obstacles=(PLATE, FINGER))
+    document = replace(rest.document.with_settings(contact=contact), obstacles=(PLATE, FINGER))
     return replace(rest, document=document, frame=replace(rest.frame, **of_frame))
 
 
@@ -46,7 +46,7 @@ def test_load_excess_text_is_said_with_loads_at_rest():
     """Of the cells of squares, 0.75 h^2 over D; less by a quarter at the sharp edges of a narrow bar."""
     loads = np.array([[0.0, 0.0, -1.2345], [0.0, 0.0, 0.0]])
     pressed = state(loads=loads)
-    stiff = replace(pressed, document=replace(pressed.document, stiffness=0.01, method="exact"))
+    stiff = replace(pressed, document=pressed.document.with_settings(stiffness=0.01, method="exact"))
     known = 100.0 * 0.75 / (2.0 * 0.01 * stiff.inspection.area)
     said = float(re.fullmatch(r"Expected excess of loads ([\d.]+) %", readings.load_excess_text(stiff))[1])
     assert said == pytest.approx(known, rel=0.3)

@@ -1,5 +1,7 @@
 """Python lines run, and give the shape that the session replays to, bit for bit."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from driven_session import Driven, bar, pose
@@ -13,19 +15,22 @@ from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.presentation.python_script import python_script
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.model.view import View
+from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.session_replay import replay_session
 
-SETTINGS = {
-    "exact": {},
-    "all targets": {"set_area": (104.0,), "set_volume": (97.0,), "set_stiffness": (0.01,)},
-    "local": {"set_method": ("local",), "set_local_stiffness": (7.0, 0.3), "set_hold_area": (True,)},
-    "paper": {"set_method": ("paper",), "set_tolerance": (1e-4,)},
-    "arap": {"set_method": ("arap",), "set_stiffness": (1 / 3,)},
-    "sr-arap": {"set_method": ("sr-arap",), "set_stiffness": (0.02,)},
-    "another end": {"set_convergence": (Convergence(40, 1e-4),)},
-    "in contact": {"set_contact": (True, 0.01)},
-    "what stays": {"set_staying": ((0,), True)},
+SETTINGS: dict[str, Callable[[SettingsEditor], object]] = {
+    "exact": lambda _: None,
+    "all targets": lambda settings: settings.change(area=104.0, volume=97.0, stiffness=0.01),
+    "local": lambda settings: settings.change(
+        method="local", area_stiffness=7.0, shear_stiffness=0.3, hold_area=True
+    ),
+    "paper": lambda settings: settings.change(method="paper", tolerance=1e-4),
+    "arap": lambda settings: settings.change(method="arap", stiffness=1 / 3),
+    "sr-arap": lambda settings: settings.change(method="sr-arap", stiffness=0.02),
+    "another end": lambda settings: settings.change(convergence=Convergence(40, 1e-4)),
+    "in contact": lambda settings: settings.set_contact(True, 0.01),
+    "what stays": lambda settings: settings.set_staying((0,), True),
 }
 
 
@@ -66,8 +71,7 @@ def check_repeats(session, folder, monkeypatch):
 
 @pytest.mark.parametrize("case", SETTINGS)
 def test_python_script_repeats_what_the_session_says(case, session, tmp_path, monkeypatch):
-    for verb, given in SETTINGS[case].items():
-        getattr(session.settings, verb)(*given)
+    SETTINGS[case](session.settings)
     move(session)
     check_repeats(session, tmp_path, monkeypatch)
 
@@ -108,7 +112,7 @@ def put_obstacles(session):
 
 
 def test_python_script_repeats_obstacles_where_something_is_held(session, tmp_path, monkeypatch):
-    session.settings.set_stiffness(0.01)
+    session.settings.change(stiffness=0.01)
     put_obstacles(session)
     check_repeats(session, tmp_path, monkeypatch)
 

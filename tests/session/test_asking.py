@@ -12,6 +12,7 @@ from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.state_store import Activity
 
@@ -59,17 +60,17 @@ VERBS: dict[str, Callable[[Driven], object]] = {
     "Remove region": lambda session: session.parts.remove_region(0),
     "Paint region": lambda session: region_stroke(session, layers(session, 1, 3), 1),
     "Change region": lambda session: session.settings.set_region_area(0, 105.0),
-    "Change area": lambda session: session.settings.set_area(110.0),
-    "Change volume": lambda session: session.settings.set_volume(100.0),
-    "Change stiffness": lambda session: session.settings.set_stiffness(0.01),
+    "Change area": lambda session: session.settings.change(area=110.0),
+    "Change volume": lambda session: session.settings.change(volume=100.0),
+    "Change stiffness": lambda session: session.settings.change(stiffness=0.01),
     "Reset all handles": lambda session: session.rest_shape.restore(),
 }
 ALIASES: dict[str, tuple[str, Callable[[Driven], object]]] = {
     "the region's name": ("Rename", lambda session: session.parts.rename_region(0, "Waist")),
-    "holding": ("Change area", lambda session: session.settings.set_hold_area(True)),
+    "holding": ("Change area", lambda session: session.settings.change(hold_area=True)),
     "the material": (
         "Change stiffness",
-        lambda session: session.settings.set_local_stiffness(shear_stiffness=0.5),
+        lambda session: session.settings.change(shear_stiffness=0.5),
     ),
 }
 
@@ -95,11 +96,11 @@ def test_gestures_record_every_verb_as_one_entry_and_undo_it_exactly(parted, nam
 
 
 SETTERS: dict[str, tuple[Callable[[Driven, float], None], list[float]]] = {
-    "area": (lambda session, x: session.settings.set_area(x), [101.0, 104.0, 108.0]),
-    "volume": (lambda session, x: session.settings.set_volume(x), [100.0, 102.0, 104.0]),
+    "area": (lambda session, x: session.settings.change(area=x), [101.0, 104.0, 108.0]),
+    "volume": (lambda session, x: session.settings.change(volume=x), [100.0, 102.0, 104.0]),
     "region": (lambda session, x: session.settings.set_region_area(0, x), [99.0, 98.0, 97.0]),
-    "stiffness": (lambda session, x: session.settings.set_stiffness(x), [0.01, 0.02, 0.03]),
-    "material": (lambda session, x: session.settings.set_local_stiffness(x, x), [1.0, 2.0, 3.0]),
+    "stiffness": (lambda session, x: session.settings.change(stiffness=x), [0.01, 0.02, 0.03]),
+    "material": (lambda session, x: session.settings.change(area_stiffness=x), [1.0, 2.0, 3.0]),
 }
 
 
@@ -125,8 +126,8 @@ def test_gestures_record_a_sweep_as_one_entry_and_single_settings_as_one_each(pa
 def test_gestures_cancel_leaves_no_trace_of_a_sweep(parted):
     before, undo = parted.store.state, parted.gestures.history.next_undo
     parted.gestures.begin()
-    parted.settings.set_area(120.0)
-    parted.settings.set_volume(110.0)
+    parted.settings.change(area=120.0)
+    parted.settings.change(volume=110.0)
     parted.until(lambda: parted.store.state.frame.iteration)
     parted.gestures.cancel()
     assert parted.store.state is before
@@ -139,7 +140,7 @@ def test_settings_changed_within_a_region_stroke_take_the_stroke_back(parted):
     before = parted.store.state
     parted.gestures.begin()
     parted.painting.paint_region(layers(parted, 0, 6), 0)
-    parted.settings.set_stiffness(0.01)
+    parted.settings.change(stiffness=0.01)
     parted.painting.end_stroke("Paint region")
     assert parted.store.state.document.member is before.document.member
     parted.gestures.undo()
@@ -148,15 +149,14 @@ def test_settings_changed_within_a_region_stroke_take_the_stroke_back(parted):
 
 def test_settings_that_are_the_same_do_nothing(parted):
     state, changes = parted.store.state, len(parted.changes)
-    document = state.document
-    parted.settings.set_area(100)
-    parted.settings.set_hold_area(False)
-    parted.settings.set_volume(None)
-    parted.settings.set_method(document.method)
-    parted.settings.set_tolerance(document.tolerance)
-    parted.settings.set_stiffness(0)
-    parted.settings.set_local_stiffness()
-    parted.settings.set_local_stiffness(document.area_stiffness, document.shear_stiffness)
+    same = state.document.settings
+    parted.settings.change(area=100)
+    parted.settings.change(hold_area=False)
+    parted.settings.change(volume=None)
+    parted.settings.change(method=same.method)
+    parted.settings.change(tolerance=same.tolerance)
+    parted.settings.change(stiffness=0)
+    parted.settings.change(area_stiffness=same.area_stiffness, shear_stiffness=same.shear_stiffness)
     parted.settings.set_region_area(0, None)
     parted.parts.rename_handle(0, " ")
     parted.parts.rename_region(0, "Region 1")
@@ -406,22 +406,22 @@ def test_remove_region_leaves_nothing_asked_for(parted):
 
 @pytest.mark.parametrize("method", ["exact", "paper"])
 def test_set_area_is_met_at_once_without_a_pose(session, factored, method):
-    session.settings.set_method(method)
+    session.settings.change(method=method)
     ready(session)
     session.rest_shape.restore()
     factored.count = 0
     assert session.store.state.is_at_rest
-    session.settings.set_area(120.0)
+    session.settings.change(area=120.0)
     assert session.store.activity is Activity.REFINING
     assert not session.store.state.is_at_rest
     session.settle()
     assert session.store.activity is Activity.SETTLED
-    within = 1.2 * session.store.state.document.tolerance if method == "paper" else 1e-9
+    within = 1.2 * session.store.state.document.settings.tolerance if method == "paper" else 1e-9
     assert abs(session.store.state.frame.area_error - 0.2) < within
     assert not session.store.state.document.is_posed
     session.rest_shape.restore()
     assert session.U is session.store.state.document.mesh.V
-    assert session.store.state.document.area == 100.0
+    assert session.store.state.document.settings.area == 100.0
     assert session.store.state.is_at_rest
     session.listen(0.02)
     assert session.store.activity is Activity.IDLE
@@ -432,15 +432,15 @@ def test_set_area_is_met_at_once_without_a_pose(session, factored, method):
 def test_rest_shape_restore_asks_for_100_percent_and_leaves_free_what_is_free(parted):
     parted.parts.add_region()
     parted.settings.set_region_area(0, 110.0)
-    parted.settings.set_area(105.0)
+    parted.settings.change(area=105.0)
     parted.drag(BENT)
     parted.settle()
     parted.rest_shape.restore()
     assert parted.store.state.document.target_percentages == (100.0, None, 100.0, None)
     assert parted.store.state.frame.regions == parted.store.state.document.region_areas(parted.U)
-    parted.settings.set_volume(110.0)
+    parted.settings.change(volume=110.0)
     parted.rest_shape.restore()
-    assert parted.store.state.document.volume == 100.0
+    assert parted.store.state.document.settings.volume == 100.0
     assert parted.store.state.is_at_rest
     undo = parted.gestures.history.next_undo
     parted.rest_shape.restore()
@@ -454,16 +454,16 @@ def test_settings_move_nothing_at_rest_with_100_percent_of_everything(parted):
     ready(parted)
     parted.rest_shape.restore()
     for verb in (
-        lambda: parted.settings.set_volume(100.0),
+        lambda: parted.settings.change(volume=100.0),
         lambda: parted.settings.set_region_area(0, 100.0),
-        lambda: parted.settings.set_stiffness(0.05),
-        lambda: parted.settings.set_method("local"),
-        lambda: parted.settings.set_local_stiffness(5.0, 1.0),
-        lambda: parted.settings.set_hold_area(True),
-        lambda: parted.settings.set_method("paper"),
-        lambda: parted.settings.set_tolerance(0.01),
-        lambda: parted.settings.set_method("arap"),
-        lambda: parted.settings.set_area(130.0),  # which this method is not asked for
+        lambda: parted.settings.change(stiffness=0.05),
+        lambda: parted.settings.change(method="local"),
+        lambda: parted.settings.change(area_stiffness=5.0, shear_stiffness=1.0),
+        lambda: parted.settings.change(hold_area=True),
+        lambda: parted.settings.change(method="paper"),
+        lambda: parted.settings.change(tolerance=0.01),
+        lambda: parted.settings.change(method="arap"),
+        lambda: parted.settings.change(area=130.0),  # which this method is not asked for
         parted.parts.add_handle,
         lambda: parted.parts.remove_handle(2),
         lambda: region_stroke(parted, layers(parted, 1, 5), 1),
@@ -472,7 +472,7 @@ def test_settings_move_nothing_at_rest_with_100_percent_of_everything(parted):
         assert parted.store.activity is Activity.IDLE
         assert parted.U is parted.store.state.document.mesh.V
     assert not parted.store.state.is_at_rest, "the area is asked for as soon as another method can have it"
-    parted.settings.set_method("exact")
+    parted.settings.change(method="exact")
     parted.settle()
     assert parted.store.state.frame.area_error == pytest.approx(0.3)
     assert abs(volume_share(parted) - 1.0) < 1e-9
@@ -484,7 +484,7 @@ def test_set_volume_keeps_the_volume_while_it_is_asked_for(session):
     session.settle()
     free = volume_share(session)
     assert abs(free - 1.0) > 1e-3
-    session.settings.set_volume(100.0)
+    session.settings.change(volume=100.0)
     session.settle()
     assert abs(volume_share(session) - 1.0) < 1e-9
     assert abs(session.store.state.frame.area_error) < 1e-9
@@ -492,17 +492,17 @@ def test_set_volume_keeps_the_volume_while_it_is_asked_for(session):
     session.settle()
     assert abs(volume_share(session) - 1.0) < 1e-9
     session.drag(BENT)
-    session.settings.set_volume(None)
+    session.settings.change(volume=None)
     session.settle()
     assert volume_share(session) == pytest.approx(free, abs=1e-3)
 
 
 def test_set_volume_lets_go_what_is_no_longer_asked_for_without_a_pose(session):
-    session.settings.set_method("arap")
-    session.settings.set_volume(130.0)
+    session.settings.change(method="arap")
+    session.settings.change(volume=130.0)
     session.settle()
     assert abs(volume_share(session) - 1.3) < 1e-9
-    session.settings.set_volume(None)
+    session.settings.change(volume=None)
     session.settle()
     assert np.allclose(session.U, session.store.state.document.mesh.V, rtol=0, atol=1e-2)
 
@@ -510,11 +510,11 @@ def test_set_volume_lets_go_what_is_no_longer_asked_for_without_a_pose(session):
 def test_set_volume_finds_no_volume_to_keep_in_an_open_mesh(empty):
     empty.show_now(Mesh(*grid(3, 3)))
     state = empty.store.state
-    empty.settings.set_volume(100.0)
+    empty.settings.change(volume=100.0)
     assert empty.store.state is state
     assert "no volume" in empty.failed[0]
     assert "open" in empty.failed[0]
-    empty.settings.set_volume(None)
+    empty.settings.change(volume=None)
     assert len(empty.failed) == 1
 
 
@@ -524,7 +524,7 @@ def test_settings_out_of_reach_are_said_and_can_be_taken_back(parted, verb):
     parted.settle()
     before = parted.store.state
     if verb == "area":
-        parted.settings.set_area(20.0)
+        parted.settings.change(area=20.0)
     else:
         parted.stroke(layers(parted, 2, 4), BASE)
         parted.settings.set_region_area(0, 150.0)
@@ -544,7 +544,7 @@ def test_settings_out_of_reach_are_said_and_can_be_taken_back(parted, verb):
     assert parted.store.state is unreached, "it is not tried again"
     while parted.store.state is not before:
         parted.gestures.undo()
-    parted.settings.set_area(101.0)
+    parted.settings.change(area=101.0)
     parted.settle()
     assert parted.store.activity is Activity.SETTLED
     assert parted.store.state.frame.unreached is None
@@ -554,7 +554,7 @@ def test_set_method_deforms_the_pose_that_is_held_by_another_method(session):
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     shapes = {}
     for method in ("exact", "arap", "local", "paper", "exact"):
-        session.settings.set_method(method)
+        session.settings.change(method=method)
         session.settle()
         assert session.store.activity is Activity.SETTLED
         shapes[method] = session.U
@@ -566,11 +566,11 @@ def test_set_method_deforms_the_pose_that_is_held_by_another_method(session):
 
 
 def test_set_hold_area_holds_the_total_area_in_the_local_method_on_demand(session):
-    session.settings.set_method("local")
+    session.settings.change(method="local")
     session.drag(BENT)
     session.settle()
     assert abs(session.store.state.frame.area_error) > 1e-9
-    session.settings.set_hold_area(True)
+    session.settings.change(hold_area=True)
     session.settle()
     assert abs(session.store.state.frame.area_error) < 1e-9
 
@@ -583,21 +583,21 @@ def test_settings_factor_for_every_stiffness_and_not_for_targets(parted, factore
     parted.settle()
     factored.count = 0
     for percent in (101.0, 103.0):
-        parted.settings.set_area(percent)
-        parted.settings.set_volume(percent)
+        parted.settings.change(area=percent)
+        parted.settings.change(volume=percent)
         parted.settings.set_region_area(0, percent)
         parted.settle()
-    parted.settings.set_volume(None)
-    parted.settings.set_tolerance(0.1)
+    parted.settings.change(volume=None)
+    parted.settings.change(tolerance=0.1)
     parted.settle()
     assert factored.count == 0
-    parted.settings.set_stiffness(0.02)
+    parted.settings.change(stiffness=0.02)
     parted.settle()
     assert factored.count == 1
-    parted.settings.set_local_stiffness(area_stiffness=10.0)
+    parted.settings.change(area_stiffness=10.0)
     parted.settle()
     assert factored.count == 2
-    parted.settings.set_local_stiffness(shear_stiffness=0.3)
+    parted.settings.change(shear_stiffness=0.3)
     parted.settle()
     assert factored.count == 3
 
@@ -613,7 +613,7 @@ def test_request_solver_is_told_only_what_differs(session, monkeypatch):
     assert kept == []
     assert aimed
     aimed.clear()
-    session.settings.set_area(103.0)
+    session.settings.change(area=103.0)
     session.settle()
     assert len(kept) == 1
     assert aimed == []
@@ -624,7 +624,7 @@ def test_request_solver_is_told_only_what_differs(session, monkeypatch):
 
 def test_settings_made_before_anything_is_painted_are_answered_afterwards(empty):
     empty.show_now(bar())
-    empty.settings.set_area(110.0)
+    empty.settings.change(area=110.0)
     assert empty.store.activity is Activity.IDLE
     base, handle = ends(empty.store.state.document.mesh.V)
     empty.stroke(base, BASE)
@@ -636,7 +636,7 @@ def test_settings_made_before_anything_is_painted_are_answered_afterwards(empty)
 
 
 def test_painting_on_an_inflated_shape_moves_nothing(session):
-    session.settings.set_area(115.0)
+    session.settings.change(area=115.0)
     session.settle()
     U = session.U
     session.stroke(layers(session, 1, 1), BASE)
@@ -654,20 +654,20 @@ def test_contact_by_default_is_on_where_it_leaves_the_hand_its_pace(empty, cells
     empty.show_now(Mesh(*grid(cells, cells)))
     document = empty.store.state.document
     assert (len(document.mesh.V) <= 20_000) == on
-    assert document.contact == on
+    assert document.settings.contact == on
 
 
 def test_files_open_mesh_begins_with_the_defaults_and_without_parts(parted):
-    parted.settings.set_method("local")
-    parted.settings.set_tolerance(0.01)
-    parted.settings.set_stiffness(0.02)
-    parted.settings.set_local_stiffness(10.0, 0.5)
-    parted.settings.set_area(110.0)
-    parted.settings.set_volume(100.0)
+    parted.settings.change(method="local")
+    parted.settings.change(tolerance=0.01)
+    parted.settings.change(stiffness=0.02)
+    parted.settings.change(area_stiffness=10.0, shear_stiffness=0.5)
+    parted.settings.change(area=110.0)
+    parted.settings.change(volume=100.0)
     parted.show_now(bar())
     document = parted.store.state.document
-    given = {"mesh", "labels", "grip", "member", "handles", "contact"}
-    assert document.contact, "on for meshes of its size"
+    given = {"mesh", "labels", "grip", "member", "handles", "settings"}
+    assert document.settings == Settings(contact=True), "which is on for meshes of its size"
     for one in dataclasses.fields(Document):
         assert one.name in given or getattr(document, one.name) == one.default, one.name
     assert [handle.name for handle in document.handles] == ["Handle 1"]

@@ -122,7 +122,7 @@ def test_autosave_has_every_step_in_the_file_soon(session, folder):
         check_kept(folder, session)
     session.parts.rename_handle(0, "neck")
     check_kept(folder, session)
-    session.settings.set_method("local")
+    session.settings.change(method="local")
     session.settle()
     check_kept(folder, session)
 
@@ -588,8 +588,8 @@ def play(folder: Path) -> None:
     things = [
         lambda: session.stroke(np.array(chance.sample(range(n), 3)), chance.randrange(3)),
         lambda: session.drag(*(pose(chance.uniform(-1.0, 1.0)) for _ in range(5))),
-        lambda: session.settings.set_tolerance(chance.uniform(0.001, 0.1)),
-        lambda: session.settings.set_method(chance.choice(["local", "exact", "arap"])),
+        lambda: session.settings.change(tolerance=chance.uniform(0.001, 0.1)),
+        lambda: session.settings.change(method=chance.choice(["local", "exact", "arap"])),
         session.gestures.undo,
         session.gestures.redo,
         session.rest_shape.restore,

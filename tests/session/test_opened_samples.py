@@ -16,7 +16,7 @@ from apd_viewer.session.processes.document_deformation import deformation_of
 def test_sample_state_needs_nothing_but_a_drag(name):
     document = sample_state(name).document
     assert document.paint_problem is None
-    assert document.contact
+    assert document.settings.contact
     assert not document.is_posed
     rest = deformation_of(document, document.constraints()).frame()
     np.testing.assert_array_equal(rest.U, document.mesh.V)

@@ -326,7 +326,7 @@ def test_relative_to_rest_has_the_product_of_all_motions(steps):
         session.stroke(np.flatnonzero(z == z.min()), BASE)
         session.stroke(np.flatnonzero(z == z.max()), HANDLE)
         session.parts.add_handle()
-        session.settings.set_method("arap")
+        session.settings.change(method="arap")
         first, done = np.flatnonzero(document(session).labels == HANDLE), []
         total = np.eye(4)
         for step, a, b in steps:

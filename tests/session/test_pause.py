@@ -11,7 +11,7 @@ pytestmark = pytest.mark.usefixtures("slow")
 @pytest.fixture
 def paused(session):
     """A session paused on the way to a bent bar."""
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     session.settle()
     session.drag(BENT)
     session.until(lambda: session.store.state.frame.iteration > 2)

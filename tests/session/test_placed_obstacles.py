@@ -211,12 +211,12 @@ def test_obstacles_have_names_of_their_own_and_can_be_removed(opened):
 
 
 def test_obstacles_are_refused_with_a_method_without_contact_and_when_too_many(opened):
-    opened.settings.set_method("paper")
+    opened.settings.change(method="paper")
     before = now(opened)
     assert opened.obstacles.add_floor(UP) is None
     assert "contact" in opened.failed[-1]
     assert now(opened) is before
-    opened.settings.set_method("exact")
+    opened.settings.change(method="exact")
     ball = NamedObstacle("", ObstacleKind.SPHERE, frozen(np.array([9.0, 9.0, 9.0])), radius=1.0)
     for k in range(MOST_OBSTACLES):
         assert opened.obstacles.add(ball) == k

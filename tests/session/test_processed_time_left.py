@@ -25,7 +25,7 @@ def test_time_left_estimate_knows_the_time_left_before_half_of_the_way_to_the_mi
     empty.until(lambda: empty.jobs.current is None, 60.0)
     empty.stroke(np.flatnonzero(V[:, 2] < -1.68), BASE)
     empty.stroke(np.flatnonzero(V[:, 2] > 1.68), HANDLE)
-    empty.settings.set_stiffness(1e-3)
+    empty.settings.change(stiffness=1e-3)
     empty.handles.move_by(MotionKind.MOVE_Z, "0.04", 0)
     seen = empty.store.state.frame
     empty.until(lambda: empty.store.state.frame is not seen, 60.0)  # decimated, and on its way

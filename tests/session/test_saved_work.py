@@ -15,9 +15,9 @@ SAID = {
     "region": lambda session: session.parts.add_region(),
     "name": lambda session: session.parts.rename_handle(0, "neck"),
     "pivot": lambda session: session.handles.set_pivot(np.zeros(3), 0),
-    "target": lambda session: session.settings.set_area(101.0),
-    "stiffness": lambda session: session.settings.set_stiffness(0.5),
-    "method": lambda session: session.settings.set_method("arap"),
+    "target": lambda session: session.settings.change(area=101.0),
+    "stiffness": lambda session: session.settings.change(stiffness=0.5),
+    "method": lambda session: session.settings.change(method="arap"),
 }
 
 

@@ -41,9 +41,9 @@ def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
         "Paint": lambda: session.stroke(np.arange(3, 9), FREE),
         "Rotate about y −1.146° (Handle 1)": lambda: session.drag(*(pose(k / 50) for k in range(30))),
         "Reset all handles": session.rest_shape.restore,
-        "Change method": lambda: session.settings.set_method("arap"),
-        "Change tolerance": lambda: session.settings.set_tolerance(0.01),
-        "Change convergence": lambda: session.settings.set_convergence(Convergence(500, 1e-9)),
+        "Change method": lambda: session.settings.change(method="arap"),
+        "Change tolerance": lambda: session.settings.change(tolerance=0.01),
+        "Change convergence": lambda: session.settings.change(convergence=Convergence(500, 1e-9)),
         "Open mesh": lambda: session.show_now(bar()),
     }
 
@@ -79,7 +79,7 @@ def test_gestures_forget_with_a_new_one_what_could_be_redone(session):
     session.drag(BENT)
     session.gestures.undo()
     assert session.gestures.history.next_redo == "Rotate about y +34.38° (Handle 1)"
-    session.settings.set_tolerance(0.02)
+    session.settings.change(tolerance=0.02)
     assert session.gestures.history.next_redo is None
 
 
@@ -179,7 +179,7 @@ def test_undo_within_a_gesture_cancels_it_first(session, kind):
     session.drag(pose(0.1))
     session.settle()
     previous = session.store.state
-    session.settings.set_tolerance(0.5)
+    session.settings.change(tolerance=0.5)
     session.settle()
     session.gestures.begin()
     if kind == "stroke":
@@ -234,7 +234,7 @@ def test_undo_to_a_shape_that_had_not_settled_goes_on(session):
 
 @pytest.mark.parametrize("detour", ["undo and redo", "cancel", "setting"])
 def test_handle_editor_drag_without_a_frame_yet_reaches_its_pose_after_a_detour(session, slow, detour):
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     ready(session)
     session.drag(BENT if detour != "setting" else np.eye(4))
     if detour == "undo and redo":
@@ -244,7 +244,7 @@ def test_handle_editor_drag_without_a_frame_yet_reaches_its_pose_after_a_detour(
         session.gestures.begin()
         session.gestures.cancel()
     else:
-        session.settings.set_tolerance(0.5)
+        session.settings.change(tolerance=0.5)
     session.settle()
     held = session.store.state.document.constraints()
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
@@ -293,14 +293,14 @@ def test_undo_goes_back_in_time_whatever_was_done_within_a_drag(session, tmp_pat
 
 
 def test_settings_changed_within_a_stroke_do_not_let_the_painted_vertices_leap(session):
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     session.drag(BENT)
     session.settle()
     middle = np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 4.0)
     U = session.U[middle]
     session.gestures.begin()
     session.painting.paint(middle, BASE)
-    session.settings.set_tolerance(0.5)
+    session.settings.change(tolerance=0.5)
     session.listen(0.1)
     assert np.abs(session.U[middle] - U).max() < 1e-3
 
@@ -365,7 +365,7 @@ def test_is_preparing_lasts_until_the_first_shape(empty):
     assert not empty.store.is_preparing
     empty.gestures.end("Move handle")
     empty.settle()
-    empty.settings.set_method("arap")
+    empty.settings.change(method="arap")
     assert empty.store.is_preparing, "another method is factored for"
     empty.settle()
     assert not empty.store.is_preparing
@@ -374,7 +374,7 @@ def test_is_preparing_lasts_until_the_first_shape(empty):
 def test_request_solver_does_not_factor_for_settings_undo_and_reset(session, factored):
     ready(session)
     factored.count = 0
-    session.settings.set_tolerance(0.01)
+    session.settings.change(tolerance=0.01)
     session.settle()
     session.drag(BENT)
     session.settle()
@@ -393,7 +393,7 @@ def test_request_solver_factors_for_other_labels_another_method_and_another_mesh
     if what == "labels":
         session.stroke(np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 1.0), BASE)
     elif what == "method":
-        session.settings.set_method("arap")
+        session.settings.change(method="arap")
     else:
         session.show_now(bar())
         session.paint_ends()
@@ -405,7 +405,7 @@ def test_request_solver_factors_for_other_labels_another_method_and_another_mesh
 
 
 def test_request_solver_aims_at_few_of_a_burst_of_poses_and_the_last_one_settles(session, slow, monkeypatch):
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     ready(session)
     aimed = []
     real = Deformation.aim
@@ -506,7 +506,7 @@ def _jumps(session: Driven) -> dict[str, Callable[[], None]]:
 
 @pytest.mark.parametrize("jump", ["undo", "cancel", "reset", "stroke"])
 def test_jump_to_is_followed_by_no_frame_from_before_it(session, slow, jump):
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     for k in range(8):
         session.gestures.begin()
         session.handles.drag(pose(0.3, (1.0, 0.0, 0.0)))
@@ -523,7 +523,7 @@ def test_jump_to_is_followed_by_no_frame_from_before_it(session, slow, jump):
 
 
 def test_jump_to_an_unsettled_shape_shows_its_own_frames_only(session, slow):
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     session.drag(pose(0.4, (-1.0, 0.0, 0.0)))
     session.until(lambda: session.store.state.frame.iteration)
     session.gestures.begin()
@@ -554,7 +554,7 @@ def test_store_never_gets_frames_of_an_older_mesh(session, slow):
 
 def test_store_does_not_take_the_end_of_an_older_pose_for_the_end_of_this_one(session, slow):
     """The frame lay there unread when the handle was moved on."""
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     session.until(solver_threads)
     session.drag(pose(0.02))
     (thread,) = solver_threads()
@@ -580,7 +580,7 @@ def test_store_does_not_take_the_end_of_an_older_pose_for_the_end_of_this_one(se
 @pytest.mark.parametrize("method", ["arap", "paper"])
 @pytest.mark.parametrize("settled", [True, False])
 def test_painting_after_a_drag_moves_nothing(session, method, settled):
-    session.settings.set_method(method)
+    session.settings.change(method=method)
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     session.until(lambda: session.store.state.frame.iteration >= 3)
     if settled:
@@ -601,7 +601,7 @@ def test_painting_after_a_drag_moves_nothing(session, method, settled):
 @pytest.mark.parametrize(("method", "most"), [("arap", 1e-3), ("paper", 1e-2)])
 def test_handle_editor_drag_does_not_leap_when_it_is_the_first_after_painting(session, method, most):
     """paper: its area may still close by the tolerance, which shows as 5e-4 of the bar's length."""
-    session.settings.set_method(method)
+    session.settings.change(method=method)
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     session.settle()
     session.stroke(np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 1.0), BASE)
@@ -634,7 +634,7 @@ def test_store_tells_of_a_failing_solver_and_the_session_lives_on(session, monke
         return real(A, V)
 
     monkeypatch.setattr(elastic_surface, "LinearSolver", failing_once)
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     session.until(lambda: session.failed)
     assert len(session.failed) == 1
     assert said in session.failed[0]
@@ -730,14 +730,14 @@ def test_activity_is_idle_after_opening_and_painting_refining_on_drag_settled_in
     assert empty.store.activity is Activity.SETTLED
     state = empty.store.state
     assert state.frame.converged
-    assert abs(state.frame.area_error) <= state.document.tolerance
+    assert abs(state.frame.area_error) <= state.document.settings.tolerance
     assert empty.store.seconds_per_iteration > 0.0
 
 
 def test_set_tolerance_keeps_the_area_to_the_tolerance_that_is_set(session):
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     for tolerance in (0.05, 1e-2, 1e-4):
-        session.settings.set_tolerance(tolerance)
+        session.settings.change(tolerance=tolerance)
         session.settle()
         assert session.store.activity is Activity.SETTLED
         assert abs(session.store.state.frame.area_error) <= tolerance
@@ -745,7 +745,7 @@ def test_set_tolerance_keeps_the_area_to_the_tolerance_that_is_set(session):
 
 def test_activity_is_unreached_after_a_run_that_never_settles(session, monkeypatch):
     monkeypatch.setattr(Deformation, "settled", False)
-    session.settings.set_convergence(Convergence(most_iterations=30))
+    session.settings.change(convergence=Convergence(most_iterations=30))
     session.drag(BENT)
     session.settle()
     assert session.store.activity is Activity.UNREACHED
@@ -792,7 +792,7 @@ def test_session_verbs_without_a_mesh_say_so(empty):
         empty.gestures.begin,
         empty.gestures.undo,
         empty.rest_shape.restore,
-        lambda: empty.settings.set_method("arap"),
+        lambda: empty.settings.change(method="arap"),
     ):
         with pytest.raises(RuntimeError, match="no mesh is open"):
             verb()
@@ -833,14 +833,14 @@ def test_rest_shape_restore_brings_back_the_rest_shape_and_keeps_the_paint(sessi
 
 def test_set_tolerance_refuses_one_that_cannot_be_met(session):
     ready(session)
-    session.settings.set_tolerance(-1.0)
+    session.settings.change(tolerance=-1.0)
     session.until(lambda: session.failed, seconds=2.0)
 
 
 def test_settings_made_in_the_middle_of_a_stroke_outlive_it_when_it_paints_nothing(session):
     session.gestures.begin()
-    session.settings.set_volume(95.0)
+    session.settings.change(volume=95.0)
     session.painting.end_stroke("Paint")
-    assert session.store.state.document.volume == 95.0
+    assert session.store.state.document.settings.volume == 95.0
     session.gestures.undo()
-    assert session.store.state.document.volume is None
+    assert session.store.state.document.settings.volume is None

@@ -3,6 +3,7 @@
 import contextlib
 import threading
 import time
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from apd_viewer.session.model.document_parts import have_same_paint
 from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.selecting.part_operation import PartOperation
+from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.state_store import Activity
 
 SIZES = ((1, 1, 3), (2, 1, 3), (1, 1, 4))
@@ -301,11 +303,11 @@ class Use(RuleBasedStateMachine):
 
     # Settings, which become part of a gesture, but take back a stroke that they come in the middle of.
 
-    def _set(self, verb, *values) -> None:
+    def _set(self, change: Callable[[SettingsEditor], object]) -> None:
         now = self.session.store.state
         painted = self.gesture and not have_same_paint(now.document, self.before.document)
         before = self.before if painted else now
-        getattr(self.session.settings, verb)(*values)
+        change(self.session.settings)
         if self.session.store.state.document is now.document:
             return
         if painted or not self.gesture:
@@ -314,34 +316,36 @@ class Use(RuleBasedStateMachine):
 
     @rule(method=st.sampled_from(["exact", "arap", "paper"]))
     def set_method(self, method) -> None:
-        self._set("set_method", method)
+        self._set(lambda editor: editor.change(method=method))
 
     @rule(tolerance=st.sampled_from([1e-3, 1e-2, 0.1]))
     def set_tolerance(self, tolerance) -> None:
-        self._set("set_tolerance", tolerance)
+        self._set(lambda editor: editor.change(tolerance=tolerance))
 
     @rule(percent=PERCENT)
     def set_area(self, percent) -> None:
-        self._set("set_area", percent)
+        self._set(lambda editor: editor.change(area=percent))
 
     @rule(percent=st.none() | PERCENT)
     def set_volume(self, percent) -> None:
-        self._set("set_volume", percent)
+        self._set(lambda editor: editor.change(volume=percent))
 
     @rule(stiffness=st.sampled_from([0.0, 0.05]))
     def set_stiffness(self, stiffness) -> None:
-        self._set("set_stiffness", stiffness)
+        self._set(lambda editor: editor.change(stiffness=stiffness))
 
     @rule(falloff=st.sampled_from([0.0, 0.7, 1.5]), k=NUMBERS)
     def set_falloff(self, falloff, k) -> None:
         # The handle must be there also after a stroke has been taken back.
-        self._set("set_falloff", k % len(self.session.store.state.document.handles), falloff)
+        count = len(self.session.store.state.document.handles)
+        self._set(lambda editor: editor.set_falloff(k % count, falloff))
 
     @precondition(_with_regions)
     @rule(percent=st.none() | PERCENT, k=NUMBERS)
     def set_region_area(self, percent, k) -> None:
         # The region must be there also after a stroke has been taken back.
-        self._set("set_region_area", k % len(self.session.store.state.document.regions), percent)
+        count = len(self.session.store.state.document.regions)
+        self._set(lambda editor: editor.set_region_area(k % count, percent))
 
     @precondition(_at_rest)
     @rule(size=st.sampled_from(SIZES))
@@ -431,7 +435,7 @@ class Use(RuleBasedStateMachine):
             held = document.constraints()
             moving = np.isin(held.fixed, np.concatenate(held.handles))
             assert np.array_equal(U[held.fixed][~moving], held.targets[~moving])
-            if document.method != "paper":
+            if document.settings.method != "paper":
                 assert np.allclose(U[held.fixed], held.targets, rtol=0, atol=1e-12)
             assert not state.has_unmet_target
         # One place measures: what the worker says, and what is said while it sleeps, is the same.

@@ -5,7 +5,6 @@ import signal
 import sys
 import threading
 import time
-from dataclasses import replace
 
 import forked
 import meshes
@@ -194,7 +193,7 @@ def session():
 
 def passing(state):
     """The state with contact off, so that walls pass through each other."""
-    return state.updated(replace(state.document, contact=False))
+    return state.updated(state.document.with_settings(contact=False))
 
 
 def known(session):

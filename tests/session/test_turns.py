@@ -110,7 +110,7 @@ def test_handle_editor_reset_forgets_the_turns(session):
 def test_walk_arrives_as_well_when_something_else_is_asked_in_its_middle(session):
     session.settings.set_contact(False)
     session.handles.move_by(MotionKind.TWIST, "400", 0)
-    session.settings.set_stiffness(1e-3)
+    session.settings.change(stiffness=1e-3)
     session.settle()
     state = session.store.state
     held = state.document.constraints()

@@ -34,7 +34,7 @@ def rows(path):
 
 def test_open_session_gives_a_session_without_the_word_no_contact(old):
     state, _ = open_session(old / "twisted.apd")
-    assert state.document.contact is False
+    assert state.document.settings.contact is False
     _, result = replay_session(old / "twisted.apd", from_rest=True)
     assert result.volume_capped == pytest.approx(14.552742878085184, rel=1e-7)
     assert result.volume_capped_rest == pytest.approx(14.553841441395733, rel=1e-12)
@@ -45,7 +45,7 @@ def test_case_session_shows_results_as_they_were(old):
     assert len(done) == 2
     for key in done:
         state, _ = case_session(old / "study", key)
-        assert state.document.contact is False
+        assert state.document.settings.contact is False
 
 
 def test_study_goes_on_from_half_done_to_what_it_would_have_given(old, capsys):

@@ -1,7 +1,5 @@
 """A case: the shapes and readings of the sweep, a session of it, and sentences where it fails."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import trimesh
@@ -46,7 +44,7 @@ def document(bar):
 def test_run_case_is_a_sweep_bit_for_bit(run, document, contact):
     result = run(motion="twist 200deg", steps="3", iterations="40", method="exact", contact=contact)
     # New documents are in contact, and plans that do not say it are not.
-    document = replace(document, contact=document.contact and contact in ("auto", "yes"))
+    document = document.with_settings(contact=document.settings.contact and contact in ("auto", "yes"))
     steps = list(
         sweep_of(document, 3, 1.0, ["exact"], 40, [MotionStep(0, "twist", (np.radians(200),))]).steps()
     )

@@ -63,7 +63,7 @@ class TouchingUser(User):
         return self.store.activity is not Activity.REFINING
 
     def other_area(self) -> None:
-        self.settings.set_area(self.random.choice([90.0, 100.0, 110.0]))
+        self.settings.change(area=self.random.choice([90.0, 100.0, 110.0]))
 
     def other_thickness(self) -> None:
         self.settings.set_contact(True, self.random.choice([None, 0.002, 0.02]))

@@ -3,7 +3,7 @@
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import fields
 
 import in_thread
 import numpy as np
@@ -188,4 +188,4 @@ def document(method: str = "paper", at: np.ndarray = BENT) -> Document:
     mesh = Mesh(*box(2, 2, 6))
     base, handle = ends(mesh.V)
     rest = initial_state(mesh).document.with_label(base, BASE).with_label(handle, HANDLE)
-    return replace(rest.with_pose(0, at), method=method)
+    return rest.with_pose(0, at).with_settings(method=method)

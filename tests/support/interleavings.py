@@ -95,7 +95,7 @@ class User(Driven):
             self.gestures.end("Move handle")
 
     def other_method(self) -> None:
-        self.settings.set_method(self.random.choice(METHODS))
+        self.settings.change(method=self.random.choice(METHODS))
 
     def pause(self) -> None:
         self.listen(self.random.choice([0.002, 0.02]))

@@ -234,12 +234,12 @@ def settings(driver):
     session.handles.move_by(MotionKind.TWIST, "30", 0)
     driver.idle()
     for method in ("exact", "local", "paper", "arap"):
-        session.settings.set_method(method)
+        session.settings.change(method=method)
         driver.idle()
         driver.scene(f"method {method}")
-    session.settings.set_method("exact")
-    session.settings.set_area(150.0)
-    session.settings.set_volume(40.0)
+    session.settings.change(method="exact")
+    session.settings.change(area=150.0)
+    session.settings.change(volume=40.0)
     driver.idle()
     driver.scene("out of reach")
     session.gestures.undo()
@@ -368,10 +368,10 @@ def parts(driver):
         window.edits.reshape(operation)
     driver.idle()
     driver.scene("the history")
-    session.settings.set_method("paper")
+    session.settings.change(method="paper")
     driver.idle()
     driver.scene("a region and the paper's method")
-    session.settings.set_method("exact")
+    session.settings.change(method="exact")
 
 
 def mistakes(driver):

@@ -94,8 +94,8 @@ def full(qtbot, bottle):
 
 @pytest.mark.parametrize("method", [pytest.param("local", marks=pytest.mark.night), "paper"])
 def test_wheel_changes_nothing_over_the_controls_of_the_window(qtbot, full, method):
-    full.session.settings.set_method(method)
-    full.session.settings.set_volume(100.0)
+    full.session.settings.change(method=method)
+    full.session.settings.change(volume=100.0)
     idle(qtbot, full)
 
     def reveal(widget):

@@ -118,8 +118,8 @@ def test_workbench_paints_erases_undoes_redoes_drags_and_exports(
     window.actions_.undo.trigger()
 
     window.actions_.tools[Tool.MOVE].trigger()
-    window.session.settings.set_stiffness(
-        1e-3
+    window.session.settings.change(
+        stiffness=1e-3
     )  # without, small patches wrinkle, and wrinkles take long to settle
     work_off()
     shown = watch_frames(window)
@@ -320,7 +320,7 @@ def test_viewport_is_never_starved_by_a_drag_of_a_large_mesh(qtbot, big, monkeyp
 
 def test_solver_worker_replies_never_pile_up(qtbot, bottle):
     """While the window is busy elsewhere the worker wakes nobody twice, and afterwards goes on."""
-    bottle.session.settings.set_convergence(Convergence(energy_tolerance=1e-15))  # not meanwhile
+    bottle.session.settings.change(convergence=Convergence(energy_tolerance=1e-15))  # not meanwhile
     woken = []
     bottle.signals.woken.connect(lambda: woken.append(1))
     drag(qtbot, bottle, ring_grip(bottle, 1), (50, 0), steps=4)
@@ -405,14 +405,14 @@ def test_export_says_so_where_it_fails_and_leaves_the_old_file(qtbot, bottle, tm
 
 
 def test_number_field_gives_the_keyboard_back_once_it_is_typed(qtbot, bottle):
-    bottle.session.settings.set_method("paper")
+    bottle.session.settings.change(method="paper")
     field = bottle.panel.method.tolerance
     field.setFocus()  # without a window manager no widget has it, but the window knows who would
     assert bottle.shell.focusWidget() is field
     field.selectAll()
     qtbot.keyClicks(field, "0.05")
     qtbot.keyClick(field, Qt.Key.Key_Return)
-    assert document(bottle).tolerance == pytest.approx(0.0005)
+    assert document(bottle).settings.tolerance == pytest.approx(0.0005)
     assert bottle.shell.focusWidget() is not field
     field.setFocus()
     drag(qtbot, bottle, ring_grip(bottle, 1), (20, 0), steps=2)
@@ -438,8 +438,8 @@ def test_undo_takes_back_the_motion_not_the_text_after_enter(qtbot, bottle):
 def test_return_focus_after_enter_in_any_field_of_the_panel_to_the_document(qtbot, bottle):
     bottle.session.parts.add_region()
     bottle.session.settings.set_region_area(0, 100.0)
-    bottle.session.settings.set_method("local")
-    bottle.session.settings.set_volume(100.0)
+    bottle.session.settings.change(method="local")
+    bottle.session.settings.change(volume=100.0)
     bottle.panel.folded_sections = []
     idle(qtbot, bottle)
     fields = [*bottle.panel.findChildren(NumberField), *bottle.panel.findChildren(TextField)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -23,15 +24,7 @@ from apd_viewer.geometry.pose.constraints import (
     SoftConstraints,
     constraints,
 )
-from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
-from apd_viewer.geometry.solver.methods import (
-    DEFAULT_AREA_STIFFNESS,
-    DEFAULT_METHOD,
-    DEFAULT_SHEAR_STIFFNESS,
-    DEFAULT_TOLERANCE,
-    Method,
-    method_named,
-)
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
@@ -61,25 +54,9 @@ class Document:
         k + 1 for the vertices of ``regions[k]``, 0 for those in none.
     handles : tuple of Handle, never empty
     regions : tuple of NamedRegion
-    method : str
-    tolerance : float
-        Relative error of the area that "paper" accepts.
-    stiffness, area_stiffness, shear_stiffness : float
-        See :class:`apd_viewer.geometry.solver.deformation.Deformation`.
-    area : float
-        What the total area should be, in percent of what it is at rest.
-    hold_area : bool
-        Whether "local" keeps the total area too.
-    volume : float or None
-        What the volume should be, in percent; None leaves it free. Always None where there is no volume.
+    settings : Settings
     staying_components : tuple of int
         Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
-    calm : bool
-        Whether "exact" keeps the area of calm parts too.
-    contact : bool
-        Whether walls are kept from passing through each other, by methods that can.
-    thickness : float or None
-        Distance that walls in contact keep, mesh units; None is a thousandth of the size of the mesh.
     obstacles : tuple of NamedObstacle
         What the surface touches and does not enter, while contact is on.
     base : PartFlags
@@ -88,8 +65,6 @@ class Document:
         What the shape is compared with; nothing is deformed to it.
     missing_target_shape : MissingMesh or None
         The target shape of a session that was not found again.
-    convergence : Convergence
-        What ends the iterations.
     poses : tuple of NamedPose
     mirror_axis : int or None
         Axis along which handles are moved symmetrically, 0, 1 or 2; None moves each by itself.
@@ -99,38 +74,22 @@ class Document:
     labels: np.ndarray = field(metadata=FACTORED)
     grip: np.ndarray = field(metadata=NOT_FACTORED)
     member: np.ndarray = field(metadata=NOT_FACTORED)
-    # Each field of a handle declares it for itself.
+    # Each field of a handle and of the settings declares it for itself.
     handles: tuple[Handle, ...] = field(
         default=(Handle(default_name(tr("Handle"), 1)),), metadata=NOT_FACTORED
     )
     regions: tuple[NamedRegion, ...] = field(default=(), metadata=NOT_FACTORED)
-    method: str = field(default=DEFAULT_METHOD, metadata=FACTORED)
-    tolerance: float = field(default=DEFAULT_TOLERANCE, metadata=NOT_FACTORED)
-    stiffness: float = field(default=0.0, metadata=FACTORED)
-    area_stiffness: float = field(default=DEFAULT_AREA_STIFFNESS, metadata=FACTORED)
-    shear_stiffness: float = field(default=DEFAULT_SHEAR_STIFFNESS, metadata=FACTORED)
-    area: float = field(default=100.0, metadata=NOT_FACTORED)
-    hold_area: bool = field(default=False, metadata=NOT_FACTORED)
-    volume: float | None = field(default=None, metadata=NOT_FACTORED)
+    settings: Settings = field(default=DEFAULT_SETTINGS, metadata=NOT_FACTORED)
     staying_components: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
-    calm: bool = field(default=True, metadata=NOT_FACTORED)
-    contact: bool = field(default=False, metadata=NOT_FACTORED)
-    thickness: float | None = field(default=None, metadata=NOT_FACTORED)
     obstacles: tuple[NamedObstacle, ...] = field(default=(), metadata=NOT_FACTORED)
     base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
     measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
     target_shape: TargetShape | None = field(default=None, metadata=NOT_FACTORED)
     missing_target_shape: MissingMesh | None = field(default=None, metadata=NOT_FACTORED)
-    convergence: Convergence = field(default=DEFAULT_CONVERGENCE, metadata=NOT_FACTORED)
     poses: tuple[NamedPose, ...] = field(default=(), metadata=NOT_FACTORED)
     mirror_axis: int | None = field(default=None, metadata=NOT_FACTORED)
 
     # What follows from it
-
-    @property
-    def method_traits(self) -> Method:
-        """The deformation method."""
-        return method_named(self.method)
 
     @property
     def paint_problem(self) -> str | None:
@@ -140,7 +99,7 @@ class Document:
     @property
     def has_active_obstacles(self) -> bool:
         """True if there are obstacles, and contact for them to push by."""
-        return bool(self.obstacles) and self.contact and self.method_traits.may_use_contact
+        return bool(self.obstacles) and self.settings.uses_contact
 
     @property
     def active_obstacles(self) -> tuple[Obstacle, ...]:
@@ -198,7 +157,7 @@ class Document:
     @property
     def target_percentages(self) -> tuple[float | None, ...]:
         """Percentages asked for: of the area, the volume and each region."""
-        return self.area, self.volume, *(part.area for part in self.regions)
+        return self.settings.area, self.settings.volume, *(part.area for part in self.regions)
 
     @property
     def rest_areas(self) -> tuple[float, ...]:
@@ -214,11 +173,15 @@ class Document:
         return tuple(region_areas(U, self.mesh.F, self.member, len(self.regions)).tolist())
 
     def equals(self, other: Document) -> bool:
-        """True if all fields are the same objects, and the paint equal."""
-        others = (each.name for each in fields(self) if each.name not in ("labels", "member"))
+        """True if all fields are the same objects, and the paint and the settings equal."""
+        others = (each.name for each in fields(self) if each.name not in ("labels", "member", "settings"))
         if any(getattr(self, name) is not getattr(other, name) for name in others):
             return False
-        return np.array_equal(self.labels, other.labels) and np.array_equal(self.member, other.member)
+        return (
+            self.settings == other.settings
+            and np.array_equal(self.labels, other.labels)
+            and np.array_equal(self.member, other.member)
+        )
 
     @property
     def flags(self) -> DocumentFlags:
@@ -231,12 +194,13 @@ class Document:
     def at_rest(self) -> Document:
         """The document with all handles reset, and every percentage at 100."""
         regions = tuple(part if part.area is None else replace(part, area=100.0) for part in self.regions)
-        volume = None if self.volume is None else 100.0
+        volume = None if self.settings.volume is None else 100.0
+        settings = replace(self.settings, area=100.0, volume=volume)
         handles = tuple(
             replace(handle.relative_to_rest.with_pose(IDENTITY), former_twist_axis=None)
             for handle in self.handles
         )
-        return replace(self, grip=self.mesh.V, handles=handles, area=100.0, volume=volume, regions=regions)
+        return replace(self, grip=self.mesh.V, handles=handles, settings=settings, regions=regions)
 
     @property
     def relative_to_rest(self) -> Document:
@@ -250,6 +214,10 @@ class Document:
         grip = memo.rest_grip(self.mesh.V, self.grip, self.labels, self.mesh.weld, *starts)
         handles = tuple(handle.relative_to_rest for handle in self.handles)
         return replace(self, grip=self.mesh.V if grip is None else grip, handles=handles)
+
+    def with_settings(self, **changes: Any) -> Document:
+        """The document with other settings, by their names."""
+        return replace(self, settings=replace(self.settings, **changes))
 
     def with_label(self, ids: np.ndarray, label: int) -> Document:
         """The document with ``ids`` and their coincident vertices labelled.

@@ -18,7 +18,8 @@ from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.geometry.pose.frame import TARGET_ACCURACY, Frame
-from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, contact_by_default, method_material
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, contact_by_default
+from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
@@ -69,7 +70,7 @@ class State:
     @property
     def is_contact_active(self) -> bool:
         """True if contact is on, and the method has it."""
-        return self.document.contact and self.document.method_traits.may_use_contact
+        return self.document.settings.uses_contact
 
     @property
     def is_safe_from_crossing(self) -> bool:
@@ -94,7 +95,7 @@ class State:
     def has_unmet_target(self) -> bool:
         """True if a target of area or volume is not met."""
         document, rest, now = self.document, self.inspection, self.frame
-        within = document.tolerance if document.method_traits.has_tolerance else TARGET_ACCURACY
+        within = document.settings.tolerance if document.settings.traits.has_tolerance else TARGET_ACCURACY
         at_rest = rest.area, rest.volume, *document.rest_areas
         measured = zip(kept_percentages(document), at_rest, (now.area, now.volume, *now.regions), strict=True)
         return any(
@@ -138,7 +139,7 @@ def initial_state(mesh: Mesh, labels: np.ndarray | None = None) -> State:
         grip=mesh.V,
         member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
         handles=tuple(Handle(default_name(tr("Handle"), k)) for k in range(1, count + 1)),
-        contact=contact_by_default(DEFAULT_METHOD, len(mesh.V)),
+        settings=Settings(contact=contact_by_default(DEFAULT_METHOD, len(mesh.V))),
     )
     return State(document, inspection, surface_index_of(mesh), rest_frame(mesh, inspection))
 
@@ -209,6 +210,5 @@ def _alike(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
 
 def load_excess_of(document: Document) -> float | None:
     """Expected excess of loads on the obstacles; None without stiffness."""
-    moduli = document.stiffness, document.area_stiffness, document.shear_stiffness
     cells = memo.cell_stiffness(document.mesh.V, document.mesh.joined_F)
-    return load_excess(method_material(document.method_traits, *moduli), cells)
+    return load_excess(document.settings.material, cells)

@@ -165,7 +165,7 @@ def self_passing_warnings(state: State, check: ShapeCheck | None) -> tuple[str, 
     if check is None:
         return ()
     names = [handle.name for handle in state.document.handles]
-    touch = state.is_contact_active, state.document.method_traits.may_use_contact
+    touch = state.is_contact_active, state.document.settings.traits.may_use_contact
     return pass_through_warnings(check.turns, state.frame, state.inspection.volume, *touch, names)
 
 

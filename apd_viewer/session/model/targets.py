@@ -23,12 +23,12 @@ class Targets(NamedTuple):
 
 def kept_percentages(document: Document) -> tuple[float | None, ...]:
     """Percentages passed to the method; None for a region without a triangle."""
-    method = document.method_traits
-    keeps_area = method.keeps_total_area or (method.may_keep_total_area and document.hold_area)
+    method = document.settings.traits
+    keeps_area = method.keeps_total_area or (method.may_keep_total_area and document.settings.hold_area)
     only_area = method.keeps_only_total_area
     return (
-        document.area if keeps_area else None,
-        None if only_area else document.volume,
+        document.settings.area if keeps_area else None,
+        None if only_area else document.settings.volume,
         *(
             part.area if at_rest > 0.0 and not only_area else None
             for part, at_rest in zip(document.regions, document.rest_areas, strict=True)

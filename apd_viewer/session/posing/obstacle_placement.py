@@ -90,7 +90,7 @@ def proposed_obstacle(
 
 def reset_obstacles(state: State) -> tuple[NamedObstacle, ...]:
     """Obstacles of a state where they were put, moved back out of its shape."""
-    apart, found = contact_distance(state, state.document.thickness), []
+    apart, found = contact_distance(state, state.document.settings.thickness), []
     for obstacle in state.document.obstacles:
         obstacle = obstacle.with_shift_applied(np.zeros(3))
         clear = is_clear(obstacle, state, apart)

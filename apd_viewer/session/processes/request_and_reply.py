@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from apd_viewer.geometry.pose.frame import NO_SHIFTS, Frame
+from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.factor_key import factored_fields
 from apd_viewer.session.model.handles_and_regions import Handle
@@ -85,13 +86,14 @@ class Reply:
     cost: Cost | None = None
 
 
-_OF_DOCUMENT, _OF_HANDLE = factored_fields(Document), factored_fields(Handle)
+_OF_DOCUMENT, _OF_SETTINGS, _OF_HANDLE = map(factored_fields, (Document, Settings, Handle))
 
 
 def factor_key(document: Document) -> tuple[object, ...]:
     """Key of a document's factorization; another key needs another factor."""
     of_handles = (getattr(handle, name) for handle in document.handles for name in _OF_HANDLE)
-    return (*(getattr(document, name) for name in _OF_DOCUMENT), *of_handles)
+    of_settings = (getattr(document.settings, name) for name in _OF_SETTINGS)
+    return (*(getattr(document, name) for name in _OF_DOCUMENT), *of_settings, *of_handles)
 
 
 def are_same_keys(a: tuple[object, ...], b: tuple[object, ...]) -> bool:

@@ -213,10 +213,18 @@ class RequestSolver:
         request = order.request
         document = request.document
         held = document.constraints()
-        kept_apart = (document.thickness, document.staying_components) if document.contact else None
+        kept_apart = (
+            (document.settings.thickness, document.staying_components) if document.settings.contact else None
+        )
         key = *factor_key(document), kept_apart
         names = tuple(region.name for region in document.regions)
-        goals = (document.target_percentages, document.hold_area, document.member, names, document.calm)
+        goals = (
+            document.target_percentages,
+            document.settings.hold_area,
+            document.member,
+            names,
+            document.settings.calm,
+        )
         moved = *(handle.pose for handle in document.handles), *(each.shift for each in document.obstacles)
         poses = document.grip, *moved
         around = obstacle_key(document)
@@ -226,10 +234,13 @@ class RequestSolver:
             self._solver = self._made(order, held)
         else:
             if not are_same_keys(goals, self._goals):
-                self._solver.keep(*targets_of(document), document.calm)
+                self._solver.keep(*targets_of(document), document.settings.calm)
             if not are_same_keys(around, self._placed):
                 self._solver.replace_obstacles(document.active_obstacles)
-        self._solver.tolerance, self._solver.convergence = document.tolerance, document.convergence
+        self._solver.tolerance, self._solver.convergence = (
+            document.settings.tolerance,
+            document.settings.convergence,
+        )
         self._solver.loose.choose_loose(document.staying_components)
         self._warning = self._solver.loose.warning
         jumps = request.generation != self._generation

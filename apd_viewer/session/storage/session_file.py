@@ -146,7 +146,7 @@ def open_session(path: str | Path) -> tuple[State, View]:
         document = with_target(
             document_from_json(said.nested_fields("document"), mesh, arrays), said, path, archive
         )
-        if document.volume is not None and not state.inspection.volume:
+        if document.settings.volume is not None and not state.inspection.volume:
             raise ValueError(tr("its “volume” is damaged"))
         state = replace(state, document=document)
         frame = frame_from_json(said.nested_fields("frame"), state, arrays["shape"])

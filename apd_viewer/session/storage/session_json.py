@@ -11,14 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame, FrameContact
-from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence, check_convergence
-from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import MOST_POSES, NO_FLAGS
@@ -32,20 +29,18 @@ from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.session.storage.measurements_json import measurements_from_json, measurements_to_json
 from apd_viewer.session.storage.obstacle_json import obstacle_from_json, obstacle_to_json, vectors_from_json
 from apd_viewer.session.storage.part_json import (
-    LARGEST_NUMBER,
     LEAST_POSITIVE,
     flags_from_json,
     flags_to_json,
     handle_from_json,
     handle_to_json,
     number_to_json,
-    percent_from_json,
     pose_from_json,
     pose_to_json,
     region_from_json,
 )
+from apd_viewer.session.storage.settings_json import settings_from_json, settings_to_json
 
-_NUMBERS = ("tolerance", "stiffness", "area_stiffness", "shear_stiffness", "area")
 _POINTS = ("position", "focal", "up")
 _AXES = "xyz"
 _NO_OVERLAY = "none"
@@ -59,20 +54,12 @@ def document_to_json(document: Document) -> dict[str, Any]:
             {"name": part.name, "area": number_to_json(part.area), **flags_to_json(part.flags)}
             for part in document.regions
         ],
-        "method": document.method,
-        **{name: number_to_json(getattr(document, name)) for name in _NUMBERS},
-        "hold_area": bool(document.hold_area),
-        "volume": number_to_json(document.volume),
-        # Sessions without it are from a time when no calm parts were kept.
-        **({"calm": True} if document.calm else {}),
-        "contact": bool(document.contact),
-        **({"thickness": number_to_json(document.thickness)} if document.thickness else {}),
+        **settings_to_json(document.settings),
         **(
             {"obstacles": [obstacle_to_json(each) for each in document.obstacles]}
             if document.obstacles
             else {}
         ),
-        **_convergence_to_json(document.convergence),
         # Sessions without it are from a time when loose parts stayed.
         **(
             {"staying": list(document.staying_components)}
@@ -86,38 +73,15 @@ def document_to_json(document: Document) -> dict[str, Any]:
     }
 
 
-def _convergence_to_json(convergence: Convergence) -> dict[str, Any]:
-    """The criteria that end the iterations, if they are not the usual ones."""
-    return {} if convergence == DEFAULT_CONVERGENCE else {"convergence": convergence._asdict()}
-
-
-def _convergence_from_json(fields: JsonFields) -> Convergence:
-    if not fields.has_value("convergence"):
-        return DEFAULT_CONVERGENCE
-    criteria = fields.nested_fields("convergence")
-    found = Convergence(
-        criteria.count("most_iterations"),
-        criteria.number("energy_tolerance"),
-        criteria.number("step_tolerance"),
-    )
-    try:
-        check_convergence(found)
-    except InputError:
-        raise ValueError(tr("its “convergence” is damaged")) from None
-    return found
-
-
 def document_from_json(fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
     """Document from its JSON, its mesh and ``labels``, ``member`` and ``grip``."""
     handles = tuple(handle_from_json(part) for part in fields.nested_list("handles", MOST_HANDLES))
     regions = tuple(region_from_json(part) for part in fields.nested_list("regions", MOST_REGIONS))
-    labels, member, method = arrays["labels"], arrays["member"], fields.text("method")
+    labels, member = arrays["labels"], arrays["member"]
     if not handles or labels.max() >= HANDLE + len(handles):
         raise ValueError(tr("“labels” in it refer to a handle that does not exist"))
     if member.max() > len(regions):
         raise ValueError(tr("“member” in it refers to a region that does not exist"))
-    if method not in METHODS:
-        raise ValueError(tr("its “method” is unknown"))
     document = Document(
         mesh,
         labels,
@@ -125,23 +89,9 @@ def document_from_json(fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndar
         member,
         handles,
         regions,
-        method,
-        tolerance=fields.number("tolerance", LEAST_POSITIVE, LARGEST_NUMBER),
-        stiffness=fields.number("stiffness", 0.0, LARGEST_NUMBER),
-        area_stiffness=fields.number("area_stiffness", 0.0, LARGEST_NUMBER),
-        shear_stiffness=fields.number("shear_stiffness", 0.0, LARGEST_NUMBER),
-        area=fields.number("area", LEAST_POSITIVE, LARGEST_NUMBER),
-        hold_area=fields.flag("hold_area"),
-        volume=percent_from_json(fields, "volume"),
-        calm=fields.has_value("calm") and fields.flag("calm"),
-        # Sessions without it may be from a time when walls passed through each other by default.
-        contact=fields.has_value("contact") and fields.flag("contact"),
-        thickness=fields.number("thickness", LEAST_POSITIVE, LARGEST_NUMBER)
-        if fields.has_value("thickness")
-        else None,
+        settings_from_json(fields),
         obstacles=_obstacles(fields),
         base=flags_from_json(fields.nested_fields("base")) if fields.has_value("base") else NO_FLAGS,
-        convergence=_convergence_from_json(fields),
         measurements=measurements_from_json(fields, len(mesh.F)),
         poses=tuple(pose_from_json(each) for each in fields.nested_list("poses", MOST_POSES))
         if fields.has_value("poses")

@@ -9,7 +9,7 @@ All methods of the class are called on one thread.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.model.document import Document
@@ -109,7 +109,7 @@ class Comparison:
             return
         self.current_method = self.queued_methods[0]
         self.outcomes[self.current_method] = MethodOutcome()
-        self._asked = replace(self.document.relative_to_rest, method=self.current_method)
+        self._asked = self.document.relative_to_rest.with_settings(method=self.current_method)
         self._generation += 1
         if self._worker is None:
             self._worker = SolverWorker(self._wake)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -64,7 +63,7 @@ def loss_curve(
 ) -> list[LossCurvePoint]:
     """ARAP's area change for twists of 0 to 180 degrees, in ``steps`` steps."""
     found = []
-    document = replace(document, contact=False)  # of which the paper knows nothing
+    document = document.with_settings(contact=False)  # of which the paper knows nothing
     held = document.constraints()
     mesh = document.mesh
     solver = Deformation(mesh.V, mesh.F, held.fixed, method="arap", handle=held.handles, plain=True)

@@ -99,7 +99,7 @@ def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
     if not frame.settled or (frame.converged and state.has_unmet_target):
         return False
     kept = held.fixed
-    if document.method_traits.moves_handles:
+    if document.settings.traits.moves_handles:
         kept = np.setdiff1d(kept, np.concatenate(held.handles))
     away = frame.U[kept] - held.targets[np.searchsorted(held.fixed, kept)]
     return bool(np.abs(away).max(initial=0.0) <= solver.rest.in_place_tolerance)

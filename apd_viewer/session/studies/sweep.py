@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
@@ -71,11 +71,11 @@ class Sweep:
     @property
     def obstacles(self) -> tuple[NamedObstacle, ...]:
         """Obstacles whose loads are measured."""
-        return self.document.obstacles if self.document.contact else ()
+        return self.document.obstacles if self.document.settings.contact else ()
 
     def load_excess_percent(self, method: str) -> float | None:
         """Expected excess of the loads by a method; None without stiffness or loads."""
-        document = replace(self.document, method=method)
+        document = self.document.with_settings(method=method)
         excess = load_excess_of(document) if document.has_active_obstacles else None
         return None if excess is None else 100.0 * excess
 
@@ -113,7 +113,7 @@ class Sweep:
             method_named(step.method).may_use_contact,
             [each.name for each in self.document.handles],
         )
-        touch = self.document.contact and may_touch, may_touch
+        touch = self.document.settings.contact and may_touch, may_touch
         return pass_through_warnings(step.turns, step.frame, step.volume_rest, *touch, names)
 
     def document_at(self, share: float) -> Document:
@@ -131,7 +131,7 @@ class Sweep:
         """
         rest: RestMesh | None = None
         for m, method in enumerate(self.methods):
-            document = replace(self.document, method=method)
+            document = self.document.with_settings(method=method)
             tick(m / len(self.methods), method)
             solver = deformation_of(document, document.constraints(), rest)
             rest = solver.rest
@@ -147,7 +147,7 @@ class Sweep:
 
     def _frames(self, solver: Deformation, tick: Callable[[int, int], object]) -> Iterator[Frame]:
         """Frame of each step, continued from the one before or beside a walk."""
-        documents = [replace(self.document_at(part), method=solver.method) for part in self.shares]
+        documents = [self.document_at(part).with_settings(method=solver.method) for part in self.shares]
         # Obstacles press against shapes at rest, as it is their loads that matter.
         if solver.contact is not None and not documents[0].has_active_obstacles:
             end = self.shares[-1]

@@ -14,7 +14,7 @@ from typing import Any
 RESULTS_VERSION = 2
 _FOLDER = 16  # characters of a digest that name a folder
 
-Setting = float | int | bool | str
+CaseSetting = float | int | bool | str
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class StudyCase:
     motion: tuple[str, ...]
     unit: str
     steps: int
-    settings: tuple[tuple[str, Setting], ...] = ()
+    settings: tuple[tuple[str, CaseSetting], ...] = ()
 
     @cached_property
     def key(self) -> str:

@@ -8,18 +8,18 @@ from typing import NamedTuple
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA
 from apd_viewer.geometry.goals.percentage import PERCENT_SIGN, check_no_factor
-from apd_viewer.geometry.solver.convergence import LARGEST_TOLERANCE, MOST_ITERATIONS
+from apd_viewer.geometry.solver.convergence import MOST_ITERATIONS
 from apd_viewer.geometry.solver.methods import MOST_VERTICES_IN_CONTACT, method_named
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Setting, SettingKind
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.units import SYMBOLS
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS
-from apd_viewer.studies.plans.case import Setting
+from apd_viewer.studies.plans.case import CaseSetting
 
 NOTE_PREFIX = "#"
 AUTO = "auto"
 _YES, _NO = ("yes", "on", "true", "1"), ("no", "off", "false", "0")
-_LARGEST = 1e6
 _FACTORS_OF_MOTION = 2.0  # a part of a motion below can be a factor; from 2 on percents are usual
 _SHOWN = 40  # characters quoted from invalid input
 
@@ -35,7 +35,7 @@ class PlanColumn(NamedTuple):
         What it is, for the help of the command.
     """
 
-    parse: Callable[[str], Setting]
+    parse: Callable[[str], CaseSetting]
     description: str
 
 
@@ -110,6 +110,32 @@ def parse_unit(text: str) -> str:
     return text
 
 
+def _parser(setting: Setting) -> Callable[[str], CaseSetting]:
+    match setting.kind:
+        case SettingKind.METHOD:
+            return _method
+        case SettingKind.NUMBER | SettingKind.TOLERANCE:
+            return _number(setting.least, setting.most)
+        case SettingKind.PERCENTAGE:
+            return _percent
+        case SettingKind.SWITCH:
+            return _switch
+        case SettingKind.LENGTH | SettingKind.CONVERGENCE:
+            return str
+
+
+def _with_default(name: str, setting: Setting) -> str:
+    """Description of a setting with its default, where that is the same for all methods."""
+    default = getattr(DEFAULT_SETTINGS, name)
+    if default is None or setting.kind is SettingKind.PERCENTAGE:
+        return setting.help
+    if setting.kind is SettingKind.SWITCH:
+        default = tr("yes") if default else tr("no")
+    elif setting.kind is not SettingKind.METHOD:
+        default = f"{default:g}"
+    return tr("{what}; default: {default}").format(what=setting.help, default=default)
+
+
 # What belongs together in a case: files, motion, and the number of its steps.
 CASE_COLUMNS = {
     "mesh": tr("mesh file, or a session (.apd)"),
@@ -120,21 +146,11 @@ CASE_COLUMNS = {
     "steps": tr("of the motion; default: 10"),
 }
 SETTING_COLUMNS = {
-    "method": PlanColumn(_method, tr("arap, paper, exact, local or sr-arap; default: exact")),
-    "to": PlanColumn(_part, tr("percent of the motion at the last step; default: 100")),
-    "iterations": PlanColumn(_count(MOST_ITERATIONS), tr("at most so many a step; default: as sweep")),
-    "stiffness": PlanColumn(_number(0.0, _LARGEST), tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal)")),
-    "area_stiffness": PlanColumn(
-        _number(0.0, _LARGEST), tr("of local: how strongly triangles keep their area")
-    ),
-    "shear_stiffness": PlanColumn(
-        _number(0.0, _LARGEST), tr("of local: how strongly triangles keep their shape")
-    ),
-    "area": PlanColumn(_percent, tr("target of the total area, percent of rest")),
-    "volume": PlanColumn(_percent, tr("target of the volume, percent of rest; empty: free")),
-    "tolerance": PlanColumn(_number(1e-12, LARGEST_TOLERANCE), tr("of the area, by paper")),
-    "hold_area": PlanColumn(_switch, tr("of local: keep the total area too")),
-    "calm": PlanColumn(_switch, tr("of exact: keep the area of calm parts; default: yes")),
+    **{
+        name: PlanColumn(_parser(setting), _with_default(name, setting))
+        for name, setting in SETTINGS.items()
+        if setting.kind is not SettingKind.CONVERGENCE
+    },
     "contact": PlanColumn(
         _contact,
         tr(
@@ -142,7 +158,8 @@ SETTING_COLUMNS = {
             "methods that can); empty: no; of a session auto and empty are what it says"
         ).format(most=MOST_VERTICES_IN_CONTACT),
     ),
-    "thickness": PlanColumn(str, tr("length: distance that walls in contact keep")),
+    "to": PlanColumn(_part, tr("percent of the motion at the last step; default: 100")),
+    "iterations": PlanColumn(_count(MOST_ITERATIONS), tr("at most so many a step; default: as sweep")),
 }
 COLUMNS = (*CASE_COLUMNS, *SETTING_COLUMNS)
 COUNT_COLUMNS = ("steps", "iterations")  # whole numbers

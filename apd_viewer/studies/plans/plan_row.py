@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import asdict
 from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, MOST_VERTICES_IN_CONTACT
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS
 from apd_viewer.language import tr
-from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.posing.motion_step import check_amounts
 from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import NoUnitError, Unit
-from apd_viewer.studies.plans.case import Setting, StudyCase
+from apd_viewer.studies.plans.case import CaseSetting, StudyCase
 from apd_viewer.studies.plans.input_files import InputFiles
 from apd_viewer.studies.plans.plan_columns import SETTING_COLUMNS, parse_steps, parse_unit
 
@@ -25,14 +25,14 @@ T = TypeVar("T")
 
 DEFAULT_STEPS = 10
 _NAMES = dict.fromkeys("XYZLD", 1.0)
-_READERS: dict[str, Callable[[str], Setting]] = {
+_READERS: dict[str, Callable[[str], CaseSetting]] = {
     "unit": parse_unit,
     "steps": parse_steps,
     **{name: column.parse for name, column in SETTING_COLUMNS.items()},
 }
 # Of a mesh: who writes down what is usual asks for the same as who does not. Whether walls are kept apart is
 # always written down, since new work and plans without that column differ.
-_USUAL = {each.name: each.default for each in fields(Document) if each.name in SETTING_COLUMNS}
+_USUAL = asdict(DEFAULT_SETTINGS)
 _OLD = {"contact": False}
 # A session says its own unit; which, is of no account for what can be said in one.
 _SOME = Unit.MILLIMETRE
@@ -84,12 +84,12 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
     return StudyCase(mesh, selection, motion, unit, steps, tuple(settings.items()))
 
 
-def parse_cell(name: str, text: str) -> Setting:
+def parse_cell(name: str, text: str) -> CaseSetting:
     """Value of a cell on its own; raises InputError."""
     return _in_column(name, _READERS.get(name, str), text)
 
 
-def _settings(cells: Mapping[str, str]) -> dict[str, Setting]:
+def _settings(cells: Mapping[str, str]) -> dict[str, CaseSetting]:
     found = {name: parse_cell(name, cells[name]) for name in SETTING_COLUMNS if name in cells}
     method = str(found.get("method", DEFAULT_METHOD))
     if found.get("contact") is True and not METHODS[method].may_use_contact:

@@ -40,7 +40,7 @@ class MethodFields(QObject):
             check.setToolTip(f"{method.description}\n{slow}" if method.is_slow else method.description)
             # Obstacles push by contact only.
             check.setEnabled(method.may_use_contact or not document.has_active_obstacles)
-            check.setChecked(name == document.method)
+            check.setChecked(name == document.settings.method)
             check.toggled.connect(self.changed)
         self.layout_: QHBoxLayout = widget_row(*self.checks.values())
 

@@ -265,7 +265,7 @@ class PlanDialog(QDialog):
             round(self.steps.value()),
             self._handle,
         )
-        rows = design.plan_rows(self._state.document.method)
+        rows = design.plan_rows(self._state.document.settings.method)
         self._check(folder, design)
         return folder, rows, options
 

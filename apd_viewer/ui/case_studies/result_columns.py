@@ -12,11 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_grouped, format_short, format_significant
 from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.studies.case_file import DONE, FAILED
-from apd_viewer.studies.plans.plan_columns import NOTE_PREFIX
+from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE_PREFIX
 from apd_viewer.studies.results import DUPLICATE, READINGS, WAITING, WRONG, ResultTable, status_text
 
 LINE_COLUMN, MOTION_COLUMN, STATUS_COLUMN, REMARK_COLUMN = "line", "motion", "status", "sentence"
@@ -56,18 +57,8 @@ PLAN_TITLES = {
     "unit": tr("Unit"),
     "to": tr("Share of the motion"),
     "steps": tr("Steps"),
-    "method": tr("Method"),
     "iterations": tr("Most iterations"),
-    "stiffness": tr("Stiffness"),
-    "area_stiffness": tr("Area stiffness"),
-    "shear_stiffness": tr("Shear stiffness"),
-    "area": tr("Target area"),
-    "volume": tr("Target volume"),
-    "tolerance": tr("Tolerance"),
-    "hold_area": tr("Total area kept"),
-    "calm": tr("Calm parts kept"),
-    "contact": tr("Contact"),
-    "thickness": tr("Thickness"),
+    **{name: setting.title for name, setting in SETTINGS.items() if name in COLUMNS},
 }
 READING_WORDS = {
     "area_error": ReadingWords(tr("Area change"), tr("Of the total area, from rest"), percent=True),

@@ -87,7 +87,7 @@ def varied_quantities(state: State) -> list[VariedQuantity]:
         found.append(_as_it_stands())
     if document.paint_problem is None:
         found += _typed_motions()
-    stiffness = max(document.stiffness, 0.001)
+    stiffness = max(document.settings.stiffness, 0.001)
     found.append(
         VariedQuantity(
             "stiffness",

@@ -134,7 +134,7 @@ class ObstacleSection(Section):
         why, there = idle_reason(state), bool(state.document.obstacles)
         self.note.setText(why)
         self.note.setVisible(there and bool(why))
-        self.contact.setVisible(there and bool(why) and state.document.method_traits.may_use_contact)
+        self.contact.setVisible(there and bool(why) and state.document.settings.traits.may_use_contact)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""

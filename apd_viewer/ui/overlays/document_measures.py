@@ -29,7 +29,7 @@ class DocumentMeasures(NamedTuple):
     def from_document(cls, document: Document, keeps_apart: bool) -> DocumentMeasures:
         """Measures of a document, with contact or without."""
         falloffs = (handle.falloff for handle in document.handles)
-        given = *falloffs, keeps_apart, document.thickness
+        given = *falloffs, keeps_apart, document.settings.thickness
         return cls(given, lambda: _calmness(document), _pressure(document, keeps_apart))
 
 
@@ -51,7 +51,7 @@ def _pressure(document: Document, keeps_apart: bool) -> Callable[[np.ndarray], n
         if not keeps_apart or document.paint_problem:
             return np.full(len(U), np.nan)
         if not made:
-            made.append(ContactPressure(document.mesh, document.labels, document.thickness))
+            made.append(ContactPressure(document.mesh, document.labels, document.settings.thickness))
         return made[0].relative_pressure(U)
 
     return pressure

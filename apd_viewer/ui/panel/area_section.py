@@ -140,15 +140,15 @@ class AreaSection(QWidget):
     def show_settings(self, state: State) -> None:
         """Show the document's settings."""
         document = state.document
-        method = document.method_traits
+        method = document.settings.traits
         optional = method.may_keep_total_area
         self.target.setVisible(method.keeps_total_area or optional)
         self._title.setCurrentIndex(int(optional))
         self.hold.blockSignals(True)
-        self.hold.setChecked(document.hold_area)
+        self.hold.setChecked(document.settings.hold_area)
         self.hold.blockSignals(False)
-        self.target.set_active(not optional or document.hold_area)
-        self.target.show_value(document.area)
+        self.target.set_active(not optional or document.settings.hold_area)
+        self.target.show_value(document.settings.area)
 
     def show_readings(self, state: State, unit: Unit, targets_changed: bool) -> None:
         """Show the shape's area; ``targets_changed`` after a change of the targets."""

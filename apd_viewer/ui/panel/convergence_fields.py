@@ -85,7 +85,7 @@ class ConvergenceFields(QWidget):
 
     def show_settings(self, document: Document) -> None:
         """Show the criteria that apply to the method."""
-        shown, plain = document.convergence, document.method_traits.is_plain_only
+        shown, plain = document.settings.convergence, document.settings.traits.is_plain_only
         self._rows[self.energy].setVisible(not plain)
         self._rows[self.step].setVisible(plain)
         self.most_iterations.show_value(shown.most_iterations)

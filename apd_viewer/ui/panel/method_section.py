@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel
+from PySide6.QtWidgets import QLabel, QWidget
 
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
+from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import tr
 from apd_viewer.ui.panel.convergence_fields import ConvergenceFields
 from apd_viewer.ui.panel.field_row import field_row
@@ -26,28 +28,22 @@ class MethodSection(Section):
 
     Attributes
     ----------
-    method_chosen : Signal(str)
-    calm_chosen, contact_chosen : Signal(bool)
-    tolerance_chosen : Signal(float)
-        Relative, so 0.001 where the field says 0.1 %.
-    area_stiffness_chosen, shear_stiffness_chosen : Signal(float)
+    changed : Signal(str, object)
+        Name of a setting and its value, but for contact.
+    contact_chosen : Signal(bool)
     stiffness : SliderField
     convergence : ConvergenceFields
     """
 
-    method_chosen = Signal(str)
-    calm_chosen = Signal(bool)
+    changed = Signal(str, object)
     contact_chosen = Signal(bool)
-    tolerance_chosen = Signal(float)
-    area_stiffness_chosen = Signal(float)
-    shear_stiffness_chosen = Signal(float)
 
     def __init__(self) -> None:
         super().__init__(tr("Method"))
         self.method = ComboBox(accessibleName=tr("Method"), toolTip=tr("Deformation method"))
         for name, method in METHODS.items():
             self.method.addItem(method.title, name)
-        self.method.activated.connect(lambda index: self.method_chosen.emit(self.method.itemData(index)))
+        self.method.activated.connect(lambda index: self.changed.emit("method", self.method.itemData(index)))
         self.column.addWidget(self.method)
         self._keeps = quiet_label(tr("What the method keeps"))
         self._gives_up = quiet_label(tr("What the method gives up"))
@@ -58,18 +54,19 @@ class MethodSection(Section):
         self._add_settings()
 
     def _add_settings(self) -> None:
-        self.calm = CheckBox(
+        self._rows: dict[str, QWidget] = {}
+        self.calm = self._switch(
+            "calm",
             tr("Keep calm parts"),
-            toolTip=tr("Keep the area of limbs and other parts that the gesture does not reach"),
+            tr("Keep the area of limbs and other parts that the gesture does not reach"),
         )
-        self.calm.clicked.connect(self.calm_chosen)
-        self.column.addWidget(self.calm)
-        self.contact = CheckBox(
+        self.calm.clicked.connect(partial(self.changed.emit, "calm"))
+        self.contact = self._switch(
+            "contact",
             tr("Contact"),
-            toolTip=tr("Keep walls from passing through each other; slower where they touch"),
+            tr("Keep walls from passing through each other; slower where they touch"),
         )
         self.contact.clicked.connect(self.contact_chosen)
-        self.column.addWidget(self.contact)
         self.tolerance = NumberField(
             accessibleName=tr("Area tolerance in percent"),
             toolTip=tr("Allowed deviation of the total area from its target"),
@@ -78,28 +75,19 @@ class MethodSection(Section):
             decimals=3,
             suffix=" %",
         )
-        self.area_stiffness = _modulus(
-            tr("Area stiffness"),
+        self.tolerance.valueChanged.connect(lambda percent: self.changed.emit("tolerance", percent / 100.0))
+        self._add_row("tolerance", field_row(SETTINGS["tolerance"].title, self.tolerance))
+        self.area_stiffness = self._modulus(
+            "area_stiffness",
             tr("How strongly each triangle keeps its area: the area modulus, relative to that of the whole"),
         )
-        self.shear_stiffness = _modulus(
-            tr("Shear stiffness"),
+        self.shear_stiffness = self._modulus(
+            "shear_stiffness",
             tr(
                 "How strongly each triangle keeps its angles: the shear modulus, relative to that of "
                 "the whole"
             ),
         )
-        self.tolerance.valueChanged.connect(lambda percent: self.tolerance_chosen.emit(percent / 100.0))
-        self.area_stiffness.valueChanged.connect(self.area_stiffness_chosen)
-        self.shear_stiffness.valueChanged.connect(self.shear_stiffness_chosen)
-        self._tolerance = field_row(tr("Tolerance"), self.tolerance)
-        self._moduli = (
-            field_row(tr("Area stiffness"), self.area_stiffness),
-            field_row(tr("Shear stiffness"), self.shear_stiffness),
-        )
-        for row in (self._tolerance, *self._moduli):
-            row.hide()  # until a method uses it
-            self.column.addWidget(row)
         tip = tr("How strongly the surface resists bending, from cloth to sheet metal: the bending stiffness")
         field = NumberField(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)
         label = QLabel(tr("Stiffness"), toolTip=tip)
@@ -110,22 +98,40 @@ class MethodSection(Section):
         self.convergence = ConvergenceFields()
         self.column.addWidget(self.convergence)
 
+    def _switch(self, name: str, title: str, tip: str) -> CheckBox:
+        box = CheckBox(title, toolTip=tip)
+        self._rows[name] = box
+        self.column.addWidget(box)
+        return box
+
+    def _modulus(self, name: str, tip: str) -> NumberField:
+        title = SETTINGS[name].title
+        field = NumberField(
+            brief=True, accessibleName=title, toolTip=tip, minimum=0.0, maximum=10_000.0, decimals=4
+        )
+        field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
+        field.valueChanged.connect(partial(self.changed.emit, name))
+        self._add_row(name, field_row(title, field))
+        return field
+
+    def _add_row(self, name: str, row: QWidget) -> None:
+        row.hide()  # until a method uses it
+        self._rows[name] = row
+        self.column.addWidget(row)
+
     def show_settings(self, document: Document) -> None:
         """Show the method and its settings."""
-        self.method.setCurrentIndex(self.method.findData(document.method))
-        method = document.method_traits
-        self._describe(method)
-        self.calm.setVisible(method.keeps_calm_parts)
-        self.calm.setChecked(document.calm)
-        self.contact.setVisible(method.may_use_contact)
-        self.contact.setChecked(document.contact)
-        self._tolerance.setVisible(method.has_tolerance)
-        for row in self._moduli:
-            row.setVisible(method.has_moduli)
-        self.tolerance.show_value(100.0 * document.tolerance)
-        self.area_stiffness.show_value(document.area_stiffness)
-        self.shear_stiffness.show_value(document.shear_stiffness)
-        self.stiffness.show_value(document.stiffness)
+        settings = document.settings
+        self.method.setCurrentIndex(self.method.findData(settings.method))
+        self._describe(settings.traits)
+        for name, row in self._rows.items():
+            row.setVisible(SETTINGS[name].applies(settings.traits))
+        self.calm.setChecked(settings.calm)
+        self.contact.setChecked(settings.contact)
+        self.tolerance.show_value(100.0 * settings.tolerance)
+        self.area_stiffness.show_value(settings.area_stiffness)
+        self.shear_stiffness.show_value(settings.shear_stiffness)
+        self.stiffness.show_value(settings.stiffness)
         self.convergence.show_settings(document)
 
     def _describe(self, method: Method) -> None:
@@ -138,16 +144,3 @@ class MethodSection(Section):
         super().set_theme(theme)
         self.stiffness.set_theme(theme)
         self.convergence.set_theme(theme)
-
-
-def _modulus(name: str, tip: str) -> NumberField:
-    field = NumberField(
-        brief=True,
-        accessibleName=name,
-        toolTip=tip,
-        minimum=0.0,
-        maximum=10_000.0,
-        decimals=4,
-    )
-    field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
-    return field

@@ -180,7 +180,7 @@ class Panel(QScrollArea):
             self.paint.show_settings(new.document)
         if asked_anew or old is None or old.frame is not new.frame:
             targets = old is None or old.document.target_percentages != new.document.target_percentages
-            anew = targets or old is None or old.document.method != new.document.method
+            anew = targets or old is None or old.document.settings.method != new.document.settings.method
             self._show_readings(new, handle, anew)
 
     def _show_readings(self, state: State, handle: int, asked_anew: bool) -> None:

@@ -191,7 +191,7 @@ class RegionSection(Section):
     def show_settings(self, state: State, active: int) -> None:
         """Show the regions and their targets."""
         document = state.document
-        regions, only_measured = document.regions, document.method_traits.keeps_only_total_area
+        regions, only_measured = document.regions, document.settings.traits.keeps_only_total_area
         self.list.show_names([region.name for region in regions], active)
         for k, (region, row) in enumerate(zip(regions, self.list.rows, strict=True), 1):
             row.show_flags(region.flags, bool(state.region_counts[k]))

@@ -93,9 +93,9 @@ class VolumeController(QObject):
             new.is_safe_from_crossing,
         ):
             self.show_check()
-        thickness, wall = new.document.thickness, self._panel.measures.wall
+        thickness, wall = new.document.settings.thickness, self._panel.measures.wall
         is_typed = thickness == wall_thickness(wall, self._session.store.unit)
-        if new.document.contact and thickness != old.document.thickness and not is_typed:
+        if new.document.settings.contact and thickness != old.document.settings.thickness and not is_typed:
             bare = "" if thickness is None else format_editable(thickness, 12)
             wall = wall._replace(thickness=self._texts.get(thickness, bare))
             self._panel.measures.show_wall(wall)
@@ -130,7 +130,11 @@ class VolumeController(QObject):
         """Keep walls apart by another thickness or in another unit, if contact is on."""
         state = self._session.store.state
         thickness = wall_thickness(self._panel.measures.wall, self._session.store.unit)
-        if state is not None and state.document.contact and state.document.thickness != thickness:
+        if (
+            state is not None
+            and state.document.settings.contact
+            and state.document.settings.thickness != thickness
+        ):
             self._keep_apart(True)
 
     def wall_thickness(self) -> float | None:

@@ -96,12 +96,12 @@ class VolumeSection(Section):
         """Show the target, or the reason for a missing volume."""
         document, inspection = state.document, state.inspection
         why = "" if inspection.volume else tr("Only a closed surface has a volume to keep.")
-        if document.method_traits.keeps_only_total_area and not why:
-            name = document.method_traits.short_title
+        if document.settings.traits.keeps_only_total_area and not why:
+            name = document.settings.traits.short_title
             why = tr("The method {name} cannot keep a volume.").format(name=name)
         self.disabled_note.setText(why)
         self.disabled_note.setVisible(bool(why))
-        asked = document.volume is not None
+        asked = document.settings.volume is not None
         self.keep.setEnabled(not why)
         self.keep.blockSignals(True)
         self.keep.setChecked(asked and not why)
@@ -110,7 +110,7 @@ class VolumeSection(Section):
         self.target.set_active(active)
         self.target.field.setVisible(active)
         self.target.slider.setVisible(active)
-        self.target.show_value(100.0 if document.volume is None else document.volume)
+        self.target.show_value(100.0 if document.settings.volume is None else document.settings.volume)
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show the shape's volume; an open surface's with capped openings."""

@@ -64,8 +64,8 @@ def _accepted(document: Document) -> tuple[float | None, str]:
     """Tolerance of the area and its name; None if the area is free."""
     if kept_percentages(document)[0] is None:
         return None, ""
-    if document.method_traits.has_tolerance:
-        limit = document.tolerance
+    if document.settings.traits.has_tolerance:
+        limit = document.settings.tolerance
         return limit, tr("tolerance {percent} %").format(percent=format_short(100.0 * limit))
     return TARGET_ACCURACY, tr("exact: {percent} %").format(percent=power_of_ten(-7))
 

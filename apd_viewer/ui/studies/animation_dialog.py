@@ -84,7 +84,7 @@ class AnimationDialog(RunDialog):
         """Ask for the file, and start."""
         document, steps = self.motion.currentData(), round(self.steps.value())
         try:
-            sweep_of(document, steps, methods=[document.method])
+            sweep_of(document, steps, methods=[document.settings.method])
             path = self._ask()
         except InputError as error:
             self.run.show_failure(str(error))
@@ -96,7 +96,7 @@ class AnimationDialog(RunDialog):
         def prepared(scratch: Path, results: Path) -> list[str]:
             session = scratch / "animation.apd"
             save_session(session, self._state.updated(document), self._view)
-            words = ["--steps", str(steps), "--methods", document.method, "--animation", str(path)]
+            words = ["--steps", str(steps), "--methods", document.settings.method, "--animation", str(path)]
             return ["sweep", str(session), *words, "-o", str(results)]
 
         self.run.begin(prepared, other_folder=path.parent)

@@ -67,7 +67,7 @@ class PressDialog(RunDialog):
         )
         self._cells = memo.cell_stiffness(mesh.V, mesh.joined_F)
         usual = contact_thickness(diagonal(self._points), None)
-        self.wall = WallFields(self, unit, usual, document.thickness)
+        self.wall = WallFields(self, unit, usual, document.settings.thickness)
         rows = (
             (tr("Direction"), self._make_direction()),
             (tr("End at"), self._make_end()),
@@ -103,7 +103,11 @@ class PressDialog(RunDialog):
         return widget_row(self.steps, first, self.iterations, second, spacing=8)
 
     def _make_method(self) -> QHBoxLayout:
-        own = self._document.method if self._document.method_traits.may_use_contact else DEFAULT_METHOD
+        own = (
+            self._document.settings.method
+            if self._document.settings.traits.may_use_contact
+            else DEFAULT_METHOD
+        )
         self.method = ComboBox(accessibleName=tr("Method"))
         for name, method in METHODS.items():
             if method.may_use_contact:
@@ -112,7 +116,7 @@ class PressDialog(RunDialog):
         return widget_row(self.method)
 
     def _make_stiffness(self) -> QHBoxLayout:
-        own = self._document.stiffness
+        own = self._document.settings.stiffness
         value = own or _PROPOSED_STIFFNESS
         self.stiffness = NumberField(
             brief=True, accessibleName=tr("Stiffness"), minimum=0.0, maximum=1.0, decimals=5, value=value
@@ -143,7 +147,10 @@ class PressDialog(RunDialog):
         """Material of the fields."""
         method, document = METHODS[self.method.currentData()], self._document
         return method_material(
-            method, self.stiffness.value(), document.area_stiffness, document.shear_stiffness
+            method,
+            self.stiffness.value(),
+            document.settings.area_stiffness,
+            document.settings.shear_stiffness,
         )
 
     def _make_start(self) -> QHBoxLayout:
@@ -215,6 +222,6 @@ class PressDialog(RunDialog):
             "--iterations": f"{self.iterations.value():.0f}",
             "--method": self.method.currentData(),
             "--stiffness": repr(self.stiffness.value()),
-            "--area-stiffness": repr(self._document.area_stiffness),
-            "--shear-stiffness": repr(self._document.shear_stiffness),
+            "--area-stiffness": repr(self._document.settings.area_stiffness),
+            "--shear-stiffness": repr(self._document.settings.shear_stiffness),
         }

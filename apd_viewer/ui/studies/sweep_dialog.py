@@ -97,7 +97,7 @@ class SweepDialog(RunDialog):
         return widget_row(self.steps, first, self.to, second, self.iterations, third, spacing=8)
 
     def _make_methods(self) -> QHBoxLayout:
-        own = self._state.document.method
+        own = self._state.document.settings.method
         self.methods = {name: CheckBox(METHODS[name].short_title) for name in COMPARED_METHODS}
         for name, check in self.methods.items():
             slow = METHODS[name].is_slow

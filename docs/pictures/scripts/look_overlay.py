@@ -14,7 +14,7 @@ def draw(stage: Stage) -> QImage:
     stage.size = (1120, 800)
     stage.open_sample("bottle")
     stage.window.session.settings.set_contact(False)
-    stage.window.session.settings.set_method("arap")
+    stage.window.session.settings.change(method="arap")
     stage.window.docks["plots"].show()
     for chip in stage.window.plots.findChildren(QAbstractButton):
         if chip.text() == "Area and volume" and chip.isChecked():

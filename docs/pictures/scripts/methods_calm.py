@@ -18,7 +18,7 @@ def draw(stage: Stage) -> QImage:
         stage.open_mesh(Mesh(V, F), labels)
         session = stage.window.session
         session.settings.set_contact(False)
-        session.settings.set_calm(calm)
+        session.settings.change(calm=calm)
         stage.twist("6", "MOVE_X")
         stage.overlay(Measure.AREA)
         stage.look(0.25, 0.25, 1.0)

@@ -20,7 +20,7 @@ def draw(stage: Stage) -> QImage:
         stage.open_mesh(Mesh(V, F), labels.astype("uint8"))
         session = stage.window.session
         session.settings.set_contact(False)
-        session.settings.set_method("arap")
+        session.settings.change(method="arap")
         session.settings.set_falloff(0, falloff)
         session.handles.move_by(MotionKind.MOVE_Y, "4", 0)
         stage.settle()

@@ -11,7 +11,7 @@ def draw(stage: Stage) -> QImage:
     """Put a floor and a sphere, and push the sphere by two centimetres."""
     stage.open_sample("bottle")
     session = stage.window.session
-    session.settings.set_stiffness(2e-3)
+    session.settings.change(stiffness=2e-3)
     stage.look(0.85, 0.28, 0.75)
     stage.window.obstacles.add_floor()
     stage.settle()

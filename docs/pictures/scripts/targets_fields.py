@@ -8,8 +8,8 @@ def draw(stage: Stage) -> QImage:
     """Ask for 105 percent of the area and all of the volume."""
     stage.open_sample("bottle")
     session = stage.window.session
-    session.settings.set_volume(100.0)
-    session.settings.set_area(102.0)
+    session.settings.change(volume=100.0)
+    session.settings.change(area=102.0)
     stage.settle()
     stage.twist("30deg")
     panel = stage.window.panel

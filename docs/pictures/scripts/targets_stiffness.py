@@ -12,7 +12,7 @@ def draw(stage: Stage) -> QImage:
     pictures = []
     for stiffness in _STIFFNESSES:
         stage.open_sample("bottle")
-        stage.window.session.settings.set_stiffness(stiffness)
+        stage.window.session.settings.change(stiffness=stiffness)
         stage.twist("110deg")
         stage.look(0.42, 0.25, 0.85)
         pictures.append(stage.scene(200, 330))

@@ -12,7 +12,7 @@ def draw(stage: Stage) -> QImage:
     session.settings.set_contact(False)
     stage.twist("30deg")
     stage.twist("2", "MOVE_X")
-    session.settings.set_stiffness(1e-3)
+    session.settings.change(stiffness=1e-3)
     stage.settle()
     stage.twist("20deg", "BEND_Z")
     session.gestures.undo()

@@ -72,7 +72,7 @@ def opening(session, path):
 
 
 def test_files_open_works_in_the_background_and_can_be_undone(session, cube_file, gate):
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     before = session.store.state
     session.files.open(cube_file)
     assert session.jobs.current.title == "Opening cube.obj"
@@ -82,7 +82,7 @@ def test_files_open_works_in_the_background_and_can_be_undone(session, cube_file
     finish(session)
     assert len(session.U) == 8
     assert session.U is session.store.state.document.mesh.V
-    assert session.store.state.document.method == DEFAULT_METHOD
+    assert session.store.state.document.settings.method == DEFAULT_METHOD
     assert session.store.activity is Activity.IDLE
     session.gestures.undo()
     assert session.store.state is before
@@ -223,7 +223,7 @@ def closed_within(session: Driven, seconds: float) -> None:
 
 
 def test_session_close_ends_a_run_at_the_next_iteration(session):
-    session.settings.set_tolerance(1e-12)  # not to be met
+    session.settings.change(tolerance=1e-12)  # not to be met
     session.drag(BENT)
     session.until(lambda: session.store.state.frame.iteration > 3)
     closed_within(session, 2.0)

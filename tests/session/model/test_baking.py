@@ -28,7 +28,7 @@ def bake(session: Driven) -> None:
 
 def test_bake_puts_the_shape_at_rest_as_a_mesh_of_that_shape_would_be(session):
     session.drag(BENT)
-    session.settings.set_area(104.0)
+    session.settings.change(area=104.0)
     session.parts.add_region()
     session.gestures.begin()
     session.painting.paint_region(np.arange(40), 1)
@@ -44,7 +44,7 @@ def test_bake_puts_the_shape_at_rest_as_a_mesh_of_that_shape_would_be(session):
     assert state.frame.area == state.inspection.area == alone.inspection.area
     assert state.inspection.volume == alone.inspection.volume
     assert state.frame.regions == document.region_areas(document.mesh.V) == before.frame.regions
-    assert (document.area, document.regions[0].area, document.is_posed) == (100.0, 100.0, False)
+    assert (document.settings.area, document.regions[0].area, document.is_posed) == (100.0, 100.0, False)
     assert document.labels is before.document.labels
     assert session.store.state.is_at_rest
     assert "104.000 %" in session.told[-1]
@@ -87,8 +87,8 @@ def test_bake_is_undone_and_done_again(session):
 
 
 def test_bake_takes_the_shape_that_was_on_screen_though_it_goes_on(session):
-    session.settings.set_tolerance(1e-12)  # not to be met
-    session.settings.set_method("paper")
+    session.settings.change(tolerance=1e-12)  # not to be met
+    session.settings.change(method="paper")
     session.drag(BENT)
     session.until(lambda: session.store.state.frame.iteration > 3)
     shown = session.U

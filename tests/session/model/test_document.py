@@ -9,6 +9,7 @@ from meshes import box, ends, soup
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import without_handle, without_region
 from apd_viewer.session.model.handles_and_regions import Handle, NamedRegion
@@ -29,7 +30,7 @@ def document(mesh: Mesh | None = None) -> Document:
         said,
         handles=(Handle("left"), Handle("right")),
         regions=(NamedRegion("low", 90.0), NamedRegion("high", 110.0)),
-        volume=100.0,
+        settings=Settings(volume=100.0),
     )
 
 
@@ -48,11 +49,11 @@ def percentages(said: Document) -> tuple:
     ],
 )
 def test_targets_of_asks_each_method_for_what_it_can_keep(method, expected):
-    assert percentages(dataclasses.replace(document(), method=method, area=105.0)) == expected
+    assert percentages(document().with_settings(method=method, area=105.0)) == expected
 
 
 def test_targets_of_asks_the_local_method_for_the_total_area_where_it_is_held():
-    local = dataclasses.replace(document(), method="local", hold_area=True)
+    local = document().with_settings(method="local", hold_area=True)
     assert percentages(local)[0] == 100.0
 
 
@@ -134,7 +135,7 @@ def test_document_arrays_are_read_only_after_every_change():
 
 
 def test_at_rest_keeps_the_paint_and_what_is_free():
-    said = dataclasses.replace(document(), area=120.0, volume=None).with_pose(1, 2 * np.eye(4))
+    said = document().with_settings(area=120.0, volume=None).with_pose(1, 2 * np.eye(4))
     rest = said.at_rest()
     assert not rest.is_posed
     assert rest.target_percentages == (100.0, None, 100.0, 100.0)

@@ -13,6 +13,7 @@ from apd_viewer.geometry.measuring.measurement import Measurement
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.solver.convergence import Convergence
+from apd_viewer.geometry.solver.settings import SETTINGS, Settings
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_next_region
 from apd_viewer.session.model.factor_key import FACTORED, factored_fields
@@ -37,18 +38,7 @@ OF_DOCUMENT = {
     "member": lambda said: said.with_region_number(np.flatnonzero(said.mesh.V[:, 2] < 5.0), 1),
     "handles": lambda said: said.with_pose(0, BENT @ BENT),
     "regions": lambda said: said.with_region(0, NamedRegion("Waist", 90.0)),
-    "method": lambda said: replace(said, method="exact" if said.method == "local" else "local"),
-    "tolerance": lambda said: replace(said, tolerance=0.1),
-    "stiffness": lambda said: replace(said, stiffness=0.5),
-    "area_stiffness": lambda said: replace(said, area_stiffness=7.0),
-    "shear_stiffness": lambda said: replace(said, shear_stiffness=7.0),
-    "area": lambda said: replace(said, area=120.0),
-    "hold_area": lambda said: replace(said, hold_area=True),
-    "volume": lambda said: replace(said, volume=80.0),
-    "calm": lambda said: replace(said, calm=False),
-    "contact": lambda said: replace(said, contact=True),
-    "thickness": lambda said: replace(said, contact=True, thickness=0.125),
-    "obstacles": lambda said: replace(said, contact=True, obstacles=(BELOW,)),
+    "obstacles": lambda said: replace(said.with_settings(contact=True), obstacles=(BELOW,)),
     "staying_components": lambda said: replace(said, staying_components=(0,)),
     "base": lambda said: replace(said, base=PartFlags(hidden=True)),
     "mirror_axis": lambda said: replace(said, mirror_axis=0),
@@ -58,7 +48,20 @@ OF_DOCUMENT = {
     ),
     "target_shape": lambda said: replace(said, target_shape=TargetShape(said.mesh)),
     "missing_target_shape": lambda said: replace(said, missing_target_shape=MissingMesh({}, "It is gone.")),
-    "convergence": lambda said: replace(said, convergence=Convergence(100)),
+}
+OF_SETTINGS = {
+    "method": lambda said: said.with_settings(method="exact" if said.settings.method == "local" else "local"),
+    "tolerance": lambda said: said.with_settings(tolerance=0.1),
+    "stiffness": lambda said: said.with_settings(stiffness=0.5),
+    "area_stiffness": lambda said: said.with_settings(area_stiffness=7.0),
+    "shear_stiffness": lambda said: said.with_settings(shear_stiffness=7.0),
+    "area": lambda said: said.with_settings(area=120.0),
+    "hold_area": lambda said: said.with_settings(hold_area=True),
+    "volume": lambda said: said.with_settings(volume=80.0),
+    "calm": lambda said: said.with_settings(calm=False),
+    "contact": lambda said: said.with_settings(contact=True),
+    "thickness": lambda said: said.with_settings(contact=True, thickness=0.125),
+    "convergence": lambda said: said.with_settings(convergence=Convergence(100)),
 }
 OF_HANDLE = {
     "name": lambda said: of_handle(said, name="Neck"),
@@ -70,7 +73,7 @@ OF_HANDLE = {
     "former_twist_axis": lambda said: of_handle(said, former_twist_axis=frozen(np.ones(3))),
     "earlier_poses": lambda said: of_handle(said, earlier_poses=(frozen(BENT.copy()),)),
 }
-CHANGES = OF_DOCUMENT | OF_HANDLE
+CHANGES = OF_DOCUMENT | OF_SETTINGS | OF_HANDLE
 
 
 def start(method: str) -> Document:
@@ -100,7 +103,8 @@ def same_matrices(one: Document, other: Document) -> bool:
 
 
 def test_factored_fields_finds_declared_of_every_field_whether_it_matters():
-    assert set(OF_DOCUMENT) == {each.name for each in fields(Document)}
+    assert set(OF_DOCUMENT) == {each.name for each in fields(Document)} - {"settings"}
+    assert set(OF_SETTINGS) == set(SETTINGS)
     assert set(OF_HANDLE) == {each.name for each in fields(Handle)}
     factored_fields(Document)
     factored_fields(Handle)
@@ -128,7 +132,9 @@ def test_factor_key_gives_the_same_key_only_for_the_same_matrices(name, method):
     assert not are_same_keys(factor_key(before), factor_key(after)) or same_matrices(before, after)
 
 
-@pytest.mark.parametrize("name", [*factored_fields(Document), *factored_fields(Handle)])
+@pytest.mark.parametrize(
+    "name", [name for each in (Document, Settings, Handle) for name in factored_fields(each)]
+)
 def test_factored_fields_names_only_fields_that_change_a_matrix(name):
     """So the test before would notice if one of them were declared not to matter."""
     before = start("local")

@@ -62,8 +62,8 @@ def test_trace_leads_from_the_state_before_to_the_latest_frame(clock):
 def test_trace_takes_the_miss_against_what_is_asked_for(clock):
     trace = Trace(clock)
     trace.begin(REST)
-    trace.add_frame(replace(REST.document, area=80.0), frame(1, 1, area_error=-0.1))
-    trace.add_frame(replace(REST.document, area=80.0, method="arap"), frame(2, 2, area_error=-0.1))
+    trace.add_frame(REST.document.with_settings(area=80.0), frame(1, 1, area_error=-0.1))
+    trace.add_frame(REST.document.with_settings(area=80.0, method="arap"), frame(2, 2, area_error=-0.1))
     assert trace["area_miss"][1:].tolist() == pytest.approx([0.9 / 0.8 - 1.0, 0.1])
 
 
@@ -187,7 +187,7 @@ def test_trace_begins_anew_with_undo_another_method_and_another_mesh(session):
     trace = session.store.trace
     drag(session, pose(0.6))
     before = session.store.state.frame
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     session.settle()
     assert trace["volume"][0] == before.volume
     assert trace.released_at is None

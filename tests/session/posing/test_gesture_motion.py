@@ -74,7 +74,7 @@ def test_gesture_motion_is_none_for_what_is_no_motion_of_handles_alone(state):
     moved = turned(document, 120)
     assert gesture_motion(before, moved) is not None
     assert gesture_motion(before, document) is None
-    assert gesture_motion(before, replace(document, stiffness=0.1)) is None
+    assert gesture_motion(before, document.with_settings(stiffness=0.1)) is None
     assert gesture_motion(before, moved.with_label(np.array([0]), 1)) is None
     assert gesture_motion(before, replace(moved, grip=frozen(V.copy()))) is None
     pushed = NamedObstacle("Ball", ObstacleKind.SPHERE, np.full(3, 9.0), radius=1.0, shift=np.ones(3))

@@ -111,7 +111,7 @@ def test_handle_editor_pose_makes_one_step_of_presses_that_follow_each_other(ben
     assert len(bent.gestures.history.undo_names) == steps
     bent.gestures.redo()
     assert bent.store.state.document is shifted
-    bent.settings.set_stiffness(0.01)
+    bent.settings.change(stiffness=0.01)
     pose[0, 3] += 0.01
     bent.handles.set_pose(pose, 0, "Nudge handle", is_repeat=True)
     assert bent.gestures.history.undo_names[steps:] == ["Nudge handle", "Change stiffness", "Nudge handle"]

@@ -21,7 +21,7 @@ X = np.eye(3)[0]
 def plates(empty):
     """A tube that nothing holds, with a plate on each side."""
     empty.show_now(Mesh(*tube(12, 12)))
-    empty.settings.set_stiffness(0.001)
+    empty.settings.change(stiffness=0.001)
     empty.obstacles.add_plates(X)
     empty.settle()
     return empty

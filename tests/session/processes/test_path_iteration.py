@@ -1,7 +1,5 @@
 """Shapes that walk along winding paths with contact."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from meshes import ends, tube
@@ -23,7 +21,7 @@ def twisted_tube(degrees: int) -> Document:
     middles = mesh.V[base].mean(axis=0), mesh.V[top].mean(axis=0)
     for angle in range(0, degrees + 1, 20):
         document = document.with_handle_moved(0, twist(*middles, np.deg2rad(angle)))
-    return replace(document, contact=True)
+    return document.with_settings(contact=True)
 
 
 def walked(document: Document) -> PathIteration:

@@ -71,7 +71,7 @@ def altered(monkeypatch):
 
 
 def test_solver_worker_loses_nothing_when_its_process_is_killed_in_a_drag_five_times(session, processes):
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     session.gestures.begin()
     for k in range(5):  # more often than a request is given up after
         session.handles.drag(pose(0.1 * k + 0.1))
@@ -108,8 +108,8 @@ def test_solver_worker_goes_on_from_the_last_shape_without_a_word_from_the_user(
     session = empty
     session.show_now(bar())
     session.paint_ends()
-    session.settings.set_tolerance(1e-12)  # not to be met
-    session.settings.set_method("paper")
+    session.settings.change(tolerance=1e-12)  # not to be met
+    session.settings.change(method="paper")
     session.drag(BENT)
     session.until(lambda: session.store.state.frame.iteration > 30)
     U = session.U
@@ -273,7 +273,7 @@ def test_far_factor_that_is_needed_goes_on_whatever_the_pose(factoring, processe
 @linux
 @pytest.mark.parametrize("method", ["exact", "local", "arap"])
 def test_request_solver_lets_the_shape_follow_the_hand_while_it_is_factored(factoring, method):
-    factoring.settings.set_method(method)
+    factoring.settings.change(method=method)
     factoring.gestures.begin()
     for k in range(10):
         factoring.handles.drag(pose(0.05 * k + 0.05))
@@ -400,8 +400,8 @@ ORPHAN = """
     session = Driven()
     session.show_now(Mesh(*box({size})))
     session.paint_ends()
-    session.settings.set_tolerance(1e-12)
-    session.settings.set_method("paper")
+    session.settings.change(tolerance=1e-12)
+    session.settings.change(method="paper")
     session.drag(BENT)
     session.until(lambda: session.store.state.frame.iteration)
     print("iterating", flush=True)
@@ -486,7 +486,7 @@ def resident(pid: int | str) -> int:
 @linux
 @pytest.mark.parametrize("events", [600, pytest.param(3000, marks=pytest.mark.night)])
 def test_session_takes_no_more_memory_with_the_events_of_a_drag(session, processes, events):
-    session.settings.set_method("arap")
+    session.settings.change(method="arap")
     session.drag(pose(0.1))
     session.settle()
     assert session.store.activity is Activity.SETTLED

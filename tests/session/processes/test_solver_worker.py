@@ -92,7 +92,7 @@ def whole(method: str) -> Document:
     said = said.with_label(np.flatnonzero((z == 6.0) & (said.mesh.V[:, 0] == 0.0)), HANDLE + 1)
     said = said.with_handle(1, Handle("Handle 2", pose(0.5))).with_region(0, NamedRegion("Waist", 98.0))
     said = said.with_region_number(np.flatnonzero((z >= 2) & (z <= 4)), 1)
-    return replace(said, stiffness=0.01, area=101.0, hold_area=True, volume=99.0)
+    return said.with_settings(stiffness=0.01, area=101.0, hold_area=True, volume=99.0)
 
 
 @pytest.mark.parametrize(
@@ -109,8 +109,8 @@ def test_solver_worker_gets_the_same_frames_bit_for_bit_from_its_process(process
         held.fixed,
         method=method,
         handle=held.handles,
-        stiffness=asked.stiffness,
-        contact=asked.contact and asked.method_traits.may_use_contact,
+        stiffness=asked.settings.stiffness,
+        contact=asked.settings.uses_contact,
         **targets_of(asked)._asdict(),
     )
     solver.aim(held.targets, asked.mesh.V)
@@ -213,10 +213,10 @@ def test_solver_worker_lets_go_the_solver_of_a_mesh_that_is_gone(worker, monkeyp
 def test_solver_worker_answers_a_refused_target_with_its_sentence_and_meets_the_next(worker):
     asked = request("exact")
     worker.answers(asked)
-    wrong = replace(asked.document, area=-5.0)
+    wrong = asked.document.with_settings(area=-5.0)
     reply = worker.answers(Request(wrong, 1, asked.U, iterate=True))[-1]
     assert "percentage" in reply.failure
-    right = replace(asked.document, area=105.0)
+    right = asked.document.with_settings(area=105.0)
     frame = worker.answers(Request(right, 1, asked.U, iterate=True))[-1].frame
     assert abs(frame.area_error - 0.05) < 1e-9
 
@@ -225,7 +225,7 @@ def test_solver_worker_answers_a_refused_target_with_its_sentence_and_meets_the_
 def test_solver_worker_ends_with_targets_that_come_later_where_it_would_with_earlier_ones(worker, method):
     """Told to a solver that is at work, or to a new one: the same shape."""
     asked = whole(method)
-    plain = replace(asked, area=100.0, volume=None)
+    plain = asked.with_settings(area=100.0, volume=None)
     worker.answers(Request(plain, 1, asked.mesh.V, iterate=True))
     later = worker.answers(Request(asked, 1, asked.mesh.V, iterate=True))[-1].frame
     first = remembered(Request(asked, 1, asked.mesh.V, iterate=True))[-1].frame

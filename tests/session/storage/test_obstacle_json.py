@@ -36,7 +36,7 @@ def pressed(path) -> State:
     save_mesh(mesh, mesh.V, path)
     state = initial_state(open_mesh(path))
     obstacles = (ROD.with_shift(-0.2 * X), WALL, BALL)
-    document = replace(state.document, contact=True, obstacles=obstacles, stiffness=0.001)
+    document = replace(state.document.with_settings(contact=True, stiffness=0.001), obstacles=obstacles)
     solver = deformation_of(document, document.constraints())
     walk = PathIteration(solver, document, document.mesh.V, start_shifts=np.zeros((3, 3)))
     iterate_to_result(solver, 0.0)

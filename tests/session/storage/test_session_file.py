@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import zipfile
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,25 +28,26 @@ from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.session import Session
+from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.state_store import Activity
 from apd_viewer.session.storage import session_meshes
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.studies.session_replay import replay_session
 
-# Verbs of the session, and what they are given.
-SETTINGS: dict[str, dict[str, tuple]] = {
-    "exact": {},
-    "exact, all targets": {"set_area": (104.0,), "set_volume": (97.0,), "set_stiffness": (0.01,)},
-    "local": {"set_method": ("local",), "set_local_stiffness": (7.0, 0.3)},
-    "local, total area": {"set_method": ("local",), "set_hold_area": (True,), "set_volume": (100.0,)},
-    "paper": {"set_method": ("paper",), "set_tolerance": (1e-4,)},
-    "converged earlier": {"set_convergence": (Convergence(700, 1e-5, 1e-4),)},
-    "arap": {"set_method": ("arap",), "set_stiffness": (1 / 3,)},
-    "a soft handle": {"set_falloff": (1, 1.7)},
-    "sr-arap": {"set_method": ("sr-arap",), "set_stiffness": (0.02,)},
-    "in contact": {"set_contact": (True, 0.0123)},
+Change = Callable[[SettingsEditor], object]
+SETTINGS: dict[str, Change] = {
+    "exact": lambda _: None,
+    "exact, all targets": lambda settings: settings.change(area=104.0, volume=97.0, stiffness=0.01),
+    "local": lambda settings: settings.change(method="local", area_stiffness=7.0, shear_stiffness=0.3),
+    "local, total area": lambda settings: settings.change(method="local", hold_area=True, volume=100.0),
+    "paper": lambda settings: settings.change(method="paper", tolerance=1e-4),
+    "converged earlier": lambda settings: settings.change(convergence=Convergence(700, 1e-5, 1e-4)),
+    "arap": lambda settings: settings.change(method="arap", stiffness=1 / 3),
+    "a soft handle": lambda settings: settings.set_falloff(1, 1.7),
+    "sr-arap": lambda settings: settings.change(method="sr-arap", stiffness=0.02),
+    "in contact": lambda settings: settings.set_contact(True, 0.0123),
 }
-assert {settings.get("set_method", ("exact",))[0] for settings in SETTINGS.values()} == set(METHODS)
+assert set(METHODS) <= set(SETTINGS)
 
 
 @pytest.fixture
@@ -73,7 +75,7 @@ def saved(bar, tmp_path):
     return tmp_path / "a.apd"
 
 
-def two_handles(session: Driven, mesh: Mesh, **settings: tuple) -> State:
+def two_handles(session: Driven, mesh: Mesh, change: Change = lambda _: None) -> State:
     """Paint a base, two handles and two regions on a bar, one of which keeps an area; move both handles."""
     session.show_now(mesh)
     base, top = ends(mesh.V)
@@ -88,8 +90,7 @@ def two_handles(session: Driven, mesh: Mesh, **settings: tuple) -> State:
         session.painting.end_stroke("Paint region")
     session.parts.rename_region(0, "label «é»")
     session.settings.set_region_area(1, 103.0)
-    for verb, given in settings.items():
-        getattr(session.settings, verb)(*given)
+    change(session.settings)
     session.gestures.begin()
     session.handles.drag(BENT, 0)
     session.handles.drag(pose(0.5, (0.7, 0.1, 0.3)), 1)
@@ -98,8 +99,8 @@ def two_handles(session: Driven, mesh: Mesh, **settings: tuple) -> State:
     return session.store.state
 
 
-def settled(session: Driven, mesh: Mesh, **settings: tuple) -> State:
-    two_handles(session, mesh, **settings)
+def settled(session: Driven, mesh: Mesh, change: Change = lambda _: None) -> State:
+    two_handles(session, mesh, change)
     session.settle()
     assert session.store.activity in (Activity.SETTLED, Activity.UNREACHED), session.failed
     return session.store.state
@@ -113,7 +114,7 @@ def test_open_session_opens_a_session_as_it_was_saved_and_it_replays_to_the_same
     case, session, bar, tmp_path
 ):
     path = tmp_path / "a.apd"
-    state = settled(session, open_mesh(bar), **SETTINGS[case])
+    state = settled(session, open_mesh(bar), SETTINGS[case])
     assert save_session(path, state, VIEW) is False
     found, view = open_session(path)
     assert view == VIEW
@@ -123,7 +124,7 @@ def test_open_session_opens_a_session_as_it_was_saved_and_it_replays_to_the_same
         document, result = replay_session(path)
         check_same_array(result.U, state.frame.U)
         assert document.mesh.digest == state.document.mesh.digest
-        assert (result.method, result.iterations) == (state.document.method, 0)
+        assert (result.method, result.iterations) == (state.document.settings.method, 0)
         assert result.converged == state.frame.converged
         assert result.area == pytest.approx(state.frame.area, rel=1e-12)
         assert result.handle_drift == pytest.approx(state.frame.handle_drift, abs=1e-12)
@@ -202,7 +203,7 @@ def test_replay_session_goes_on_with_a_shape_on_its_way_from_where_it_was(sessio
 
 
 def test_open_session_keeps_what_cannot_be_reached_with_its_sentence(session, bar, tmp_path):
-    state = settled(session, open_mesh(bar), set_area=(50.0,), set_volume=(300.0,))
+    state = settled(session, open_mesh(bar), lambda settings: settings.change(area=50.0, volume=300.0))
     assert state.frame.unreached
     save_session(tmp_path / "a.apd", state, VIEW)
     check_equal(open_session(tmp_path / "a.apd")[0], state)
@@ -229,14 +230,14 @@ def test_replay_session_goes_on_with_a_settled_shape_that_is_not_what_it_says(se
     moved = state.document.with_pose(0, pose(0.2))
     for wrong in (
         replace(state, document=moved),
-        replace(state, document=replace(state.document, area=110.0)),
+        replace(state, document=state.document.with_settings(area=110.0)),
     ):
         save_session(tmp_path / "a.apd", wrong, VIEW)
         _, result = replay_session(tmp_path / "a.apd")
         assert result.iterations > 0
         held = wrong.document.constraints()
         np.testing.assert_allclose(result.U[held.fixed], held.targets, rtol=0, atol=1e-13)
-        assert result.area == pytest.approx(result.area_rest * wrong.document.area / 100, rel=1e-9)
+        assert result.area == pytest.approx(result.area_rest * wrong.document.settings.area / 100, rel=1e-9)
 
 
 def test_open_session_brings_numbers_of_all_sizes_back_bit_for_bit(tmp_path):
@@ -246,17 +247,16 @@ def test_open_session_brings_numbers_of_all_sizes_back_bit_for_bit(tmp_path):
     P = np.vstack([chance.normal(size=(3, 4)) * 10.0 ** chance.integers(-30, 9, (3, 4)), [[0, 0, 0, 1]]])
     P[0, 0], P[1, 1] = -0.0, 5e-324
     U = frozen(document.mesh.V + chance.normal(size=document.mesh.V.shape) * 1e-9)
-    document = replace(
-        document.with_pose(0, P), grip=frozen(U + 1e-17), tolerance=0.1 + 0.2, stiffness=1e-7 / 3
-    )
+    document = document.with_settings(tolerance=0.1 + 0.2, stiffness=1e-7 / 3).with_pose(0, P)
+    document = replace(document, grip=frozen(U + 1e-17))
     state = replace(state, document=document, frame=replace(state.frame, U=U, handle_drift=1 / 3))
     save_session(tmp_path / "a.apd", state, VIEW)
     found, _ = open_session(tmp_path / "a.apd")
     check_same_array(found.frame.U, U)
     check_same_array(found.document.grip, document.grip)
     check_same_array(found.document.handles[0].pose, document.handles[0].pose)
-    assert found.document.tolerance == document.tolerance
-    assert found.document.stiffness == document.stiffness
+    assert found.document.settings.tolerance == document.settings.tolerance
+    assert found.document.settings.stiffness == document.settings.stiffness
     assert found.frame.handle_drift == 1 / 3
 
 
@@ -426,7 +426,7 @@ def test_files_save_and_open_sessions_in_the_background(session, bar, tmp_path):
     assert not session.jobs.current.can_be_cancelled
     session.until(lambda: session.jobs.current is None)
     assert not session.saved_work.is_unsaved
-    session.settings.set_method("local")
+    session.settings.change(method="local")
     session.settle()
     assert session.saved_work.is_unsaved
     now = session.store.state
@@ -434,7 +434,7 @@ def test_files_save_and_open_sessions_in_the_background(session, bar, tmp_path):
     assert session.jobs.current.title == "Opening a.apd"
     session.until(lambda: session.jobs.current is None)
     check_equal(session.store.state, state)
-    assert session.store.state.document.method == "exact"
+    assert session.store.state.document.settings.method == "exact"
     assert session.store.activity is Activity.IDLE
     assert session.gestures.history.next_undo == "Open a.apd"
     session.gestures.undo()
@@ -504,10 +504,14 @@ def test_open_session_opens_the_first_version_for_ever():
     lifted[2, 3] = 0.125
     assert np.array_equal([part.pose for part in document.handles], [np.eye(4), lifted])
     assert [(part.name, part.area) for part in document.regions] == [("foot", None), ("neck é", 102.5)]
-    assert document.method == "exact"
-    assert (document.tolerance, document.stiffness) == (0.002, 0.01)
-    assert (document.area_stiffness, document.shear_stiffness) == (12.5, 0.25)
-    assert (document.area, document.hold_area, document.volume) == (101.0, True, 99.0)
+    assert document.settings.method == "exact"
+    assert (document.settings.tolerance, document.settings.stiffness) == (0.002, 0.01)
+    assert (document.settings.area_stiffness, document.settings.shear_stiffness) == (12.5, 0.25)
+    assert (document.settings.area, document.settings.hold_area, document.settings.volume) == (
+        101.0,
+        True,
+        99.0,
+    )
     x, _, z = V.T
     base, top = (z == 0) | ((z == 1) & (x == 0)), z == 3
     painted = np.select([base, top & (x == 0), top & (x == 2)], [0, 2, 3], 1)

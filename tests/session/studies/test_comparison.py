@@ -2,7 +2,6 @@
 
 import threading
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -52,7 +51,7 @@ def finish(comparison):
 
 
 def test_comparison_brings_each_method_to_what_it_comes_to_alone(begun, cold):
-    asked = replace(document(at=BENT), stiffness=0.02, area=102.0)
+    asked = document(at=BENT).with_settings(stiffness=0.02, area=102.0)
     comparison = begun(asked)
     finish(comparison)
     assert list(comparison.outcomes) == list(COMPARED_METHODS)
@@ -82,7 +81,7 @@ def test_comparison_brings_each_method_to_what_it_comes_to_alone(begun, cold):
 
 def test_comparison_does_not_depend_on_where_the_shape_was_led_before(begun, cold):
     asked = document(at=BENT)
-    comparisons = [begun(asked, ("exact",)), begun(replace(asked, method="local"), ("local", "exact"))]
+    comparisons = [begun(asked, ("exact",)), begun(asked.with_settings(method="local"), ("local", "exact"))]
     for comparison in comparisons:
         finish(comparison)
     first, second = (comparison.outcomes["exact"].frame.U for comparison in comparisons)

@@ -1,7 +1,5 @@
 """Sweeps: where the handles are at each step, what is read there, and what cannot be swept."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import trimesh
@@ -50,7 +48,7 @@ def test_sweep_holds_the_handle_at_each_step_at_its_part_of_the_motion(bar):
 def test_sweep_is_not_changed_by_contact_before_anything_touches(bar):
     bent = bar.with_pose(0, BENT)
     apart, passing = (
-        list(sweep_of(replace(bent, contact=on), 3, methods=["exact"]).steps()) for on in (True, False)
+        list(sweep_of(bent.with_settings(contact=on), 3, methods=["exact"]).steps()) for on in (True, False)
     )
     assert [step.frame.contact.pairs for step in apart] == [0, 0, 0, 0]
     for one, other in zip(apart, passing, strict=True):
@@ -106,7 +104,7 @@ def test_abscissa_is_what_tells_the_steps_apart(bar):
 
 
 def test_sweep_takes_at_no_step_more_iterations_than_it_may(bar):
-    document = replace(bar.with_pose(0, BENT), contact=False)
+    document = bar.with_pose(0, BENT).with_settings(contact=False)
     swept = list(sweep_of(document, 3, methods=["exact"], iterations=2).steps())
     assert all(step.frame.iteration <= 2 for step in swept)
     assert not swept[-1].frame.settled
@@ -170,7 +168,7 @@ def test_sweep_of_says_what_cannot_be_swept(case, bar):
 
 def test_sweep_says_at_each_step_what_turn_is_held(bar):
     turn = (MotionStep(0, "twist", (np.radians(-400.0),)),)
-    sweep = sweep_of(replace(bar, contact=False), 5, methods=["arap"], motion=turn)
+    sweep = sweep_of(bar.with_settings(contact=False), 5, methods=["arap"], motion=turn)
     steps = list(sweep.steps())
     assert [step.turn_degrees[0] for step in steps] == pytest.approx(
         [0.0, -80.0, -160.0, -240.0, -320.0, -400.0]

@@ -138,7 +138,7 @@ def number(text):
 
 def alone(window, method):
     asked = document(window)
-    held, mesh, given = asked.constraints(), asked.mesh, {"contact": asked.contact}
+    held, mesh, given = asked.constraints(), asked.mesh, {"contact": asked.settings.contact}
     return apd_viewer.deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles, **given)
 
 
@@ -295,7 +295,7 @@ def test_comparison_window_says_in_one_sentence_what_cannot_be_written(
 
 @pytest.mark.parametrize(("target", "said"), [(100.0, "100"), (97.25, "97.25"), (1000.0, "1000")])
 def test_reading_columns_say_that_the_error_is_that_of_what_is_asked_for(bar, target, said):
-    bar.session.settings.set_area(target)
+    bar.session.settings.change(area=target)
     titles = {column.title: column.tip for column in reading_columns(bar.session.store.state, Unit.NONE)}
     assert titles["Area error"] == f"Deviation of the area from its target of {said} %"
 

@@ -18,7 +18,7 @@ from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 ASK = unsaved_question.ask_before_leaving
 CHANGES = {
     "paint": lambda session: paint(session),
-    "setting": lambda session: session.settings.set_stiffness(0.01),
+    "setting": lambda session: session.settings.change(stiffness=0.01),
     "shape": lambda session: session.handles.move_by(MotionKind.TWIST, "20", 0),
 }
 
@@ -86,7 +86,7 @@ def test_unsaved_answer_does_what_it_says(qtbot, bottle, person, tmp_path, leavi
     assert person.asked == [f"Save changes to “bottle.obj” before {END[leaving]}?"]
     assert person.target.exists() == (answer in (UnsavedAnswer.SAVE, UnsavedAnswer.EXPORT))
     if answer is UnsavedAnswer.SAVE:
-        assert open_session(person.target)[0].document.stiffness == before.document.stiffness
+        assert open_session(person.target)[0].document.settings == before.document.settings
     if answer is UnsavedAnswer.EXPORT:
         assert len(open_mesh(person.target).V) == len(before.frame.U)
     if answer is UnsavedAnswer.CANCEL:
@@ -157,12 +157,12 @@ def test_may_discard_work_saves_a_session_that_was_saved_before_without_asking_f
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
     person.target = ""
-    bottle.session.settings.set_stiffness(0.01)
+    bottle.session.settings.change(stiffness=0.01)
     person.will(UnsavedAnswer.SAVE)
     close(bottle)
     assert has_left(qtbot, bottle, "closing", None)
     assert person.asked == ["Save changes to “mine.apd” before closing?"]
-    assert open_session(tmp_path / "mine.apd")[0].document.stiffness == 0.01
+    assert open_session(tmp_path / "mine.apd")[0].document.settings.stiffness == 0.01
 
 
 def test_may_discard_work_asks_about_a_dropped_file_too(qtbot, bottle, person, tmp_path):
@@ -185,7 +185,7 @@ def test_begin_tour_does_not_begin_a_declined_tour_later(qtbot, bottle, person):
     person.will(UnsavedAnswer.CANCEL)
     bottle.help.begin_tour()
     qtbot.waitUntil(lambda: person.asked != [])
-    bottle.session.settings.set_stiffness(0.01)
+    bottle.session.settings.change(stiffness=0.01)
     idle(qtbot, bottle)
     bottle.session.files.open_sample("bottle")
     idle(qtbot, bottle)
@@ -210,7 +210,7 @@ def test_show_title_says_what_is_saved(qtbot, bottle, person, tmp_path):
     assert shell.windowTitle() == "mine.apd[*] – bottle.obj – APD Viewer"
     assert not shell.isWindowModified()
     assert shell.windowFilePath() == str(tmp_path / "mine.apd")
-    bottle.session.settings.set_area(101.0)
+    bottle.session.settings.change(area=101.0)
     assert shell.isWindowModified()
 
 

@@ -117,11 +117,11 @@ def test_tour_can_be_asked_for_on_the_bottle_and_on_another_mesh(qtbot, bottle):
 
 @pytest.mark.parametrize(("method", "holds"), [("exact", True), ("arap", False), ("paper", True)])
 def test_tour_says_what_the_method_does_to_the_area(qtbot, toured, method, holds):
-    toured.session.settings.set_method(method)
+    toured.session.settings.change(method=method)
     go_to(qtbot, toured, 2)
     assert ("the area does not" in card(toured).sentence.text()) is holds
     assert ("Exact keeps it" in card(toured).sentence.text()) is not holds
-    toured.session.settings.set_method("exact")
+    toured.session.settings.change(method="exact")
     qtbot.waitUntil(lambda: "the area does not" in card(toured).sentence.text())
 
 
@@ -186,7 +186,7 @@ def test_tour_card_is_used_by_keys_alone(qtbot, toured):
 
 def test_tour_moves_on_with_a_turn_of_the_ring_and_a_look_at_the_area(qtbot, toured):
     tour = toured.help.tour
-    toured.session.settings.set_convergence(Convergence(energy_tolerance=1e-3))  # it rests the sooner
+    toured.session.settings.change(convergence=Convergence(energy_tolerance=1e-3))  # it rests the sooner
     go_to(qtbot, toured, 1)
     drag(qtbot, toured, arrow_grip(toured, 0), (30, 0), steps=3)
     assert tour.step_number == 1, "a move is no turn"

@@ -105,7 +105,7 @@ def test_obstacle_placer_places_what_was_asked_for_by_a_click(qtbot, held):
     away = sphere.place - hit.point
     assert np.linalg.norm(away) == pytest.approx(sphere.radius, rel=0.1)
     np.testing.assert_allclose(sphere.axis, -away / np.linalg.norm(away), atol=1e-6)
-    assert document(window).contact
+    assert document(window).settings.contact
     assert names(window) == ["Sphere 1"]
     assert window.parts.obstacle == 0
     assert window.obstacles.placer.kind is None
@@ -343,15 +343,15 @@ def test_obstacle_section_says_that_obstacles_push_nothing_without_contact(qtbot
     window, section = floored, floored.panel.obstacles
     assert section.note.isHidden()
     window.panel.method.contact.click()
-    assert not document(window).contact
+    assert not document(window).settings.contact
     assert "Contact is off" in section.note.text()
     assert not section.note.isHidden()
     assert window.obstacles.scene.drawn_obstacles[0].is_idle
     section.contact.click()
-    assert document(window).contact
+    assert document(window).settings.contact
     assert section.note.isHidden()
     assert not window.obstacles.scene.drawn_obstacles[0].is_idle
-    window.session.settings.set_method("paper")
+    window.session.settings.change(method="paper")
     assert "Paper" in section.note.text()
     assert section.contact.isHidden()
     assert window.obstacles.scene.drawn_obstacles[0].is_idle
@@ -406,7 +406,7 @@ def test_obstacle_scene_outlines_where_an_obstacle_should_be_that_contact_stops(
     assert row.reading.text() == "load 1.23"
     assert section.excess.isVisible()
     assert "loads mean little" in section.excess.text()
-    window.session.settings.set_stiffness(0.01)
+    window.session.settings.change(stiffness=0.01)
     store.set_state(replace(store.state, frame=frame))
     assert section.excess.text().startswith("Expected excess of loads ")
     assert row.details.text() == "asked for 2.000, stopped 1.500 short"

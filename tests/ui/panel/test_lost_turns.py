@@ -1,7 +1,5 @@
 """Turns that the surface loses, said beneath the handles and in the report."""
 
-import dataclasses
-
 import pytest
 from driving import idle
 from meshes import sample_bottle
@@ -28,7 +26,7 @@ def without_contact(qtbot, kept_window, tmp_path):
     V, F, labels = sample_bottle(edge=3.0)
     save_mesh(Mesh(V, F), V, tmp_path / "bottle.obj")
     state = initial_state(open_mesh(tmp_path / "bottle.obj"), labels.astype("uint8"))
-    state = state.updated(dataclasses.replace(state.document, contact=False))
+    state = state.updated(state.document.with_settings(contact=False))
     kept_window.session.files.open_result("bottle", lambda: state)
     idle(qtbot, kept_window)
     return kept_window

@@ -89,7 +89,7 @@ def test_method_section_shows_the_settings_that_matter_for_each_method(bottle):
         ("arap", set()),
     ):
         choose(bottle, method)
-        assert document(bottle).method == method
+        assert document(bottle).settings.method == method
         assert shown(bottle) == settings | always
         assert bottle.panel.method.stiffness.field.isEnabled()
 
@@ -102,27 +102,27 @@ def test_method_section_offers_contact_where_it_can_and_keeps_the_wall_thickness
         assert box.isVisible() is may
     assert not box.isChecked()
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
-    assert (document(bottle).contact, document(bottle).thickness) == (True, None)
+    assert (document(bottle).settings.contact, document(bottle).settings.thickness) == (True, None)
     assert bottle.session.gestures.history.next_undo == "Turn contact on"
     thickness.setText("0.02")
     thickness.editingFinished.emit()
-    assert document(bottle).thickness == 0.02
+    assert document(bottle).settings.thickness == 0.02
     bottle.actions_.undo.trigger()
-    assert (document(bottle).contact, document(bottle).thickness) == (True, None)
+    assert (document(bottle).settings.contact, document(bottle).settings.thickness) == (True, None)
     assert thickness.text() == ""
     bottle.actions_.redo.trigger()
     assert thickness.text() == "0.02"
     bottle.actions_.undo.trigger()
     bottle.actions_.undo.trigger()
-    assert not document(bottle).contact
+    assert not document(bottle).settings.contact
     assert not box.isChecked()
     thickness.setText("0.02")
     thickness.editingFinished.emit()
-    assert not document(bottle).contact
+    assert not document(bottle).settings.contact
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
-    assert document(bottle).thickness == 0.02, "what was typed before is used as well"
+    assert document(bottle).settings.thickness == 0.02, "what was typed before is used as well"
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
-    assert (document(bottle).contact, document(bottle).thickness) == (False, None)
+    assert (document(bottle).settings.contact, document(bottle).settings.thickness) == (False, None)
 
 
 def test_set_contact_says_that_a_wall_is_too_thick_and_changes_nothing(qtbot, bottle):
@@ -138,7 +138,7 @@ def test_set_contact_says_that_a_wall_is_too_thick_and_changes_nothing(qtbot, bo
     bottle.notice.hide()
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
     assert bottle.notice.isVisible()
-    assert not document(bottle).contact
+    assert not document(bottle).settings.contact
     assert not box.isChecked()
 
 
@@ -166,11 +166,11 @@ def test_size_section_counts_a_thickness_with_a_unit_once_that_of_the_mesh_is_kn
     bottle.session.settings.set_contact(True)
     thickness.setText("0.3mm")
     thickness.editingFinished.emit()
-    assert document(bottle).thickness is None
+    assert document(bottle).settings.thickness is None
     bottle.choose_unit(Unit.CENTIMETRE)
-    assert document(bottle).thickness == pytest.approx(0.03)
+    assert document(bottle).settings.thickness == pytest.approx(0.03)
     bottle.choose_unit(Unit.MILLIMETRE)
-    assert document(bottle).thickness == pytest.approx(0.3)
+    assert document(bottle).settings.thickness == pytest.approx(0.3)
     assert thickness.text() == "0.3mm"
     before = document(bottle)
     thickness.setText("0.3")
@@ -239,7 +239,7 @@ def test_method_section_can_change_the_method_while_a_pose_is_held(qtbot, bottle
     assert bottle.session.store.state.frame is exact.frame
     choose(bottle, "paper")
     bottle.panel.method.tolerance.setValue(0.02)
-    assert document(bottle).tolerance == pytest.approx(0.0002)
+    assert document(bottle).settings.tolerance == pytest.approx(0.0002)
     idle(qtbot, bottle)
     assert abs(bottle.session.store.state.frame.area_error) <= 0.0002
 
@@ -250,13 +250,13 @@ def test_area_section_asks_for_a_typed_target_and_it_is_met(qtbot, bottle):
     field.selectAll()
     qtbot.keyClicks(field, "110")
     qtbot.keyClick(field, Qt.Key.Key_Return)
-    assert document(bottle).area == 110.0
+    assert document(bottle).settings.area == 110.0
     says = bottle.panel.area.verdict
     qtbot.waitUntil(lambda: says.text() == "+10.000 %, exactly on target", timeout=20_000)
     assert bottle.panel.area.target.slider.value() == PERCENT.step_of(110.0)
     assert bottle.session.gestures.history.next_undo == "Change area"
     bottle.panel.area.target.reset_button.click()
-    assert document(bottle).area == 100.0
+    assert document(bottle).settings.area == 100.0
 
 
 def test_panel_begins_with_the_defaults_for_another_mesh(qtbot, bottle):
@@ -270,13 +270,13 @@ def test_panel_begins_with_the_defaults_for_another_mesh(qtbot, bottle):
     assert motion.problem.isVisible()
     bottle.session.files.open_sample("duck")
     idle(qtbot, bottle)
-    assert document(bottle).method == panel.method.method.currentData() == "exact"
-    assert document(bottle).stiffness == panel.method.stiffness.value == 0.0
-    assert not document(bottle).hold_area
+    assert document(bottle).settings.method == panel.method.method.currentData() == "exact"
+    assert document(bottle).settings.stiffness == panel.method.stiffness.value == 0.0
+    assert not document(bottle).settings.hold_area
     assert (motion.motion, motion.amount.text()) == (MotionKind.TWIST, "")
     assert motion.problem.isHidden()
     bottle.actions_.undo.trigger()
-    assert document(bottle).method == panel.method.method.currentData() == "local"
+    assert document(bottle).settings.method == panel.method.method.currentData() == "local"
     assert panel.method.stiffness.value == 0.001
 
 
@@ -292,7 +292,7 @@ def test_percent_field_puts_back_by_escape_what_is_no_percentage(qtbot, bottle, 
     qtbot.keyClicks(field, typed)
     qtbot.keyClick(field, Qt.Key.Key_Return)
     qtbot.keyClick(field, Qt.Key.Key_Escape)
-    assert document(bottle).area == becomes
+    assert document(bottle).settings.area == becomes
     assert field.value() == becomes
     assert field.text() == f"{becomes:.2f} %"
 
@@ -306,7 +306,7 @@ def test_slider_field_makes_a_sweep_of_the_slider_one_step_of_undo_and_the_mesh_
         follow(qtbot, bottle, lambda step=step: mouse.move(knob(slider, step)))
         volumes.add(round(bottle.session.store.state.frame.volume, 6))
     mouse.release(knob(slider, 120))
-    assert document(bottle).area == pytest.approx(110.0, abs=0.6)
+    assert document(bottle).settings.area == pytest.approx(110.0, abs=0.6)
     assert len(volumes) > 2
     bottle.actions_.undo.trigger()
     assert document(bottle) is before
@@ -315,7 +315,7 @@ def test_slider_field_makes_a_sweep_of_the_slider_one_step_of_undo_and_the_mesh_
 
 
 def test_slider_field_lets_a_sweep_be_given_up(qtbot, bottle):
-    bottle.session.settings.set_tolerance(0.002)
+    bottle.session.settings.change(tolerance=0.002)
     slider, before = bottle.panel.method.stiffness.slider, document(bottle)
     mouse = Mouse(slider)
     for give_up in (
@@ -324,7 +324,7 @@ def test_slider_field_lets_a_sweep_be_given_up(qtbot, bottle):
     ):
         mouse.press(knob(slider, 0))
         mouse.move(knob(slider, 50))
-        assert document(bottle).stiffness > 0.0
+        assert document(bottle).settings.stiffness > 0.0
         give_up()
         mouse.release(knob(slider, 50))
         assert document(bottle) is before
@@ -332,13 +332,13 @@ def test_slider_field_lets_a_sweep_be_given_up(qtbot, bottle):
 
 
 def test_slider_field_returns_to_100_percent_by_a_double_click(bottle):
-    bottle.session.settings.set_area(130.0)
+    bottle.session.settings.change(area=130.0)
     slider = bottle.panel.area.target.slider
     at = knob(slider, slider.value())
     mouse = Mouse(slider)
     mouse.drag(at, at)
     mouse.double_click(at)
-    assert document(bottle).area == 100.0
+    assert document(bottle).settings.area == 100.0
 
 
 def test_slider_scale_of_the_stiffness_goes_from_nothing_over_three_decades():
@@ -352,10 +352,10 @@ def test_slider_scale_of_the_stiffness_goes_from_nothing_over_three_decades():
 def test_slider_field_lets_the_stiffness_be_typed_or_stepped(qtbot, bottle):
     dial = bottle.panel.method.stiffness
     dial.field.setValue(0.0123)
-    assert document(bottle).stiffness == 0.0123
+    assert document(bottle).settings.stiffness == 0.0123
     assert dial.field.text() == "0.0123"
     qtbot.keyClick(dial.slider, Qt.Key.Key_Right)
-    assert document(bottle).stiffness > 0.0123
+    assert document(bottle).settings.stiffness > 0.0123
 
 
 def test_area_section_says_what_is_out_of_reach(qtbot, bottle):
@@ -393,26 +393,27 @@ def test_area_section_lets_local_keep_the_total_too_where_that_is_asked(qtbot, b
     assert not area.target.field.isEnabled()
     assert "exact" not in area_verdict(bottle.session.store.state)
     area.hold.click()
-    assert document(bottle).hold_area
+    assert document(bottle).settings.hold_area
     assert area.target.field.isEnabled()
     bottle.panel.method.area_stiffness.setValue(30.0)
     bottle.panel.method.shear_stiffness.setValue(0.2)
-    assert (document(bottle).area_stiffness, document(bottle).shear_stiffness) == (30.0, 0.2)
+    settings = document(bottle).settings
+    assert (settings.area_stiffness, settings.shear_stiffness) == (30.0, 0.2)
 
 
 def test_volume_section_keeps_a_volume_or_says_the_reason_why_not(qtbot, bottle):
     volume = bottle.panel.volume
     volume.keep.click()
-    assert document(bottle).volume == 100.0
+    assert document(bottle).settings.volume == 100.0
     volume.target.field.setValue(95.0)
-    assert document(bottle).volume == 95.0
+    assert document(bottle).settings.volume == 95.0
     qtbot.waitUntil(lambda: volume.change == "−5.00 %", timeout=20_000)
     choose(bottle, "paper")
     assert not volume.keep.isEnabled()
     assert "Paper" in volume.disabled_note.text()
     choose(bottle, "exact")
     volume.keep.click()
-    assert document(bottle).volume is None
+    assert document(bottle).settings.volume is None
 
 
 def test_volume_section_has_no_volume_to_keep_of_an_open_surface(qtbot, kept_window):
@@ -451,7 +452,7 @@ def test_method_section_offers_sr_arap_which_deforms(qtbot, bottle):
     choose(bottle, "sr-arap")
     drag(qtbot, bottle, ring_grip(bottle, 1), (40, 0))
     idle(qtbot, bottle)
-    assert document(bottle).method == "sr-arap"
+    assert document(bottle).settings.method == "sr-arap"
     assert bottle.session.store.activity is Activity.SETTLED
     assert shown(bottle) == {"stiffness"}
 
@@ -479,7 +480,7 @@ def test_convergence_fields_are_folded_and_show_what_applies(qtbot, bottle):
         field.selectAll()
         qtbot.keyClicks(field, text)
         qtbot.keyClick(field, Qt.Key.Key_Return)
-    assert document(bottle).convergence == (250, 1e-9, 1e-5)
+    assert document(bottle).settings.convergence == (250, 1e-9, 1e-5)
     assert bottle.session.gestures.history.next_undo == "Change convergence"
     assert fields.energy.text() == "1e-09"
     assert fields.heading.reading == "changed"

@@ -12,7 +12,7 @@ from apd_viewer.session.state_store import Activity
 @pytest.fixture
 def solving(qtbot, bottle):
     """The bottle on its way to a twisted shape, for longer than a test takes."""
-    bottle.session.settings.set_convergence(Convergence(energy_tolerance=1e-15))
+    bottle.session.settings.change(convergence=Convergence(energy_tolerance=1e-15))
     bottle.session.handles.move_by(MotionKind.TWIST, "45", 0)
     return bottle
 

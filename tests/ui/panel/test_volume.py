@@ -56,7 +56,7 @@ def crush(qtbot, window, by):
 def passing(mesh, labels):
     """New work in which walls may pass through each other."""
     state = initial_state(mesh, frozen(labels))
-    return state.updated(replace(state.document, contact=False))
+    return state.updated(state.document.with_settings(contact=False))
 
 
 def coarse_bottle(qtbot, window, open_top=False):

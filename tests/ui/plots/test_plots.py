@@ -83,7 +83,7 @@ def watched(plots):
 
 
 def test_plots_have_curves_of_what_was_shown_on_the_way(qtbot, plotted):
-    plotted.session.settings.set_method("paper")
+    plotted.session.settings.change(method="paper")
     idle(qtbot, plotted)
     frames = twist(qtbot, plotted, 12)
     mesh = plotted.session.store.state.document.mesh
@@ -107,7 +107,7 @@ def test_plots_have_curves_of_what_was_shown_on_the_way(qtbot, plotted):
     assert (np.diff(curve.x) > 0).all()
     assert curve.x[-1] >= frames[-1].iteration
     assert errors.horizontal_lines[0].place == pytest.approx(
-        np.log10(plotted.session.store.state.document.tolerance)
+        np.log10(plotted.session.store.state.document.settings.tolerance)
     )
     (curve,) = views["energy"].chart().curves
     assert curve.y[-1] == frames[-1].energy > curve.y[0] >= 0.0

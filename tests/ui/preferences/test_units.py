@@ -67,7 +67,7 @@ POWERS = {"area": 2, "volume": 3, "drift": 1, "moved": 1, "region": 2, "extent":
 def twisted(qtbot, bottle):
     """The bottle with a region, moved a little by the method that lets the handle drift."""
     session = bottle.session
-    session.settings.set_method("paper")
+    session.settings.change(method="paper")
     session.parts.add_region()
     session.gestures.begin()
     session.painting.paint_region(np.flatnonzero(abs(document(bottle).mesh.V[:, 1] - 10) < 2), 1)

@@ -107,10 +107,10 @@ def test_region_target_field_holds_the_area_of_a_region(qtbot, bottle):
     assert document(bottle).regions[0].area == 90.0
     reading = bottle.panel.regions.list.rows[0].reading
     qtbot.waitUntil(lambda: reading.text() == "90.00 %, kept", timeout=20_000)
-    bottle.session.settings.set_method("paper")
+    bottle.session.settings.change(method="paper")
     assert not details.box.isEnabled()
     assert not bottle.panel.regions.note.isHidden()
-    bottle.session.settings.set_method("exact")
+    bottle.session.settings.change(method="exact")
     details.box.click()
     assert document(bottle).regions[0].area is None
 

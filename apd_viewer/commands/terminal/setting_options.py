@@ -1,0 +1,84 @@
+"""Options for the settings of a deformation."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from typing import Any
+
+from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
+from apd_viewer.geometry.solver.methods import METHODS, MOST_VERTICES_IN_CONTACT, contact_by_default
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, SettingKind
+from apd_viewer.language import tr
+
+_CRITERIA = {
+    "most_iterations": tr("stop after N iterations at the latest"),
+    "energy_tolerance": tr("converged once ten iterations reduce the energy by at most this part"),
+    "step_tolerance": tr(
+        "of 'paper' and 'sr-arap': converged once steps are below this part of the mesh's size"
+    ),
+}
+
+
+def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[str] = METHODS) -> None:
+    """Add an option for each of the named settings, with the settings' defaults."""
+    for name in names:
+        setting, default = SETTINGS[name], getattr(DEFAULT_SETTINGS, name)
+        words = setting.help.replace("%", "%%")
+        more: dict[str, Any] = {"help": tr("{what}; default: %(default)s").format(what=words)}
+        match setting.kind:
+            case SettingKind.METHOD:
+                more |= {"choices": tuple(methods), "help": tr("default: %(default)s")}
+            case SettingKind.NUMBER | SettingKind.TOLERANCE:
+                more |= {"metavar": "A", "type": float}
+            case SettingKind.PERCENTAGE:
+                more |= {"metavar": "PERCENT", "help": words}
+                default = None  # as the method has it
+            case SettingKind.LENGTH:
+                more |= {"metavar": "LENGTH", "type": float, "help": words}
+            case SettingKind.SWITCH:
+                more |= {"action": argparse.BooleanOptionalAction, "help": words}
+            case SettingKind.CONVERGENCE:
+                _add_criteria(parser)
+                continue
+        parser.add_argument(_option(name), default=default, **more)
+
+
+def _option(name: str) -> str:
+    return "--" + name.replace("_", "-")
+
+
+def _add_criteria(parser: Parser) -> None:
+    for name, words in _CRITERIA.items():
+        default = getattr(DEFAULT_CONVERGENCE, name)
+        words = tr("{what}; default: %(default)s").format(what=words)
+        metavar = "N" if isinstance(default, int) else "T"
+        parser.add_argument(_option(name), metavar=metavar, type=type(default), default=default, help=words)
+
+
+def add_contact_option(parser: Parser) -> None:
+    """Add ``--contact`` and ``--no-contact``; None without either."""
+    parser.add_argument(
+        "--contact",
+        action=argparse.BooleanOptionalAction,
+        help=tr(
+            "keep walls from passing through each other, or not; default: up to {most:,} vertices, by "
+            "methods that can"
+        ).format(most=MOST_VERTICES_IN_CONTACT),
+    )
+
+
+def has_contact(options: argparse.Namespace, vertices: int) -> bool:
+    """True if the options of ``deform`` mean contact for so many vertices."""
+    if options.contact is not None:
+        return bool(options.contact)
+    if options.obstacles:
+        return True
+    return options.iterations is None and contact_by_default(options.method, vertices)
+
+
+def setting_arguments(options: argparse.Namespace) -> dict[str, Any]:
+    """Arguments of :func:`deform` from the options."""
+    given = {name: getattr(options, name) for name in SETTINGS if hasattr(options, name)}
+    return {**given, "convergence": Convergence(*(getattr(options, name) for name in _CRITERIA))}

@@ -1,0 +1,220 @@
+"""Settings of a deformation, and the table of what is known of each.
+
+Options of the command line, columns of plans, keys of sessions, rows of reports and arguments of exported
+scripts all follow from the table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from enum import Enum, auto
+from operator import attrgetter
+from typing import Any
+
+from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.goals.percentage import LEAST_PERCENTAGE, MOST_PERCENTAGE
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, LARGEST_TOLERANCE, Convergence
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+    Method,
+    method_material,
+    method_named,
+)
+from apd_viewer.language import tr
+
+_LARGEST_STIFFNESS = 1e6
+
+
+class SettingKind(Enum):
+    """Kind of value; readers and writers have a case for each."""
+
+    METHOD = auto()
+    NUMBER = auto()
+    TOLERANCE = auto()
+    PERCENTAGE = auto()
+    SWITCH = auto()
+    LENGTH = auto()
+    CONVERGENCE = auto()
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Description of a setting, without its name and default.
+
+    Attributes
+    ----------
+    kind : SettingKind
+    title : str
+        For reports, tables and fields.
+    help : str
+        For the command line.
+    gesture, off_gesture : str
+        Name of its change in the history; of turning a switch off, if that has another name.
+    applies : callable
+        True for the methods that it matters to.
+    least, most : float
+        Range of what can be entered, in its own unit.
+    """
+
+    kind: SettingKind
+    title: str
+    help: str
+    gesture: str
+    applies: Callable[[Method], bool] = lambda _: True
+    least: float = 0.0
+    most: float = _LARGEST_STIFFNESS
+    off_gesture: str = ""
+
+
+def _setting(default: object, *row: Any, factored: bool = False, **more: Any) -> Any:
+    """Field of the settings with its row; ``factored`` where a change needs another factor."""
+    metadata = {"setting": Setting(*row, **more), "factored": factored}
+    return field(default=default, metadata=metadata)
+
+
+def _percentage(default: float | None, *words: str, **more: Any) -> Any:
+    more |= {"least": LEAST_PERCENTAGE, "most": MOST_PERCENTAGE}
+    return _setting(default, SettingKind.PERCENTAGE, *words, **more)
+
+
+def _stiffness(default: float, title: str, words: str, **more: Any) -> Any:
+    gesture = tr("Change stiffness")
+    return _setting(default, SettingKind.NUMBER, title, words, gesture, factored=True, **more)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Method, material, targets and criteria of a deformation, whatever the mesh.
+
+    Attributes
+    ----------
+    method : str
+    stiffness, area_stiffness, shear_stiffness, tolerance
+        See :class:`apd_viewer.geometry.solver.deformation.Deformation`.
+    area : float
+        What the total area should be, in percent of what it is at rest.
+    volume : float or None
+        What the volume should be, in percent; None leaves it free. Always None where there is no volume.
+    hold_area : bool
+        Whether "local" keeps the total area too.
+    calm : bool
+        Whether "exact" keeps the area of calm parts too.
+    contact : bool
+        Whether walls are kept from passing through each other, by methods that can.
+    thickness : float or None
+        Distance that walls in contact keep, mesh units; None is a thousandth of the size of the mesh.
+    convergence : Convergence
+        What ends the iterations.
+    """
+
+    method: str = _setting(
+        DEFAULT_METHOD,
+        SettingKind.METHOD,
+        tr("Method"),
+        tr("arap, paper, exact, local or sr-arap"),
+        tr("Change method"),
+        factored=True,
+    )
+    stiffness: float = _stiffness(
+        0.0,
+        tr("Stiffness"),
+        tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal); CGAL's alpha for 'sr-arap'"),
+    )
+    area_stiffness: float = _stiffness(
+        DEFAULT_AREA_STIFFNESS,
+        tr("Area stiffness"),
+        tr("how strongly 'local' keeps the area of each triangle"),
+        applies=attrgetter("has_moduli"),
+    )
+    shear_stiffness: float = _stiffness(
+        DEFAULT_SHEAR_STIFFNESS,
+        tr("Shear stiffness"),
+        tr("how strongly 'local' keeps the shape of each triangle"),
+        applies=attrgetter("has_moduli"),
+    )
+    area: float = _percentage(
+        100.0,
+        tr("Area target"),
+        tr("target of the total area, in percent of the rest area; default: 100 for 'exact' and 'paper'"),
+        tr("Change area"),
+    )
+    volume: float | None = _percentage(
+        None,
+        tr("Volume target"),
+        tr("target of the volume, in percent of the rest volume; default: free"),
+        tr("Change volume"),
+    )
+    tolerance: float = _setting(
+        DEFAULT_TOLERANCE,
+        SettingKind.TOLERANCE,
+        tr("Tolerance"),
+        tr("area tolerance of 'paper'; 0.001 is 0.1 %"),
+        tr("Change tolerance"),
+        applies=attrgetter("has_tolerance"),
+        least=1e-12,
+        most=LARGEST_TOLERANCE,
+    )
+    hold_area: bool = _setting(
+        False,
+        SettingKind.SWITCH,
+        tr("Total area kept"),
+        tr("keep the total area by 'local', too"),
+        tr("Change area"),
+        applies=attrgetter("may_keep_total_area"),
+    )
+    calm: bool = _setting(
+        True,
+        SettingKind.SWITCH,
+        tr("Calm parts kept"),
+        tr("keep the area of calm parts by 'exact', those that the handles hardly reach"),
+        tr("Keep calm parts"),
+        applies=attrgetter("keeps_calm_parts"),
+        off_gesture=tr("Let calm parts change"),
+    )
+    contact: bool = _setting(
+        False,
+        SettingKind.SWITCH,
+        tr("Contact"),
+        tr("keep walls from passing through each other"),
+        tr("Turn contact on"),
+        applies=attrgetter("may_use_contact"),
+        off_gesture=tr("Turn contact off"),
+    )
+    thickness: float | None = _setting(
+        None,
+        SettingKind.LENGTH,
+        tr("Distance of walls"),
+        tr("distance that walls in contact keep, in mesh units; default: 1/1000 of the diagonal"),
+        tr("Change distance of walls"),
+        applies=attrgetter("may_use_contact"),
+    )
+    convergence: Convergence = _setting(  # noqa: RUF009 (a field)
+        DEFAULT_CONVERGENCE,
+        SettingKind.CONVERGENCE,
+        tr("Convergence"),
+        tr("what ends the iterations"),
+        tr("Change convergence"),
+    )
+
+    @property
+    def traits(self) -> Method:
+        """Traits of the method."""
+        return method_named(self.method)
+
+    @property
+    def material(self) -> Material:
+        """Weights of the method's energy; raises InputError on invalid stiffness."""
+        return method_material(self.traits, self.stiffness, self.area_stiffness, self.shear_stiffness)
+
+    @property
+    def uses_contact(self) -> bool:
+        """True if walls are kept apart, by a method that can."""
+        return self.contact and self.traits.may_use_contact
+
+
+SETTINGS: Mapping[str, Setting] = {each.name: each.metadata["setting"] for each in fields(Settings)}
+DEFAULT_SETTINGS = Settings()
