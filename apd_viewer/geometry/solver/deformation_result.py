@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,8 +17,6 @@ from apd_viewer.geometry.mesh.arrays import checked_floats
 from apd_viewer.geometry.mesh.checked_arguments import checked
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
-from apd_viewer.geometry.solver.contact_descent import whole_path_frame
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.held_vertices import HeldVertices
@@ -32,6 +30,7 @@ from apd_viewer.geometry.solver.methods import (
     method_named,
     passing_walls_warning,
 )
+from apd_viewer.geometry.solver.path_iteration import PathIteration, PathStop
 from apd_viewer.geometry.turns.held_turn import HeldTurn, pass_through_warnings
 from apd_viewer.geometry.turns.held_turns import held_turns, relative_paths
 from apd_viewer.language import tr
@@ -226,39 +225,19 @@ def deform(
         rest=rest,
     )
     targets = checked_floats(targets, tr("Targets"))
-    last = None
-    if targets.ndim != 3 or not len(targets):
-        solver.aim(targets, shifts=shifts)
-        way = targets[None]
-    elif iterations is not None:
+    path = targets if targets.ndim == 3 and len(targets) else targets[None]
+    if targets is path and iterations is not None:
         raise InputError(tr("Plain iterations know of no path; give the last targets alone."))
-    else:
-        last, way = _walk(solver, targets, shifts, told), targets
-    result = iterate_to_result(solver, started, iterations, told, last, _turns(solver, handle, way))
+    walk = PathIteration(solver, [*_stops(path, shifts)])
+    result = iterate_to_result(solver, walk, started, iterations, told, _turns(solver, handle, path))
     passing = passing_walls_warning(*size, tr("--contact or contact=True")) if by_default else ""
     return replace(result, warnings=(*result.warnings, passing)) if passing else result
 
 
-def _walk(
-    solver: Deformation,
-    targets: np.ndarray,
-    shifts: np.ndarray | None,
-    progress: Callable[[Frame], None] | None,
-) -> Callable[[], Frame]:
-    """Walk along ``targets`` (s, k, 3); return a call for the frame at its end."""
-    for leg, point in enumerate(targets):
-        solver.aim(point, shifts=None if shifts is None else (leg + 1) / len(targets) * np.asarray(shifts))
-        if leg == len(targets) - 1:
-            break
-        count = 0
-        while count < ITERATIONS_A_STEP or solver.is_on_its_way:
-            solver.iterate()
-            count += 1
-            if progress:
-                progress(solver.frame())
-        if solver.share_reached < 1.0:
-            break
-    return lambda: whole_path_frame(solver.frame(), leg, len(targets), solver.contact)
+def _stops(path: np.ndarray, shifts: np.ndarray | None) -> Iterator[PathStop]:
+    """Stops of a path (s, k, 3), with equal parts of the shifts of obstacles."""
+    for number, targets in enumerate(path, start=1):
+        yield PathStop(targets, None, None if shifts is None else number / len(path) * np.asarray(shifts))
 
 
 def _turns(
@@ -275,10 +254,10 @@ def _turns(
 
 def iterate_to_result(
     solver: Deformation,
+    walk: PathIteration,
     started: float,
     iterations: int | None = None,
     progress: Callable[[Frame], None] | None = None,
-    last: Callable[[], Frame] | None = None,
     turns: Callable[[np.ndarray], tuple[HeldTurn, ...]] = lambda _: (),
 ) -> Result:
     """Iterate until the shape has settled, or ``iterations`` times.
@@ -286,27 +265,32 @@ def iterate_to_result(
     Parameters
     ----------
     solver : Deformation
-        Aimed.
+    walk : PathIteration
+        Of the solver.
     started : float
         When work began, by ``time.perf_counter()``.
     iterations, progress
         See :func:`deform`.
-    last : callable, optional
-        Gives the last frame, where it is not simply the solver's.
     turns : callable
         Gives the turns of the handles in the last shape (n, 3).
     """
+    while not walk.has_arrived:
+        _iterate(walk, progress)
     iterating = time.perf_counter()
     count, most = 0, iterations or solver.convergence.most_iterations
     while count < most and (iterations is not None or not solver.settled):
-        solver.iterate()
+        _iterate(walk, progress)
         count += 1
-        if progress:
-            progress(solver.frame())
-    frame = (last or solver.frame)()
+    frame = walk.frame()
     ended = time.perf_counter()
     each = (ended - iterating) / frame.iteration
     return deformation_result(solver, frame, ended - started, each, turns(frame.U))
+
+
+def _iterate(walk: PathIteration, progress: Callable[[Frame], None] | None) -> None:
+    walk.iterate()
+    if progress:
+        progress(walk.frame())
 
 
 def deformation_result(

@@ -21,15 +21,15 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import Constraints
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.multilevel import compute_decimations
+from apd_viewer.geometry.solver.path_iteration import PathIteration
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.targets import targets_of
-from apd_viewer.session.processes.document_deformation import deformation_of
+from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 from apd_viewer.session.processes.messages import RequestMessage, RequestStage, SolverMessage
-from apd_viewer.session.processes.path_iteration import PathIteration
 from apd_viewer.session.processes.remote_factor import RemoteFactor
 from apd_viewer.session.processes.request_and_reply import (
     Cost,
@@ -249,7 +249,7 @@ class RequestSolver:
         if fresh or elsewhere or not are_same_keys(poses, self._poses):
             U = request.U if fresh or elsewhere else None
             walks = request.iterate and (jumps or (fresh and _begins_at_rest(self._solver, request)))
-            self._walk = PathIteration(self._solver, document, U, walks, request.shifts)
+            self._walk = document_iteration(self._solver, document, U, walks, request.shifts)
         self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
         self._placed = around
         return self._solver

@@ -15,9 +15,9 @@ import numpy as np
 
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.path_iteration import PathIteration
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.processes.document_deformation import deformation_of
-from apd_viewer.session.processes.path_iteration import PathIteration
+from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 
 
 def contact_frames(
@@ -47,8 +47,8 @@ def contact_frames(
     """
     begun, U = 0, documents[0].grip if is_direct else None
     for number, document in enumerate(documents if is_direct else ()):
-        step = PathIteration(solver, document, U, along_paths=False)
-        frame = _at_rest(step, iterations, partial(tick, number))
+        step = document_iteration(solver, document, U, along_paths=False)
+        frame = step.settle(iterations, partial(tick, number))
         if frame.contact is not None and frame.contact.pairs:
             break
         yield frame
@@ -68,12 +68,12 @@ def _frames_beside_path(
     """Frames from step ``begun`` on, each beside a walk from rest to the last."""
     *others, last = documents
     U = last.grip
-    walk = PathIteration(deformation_of(last, last.constraints(), solver.rest), last, U)
+    walk = document_iteration(deformation_of(last, last.constraints(), solver.rest), last, U)
     for number, document in enumerate(others[begun:], begun):
         U = _shape_before(walk, shares[number], U, partial(tick, number))
-        beside = PathIteration(solver, document, U, along_paths=False)
-        yield _at_rest(beside, iterations, partial(tick, number))
-    yield _at_rest(walk, iterations, partial(tick, len(others)))
+        beside = document_iteration(solver, document, U, along_paths=False)
+        yield beside.settle(iterations, partial(tick, number))
+    yield walk.settle(iterations, partial(tick, len(others)))
 
 
 def _shape_before(
@@ -88,13 +88,3 @@ def _shape_before(
         iteration.iterate()
         tick(0)  # the iterations at the step itself are counted
     return U
-
-
-def _at_rest(iteration: PathIteration, most: int, tick: Callable[[int], object]) -> Frame:
-    """Frame at the end of a walk, after at most so many iterations there."""
-    count = 0
-    while iteration.is_on_its_way or (count < most and not iteration.settled):
-        iteration.iterate()
-        count += not iteration.is_on_its_way
-        tick(count)
-    return iteration.frame()

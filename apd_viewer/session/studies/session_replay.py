@@ -18,8 +18,7 @@ from apd_viewer.geometry.solver.deformation_result import Result, deformation_re
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.state import State
-from apd_viewer.session.processes.document_deformation import deformation_of
-from apd_viewer.session.processes.path_iteration import PathIteration
+from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.studies.document_turns import document_turns
 
@@ -64,18 +63,13 @@ def replay_session(
         turns = document_turns(document, frame.U)
         return document, deformation_result(solver, frame, time.perf_counter() - started, 0.0, turns)
     way = document.relative_to_rest if from_rest else document
-    walk = PathIteration(
+    walk = document_iteration(
         solver, way, None if from_rest else state.frame.U, start_shifts=_obstacle_shifts(state)
     )
     if on_shape:
         on_shape(way.grip if from_rest else state.frame.U)
-    told = _both(progress, on_shape)
-    while not walk.has_arrived:
-        walk.iterate()
-        if told:
-            told(walk.frame())
     turned = partial(document_turns, document)
-    return document, iterate_to_result(solver, started, progress=told, last=walk.frame, turns=turned)
+    return document, iterate_to_result(solver, walk, started, None, _both(progress, on_shape), turned)
 
 
 def _both(

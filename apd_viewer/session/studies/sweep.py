@@ -20,12 +20,11 @@ from apd_viewer.geometry.solver.methods import method_named
 from apd_viewer.geometry.turns.held_turn import pass_through_warnings
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.handle_paths import document_at
 from apd_viewer.session.model.named_obstacle import NamedObstacle
 from apd_viewer.session.model.state import load_excess_of
 from apd_viewer.session.posing.motion_path import MotionPath, document_along, total_turn
-from apd_viewer.session.processes.document_deformation import deformation_of
+from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 from apd_viewer.session.studies.contact_frames import contact_frames
 from apd_viewer.session.studies.document_turns import document_turns
 from apd_viewer.session.studies.sweep_step import SweepStep
@@ -142,7 +141,7 @@ class Sweep:
     def _tell(self, tick: Callable[[float, str], object], m: int, number: int, k: int) -> None:
         """Tell how much is done after an iteration of a step by a method."""
         # Most progress is in the first iterations, and few steps need all of them.
-        step = number + (k + 1) / (k + 1 + 0.1 * self.iterations)
+        step = number + k / (k + 0.1 * self.iterations)
         tick((m + step / len(self.shares)) / len(self.methods), self.methods[m])
 
     def _frames(self, solver: Deformation, tick: Callable[[int, int], object]) -> Iterator[Frame]:
@@ -158,15 +157,9 @@ class Sweep:
             return
         U: np.ndarray | None = self.document.grip
         for number, there in enumerate(documents):
-            held = there.constraints()
-            solver.aim(held.targets, U, held.soft_targets, obstacle_shifts(there))
+            step = document_iteration(solver, there, U, along_paths=False)
             U = None
-            for k in range(self.iterations):
-                solver.iterate()
-                tick(number, k)
-                if solver.settled:
-                    break
-            yield solver.frame()
+            yield step.settle(self.iterations, partial(tick, number))
 
     def _step(self, solver: Deformation, number: int, frame: Frame) -> SweepStep:
         k, part = self.leading_handle, self.shares[number]

@@ -17,8 +17,7 @@ from apd_viewer.geometry.solver.deformation_result import iterate_to_result
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import View
-from apd_viewer.session.processes.document_deformation import deformation_of
-from apd_viewer.session.processes.path_iteration import PathIteration
+from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 from apd_viewer.session.storage.obstacle_json import obstacle_from_json, obstacle_to_json
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.storage.session_json import document_to_json, frame_to_json
@@ -38,8 +37,8 @@ def pressed(path) -> State:
     obstacles = (ROD.with_shift(-0.2 * X), WALL, BALL)
     document = replace(state.document.with_settings(contact=True, stiffness=0.001), obstacles=obstacles)
     solver = deformation_of(document, document.constraints())
-    walk = PathIteration(solver, document, document.mesh.V, start_shifts=np.zeros((3, 3)))
-    iterate_to_result(solver, 0.0)
+    walk = document_iteration(solver, document, document.mesh.V, start_shifts=np.zeros((3, 3)))
+    iterate_to_result(solver, walk, 0.0)
     return state.updated(document, walk.frame())
 
 

@@ -8,10 +8,10 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import twist
+from apd_viewer.geometry.solver.path_iteration import PathIteration
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.processes.document_deformation import deformation_of
-from apd_viewer.session.processes.path_iteration import PathIteration
+from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 
 
 def twisted_tube(degrees: int) -> Document:
@@ -27,7 +27,7 @@ def twisted_tube(degrees: int) -> Document:
 def walked(document: Document) -> PathIteration:
     """A walk to its end, every third shape on the way and the last one looked at."""
     solver = deformation_of(document, document.constraints())
-    walk = PathIteration(solver, document)
+    walk = document_iteration(solver, document)
     for count in range(3000):
         walk.iterate()
         done = walk.has_arrived and solver.settled
@@ -37,7 +37,7 @@ def walked(document: Document) -> PathIteration:
     return walk
 
 
-def test_path_iteration_reaches_each_stop_before_it_aims_at_the_next():
+def test_document_iteration_reaches_each_stop_before_it_aims_at_the_next():
     document = twisted_tube(220)
     assert document.has_half_turn
     frame = walked(document).frame()
@@ -47,7 +47,7 @@ def test_path_iteration_reaches_each_stop_before_it_aims_at_the_next():
 
 
 @pytest.mark.night
-def test_path_iteration_that_contact_stops_ends_there_and_tells_the_share_of_the_whole():
+def test_document_iteration_that_contact_stops_ends_there_and_tells_the_share_of_the_whole():
     document = twisted_tube(720)
     walk = walked(document)
     frame = walk.frame()
