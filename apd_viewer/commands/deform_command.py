@@ -43,23 +43,14 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, constraints
 from apd_viewer.geometry.solver.deformation_result import Result, deform
 from apd_viewer.geometry.solver.loose_components import GO, STAY
 from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
 from apd_viewer.session.model.named_obstacle import geometric_obstacles
 from apd_viewer.session.storage.obstacle_json import read_obstacles
 
-_SETTINGS = (
-    "method",
-    "tolerance",
-    "stiffness",
-    "area_stiffness",
-    "shear_stiffness",
-    "area",
-    "volume",
-    "calm",
-    "thickness",
-    "convergence",
-)
+# "local" keeps the total area where a target is given, and contact is by default on or off by the mesh.
+_SETTINGS = [name for name in SETTINGS if name not in ("hold_area", "contact")]
 _PICTURE = (1600, 1000)  # pixels
 
 
