@@ -16,6 +16,7 @@ from apd_viewer.geometry.mesh.components import LooseComponent, loose_components
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.region_areas import region_areas
 from apd_viewer.geometry.pose.constraints import (
+    BASE,
     FREE,
     HANDLE,
     NO_SOFT_CONSTRAINTS,
@@ -151,6 +152,11 @@ class Document:
     def label_counts(self) -> np.ndarray:
         """Number of the vertices with each label, (256,) int array."""
         return memo.label_counts(self.labels)
+
+    @property
+    def base_centre(self) -> np.ndarray | None:
+        """Centre of the base, (3,); None if there is no base."""
+        return memo.label_centre(self.labels, self.grip, BASE) if self.label_counts[BASE] else None
 
     def centre(self, k: int) -> np.ndarray | None:
         """Centre of the grip of handle ``k``, (3,); None if it holds nothing."""
