@@ -8,12 +8,10 @@ from meshes import box, ends, rotation
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.posing.motion_path import document_along, motion_paths
-from apd_viewer.session.posing.motion_step import MotionStep, check_amounts, motion_steps
-from apd_viewer.session.posing.motion_text import parse_motion
-from apd_viewer.session.posing.typed_motion import named_lengths, poses_along
+from apd_viewer.session.posing.motion import MOTIONS
+from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths
+from apd_viewer.session.posing.motion_text import motion_steps, parse_motion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
@@ -29,11 +27,9 @@ def state():
 
 
 def paths(state, text):
-    steps = parse_motion(text)
-    check_amounts(steps, Unit.MILLIMETRE)
-    return motion_paths(
-        state.document, motion_steps(state.document, steps, named_lengths(state), Unit.MILLIMETRE)
-    )
+    for step in parse_motion(text):
+        step.parse_amounts(Unit.MILLIMETRE)
+    return motion_paths(state.document, motion_steps(state, text, Unit.MILLIMETRE))
 
 
 def turned(axis, degrees, about):
@@ -88,12 +84,11 @@ def test_motion_paths_follow_steps_in_turn_for_the_handles_that_they_name(state)
 @pytest.mark.parametrize("degrees", [40, 400, -1000])
 def test_motion_paths_twist_as_the_window_and_the_sweep_do(degrees, state):
     document = state.document
-    *_, pose = poses_along(document, 0, MotionKind.TWIST, np.radians(degrees))
+    step = MotionStep(0, MOTIONS["TWIST"], (np.radians(degrees),))
+    pose = step.end_document(document).handles[0].pose
     path = paths(state, f"twist {degrees}")[0]
     np.testing.assert_allclose(path.pose_at(1.0), pose, atol=1e-12)
-    swept = sweep_of(
-        document, 3, methods=["arap"], motion=[MotionStep(0, "twist", (np.radians(degrees),))]
-    ).paths[0]
+    swept = sweep_of(document, 3, methods=["arap"], motion=[step]).paths[0]
     assert all(np.array_equal(path.pose_at(part), swept.pose_at(part)) for part in (0.3, 1.0))
     posed = document_along(document, paths(state, f"twist {degrees}"))
     assert np.degrees(posed.handles[0].rotation) == pytest.approx([0, 0, degrees], abs=1e-6)
@@ -141,7 +136,7 @@ def test_parse_motion_says_what_is_no_motion(text, state):
         paths(state, text)
 
 
-def test_check_amounts_needs_the_unit_of_the_mesh_for_a_length(state):
+def test_parse_amounts_needs_the_unit_of_the_mesh_for_a_length(state):
     with pytest.raises(InputError, match="unit of the mesh is not set; choose it") as refused:
-        check_amounts(parse_motion("push 2mm"), Unit.NONE)
+        parse_motion("push 2mm")[0].parse_amounts(Unit.NONE)
     assert str(pickle.loads(pickle.dumps(refused.value))) == str(refused.value)

@@ -7,11 +7,12 @@ from meshes import rotation
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.session.model.motion_kind import MotionKind
-from apd_viewer.session.posing.typed_motion import named_lengths, parse_amount, pose_after
+from apd_viewer.session.posing.motion import MOTIONS, AmountKind
+from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.quantities.units import Unit
 
 AXES = {"X": [1, 0, 0], "Y": [0, 1, 0], "Z": [0, 0, 1]}
+FIRST = {AmountKind.ANGLE: "300deg", AmountKind.FACTOR: "80%"}
 
 
 def centres(session: Driven) -> tuple[np.ndarray, np.ndarray]:
@@ -35,7 +36,7 @@ def bent(session):
 
 @pytest.mark.parametrize("letter", "XYZ")
 def test_move_by_moves_along_an_axis_by_the_length(bent, letter):
-    bent.handles.move_by(MotionKind[f"MOVE_{letter}"], "0.15L + 0.1", 0)
+    bent.handles.move_by(MOTIONS[f"MOVE_{letter}"], "0.15L + 0.1", 0)
     expected = np.eye(4)
     expected[:3, 3] = (0.15 * max(bent.store.state.inspection.size) + 0.1) * np.array(AXES[letter])
     np.testing.assert_allclose(by(bent), expected, atol=1e-12)
@@ -45,7 +46,7 @@ def test_move_by_moves_along_an_axis_by_the_length(bent, letter):
 def test_move_by_turns_about_the_centre_and_bends_about_that_of_the_base_by_an_angle(bent, letter):
     for kind, which in (("TURN", 1), ("BEND", 0)):
         fixed = centres(bent)[which]
-        bent.handles.move_by(MotionKind[f"{kind}_{letter}"], "30deg", 0)
+        bent.handles.move_by(MOTIONS[f"{kind}_{letter}"], "30deg", 0)
         motion = by(bent)
         np.testing.assert_allclose(motion[:3, :3], rotation(AXES[letter], np.pi / 6), atol=1e-12)
         np.testing.assert_allclose(transform(motion, fixed[None])[0], fixed, atol=1e-12)
@@ -53,7 +54,7 @@ def test_move_by_turns_about_the_centre_and_bends_about_that_of_the_base_by_an_a
 
 def test_move_by_twists_about_the_line_between_the_centres(bent):
     base, handle = centres(bent)
-    bent.handles.move_by(MotionKind.TWIST, "1/6 turn", 0)
+    bent.handles.move_by(MOTIONS["TWIST"], "1/6 turn", 0)
     motion = by(bent)
     for point in (base, handle, 2 * handle - base):
         np.testing.assert_allclose(transform(motion, point[None])[0], point, atol=1e-11)
@@ -62,14 +63,14 @@ def test_move_by_twists_about_the_line_between_the_centres(bent):
 
 def test_move_by_scales_about_the_centre_by_a_factor(bent):
     _, handle = centres(bent)
-    bent.handles.move_by(MotionKind.SCALE, "80%", 0)
+    bent.handles.move_by(MOTIONS["SCALE"], "80%", 0)
     np.testing.assert_allclose(by(bent)[:3, :3], 0.8 * np.eye(3), atol=1e-12)
     np.testing.assert_allclose(centres(bent)[1], handle, atol=1e-12)
 
 
 def test_move_by_is_one_step_and_the_shape_follows(bent):
     before, steps = bent.store.state, len(bent.gestures.history.undo_names)
-    bent.handles.move_by(MotionKind.TWIST, "20", 0)
+    bent.handles.move_by(MOTIONS["TWIST"], "20", 0)
     assert bent.gestures.history.undo_names[steps:] == ["Twist +20° (Handle 1)"]
     bent.settle()
     held = bent.store.state.document.constraints()
@@ -82,21 +83,22 @@ def test_move_by_is_one_step_and_the_shape_follows(bent):
 def test_move_by_refuses_what_is_no_angle_in_a_sentence_and_nothing_moves(bent, text):
     before = bent.store.state.document
     with pytest.raises(InputError, match=r"\.$"):
-        bent.handles.move_by(MotionKind.TWIST, text, 0)
+        bent.handles.move_by(MOTIONS["TWIST"], text, 0)
     assert bent.store.state.document is before
 
 
-def test_parse_amount_converts_a_length_with_a_unit_to_that_of_the_mesh(bent):
-    assert parse_amount(MotionKind.MOVE_X, "25mm", bent.store.state, Unit.CENTIMETRE) == pytest.approx(2.5)
-    names = named_lengths(bent.store.state)
+def test_plan_motion_converts_a_length_with_a_unit_to_that_of_the_mesh(bent):
+    bent.store.unit = Unit.CENTIMETRE
+    assert bent.handles.plan_motion(MOTIONS["MOVE_X"], "25mm", 0).amounts == pytest.approx([2.5])
+    names = bent.store.state.named_lengths
     assert names["L"] == max(names["X"], names["Y"], names["Z"])
     assert names["D"] == pytest.approx(np.linalg.norm([names[side] for side in "XYZ"]), rel=1e-12)
 
 
-def test_pose_after_says_what_to_paint_without_a_base_or_a_handle(empty):
+def test_end_document_says_what_to_paint_without_a_base_or_a_handle(empty):
     empty.show_now(bar())
     with pytest.raises(InputError, match="paint it first"):
-        pose_after(empty.store.state.document, 0, MotionKind.TWIST, 1.0)
+        MotionStep(0, MOTIONS["TWIST"], (1.0,)).end_document(empty.store.state.document)
 
 
 def test_handle_editor_pose_makes_one_step_of_presses_that_follow_each_other(bent):
@@ -152,7 +154,7 @@ def test_handle_editor_reset_puts_one_handle_back_and_the_paint_stays(bent):
 def test_move_by_names_the_amount_and_the_handle_in_its_step(bent, motion, text, name):
     bent.store.unit = Unit.CENTIMETRE
     bent.parts.rename_handle(0, "Cap")
-    bent.handles.move_by(MotionKind[motion], text, 0)
+    bent.handles.move_by(MOTIONS[motion], text, 0)
     assert bent.gestures.history.next_undo == name
 
 
@@ -160,7 +162,7 @@ def test_go_to_step_leads_to_the_very_states_that_were_there(bent):
     states = [bent.store.state]
     start = len(bent.gestures.history.undo_names)
     for angle in (5, 10, 15):
-        bent.handles.move_by(MotionKind.TWIST, f"{angle}", 0)
+        bent.handles.move_by(MOTIONS["TWIST"], f"{angle}", 0)
         bent.settle()
         states.append(bent.store.state)
     for steps in (1, 3, 0, 2, 2, 3, 0):
@@ -173,15 +175,21 @@ def test_go_to_step_leads_to_the_very_states_that_were_there(bent):
 
 @pytest.mark.parametrize(
     ("motion", "total"),
-    [("TWIST", "30deg"), ("TURN_Y", "-250deg"), ("MOVE_Z", "1.5"), ("SCALE", "1.25"), ("BEND_X", "20deg")],
+    [
+        ("TWIST", "30deg"),
+        ("TURN_Y", "-250deg"),
+        ("MOVE_Z", "1.5"),
+        ("PUSH", "40%"),
+        ("SCALE", "1.25"),
+        ("BEND_X", "20deg"),
+    ],
 )
 def test_move_by_reaches_a_total_from_wherever_the_handle_is(session, motion, total):
-    session.handles.move_by(MotionKind[motion], total, 0)
+    session.handles.move_by(MOTIONS[motion], total, 0)
     there = session.store.state.document.handles[0]
     session.gestures.undo()
-    amounts = {"MOVE": "0.2", "SCALE": "80%"}
-    session.handles.move_by(MotionKind[motion], amounts.get(MotionKind[motion].family, "300deg"), 0)
-    session.handles.move_by(MotionKind[motion], total, 0, is_total=True)
+    session.handles.move_by(MOTIONS[motion], FIRST.get(MOTIONS[motion].kind.amount, "0.2"), 0)
+    session.handles.move_by(MOTIONS[motion], total, 0, is_total=True)
     handle = session.store.state.document.handles[0]
     np.testing.assert_allclose(handle.pose, there.pose, atol=1e-9)
     np.testing.assert_allclose(handle.rotation, there.rotation, atol=1e-9)
