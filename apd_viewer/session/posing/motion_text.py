@@ -25,7 +25,8 @@ from apd_viewer.session.quantities.units import Unit
 MOST_STEPS = 100
 ANY_LENGTHS = dict.fromkeys("XYZLD", 1.0)
 _HANDLE = re.compile(r"handle\s+(\d{1,3})\s*:\s*(.*)", re.DOTALL | re.IGNORECASE)
-_AXIS = re.compile(r"(.*?)\s+(about|along)\s+([xyz])", re.DOTALL | re.IGNORECASE)
+_PREPOSITIONS = {kind.preposition for kind in MOTION_KINDS.values() if kind.preposition}
+_AXIS = re.compile(rf"(.*?)\s+({'|'.join(_PREPOSITIONS)})\s+([xyz])", re.DOTALL | re.IGNORECASE)
 _SHOWN = 40  # characters quoted from invalid input
 
 
@@ -122,7 +123,7 @@ def _step(handle: int, text: str) -> MotionTextStep:
     if axis and not kind.preposition:
         sentence = tr("“{word}” has no axis; remove “{preposition}”.")
         raise InputError(sentence.format(word=word, preposition=preposition))
-    if preposition not in ("", kind.preposition) or {"about", "along"} & set(rest.lower().split()):
+    if preposition not in ("", kind.preposition) or _PREPOSITIONS & set(rest.lower().split()):
         sentence = tr("“{word}” is “{preposition}” an axis of the mesh: x, y or z.")
         raise InputError(sentence.format(word=word, preposition=kind.preposition))
     if kind.needs_axis and not axis:
