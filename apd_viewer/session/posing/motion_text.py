@@ -123,7 +123,8 @@ def _step(handle: int, text: str) -> MotionTextStep:
     if axis and not kind.preposition:
         sentence = tr("“{word}” has no axis; remove “{preposition}”.")
         raise InputError(sentence.format(word=word, preposition=preposition))
-    if preposition not in ("", kind.preposition) or _PREPOSITIONS & set(rest.lower().split()):
+    is_other = preposition != kind.preposition if axis else _PREPOSITIONS & set(rest.lower().split())
+    if kind.preposition and is_other:
         sentence = tr("“{word}” is “{preposition}” an axis of the mesh: x, y or z.")
         raise InputError(sentence.format(word=word, preposition=kind.preposition))
     if kind.needs_axis and not axis:
