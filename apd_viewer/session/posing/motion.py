@@ -16,7 +16,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation, twist
+from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, shear, translation, twist
 from apd_viewer.geometry.pose.waypoint_path import rotation_vector
 from apd_viewer.language import tr
 from apd_viewer.notation import localized_number
@@ -86,6 +86,7 @@ class AmountKind(Enum):
     LENGTH = "LENGTH"
     LENGTH_OR_PERCENT = "AMOUNT"
     FACTOR = "FACTOR"
+    NUMBER = "NUMBER"
 
     def parse(
         self, text: str, unit: Unit, names: Mapping[str, float], rest: MotionReference | None = None
@@ -97,7 +98,7 @@ class AmountKind(Enum):
         match self:
             case AmountKind.ANGLE:
                 return parse_angle(text, names)
-            case AmountKind.FACTOR:
+            case AmountKind.FACTOR | AmountKind.NUMBER:
                 return parse_number(text, names)
             case AmountKind.LENGTH_OR_PERCENT if text.strip().endswith("%"):
                 distance = float(np.linalg.norm(rest.base - rest.centre)) if rest else 1.0
@@ -112,6 +113,8 @@ class AmountKind(Enum):
                 return localized_number(f"{math.degrees(amount):+.4g}°")
             case AmountKind.FACTOR:
                 return localized_number(f"×{amount:.4g}")
+            case AmountKind.NUMBER:
+                return localized_number(f"{amount:+.4g}")
             case AmountKind.LENGTH | AmountKind.LENGTH_OR_PERCENT:
                 return unit.format_length(localized_number(f"{amount:+.4g}"))
 
@@ -132,6 +135,9 @@ class AmountKind(Enum):
                 return total - float(handle.rotation @ made) / _SAMPLE
             case AmountKind.FACTOR:
                 return total / float(np.cbrt(np.linalg.det(handle.pose[:3, :3])))
+            case AmountKind.NUMBER:
+                unit_map = (motion.pose_after(rest, (1.0,)) - IDENTITY)[:3, :3]
+                return total - float((unit_map * handle.pose[:3, :3]).sum())
             case AmountKind.LENGTH | AmountKind.LENGTH_OR_PERCENT:
                 return total - float((now.centre - rest.centre) @ motion.pose_after(rest, (1.0,))[:3, 3])
 
@@ -299,7 +305,19 @@ SCALE = MotionKind(
     help=tr("about its own centre"),
     stretches=True,
 )
-MOTION_KINDS = {kind.word: kind for kind in (TWIST, PUSH, MOVE, TURN, BEND, SCALE)}
+SHEAR = MotionKind(
+    word="shear",
+    title=tr("Shear"),
+    amount=AmountKind.NUMBER,
+    matrix=lambda at, axis, amounts: shear(at.base, at.centre, AXES[axis], amounts[0]),
+    tip=tr("Along an axis, in proportion to the height over the base: a number such as 0.3"),
+    example="0.3",
+    help=tr("along an axis, in proportion to the height over the base, such as “0.3 along x”"),
+    axis_titles={"X": tr("Shear along x"), "Y": tr("Shear along y"), "Z": tr("Shear along z")},
+    preposition="along",
+    stretches=True,
+)
+MOTION_KINDS = {kind.word: kind for kind in (TWIST, PUSH, MOVE, TURN, BEND, SCALE, SHEAR)}
 # In the order in which the window offers them.
 MOTIONS = {
     motion.name: motion

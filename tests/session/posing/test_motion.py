@@ -3,16 +3,27 @@
 import numpy as np
 import pytest
 from driven_session import BENT, Driven, bar
-from meshes import rotation
+from meshes import box, rotation
+from motions import EVERY, IN_WORDS, in_words
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.session.posing.motion import MOTIONS, AmountKind
-from apd_viewer.session.posing.motion_path import MotionStep
+from apd_viewer.session.posing.motion_path import MotionStep, motion_paths
+from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.units import Unit
 
 AXES = {"X": [1, 0, 0], "Y": [0, 1, 0], "Z": [0, 0, 1]}
-FIRST = {AmountKind.ANGLE: "300deg", AmountKind.FACTOR: "80%"}
+# For each kind of amount one to begin with, and a total.
+AMOUNTS = {
+    AmountKind.ANGLE: ("300deg", "-250deg"),
+    AmountKind.LENGTH: ("0.2", "1.5"),
+    AmountKind.LENGTH_OR_PERCENT: ("0.2", "40%"),
+    AmountKind.FACTOR: ("80%", "1.25"),
+    AmountKind.NUMBER: ("-0.4", "0.3"),
+}
+PICKED = np.array([[0.1, 0.3, 0.2], [1.1, 2.0, 0.4]])
 
 
 def centres(session: Driven) -> tuple[np.ndarray, np.ndarray]:
@@ -26,6 +37,15 @@ def by(session: Driven) -> np.ndarray:
     """What the last motion did after the pose that was there before."""
     before = session.gestures.history.undo_states[-1].document.handles[0].pose
     return session.store.state.document.handles[0].pose @ np.linalg.inv(before)
+
+
+@pytest.fixture
+def oblique(empty):
+    """A session with a bar whose line from base to handle is along no axis."""
+    V, F = box(2, 2, 6)
+    empty.show_now(Mesh(V + V[:, 2:] * [0.2, 0.1, 0.0], F))
+    empty.paint_ends()
+    return empty
 
 
 @pytest.fixture
@@ -173,23 +193,56 @@ def test_go_to_step_leads_to_the_very_states_that_were_there(bent):
         assert bent.gestures.history.redo_names == names[steps:]
 
 
-@pytest.mark.parametrize(
-    ("motion", "total"),
-    [
-        ("TWIST", "30deg"),
-        ("TURN_Y", "-250deg"),
-        ("MOVE_Z", "1.5"),
-        ("PUSH", "40%"),
-        ("SCALE", "1.25"),
-        ("BEND_X", "20deg"),
-    ],
-)
-def test_move_by_reaches_a_total_from_wherever_the_handle_is(session, motion, total):
-    session.handles.move_by(MOTIONS[motion], total, 0)
-    there = session.store.state.document.handles[0]
-    session.gestures.undo()
-    session.handles.move_by(MOTIONS[motion], FIRST.get(MOTIONS[motion].kind.amount, "0.2"), 0)
-    session.handles.move_by(MOTIONS[motion], total, 0, is_total=True)
-    handle = session.store.state.document.handles[0]
+@pytest.mark.parametrize("name", EVERY)
+def test_move_by_reaches_a_total_from_wherever_the_handle_is(oblique, name):
+    motion = MOTIONS[name]
+    first, total = AMOUNTS[motion.kind.amount]
+    oblique.handles.move_by(motion, total, 0, PICKED)
+    there = oblique.store.state.document.handles[0]
+    oblique.gestures.undo()
+    oblique.handles.move_by(motion, first, 0, PICKED)
+    oblique.handles.move_by(motion, total, 0, PICKED, is_total=True)
+    handle = oblique.store.state.document.handles[0]
     np.testing.assert_allclose(handle.pose, there.pose, atol=1e-9)
     np.testing.assert_allclose(handle.rotation, there.rotation, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_move_by_leads_where_the_same_motion_does_in_words(oblique, name):
+    state, motion = oblique.store.state, MOTIONS[name]
+    oblique.handles.move_by(motion, motion.kind.example, 0, PICKED)
+    pose = oblique.store.state.document.handles[0].pose
+    assert np.abs(pose - np.eye(4)).max() > 0.01
+    assert oblique.gestures.history.next_undo.startswith(f"{motion.title} ")
+    if name in IN_WORDS:
+        path = motion_paths(state.document, motion_steps(state, in_words(name), Unit.NONE))[0]
+        np.testing.assert_allclose(path.pose_at(1.0), pose, atol=1e-12)
+        assert path.has_motion
+        assert path.has_stretch == motion.kind.stretches
+
+
+@pytest.mark.parametrize("letter", "XYZ")
+def test_move_by_shears_along_an_axis_by_the_height_over_the_base(oblique, letter):
+    (base, handle), axis, X = centres(oblique), np.array(AXES[letter]), oblique.store.state.document.mesh.V
+    oblique.handles.move_by(MOTIONS[f"SHEAR_{letter}"], "0.3", 0)
+    rise = np.where(axis, 0.0, handle - base)
+    height = (X - base) @ rise / np.linalg.norm(rise)
+    motion = by(oblique)
+    np.testing.assert_allclose(transform(motion, X) - X, 0.3 * np.outer(height, axis), atol=1e-12)
+    assert np.linalg.det(motion[:3, :3]) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_move_by_shears_along_no_line_from_the_base_to_the_handle(session):
+    with pytest.raises(InputError, match="no height"):
+        session.handles.move_by(MOTIONS["SHEAR_Z"], "0.3", 0)
+
+
+def test_intermediate_documents_lead_to_the_end_and_only_there_by_a_stretch(oblique):
+    document = oblique.store.state.document
+    for motion in MOTIONS.values():
+        step = MotionStep(0, motion, (0.3,), PICKED)
+        *way, end = (each.handles[0].pose for each in step.intermediate_documents(document))
+        np.testing.assert_allclose(end, step.pose_at(document, 1.0), atol=1e-12)
+        assert bool(way) is not motion.kind.stretches
+        if way:
+            np.testing.assert_array_equal(way[0], np.eye(4))

@@ -5,6 +5,7 @@ import pickle
 import numpy as np
 import pytest
 from meshes import box, ends, rotation
+from motions import IN_WORDS, in_words
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -50,6 +51,7 @@ POSES = {
     "push 2mm": [0, 0, -2],
     "push 0.5 X": [0, 0, -1],
     "move 0 0.2cm -1": [0, 2, -1],
+    "shear 0.3 along x": np.array([[1, 0, 0.3, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]),
     "scale 1.5": np.diag([1.5, 1.5, 1.5, 1]),
 }
 
@@ -110,6 +112,15 @@ def test_typed_step_writes_its_words_in_one_way():
     assert parse_motion("; ".join(step.text for step in first)) == first
 
 
+@pytest.mark.parametrize("name", IN_WORDS)
+def test_parse_motion_reads_every_motion_as_it_is_written(name):
+    steps = parse_motion(in_words(name))
+    assert [step.motion.kind for step in steps] == [MOTIONS[name].kind]
+    assert steps[0].motion.kind.has_all_axes or steps[0].motion == MOTIONS[name]
+    loud = in_words(name).replace(steps[0].motion.kind.word, steps[0].motion.kind.word.upper())
+    assert parse_motion(steps[0].text) == parse_motion(loud) == steps
+
+
 WRONG = {
     "": "is empty",
     "wring 30": "“wring” is no motion",
@@ -124,6 +135,11 @@ WRONG = {
     "move 1 2 3deg": "an angle",
     "push 30deg": "an angle",
     "scale 0": "greater than 0",
+    "scale 2 along x": "remove “along”",
+    "shear 0.3": "as in “shear 0.3 along x”",
+    "shear 0.3 about x": "is “along” an axis",
+    "shear 0.3deg along x": "an angle",
+    "shear 0.3 along z": "no height",
     "handle 0: push 1": "from 1",
     "handle 3: push 1": "no handle 3",
     "twist 40000": "at most 100 turns",
