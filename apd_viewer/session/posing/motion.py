@@ -75,7 +75,7 @@ class MotionReference(NamedTuple):
         """Centre of the base, (3,)."""
         centre = self.document.base_centre
         if centre is None:
-            raise InputError(tr("Twisting and bending need a base; paint the part that stays in place."))
+            raise InputError(tr("The motion needs a base; paint the part that stays in place."))
         return centre
 
 

@@ -12,8 +12,7 @@ from apd_viewer.geometry.pose.waypoint_path import summed_rotations
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.handles_and_regions import Handle
-from apd_viewer.session.posing.motion import MOVE, SCALE, TURN, Motion
+from apd_viewer.session.posing.motion import MOVE, SCALE, TURN, Motion, MotionKind
 from apd_viewer.session.quantities.units import Unit
 
 # Relative: what a drag computes in floating point is equal within this.
@@ -39,11 +38,18 @@ def motion_title_between(before: Document, after: Document, k: int, unit: Unit) 
     if np.abs(by[:3, :3] - factor * np.eye(3)).max() <= _SAME * abs(factor):
         if abs(factor - 1.0) > _SAME:
             return motion_title(Motion(SCALE), factor, names, unit)
-        return _title_of_displacement(by[:3, 3], names, unit)
+        length = float(np.linalg.norm(by[:3, 3]))
+        free = unit.format_length(localized_number(f"{length:.4g}"))
+        return _title_along(MOVE, by[:3, 3], length, unit, names) or _titled(tr("Move"), free, names)
     if np.abs(by[:3, :3] @ by[:3, :3].T - np.eye(3)).max() <= _SAME:
         turn = rigid_transform(by, np.zeros(3) if (pivot := before.pivot(k)) is None else pivot)
         if abs(float(turn.displacement @ turn.axis)) <= _SAME * diagonal(before.mesh.V):
-            return _title_of_turn(turn.axis, turn.angle, (old, new), names, unit)
+            # The handles tell its full turns.
+            made = summed_rotations(new.waypoints, new.pose) - summed_rotations(old.waypoints, old.pose)
+            full = 2.0 * math.pi * round((float(made @ turn.axis) - turn.angle) / (2.0 * math.pi))
+            free = TURN.amount.format(turn.angle + full, unit)
+            titled = _title_along(TURN, turn.axis, turn.angle + full, unit, names)
+            return titled or _titled(tr("Rotate"), free, names)
     return tr("Move handle ({handle})").format(handle=names)
 
 
@@ -53,31 +59,13 @@ def moved_handle_names(before: Document, after: Document) -> str:
     return comma_separated(new.name for old, new in pairs if old.pose is not new.pose)
 
 
-def _title_of_displacement(displacement: np.ndarray, names: str, unit: Unit) -> str:
-    along = _axis(displacement)
-    if along is None:
-        length = localized_number(f"{float(np.linalg.norm(displacement)):.4g}")
-        return _titled(MOVE.title, unit.format_length(length), names)
-    return motion_title(Motion(MOVE, "XYZ"[along]), float(displacement[along]), names, unit)
-
-
-def _title_of_turn(
-    axis: np.ndarray, angle: float, handles: tuple[Handle, Handle], names: str, unit: Unit
-) -> str:
-    """Title of a rotation; the handles, before and after, tell its full turns."""
-    old, new = (summed_rotations(handle.waypoints, handle.pose) for handle in handles)
-    angle += 2.0 * math.pi * round((float((new - old) @ axis) - angle) / (2.0 * math.pi))
-    along = _axis(axis)
-    if along is None:
-        return _titled(tr("Rotate"), TURN.amount.format(angle, unit), names)
-    return motion_title(Motion(TURN, "XYZ"[along]), math.copysign(1.0, axis[along]) * angle, names, unit)
-
-
-def _axis(vector: np.ndarray) -> int | None:
-    """Number of the axis of the mesh along a vector (3,); None along none."""
+def _title_along(kind: MotionKind, vector: np.ndarray, amount: float, unit: Unit, names: str) -> str:
+    """Title of a motion by an amount along a vector (3,); empty if that is along no axis."""
     largest = int(np.argmax(np.abs(vector)))
-    aside = np.abs(np.delete(vector, largest)).max()
-    return largest if aside <= _SAME * abs(vector[largest]) else None
+    if np.abs(np.delete(vector, largest)).max() > _SAME * abs(vector[largest]):
+        return ""
+    signed = math.copysign(1.0, vector[largest]) * amount
+    return motion_title(Motion(kind, "XYZ"[largest]), signed, names, unit)
 
 
 def _titled(motion: str, amount: str, handles: str) -> str:
