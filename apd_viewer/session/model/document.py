@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -218,13 +218,6 @@ class Document:
         if U is self.mesh.V or not self.regions:
             return self.rest_areas
         return tuple(region_areas(U, self.mesh.F, self.member, len(self.regions)).tolist())
-
-    def equals(self, other: Document) -> bool:
-        """True if all fields are the same objects, and the paint equal."""
-        others = (each.name for each in fields(self) if each.name not in ("labels", "member"))
-        if any(getattr(self, name) is not getattr(other, name) for name in others):
-            return False
-        return np.array_equal(self.labels, other.labels) and np.array_equal(self.member, other.member)
 
     @property
     def flags(self) -> DocumentFlags:

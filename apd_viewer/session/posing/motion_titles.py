@@ -60,7 +60,7 @@ def moved_handle_names(before: Document, after: Document) -> str:
 
 
 def _title_along(kind: MotionKind, vector: np.ndarray, amount: float, unit: Unit, names: str) -> str:
-    """Title of a motion by an amount along a vector (3,); empty if that is along no axis."""
+    """Title of a motion along a vector (3,); empty if that is along no axis."""
     largest = int(np.argmax(np.abs(vector)))
     if np.abs(np.delete(vector, largest)).max() > _SAME * abs(vector[largest]):
         return ""
