@@ -14,7 +14,7 @@ from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handle_paths import with_rounded_poses
-from apd_viewer.session.model.handles_and_regions import Handle
+from apd_viewer.session.posing.gesture_motion import has_moved
 from apd_viewer.session.posing.mirror_partner import with_pair_moved, with_pair_reset
 from apd_viewer.session.posing.motion import Motion, MotionReference
 from apd_viewer.session.posing.motion_path import MotionStep
@@ -97,7 +97,7 @@ class HandleEditor:
         pairs = zip(state.document.handles, document.handles, strict=True)
         if state.document.paint_problem:
             self._listener.failed(state.document.paint_problem)
-        elif document.grip is not state.document.grip or any(_differ(*pair) for pair in pairs):
+        elif document.grip is not state.document.grip or any(has_moved(*pair) for pair in pairs):
             self._gestures.record(gesture, state, is_repeat)
             self.solve_poses(document)
 
@@ -140,7 +140,3 @@ class HandleEditor:
             return
         self._gestures.record(tr("Move pivot"), state)
         self._store.set_document(state.document.with_handle(k, replace(handle, pivot=point)))
-
-
-def _differ(before: Handle, after: Handle) -> bool:
-    return not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints)
