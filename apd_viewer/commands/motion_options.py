@@ -21,21 +21,11 @@ from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.handle_paths import intermediate_documents
 from apd_viewer.session.model.state import State, initial_state, welded_state
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
-from apd_viewer.session.posing.motion_path import document_along, motion_paths
-from apd_viewer.session.posing.motion_step import MotionStep, motion_steps
-from apd_viewer.session.posing.motion_text import parse_motion
-from apd_viewer.session.posing.typed_motion import named_lengths
+from apd_viewer.session.posing.motion import MOTION_KINDS
+from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths
+from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.storage.session_file import open_session
-
-_WORDS = {
-    "twist": ("ANGLE", tr("about the line from the centre of the base to the handle's own, such as 180deg")),
-    "bend": ("ANGLE", tr("about an axis through the centre of the base; “20deg about x” names the axis")),
-    "turn": ("WORDS", tr("about an axis through its own centre, such as “30deg about x”")),
-    "push": ("AMOUNT", tr("towards the base: a length, or 30%% of the distance of the centres")),
-    "move": ("WORDS", tr("along the axes, such as “0 2cm 0”")),
-    "scale": ("FACTOR", tr("about its own centre")),
-}
 
 
 def add_input_options(parser: argparse.ArgumentParser) -> None:
@@ -67,8 +57,9 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
         how = {"dest": "motion", "action": "append", "default": [], "type": words.format}
         group.add_argument(option, metavar=metavar, help=what, **how)  # type: ignore[arg-type]
 
-    for word, (metavar, what) in _WORDS.items():
-        add(f"--{word}", f"{word} {{}}", metavar, what)
+    for word, kind in MOTION_KINDS.items():
+        metavar = kind.amount.value if kind.is_one_amount else "WORDS"
+        add(f"--{word}", f"{word} {{}}", metavar, kind.help)
     add("--handle", "handle {}:", "N", tr("that the next ones move; at first the first one"))
     add("--motion", "{}", "WORDS", tr("all in words, as in a plan: “twist 120deg; push 30%%”"))
     group.add_argument("--unit", choices=SYMBOLS, default="", help=tr("of the mesh, for lengths such as 2cm"))
@@ -145,8 +136,7 @@ def motion_from(options: argparse.Namespace, state: State, unit_symbol: str = ""
     """
     if not options.motion:
         return ()
-    steps = parse_motion("; ".join(options.motion))
-    return motion_steps(state.document, steps, named_lengths(state), Unit(options.unit or unit_symbol))
+    return motion_steps(state, "; ".join(options.motion), Unit(options.unit or unit_symbol))
 
 
 def waypoint_poses(document: Document, motion: Sequence[MotionStep]) -> list[list[np.ndarray]]:

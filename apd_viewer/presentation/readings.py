@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.analysis.bounding_boxes import compactness
-from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.pose.frame import TARGET_ACCURACY
 from apd_viewer.geometry.pose.waypoint_path import signed_angle
 from apd_viewer.language import comma_separated, tr, trc
@@ -304,12 +304,10 @@ def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool
 
     A twist has the sign that it was typed with: that about the line from the base to the handle.
     """
-    from apd_viewer.session.model import memo  # Here: SciPy comes with it, and the first picture needs none.
-
     handle = document.handles[k]
     rotation, lines = handle.rotation, [] if handle.former_twist_axis is None else [handle.former_twist_axis]
-    if document.label_counts[BASE]:
-        lines.append(centre - memo.label_centre(document.labels, document.grip, BASE))
+    if document.base_centre is not None:
+        lines.append(centre - document.base_centre)
     for axis in lines:
         along = float(rotation @ axis)
         if abs(along) > _ALIGNED * float(np.linalg.norm(rotation) * np.linalg.norm(axis)):

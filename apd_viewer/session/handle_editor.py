@@ -14,11 +14,11 @@ from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handle_paths import with_rounded_poses
-from apd_viewer.session.model.handles_and_regions import Handle
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.gesture_motion import has_moved
 from apd_viewer.session.posing.mirror_partner import with_pair_moved, with_pair_reset
-from apd_viewer.session.posing.motion_plan import MotionPlan, plan_motion
-from apd_viewer.session.posing.motion_titles import motion_title_between
+from apd_viewer.session.posing.motion import Motion, MotionReference
+from apd_viewer.session.posing.motion_path import MotionStep
+from apd_viewer.session.posing.motion_titles import motion_title, motion_title_between, moved_handle_names
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
 from apd_viewer.session.state_store import StateStore
 
@@ -63,24 +63,27 @@ class HandleEditor:
         )
 
     def plan_motion(
-        self, motion: MotionKind, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
-    ) -> MotionPlan:
+        self, motion: Motion, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
+    ) -> MotionStep:
         """Motion of a handle by a typed amount, or to that total, without making it.
 
         ``line`` (2, 3) is the axis of a bend about a line. Raises InputError if the text is none.
         """
-        return plan_motion(
-            self._store.required_state(), k, motion, unambiguous_text(text), self._store.unit, line, is_total
-        )
+        state, kind = self._store.required_state(), motion.kind.amount
+        now = MotionReference(state.document.relative_to_rest, k, line)
+        amount = kind.parse(unambiguous_text(text), self._store.unit, state.named_lengths, now.at_rest)
+        amount = kind.remaining(amount, motion, now) if is_total else amount
+        return MotionStep(k, motion, (amount,), line)
 
     def move_by(
-        self, motion: MotionKind, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
+        self, motion: Motion, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
     ) -> None:
         """Move a handle by a typed amount, or to that total; raises InputError."""
         self._gestures.cancel()
-        plan = self.plan_motion(motion, text, k, line, is_total)
-        end = plan.end_document()
-        self.apply_poses(end, plan.title(end, self._store.unit))
+        step, start = self.plan_motion(motion, text, k, line, is_total), self._store.required_state().document
+        end = step.end_document(start)
+        names = moved_handle_names(start, end)
+        self.apply_poses(end, motion_title(motion, step.amounts[0], names, self._store.unit))
 
     def reset_handle(self, k: int) -> None:
         """Bring one handle back to where it is at rest; the mesh follows."""
@@ -94,7 +97,7 @@ class HandleEditor:
         pairs = zip(state.document.handles, document.handles, strict=True)
         if state.document.paint_problem:
             self._listener.failed(state.document.paint_problem)
-        elif document.grip is not state.document.grip or any(_differ(*pair) for pair in pairs):
+        elif document.grip is not state.document.grip or any(has_moved(*pair) for pair in pairs):
             self._gestures.record(gesture, state, is_repeat)
             self.solve_poses(document)
 
@@ -137,7 +140,3 @@ class HandleEditor:
             return
         self._gestures.record(tr("Move pivot"), state)
         self._store.set_document(state.document.with_handle(k, replace(handle, pivot=point)))
-
-
-def _differ(before: Handle, after: Handle) -> bool:
-    return not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints)

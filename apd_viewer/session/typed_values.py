@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from apd_viewer.session.posing.typed_motion import named_lengths
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.selecting.vertex_expression import parse_point, parse_vector, parse_vertices
@@ -28,9 +27,8 @@ class TypedValues:
 
     def parse_length(self, text: str) -> float:
         """A length, mesh units."""
-        return parse_length(
-            unambiguous_text(text), self._store.unit, named_lengths(self._store.required_state())
-        )
+        names = self._store.required_state().named_lengths
+        return parse_length(unambiguous_text(text), self._store.unit, names)
 
     def parse_point(self, text: str) -> np.ndarray:
         """A point (3,) by its coordinates."""

@@ -17,9 +17,8 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
-from apd_viewer.session.posing.motion_step import MotionStep, motion_steps
-from apd_viewer.session.posing.motion_text import parse_motion
-from apd_viewer.session.posing.typed_motion import named_lengths
+from apd_viewer.session.posing.motion_path import MotionStep
+from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
@@ -102,7 +101,7 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
     if case.contact_by_default:
         said["contact"] = len(state.document.mesh.V) <= int(said["contact"])
     if "thickness" in said:
-        said["thickness"] = parse_length(str(said["thickness"]), unit, named_lengths(state))
+        said["thickness"] = parse_length(str(said["thickness"]), unit, state.named_lengths)
     if said.get("volume") is not None and state.inspection.missing_volume_phrase:
         raise InputError(
             tr("There is no volume to keep: {why}; leave the volume free.").format(
@@ -110,8 +109,8 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
             )
         )
     state = state.updated(state.document.with_settings(**said))
-    typed = parse_motion("; ".join(case.motion)) if case.motion else ()
-    return state, view, motion_steps(state.document, typed, named_lengths(state), unit)
+    motion = motion_steps(state, "; ".join(case.motion), unit) if case.motion else ()
+    return state, view, motion
 
 
 def case_sweep(case: StudyCase, document: Document, motion: tuple[MotionStep, ...]) -> Sweep:

@@ -299,7 +299,7 @@ SENTENCES = {
     "panel/regions/list/rows/reading": "Area of the region, in percent of its rest area",
     "panel/method/method": "Deformation method; the two sentences below say what it keeps and what it gives up",
     "panel/method/convergence": "Says when the solver stops; a click unfolds it",
-    "panel/handles/motion/choice": "Kind of motion to type: twist, bend, turn, move, scale and others",
+    "panel/handles/motion/choice": "Kind of motion to type: twist, push, bend, turn, move, scale and others",
     "panel/handles/motion/amount": "An amount with a unit or an expression, such as 60deg, 1/6 turn, 0.15L, 5mm "
     "or 80%; Enter makes the motion",
     "panel/obstacles/fields/along": "The axis of the obstacle, or an axis of the mesh, to move it along",

@@ -30,8 +30,8 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import twist
 from apd_viewer.geometry.turns.held_turn import most_lost_turn
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.status_text import self_passing_warnings
+from apd_viewer.session.posing.motion import MOTIONS
 
 RESOURCES = Path(__file__).parents[2] / "resources"
 MESH, SELECTION = RESOURCES / "bottle.obj", RESOURCES / "bottle.sel"
@@ -113,7 +113,7 @@ class Twist:
         if not self.contact:
             session.settings.set_contact(False)
             session.settle()
-        session.handles.move_by(MotionKind.TWIST, f"{self.degrees:g}deg", 0)
+        session.handles.move_by(MOTIONS["TWIST"], f"{self.degrees:g}deg", 0)
         assert session.wait_idle(LONG)
         session.until(lambda: session.shape_checks.shape_check is not None)
         state, check = session.store.state, session.shape_checks.shape_check

@@ -15,8 +15,8 @@ from apd_viewer.__main__ import main
 from apd_viewer.geometry.solver import methods
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
-from apd_viewer.session.posing.motion_path import document_along, motion_paths
-from apd_viewer.session.posing.motion_step import MotionStep
+from apd_viewer.session.posing.motion import MOTIONS
+from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.session_replay import replay_session
 
@@ -89,7 +89,7 @@ def replayed(turn=TURN, **changed):
     """What the window does with a typed motion: a session of it, solved from rest."""
     state = initial_state(apd_viewer.open_mesh("tube.off"), labels())
     document = state.document.with_settings(**changed)
-    motion = [MotionStep(0, "twist", (np.radians(turn),))]
+    motion = [MotionStep(0, MOTIONS["TWIST"], (np.radians(turn),))]
     save_session("new.apd", state.updated(document_along(document, motion_paths(document, motion))), View())
     return replay_session("new.apd", from_rest=True)[1]
 

@@ -1,12 +1,16 @@
 """Motions of the command deform in words: their ways, their handles, and what is no motion."""
 
+import argparse
+
 import numpy as np
 import pytest
 import trimesh
 from meshes import rotation
+from motions import IN_WORDS, in_words
 from painted_meshes import write_bar
 
 from apd_viewer.__main__ import main
+from apd_viewer.commands.motion_options import add_motion_options
 
 
 @pytest.fixture
@@ -83,3 +87,22 @@ def test_deform_says_in_a_sentence_what_is_no_motion(case, deformed):
     assert status != 0
     assert said in err
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("name", IN_WORDS)
+def test_add_motion_options_has_an_option_for_the_words_of_every_motion(name):
+    parser = argparse.ArgumentParser()
+    add_motion_options(parser)
+    word, _, rest = in_words(name).partition(" ")
+    assert parser.parse_args([f"--{word}={rest}"]).motion == [in_words(name)]
+    assert f"--{word}" in parser.format_help()
+
+
+def test_deform_shears_the_handle_and_keeps_the_area(deformed, bar, tmp_path):
+    _, _, sheared = deformed("--shear", "0.3 along x")
+    top = bar[:, 2] == 5
+    np.testing.assert_allclose(sheared[top], bar[top] + [1.5, 0.0, 0.0], atol=1e-6)
+    faces = trimesh.load(tmp_path / "bar.off", process=False).faces
+    assert trimesh.Trimesh(sheared, faces, process=False).area == pytest.approx(
+        trimesh.Trimesh(bar, faces, process=False).area, rel=1e-6
+    )

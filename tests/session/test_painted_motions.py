@@ -15,8 +15,8 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import rotation_about, translation
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.report_settings import handle_rows
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.selecting.part_operation import PartOperation
@@ -47,7 +47,7 @@ def document(session):
 
 
 def twist(session, degrees: float, to: bool = False) -> None:
-    session.handles.move_by(MotionKind.TWIST, f"{degrees}deg", 0, is_total=to)
+    session.handles.move_by(MOTIONS["TWIST"], f"{degrees}deg", 0, is_total=to)
     session.settle()
 
 
@@ -217,7 +217,7 @@ def test_readings_claim_no_motion_of_a_handle_painted_on_a_deformed_shape(twiste
     another_handle(twisted)
     assert said(twisted, 1) == "not moved since it was painted"
     assert twisted.store.state.is_handle_moved(1)
-    twisted.handles.move_by(MotionKind.MOVE_Z, "0.1", 1)
+    twisted.handles.move_by(MOTIONS["MOVE_Z"], "0.1", 1)
     twisted.settle()
     assert said(twisted, 1) == "moved 0.1000"
     twisted.handles.reset_handle(1)
@@ -288,7 +288,7 @@ def test_paint_partner_takes_a_mirror_handle_along_the_whole_motion(empty):
     x, z = V(empty)[:, 0], V(empty)[:, 2]
     empty.stroke(np.flatnonzero(z == z.min()), BASE)
     empty.stroke(np.flatnonzero((z == z.max()) & (x > 0.2)), HANDLE)
-    empty.handles.move_by(MotionKind.MOVE_X, "0.1", 0)
+    empty.handles.move_by(MOTIONS["MOVE_X"], "0.1", 0)
     empty.settle()
     empty.stroke(ring(empty, 0.2), BASE)
     empty.symmetric_posing.mirror_along(0)

@@ -10,7 +10,7 @@ from meshes import sphere
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.time_left import TimeLeftEstimate
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 
 pytestmark = [pytest.mark.usefixtures("processes"), pytest.mark.alone]
 
@@ -26,7 +26,7 @@ def test_time_left_estimate_knows_the_time_left_before_half_of_the_way_to_the_mi
     empty.stroke(np.flatnonzero(V[:, 2] < -1.68), BASE)
     empty.stroke(np.flatnonzero(V[:, 2] > 1.68), HANDLE)
     empty.settings.change(stiffness=1e-3)
-    empty.handles.move_by(MotionKind.MOVE_Z, "0.04", 0)
+    empty.handles.move_by(MOTIONS["MOVE_Z"], "0.04", 0)
     seen = empty.store.state.frame
     empty.until(lambda: empty.store.state.frame is not seen, 60.0)  # decimated, and on its way
     began, forecast, said = time.monotonic(), TimeLeftEstimate(0.0), []

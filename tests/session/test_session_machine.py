@@ -17,8 +17,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document_parts import have_same_paint
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.state_store import Activity
@@ -260,7 +260,7 @@ class Use(RuleBasedStateMachine):
 
     @rule(
         k=NUMBERS,
-        motion=st.sampled_from(list(MotionKind)),
+        motion=st.sampled_from(list(MOTIONS.values())),
         text=st.sampled_from(["10", "0.05L", "1.1", "mm"]),
     )
     def type_motion(self, k, motion, text) -> None:

@@ -9,8 +9,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import twist
 from apd_viewer.presentation import readings
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.view import View
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.studies.session_replay import replay_session
@@ -55,7 +55,7 @@ def test_handle_editor_turned_by_hand_typed_and_repeated_end_in_the_same_shape_a
     wall.gestures.undo()
     assert wall.store.state is at_rest
 
-    wall.handles.move_by(MotionKind.TWIST, "400deg", 0)
+    wall.handles.move_by(MOTIONS["TWIST"], "400deg", 0)
     assert wall.wait_idle(120)
     assert reading(wall) == "+400.0°"
     typed = wall.U
@@ -72,7 +72,7 @@ def test_handle_editor_turned_by_hand_typed_and_repeated_end_in_the_same_shape_a
     wall.gestures.undo()
     assert wall.store.state is at_rest
     for angle in ("160", "160", "80"):
-        wall.handles.move_by(MotionKind.TWIST, angle, 0)
+        wall.handles.move_by(MOTIONS["TWIST"], angle, 0)
     assert wall.wait_idle(120)
     assert reading(wall) == "+400.0°"
     assert np.abs(wall.U - typed).max() <= 1e-3 * diagonal(wall), "other digits, other wrinkles"
@@ -83,23 +83,23 @@ def test_handle_editor_turned_by_hand_typed_and_repeated_end_in_the_same_shape_a
 )
 def test_readings_give_the_total_its_sign(session, steps, total):
     for degrees in steps:
-        session.handles.move_by(MotionKind.TWIST, f"{degrees}deg", 0)
+        session.handles.move_by(MOTIONS["TWIST"], f"{degrees}deg", 0)
     assert reading(session) == total
 
 
 def test_move_by_a_turn_and_its_opposite_leaves_the_rest_shape(session):
     session.settings.set_contact(False)
     rest = session.store.state.document.mesh.V
-    session.handles.move_by(MotionKind.TWIST, "300", 0)
+    session.handles.move_by(MOTIONS["TWIST"], "300", 0)
     session.settle()
-    session.handles.move_by(MotionKind.TWIST, "-300", 0)
+    session.handles.move_by(MOTIONS["TWIST"], "-300", 0)
     session.settle()
     assert not session.store.state.document.has_half_turn
     np.testing.assert_allclose(session.U, rest, atol=1e-3)
 
 
 def test_handle_editor_reset_forgets_the_turns(session):
-    session.handles.move_by(MotionKind.TWIST, "1 turn", 0)
+    session.handles.move_by(MOTIONS["TWIST"], "1 turn", 0)
     assert reading(session) == "+360.0°"
     assert session.gestures.history.undo_names[-1] == "Twist +360° (Handle 1)"
     session.handles.reset_handle(0)
@@ -109,7 +109,7 @@ def test_handle_editor_reset_forgets_the_turns(session):
 
 def test_walk_arrives_as_well_when_something_else_is_asked_in_its_middle(session):
     session.settings.set_contact(False)
-    session.handles.move_by(MotionKind.TWIST, "400", 0)
+    session.handles.move_by(MOTIONS["TWIST"], "400", 0)
     session.settings.change(stiffness=1e-3)
     session.settle()
     state = session.store.state
@@ -120,7 +120,7 @@ def test_walk_arrives_as_well_when_something_else_is_asked_in_its_middle(session
 
 def test_sweep_goes_around_twice(session):
     session.settings.set_contact(False)
-    session.handles.move_by(MotionKind.TWIST, "720", 0)
+    session.handles.move_by(MOTIONS["TWIST"], "720", 0)
     sweep = sweep_of(session.store.state.document, 16, methods=["exact"], iterations=20)
     assert sweep.abscissa == "degrees"
     steps = list(sweep.steps())
@@ -134,12 +134,12 @@ def test_sweep_goes_around_twice(session):
 def test_move_by_tells_of_walls_that_pass_unless_kept_apart(wall, contact):
     wall.settings.set_contact(contact)
     wall.settle()
-    wall.handles.move_by(MotionKind.TWIST, "200deg", 0)
+    wall.handles.move_by(MOTIONS["TWIST"], "200deg", 0)
     assert any("unwind" in text for text in wall.told) is not contact
 
 
 def test_sweep_of_half_a_turn_has_its_way(session):
-    session.handles.move_by(MotionKind.TWIST, "-180", 0)
+    session.handles.move_by(MOTIONS["TWIST"], "-180", 0)
     assert reading(session) == "−180.0°"
     steps = list(sweep_of(session.store.state.document, 2, methods=["arap"], iterations=5).steps())
     assert steps[1].degrees == pytest.approx(90.0)
@@ -148,5 +148,5 @@ def test_sweep_of_half_a_turn_has_its_way(session):
 def test_move_by_refuses_more_turns_than_anyone_means(session):
     before = session.store.state
     with pytest.raises(Exception, match="at most 100 turns"):
-        session.handles.move_by(MotionKind.TWIST, "101 turn", 0)
+        session.handles.move_by(MOTIONS["TWIST"], "101 turn", 0)
     assert session.store.state is before

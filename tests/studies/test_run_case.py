@@ -12,7 +12,8 @@ from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
-from apd_viewer.session.posing.motion_step import MotionStep
+from apd_viewer.session.posing.motion import MOTIONS
+from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.studies.sweep_setup import sweep_of
 from apd_viewer.studies import run_case as module
@@ -45,9 +46,8 @@ def test_run_case_is_a_sweep_bit_for_bit(run, document, contact):
     result = run(motion="twist 200deg", steps="3", iterations="40", method="exact", contact=contact)
     # New documents are in contact, and plans that do not say it are not.
     document = document.with_settings(contact=document.settings.contact and contact in ("auto", "yes"))
-    steps = list(
-        sweep_of(document, 3, 1.0, ["exact"], 40, [MotionStep(0, "twist", (np.radians(200),))]).steps()
-    )
+    twist = MotionStep(0, MOTIONS["TWIST"], (np.radians(200.0),))
+    steps = list(sweep_of(document, 3, 1.0, ["exact"], 40, [twist]).steps())
     assert np.array_equal(result.U, steps[-1].frame.U)
     for name, values in {
         "area": [step.frame.area for step in steps],

@@ -34,9 +34,9 @@ from apd_viewer.files.known_file import FileState
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.processes import solver_process
 from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.state_store import Activity
@@ -231,7 +231,7 @@ def settings(driver):
     driver.idle()
     session.files.load_selection(driver.folder / "bar.sel")
     driver.idle()
-    session.handles.move_by(MotionKind.TWIST, "30", 0)
+    session.handles.move_by(MOTIONS["TWIST"], "30", 0)
     driver.idle()
     for method in ("exact", "local", "paper", "arap"):
         session.settings.change(method=method)
@@ -381,7 +381,7 @@ def mistakes(driver):
         ("MOVE_X", "5mm"), ("SCALE", "x + 1"), ("SCALE", "1/0"), ("SCALE", "sin"), ("SCALE", "sqrt(L)"),
         ("SCALE", "(2"), ("TWIST", "1+1deg"), ("SCALE", "1,234"), ("SCALE", "asin(2)"), ("SCALE", "9" * 400),
     ):  # fmt: skip
-        driver.window.edits.move_by(MotionKind[motion], text, False)
+        driver.window.edits.move_by(MOTIONS[motion], text, False)
         driver.scene("a motion that is none", field.problem)
         field.problem.hide()
     for name in ("gone.obj", "odd.xyz", "broken.obj"):

@@ -19,7 +19,7 @@ from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.workbench import Workbench
 
@@ -35,7 +35,7 @@ def begin(driver):
     driver.scene("bottle")
     session = window.session
     session.obstacles.add_floor(np.eye(3)[1])
-    session.handles.move_by(MotionKind.TWIST, "40", 0)
+    session.handles.move_by(MOTIONS["TWIST"], "40", 0)
     driver.idle()
     driver.scene("twisted")
     session.poses.add()

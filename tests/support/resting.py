@@ -17,7 +17,7 @@ from PySide6.QtWidgets import QApplication
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import PictureSettings
 from apd_viewer.ui.tools.toolbox import Tool
@@ -119,7 +119,7 @@ def _tour(window):
 
 
 def _twisted(window, _):
-    window.session.handles.move_by(MotionKind.TWIST, "40deg", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "40deg", 0)
     settle(window)
     yield "bottle twisted"
 

@@ -15,7 +15,7 @@ from resting import Watch, drawn, gesture, iconify, states
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 
 GESTURES = 5
 
@@ -53,7 +53,7 @@ def test_viewport_draws_nothing_while_not_seen_though_the_shape_changes(qtbot, b
     iconify(window.shell, True) if away == "minimised" else window.shell.hide()
     qtbot.waitUntil(lambda: not window.shell.windowHandle().isExposed())
     draws, before, watch = view.draw_count, window.session.store.state, Watch()
-    window.session.handles.move_by(MotionKind.TWIST, "60deg", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "60deg", 0)
     window.actions_.display.switches["turntable"].setChecked(True)
     counts = watch.count(0.6)
     idle(qtbot, window)

@@ -16,8 +16,8 @@ from whole_state import differences, whole_state
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.settings_page import preference_table
 from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
@@ -45,12 +45,12 @@ def paints(qtbot, window, _):
 
 
 def pauses(qtbot, window, _):
-    window.session.handles.move_by(MotionKind.TWIST, "40deg", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "40deg", 0)
     window.session.store.pause_or_resume()
 
 
 def undoes(qtbot, window, _):
-    window.session.handles.move_by(MotionKind.TWIST, "4deg", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "4deg", 0)
     window.actions_.undo.trigger()
 
 
@@ -135,7 +135,7 @@ def opens_dialogs(qtbot, window, _):
 
 
 def compares(qtbot, window, _):
-    window.session.handles.move_by(MotionKind.TWIST, "4deg", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "4deg", 0)
     window.comparison.open()
 
 
@@ -147,7 +147,7 @@ def opens_a_study(qtbot, window, folder):
 
 def keeps_poses(qtbot, window, _):
     window.poses.keep_pose()
-    window.session.handles.move_by(MotionKind.TWIST, "4deg", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "4deg", 0)
     window.poses.keep_pose()
     window.symmetry.set_symmetric(True)
 

@@ -10,7 +10,7 @@ from PySide6.QtGui import QAccessible, QImage
 from PySide6.QtWidgets import QAbstractButton, QWidget
 
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.tools.toolbox import Tool
 
 SCHEMES = Qt.ColorScheme.Light, Qt.ColorScheme.Dark
@@ -28,7 +28,7 @@ def everything(window):
     actions.pose.part_actions[0].trigger()
     actions.pose.part_actions[2].trigger()
     window.session.settings.set_region_area(0, 100.0)
-    window.session.handles.move_by(MotionKind.TWIST, "20", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "20", 0)
     window.tools.choose_tool(Tool.HANDLE)
     window.panel.folded_sections = []
     window.notice.show_failure("Something went wrong; do something else.")

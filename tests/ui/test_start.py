@@ -265,7 +265,7 @@ import os, signal, sys
 from pathlib import Path
 from PySide6.QtCore import QTimer
 from apd_viewer.__main__ import main
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui import application
 
 signal.signal(signal.SIGHUP, signal.SIG_DFL)  # which nohup may have the tests ignore
@@ -275,7 +275,7 @@ def built(*given, build=application.build_workbench):
     session, own, stage = workbench.session, Path(os.environ["TMPDIR"]), []
     def look():
         if not stage and session.store.state is not None and session.jobs.current is None:
-            session.handles.move_by(MotionKind.TWIST, "20deg", 0)
+            session.handles.move_by(MOTIONS["TWIST"], "20deg", 0)
             workbench.actions_.pose.press.trigger()
             workbench.runs.dialogs["press"].run.start.click()
             stage.append("presses")

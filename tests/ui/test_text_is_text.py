@@ -30,10 +30,10 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.handles_and_regions import NamedRegion
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.recovery_file import claim_path
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.filing import file_dialogs, unsaved_question
@@ -207,7 +207,7 @@ def test_workbench_shows_what_a_session_says_as_it_is(qtbot, here, looker):
     here.poses.keep_pose()
     here.session.poses.rename(0, NAME)
     here.session.poses.go_to(0)
-    here.session.handles.move_by(MotionKind.TWIST, "3", 0)
+    here.session.handles.move_by(MOTIONS["TWIST"], "3", 0)
     idle(qtbot, here)
     looker.look()
     here.help.open_search()
@@ -218,7 +218,7 @@ def test_workbench_shows_what_a_session_says_as_it_is(qtbot, here, looker):
 
 @pytest.mark.night
 def test_workbench_dialogs_show_what_a_session_says_as_it_is(qtbot, here, looker):
-    here.session.handles.move_by(MotionKind.TWIST, "3", 0)
+    here.session.handles.move_by(MOTIONS["TWIST"], "3", 0)
     idle(qtbot, here)
     for open_dialog in (
         here.runs.open_sweep,
@@ -242,7 +242,7 @@ def test_workbench_dialogs_show_what_a_session_says_as_it_is(qtbot, here, looker
     work_off()
     looker.look()
     here.panel.handles.motion.amount.setText(NAME)
-    here.edits.move_by(MotionKind.TWIST, NAME, False)
+    here.edits.move_by(MOTIONS["TWIST"], NAME, False)
     work_off()
     looker.look()
     here.comparison.window.close()

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import PictureSettings
 from apd_viewer.ui.tools.toolbox import Tool
@@ -133,7 +133,7 @@ def test_wheel_scrolls_the_panel_over_a_field_that_was_clicked_into(qtbot, full)
 
 
 def case_study(window):
-    window.session.handles.move_by(MotionKind.TWIST, "20deg", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "20deg", 0)
     window.case_studies.design_study()
     return window.case_studies.dialog
 
@@ -157,13 +157,13 @@ def paper(window):
 
 
 def comparison(window):
-    window.session.handles.move_by(MotionKind.TWIST, "20deg", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "20deg", 0)
     window.actions_.pose.compare.trigger()
     return window.comparison.window
 
 
 def animation(window):
-    window.session.handles.move_by(MotionKind.TWIST, "20deg", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "20deg", 0)
     window.runs.open_animation()
     return window.runs.dialogs["animate"]
 

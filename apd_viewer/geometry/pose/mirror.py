@@ -9,6 +9,9 @@ import numpy as np
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.transforms import linear_map_about, rigid_transform, rotation_about, translation
 
+# Relative: stretches that differ less are a scale.
+_UNIFORM = 1e-9
+
 
 class MirrorPlane(NamedTuple):
     """Plane perpendicular to an axis.
@@ -48,19 +51,23 @@ class MirrorPlane(NamedTuple):
         """The motion (4, 4) nearest to ``pose`` that is its own mirror image.
 
         Of the way of the pivot (3,) it is the part in the plane; of the rotation the twist about the
-        normal of the plane, in a decomposition into swing and twist; a scale stays.
+        normal of the plane, in a decomposition into swing and twist; of a stretch the symmetric part.
         """
         normal = np.eye(3)[self.axis]
-        left, _, right = np.linalg.svd(pose[:3, :3])
+        left, sizes, right = np.linalg.svd(pose[:3, :3])
         rigid = np.eye(4)
         rigid[:3, :3] = left @ right
         turn = rigid_transform(rigid, np.zeros(3))
         half = turn.angle / 2.0
         angle = 2.0 * float(np.arctan2(np.sin(half) * turn.axis[self.axis], np.cos(half)))
-        scale = float(np.cbrt(np.linalg.det(pose[:3, :3])))
+        stretch = float(np.cbrt(np.linalg.det(pose[:3, :3]))) * np.eye(3)
+        if sizes[0] - sizes[-1] > _UNIFORM * sizes[0]:
+            stretch = (right.T * sizes) @ right
+            across = np.not_equal.outer(normal, normal)
+            stretch[across] = 0.0
         way = transform(pose, pivot[None])[0] - pivot
         way[self.axis] = 0.0
-        linear = scale * rotation_about(np.zeros(3), normal, angle)[:3, :3]
+        linear = rotation_about(np.zeros(3), normal, angle)[:3, :3] @ stretch
         foot = np.where(normal > 0.0, self.coordinate, pivot)  # scaled about, the plane stays where it is
         moved: np.ndarray = translation(way) @ linear_map_about(foot, linear)
         return moved

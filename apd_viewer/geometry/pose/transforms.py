@@ -68,9 +68,22 @@ def twist(base: npt.ArrayLike, handle: npt.ArrayLike, angle: float) -> np.ndarra
     return rotation_about(start, end - start, angle)
 
 
-def bend(base: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> np.ndarray:
-    """Rotation about the line through the base's centre (3,) along ``axis`` (3,)."""
-    return rotation_about(base, axis, angle)
+def shear(base: npt.ArrayLike, handle: npt.ArrayLike, axis: npt.ArrayLike, factor: float) -> np.ndarray:
+    """Shear along ``axis`` (3,) by ``factor`` times the height over the base.
+
+    The height is measured from the base's centre (3,) towards the handle's, at right angles to the axis:
+    volumes stay.
+    """
+    start, end, along = np.asarray(base, dtype=float), np.asarray(handle, dtype=float), _direction(axis)
+    rise = (end - start) - ((end - start) @ along) * along
+    if np.abs(rise).max() <= _APART * max(np.abs(start).max(), np.abs(end).max()):
+        raise InputError(
+            tr(
+                "The axis is along the line from the base to the handle, so there is no height to shear by; "
+                "choose another axis."
+            )
+        )
+    return linear_map_about(start, np.eye(3) + factor * np.outer(along, _direction(rise)))
 
 
 def rigid_transform(pose: np.ndarray, centre: npt.ArrayLike) -> RigidTransform:

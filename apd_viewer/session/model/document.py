@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from apd_viewer.geometry.mesh.components import LooseComponent, loose_components
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.region_areas import region_areas
 from apd_viewer.geometry.pose.constraints import (
+    BASE,
     FREE,
     HANDLE,
     NO_SOFT_CONSTRAINTS,
@@ -111,6 +112,11 @@ class Document:
         """Number of the vertices with each label, (256,) int array."""
         return memo.label_counts(self.labels)
 
+    @property
+    def base_centre(self) -> np.ndarray | None:
+        """Centre of the base, (3,); None if there is no base."""
+        return memo.label_centre(self.labels, self.grip, BASE) if self.label_counts[BASE] else None
+
     def centre(self, k: int) -> np.ndarray | None:
         """Centre of the grip of handle ``k``, (3,); None if it holds nothing."""
         return (
@@ -171,17 +177,6 @@ class Document:
         if U is self.mesh.V or not self.regions:
             return self.rest_areas
         return tuple(region_areas(U, self.mesh.F, self.member, len(self.regions)).tolist())
-
-    def equals(self, other: Document) -> bool:
-        """True if all fields are the same objects, and the paint and the settings equal."""
-        others = (each.name for each in fields(self) if each.name not in ("labels", "member", "settings"))
-        if any(getattr(self, name) is not getattr(other, name) for name in others):
-            return False
-        return (
-            self.settings == other.settings
-            and np.array_equal(self.labels, other.labels)
-            and np.array_equal(self.member, other.member)
-        )
 
     @property
     def flags(self) -> DocumentFlags:

@@ -54,6 +54,13 @@ class State:
         return memo.label_counts(self.document.member)
 
     @property
+    def named_lengths(self) -> dict[str, float]:
+        """Lengths of the mesh at rest by name: sides X, Y, Z, longest L, diagonal D."""
+        size = self.inspection.size
+        sides = dict(zip("XYZ", map(float, size), strict=True))
+        return {**sides, "L": float(max(size)), "D": float(np.linalg.norm(size))}
+
+    @property
     def is_at_rest(self) -> bool:
         """True if the shape is at rest, nothing moved and every percentage 100 or none."""
         document = self.document

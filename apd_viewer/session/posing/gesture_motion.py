@@ -38,7 +38,7 @@ def gesture_motion(before: State, document: Document) -> Document | None:
     if any(each.shift.any() for each in document.obstacles):
         return None
     pairs = list(zip(start.handles, document.handles, strict=True))
-    if not any(_moved(*pair) for pair in pairs):
+    if not any(has_moved(*pair) for pair in pairs):
         return None
     motion = replace(document, grip=before.frame.U)
     for k, pair in enumerate(pairs):
@@ -46,7 +46,8 @@ def gesture_motion(before: State, document: Document) -> Document | None:
     return motion
 
 
-def _moved(before: Handle, after: Handle) -> bool:
+def has_moved(before: Handle, after: Handle) -> bool:
+    """True if a handle has another pose, or came there another way."""
     return not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints)
 
 
@@ -56,7 +57,7 @@ def _rest_of_way(before: Handle, after: Handle) -> Handle:
     Back to where both ways part, and on from there: what is gone back along is taken off again.
     """
     gripped = replace(before.regripped(), earlier_poses=(), former_twist_axis=None)
-    if not _moved(before, after):
+    if not has_moved(before, after):
         return gripped
     shared, origin = _shared(before, after), np.linalg.inv(before.pose)
     parting = before.waypoints[shared - 1] if shared else IDENTITY

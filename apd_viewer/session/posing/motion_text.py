@@ -1,31 +1,32 @@
 """Motions of the handles in words, such as ``twist 120deg; push 30%``.
 
 Steps are separated by semicolons and follow each other; each moves the handle that ``handle N:`` named last,
-at first the first one. Amounts are expressions with the units of the window.
-
-======================  =====================================================================================
-``twist ANGLE``         about the line from the centre of the base to that of the handle
-``bend ANGLE [AXIS]``   about an axis through the centre of the base, ``about x``, y or z; without, the one
-                        that is most nearly at right angles to that line
-``turn ANGLE AXIS``     about an axis through the centre of the handle
-``push AMOUNT``         along that line towards the base: a length, or ``30%`` of the distance of the centres
-``move X Y Z``          three lengths, without spaces within them
-``scale FACTOR``        about the centre of the handle
-======================  =====================================================================================
+at first the first one. The words are those of :data:`MOTION_KINDS`. An axis stands behind the amount, as in
+``turn 30deg about x``; where ``bend`` names none, it is the one most nearly at right angles to the line from
+the base to the handle. Amounts are expressions with the units of the window; ``move`` has three.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
+
+import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
+from apd_viewer.session.posing.motion import MOTION_KINDS, AmountKind, Motion, MotionReference
+from apd_viewer.session.posing.motion_path import MotionStep
+from apd_viewer.session.quantities.units import Unit
 
-MOTION_WORDS = ("twist", "bend", "turn", "push", "move", "scale")
 MOST_STEPS = 100
+ANY_LENGTHS = dict.fromkeys("XYZLD", 1.0)
 _HANDLE = re.compile(r"handle\s+(\d{1,3})\s*:\s*(.*)", re.DOTALL | re.IGNORECASE)
-_ABOUT = re.compile(r"(.*?)\s+about\s+([xyz])", re.DOTALL | re.IGNORECASE)
+_PREPOSITIONS = {kind.preposition for kind in MOTION_KINDS.values() if kind.preposition}
+_AXIS = re.compile(rf"(.*?)\s+({'|'.join(_PREPOSITIONS)})\s+([xyz])", re.DOTALL | re.IGNORECASE)
 _SHOWN = 40  # characters quoted from invalid input
 
 
@@ -37,24 +38,51 @@ class MotionTextStep:
     ----------
     handle : int
         From 0.
-    word : str
-        One of WORDS.
+    motion : Motion
     amounts : tuple of str
-        Three of "move", else one.
-    axis : str
-        "X", "Y", "Z", or empty where there is none.
+        One, or one for each axis.
     """
 
     handle: int
-    word: str
+    motion: Motion
     amounts: tuple[str, ...]
-    axis: str = ""
 
     @property
     def text(self) -> str:
         """The step in words, written in one way only."""
-        about = f" about {self.axis.lower()}" if self.axis else ""
-        return f"handle {self.handle + 1}: {self.word} {' '.join(self.amounts)}{about}"
+        kind, axis = self.motion.kind, self.motion.axis.lower()
+        words = [kind.word, *self.amounts, *([kind.preposition, axis] if axis else [])]
+        return f"handle {self.handle + 1}: {' '.join(words)}"
+
+    def parse_amounts(
+        self, unit: Unit, names: Mapping[str, float] = ANY_LENGTHS, rest: MotionReference | None = None
+    ) -> tuple[float, ...]:
+        """Amounts on a mesh, or on any; raises InputError if one has no meaning."""
+        amount = self.motion.kind.amount
+        found = tuple(amount.parse(each, unit, names, rest) for each in self.amounts)
+        if amount is AmountKind.FACTOR and not min(found) > 0.0:
+            raise InputError(tr("A factor must be greater than 0; enter another one."))
+        return found
+
+    def on(self, document: Document, unit: Unit, names: Mapping[str, float]) -> MotionStep:
+        """The step with its amounts on a document, whose handles are from rest."""
+        k, kind, axis = self.handle, self.motion.kind, self.motion.axis
+        if k >= len(document.handles):
+            raise InputError(
+                tr("There is no handle {number}; the mesh has {count}.").format(
+                    number=k + 1, count=len(document.handles)
+                )
+            )
+        rest = MotionReference(document, k).at_rest
+        if kind.may_omit_axis and not axis:  # the one most nearly at right angles to the line to the base
+            axis = "XYZ"[int(np.argmin(np.abs(rest.base - rest.centre).round(12)))]
+        return MotionStep(k, Motion(kind, axis), self.parse_amounts(unit, names, rest))
+
+
+def motion_steps(state: State, text: str, unit: Unit) -> tuple[MotionStep, ...]:
+    """Steps of a motion in words on a mesh; raises InputError if it is none."""
+    document, names = state.document.relative_to_rest, state.named_lengths
+    return tuple(step.on(document, unit, names) for step in parse_motion(text))
 
 
 def parse_motion(text: str) -> tuple[MotionTextStep, ...]:
@@ -85,22 +113,25 @@ def parse_motion(text: str) -> tuple[MotionTextStep, ...]:
 
 def _step(handle: int, text: str) -> MotionTextStep:
     word, _, rest = text.partition(" ")
-    word, rest, axis = word.lower(), rest.strip(), ""
-    if word not in MOTION_WORDS:
-        raise InputError(
-            tr("“{word}” is no motion; use {words}.").format(
-                word=word[:_SHOWN], words=", ".join(MOTION_WORDS)
-            )
-        )
-    if about := _ABOUT.fullmatch(rest):
-        rest, axis = about[1], about[2].upper()
-    if axis and word not in ("bend", "turn"):
-        raise InputError(tr("“{word}” has no axis; remove “about”.").format(word=word))
-    if not axis and word in ("bend", "turn") and "about" in rest.lower().split():
-        raise InputError(tr("“{word}” is about an axis of the mesh: x, y or z.").format(word=word))
-    if word == "turn" and not axis:
-        raise InputError(tr("“turn” needs an axis, as in “turn 30deg about x”."))
-    amounts = tuple(rest.split()) if word == "move" else (rest,)
-    if word == "move" and len(amounts) != 3:
-        raise InputError(tr("“move” needs three lengths without spaces in them, as in “move 0 2cm 0”."))
-    return MotionTextStep(handle, word, amounts, axis)
+    word, rest = word.lower(), rest.strip()
+    if word not in MOTION_KINDS:
+        sentence = tr("“{word}” is no motion; use {words}.")
+        raise InputError(sentence.format(word=word[:_SHOWN], words=", ".join(MOTION_KINDS)))
+    kind, axis, preposition = MOTION_KINDS[word], "", ""
+    if named := _AXIS.fullmatch(rest):
+        rest, preposition, axis = named[1], named[2].lower(), named[3].upper()
+    if axis and not kind.preposition:
+        sentence = tr("“{word}” has no axis; remove “{preposition}”.")
+        raise InputError(sentence.format(word=word, preposition=preposition))
+    is_other = preposition != kind.preposition if axis else _PREPOSITIONS & set(rest.lower().split())
+    if kind.preposition and is_other:
+        sentence = tr("“{word}” is “{preposition}” an axis of the mesh: x, y or z.")
+        raise InputError(sentence.format(word=word, preposition=kind.preposition))
+    if kind.needs_axis and not axis:
+        sentence = tr("“{word}” needs an axis, as in “{word} {example} {preposition} x”.")
+        raise InputError(sentence.format(word=word, example=kind.example, preposition=kind.preposition))
+    amounts = tuple(rest.split()) if kind.has_all_axes else (rest,)
+    if kind.has_all_axes and len(amounts) != 3:
+        sentence = tr("“{word}” needs three lengths without spaces in them, as in “{word} 0 2cm 0”.")
+        raise InputError(sentence.format(word=word))
+    return MotionTextStep(handle, Motion(kind, axis), amounts)

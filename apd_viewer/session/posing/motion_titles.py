@@ -1,4 +1,4 @@
-"""Names of motions with their amounts, for the undo history."""
+"""Titles of motions with their amounts, for the undo history."""
 
 from __future__ import annotations
 
@@ -12,17 +12,16 @@ from apd_viewer.geometry.pose.waypoint_path import summed_rotations
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.handles_and_regions import Handle
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOVE, SCALE, TURN, Motion, MotionKind
 from apd_viewer.session.quantities.units import Unit
 
 # Relative: what a drag computes in floating point is equal within this.
 _SAME = 1e-9
 
 
-def motion_title(motion: MotionKind, amount: float, handles: str, unit: Unit) -> str:
+def motion_title(motion: Motion, amount: float, handles: str, unit: Unit) -> str:
     """Title such as “Twist +60° (Handle 1)”; radians, a length or a factor."""
-    return _titled(motion.title, _amount_text(motion, amount, unit), handles)
+    return _titled(motion.title, motion.kind.amount.format(amount, unit), handles)
 
 
 def motion_title_between(before: Document, after: Document, k: int, unit: Unit) -> str:
@@ -38,12 +37,19 @@ def motion_title_between(before: Document, after: Document, k: int, unit: Unit) 
     factor = float(np.cbrt(np.linalg.det(by[:3, :3])))
     if np.abs(by[:3, :3] - factor * np.eye(3)).max() <= _SAME * abs(factor):
         if abs(factor - 1.0) > _SAME:
-            return motion_title(MotionKind.SCALE, factor, names, unit)
-        return _title_of_displacement(by[:3, 3], names, unit)
+            return motion_title(Motion(SCALE), factor, names, unit)
+        length = float(np.linalg.norm(by[:3, 3]))
+        free = unit.format_length(localized_number(f"{length:.4g}"))
+        return _title_along(MOVE, by[:3, 3], length, unit, names) or _titled(tr("Move"), free, names)
     if np.abs(by[:3, :3] @ by[:3, :3].T - np.eye(3)).max() <= _SAME:
         turn = rigid_transform(by, np.zeros(3) if (pivot := before.pivot(k)) is None else pivot)
         if abs(float(turn.displacement @ turn.axis)) <= _SAME * diagonal(before.mesh.V):
-            return _title_of_turn(turn.axis, turn.angle, (old, new), names, unit)
+            # The handles tell its full turns.
+            made = summed_rotations(new.waypoints, new.pose) - summed_rotations(old.waypoints, old.pose)
+            full = 2.0 * math.pi * round((float(made @ turn.axis) - turn.angle) / (2.0 * math.pi))
+            free = TURN.amount.format(turn.angle + full, unit)
+            titled = _title_along(TURN, turn.axis, turn.angle + full, unit, names)
+            return titled or _titled(tr("Rotate"), free, names)
     return tr("Move handle ({handle})").format(handle=names)
 
 
@@ -53,41 +59,13 @@ def moved_handle_names(before: Document, after: Document) -> str:
     return comma_separated(new.name for old, new in pairs if old.pose is not new.pose)
 
 
-def _title_of_displacement(displacement: np.ndarray, names: str, unit: Unit) -> str:
-    along = _axis(displacement)
-    if along is None:
-        length = float(np.linalg.norm(displacement))
-        return _titled(tr("Move"), unit.format_length(localized_number(f"{length:.4g}")), names)
-    return motion_title(MotionKind[f"MOVE_{'XYZ'[along]}"], float(displacement[along]), names, unit)
-
-
-def _title_of_turn(
-    axis: np.ndarray, angle: float, handles: tuple[Handle, Handle], names: str, unit: Unit
-) -> str:
-    """Title of a rotation; the handles, before and after, tell its full turns."""
-    old, new = (summed_rotations(handle.waypoints, handle.pose) for handle in handles)
-    angle += 2.0 * math.pi * round((float((new - old) @ axis) - angle) / (2.0 * math.pi))
-    along = _axis(axis)
-    if along is None:
-        return _titled(tr("Rotate"), _amount_text(MotionKind.TWIST, angle, unit), names)
-    return motion_title(
-        MotionKind[f"TURN_{'XYZ'[along]}"], math.copysign(1.0, axis[along]) * angle, names, unit
-    )
-
-
-def _axis(displacement: np.ndarray) -> int | None:
-    """Number of the axis of the mesh along a vector (3,); None along none."""
-    largest = int(np.argmax(np.abs(displacement)))
-    aside = np.abs(np.delete(displacement, largest)).max()
-    return largest if aside <= _SAME * abs(displacement[largest]) else None
-
-
-def _amount_text(motion: MotionKind, amount: float, unit: Unit) -> str:
-    if motion is MotionKind.SCALE:
-        return localized_number(f"×{amount:.4g}")
-    if motion.family == "MOVE":
-        return unit.format_length(localized_number(f"{amount:+.4g}"))
-    return localized_number(f"{math.degrees(amount):+.4g}°")
+def _title_along(kind: MotionKind, vector: np.ndarray, amount: float, unit: Unit, names: str) -> str:
+    """Title of a motion along a vector (3,); empty if that is along no axis."""
+    largest = int(np.argmax(np.abs(vector)))
+    if np.abs(np.delete(vector, largest)).max() > _SAME * abs(vector[largest]):
+        return ""
+    signed = math.copysign(1.0, vector[largest]) * amount
+    return motion_title(Motion(kind, "XYZ"[largest]), signed, names, unit)
 
 
 def _titled(motion: str, amount: str, handles: str) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.pose.constraints import BASE, HANDLE, transform
+from apd_viewer.geometry.pose.constraints import HANDLE, transform
 from apd_viewer.geometry.pose.fitted_motion import fitted_motion
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.waypoint_path import rotation_vector
@@ -58,10 +58,10 @@ def regripped_document(before: Document, document: Document, frame: Frame) -> Do
 
 def _line(document: Document, k: int) -> np.ndarray | None:
     """Vector from the base to handle ``k``, (3,); None without a base."""
-    if not document.label_counts[BASE]:
+    centre, base = document.centre(k), document.base_centre
+    if centre is None or base is None:
         return None
-    centre, base = document.centre(k), memo.label_centre(document.labels, document.grip, BASE)
-    return None if centre is None else frozen(transform(document.handles[k].pose, centre[None])[0] - base)
+    return frozen(transform(document.handles[k].pose, centre[None])[0] - base)
 
 
 def reached_handle(document: Document, k: int, frame: Frame, ids: np.ndarray | None = None) -> Handle:

@@ -14,8 +14,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handle_paths import document_at, handle_paths
-from apd_viewer.session.posing.motion_path import document_along, motion_paths, total_turn
-from apd_viewer.session.posing.motion_step import MotionStep
+from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths, total_turn
 
 MOST_STEPS = 1000
 # Radians: the chord of so much of a turn stays within 3.4 % of the radius of its arc.

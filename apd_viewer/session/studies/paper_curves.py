@@ -11,13 +11,14 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import translation
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.posing.motion_step import MotionStep
+from apd_viewer.session.posing.motion import TWIST, Motion
+from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
 # Iteration counts from rest at which ARAP is measured.
 LOSS_ITERATIONS = (1, 2, 3, 5, 20)
 _WIDEST = 180.0  # degrees
-_TWIST = MotionStep(0, "twist", (np.radians(_WIDEST),))
+_TWIST = MotionStep(0, Motion(TWIST), (np.radians(_WIDEST),))
 _PUSH, _PULL = 0.2, 0.4  # of the height
 _STEPS_OF_A_PULL = 4
 

@@ -11,8 +11,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.handle_paths import handle_paths
-from apd_viewer.session.posing.motion_path import motion_paths
-from apd_viewer.session.posing.motion_step import MotionStep
+from apd_viewer.session.posing.motion_path import MotionStep, motion_paths
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS, Sweep, SweepPath
 
 MOST_STEPS = 1000

@@ -12,7 +12,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.session.posing.motion_text import MOTION_WORDS
+from apd_viewer.session.posing.motion import MOTION_KINDS
 from apd_viewer.studies.plans.plan_columns import COLUMNS, COUNT_COLUMNS, NOTE_PREFIX
 from apd_viewer.studies.plans.plan_row import parse_cell
 
@@ -25,7 +25,7 @@ _RANGE = re.compile(
 )
 _AMOUNT = re.compile(rf"{_NUMBER}\s*(?P<unit>[a-zA-Z%]*)")
 _DIGITS = 6  # significant ones of a sampled number
-_ONE_NUMBER = tuple(word for word in MOTION_WORDS if word not in ("move", "turn"))
+_ONE_NUMBER = tuple(word for word, kind in MOTION_KINDS.items() if kind.is_one_amount)
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, MOST_VER
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
-from apd_viewer.session.posing.motion_step import check_amounts
-from apd_viewer.session.posing.motion_text import parse_motion
+from apd_viewer.session.posing.motion_text import ANY_LENGTHS, parse_motion
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import NoUnitError, Unit
 from apd_viewer.studies.plans.case import CaseSetting, StudyCase
@@ -24,7 +23,6 @@ from apd_viewer.studies.plans.plan_columns import SETTING_COLUMNS, parse_steps, 
 T = TypeVar("T")
 
 DEFAULT_STEPS = 10
-_NAMES = dict.fromkeys("XYZLD", 1.0)
 _READERS: dict[str, Callable[[str], CaseSetting]] = {
     "unit": parse_unit,
     "steps": parse_steps,
@@ -102,12 +100,13 @@ def _settings(cells: Mapping[str, str]) -> dict[str, CaseSetting]:
 @lru_cache(maxsize=4096)
 def _motion(text: str, unit: Unit) -> tuple[str, ...]:
     steps = parse_motion(text)
-    check_amounts(steps, unit)
+    for step in steps:
+        step.parse_amounts(unit)
     return tuple(step.text for step in steps)
 
 
 def _thickness(text: str, unit: Unit) -> float:
-    value = parse_length(text, unit, _NAMES)
+    value = parse_length(text, unit, ANY_LENGTHS)
     if not value > 0.0:
         raise InputError(tr("A distance must be greater than 0; enter another one."))
     return value

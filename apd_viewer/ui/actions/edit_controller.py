@@ -8,7 +8,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import Motion
 from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.text_entries import TextEntries
@@ -146,7 +146,7 @@ class EditController:
         if may and (pose := self._canvas.nudged_pose(step)) is not None:
             self._session.handles.set_pose(pose, self._parts.handle, tr("Nudge handle"), is_repeat=True)
 
-    def move_by(self, motion: MotionKind, text: str, is_total: bool) -> None:
+    def move_by(self, motion: Motion, text: str, is_total: bool) -> None:
         """Move the active handle by a typed motion, or show an error in the field."""
         if not self._is_open:
             return

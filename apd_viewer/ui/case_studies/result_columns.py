@@ -15,6 +15,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_grouped, format_short, format_significant
+from apd_viewer.session.posing.motion import Motion
 from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.studies.case_file import DONE, FAILED
 from apd_viewer.studies.plans.plan_columns import COLUMNS, NOTE_PREFIX
@@ -27,8 +28,8 @@ _ORDER = (DONE, FAILED, WRONG, DUPLICATE, WAITING)
 _AMOUNT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z%°]*)\s*")
 _MOST_KINDS = 12  # of motions: more columns would hide the rest
 _LONGEST = 20  # texts that are measured: letters differ in their width
-# Handle, word, axis, and which of the amounts.
-_Amount = tuple[int, str, str, int]
+# Handle, motion, and which of the amounts.
+_Amount = tuple[int, Motion, int]
 _DEGREES = {"deg": "°"}
 
 
@@ -228,7 +229,7 @@ def _motions(cells: Sequence[str]) -> list[ResultColumn]:
         except InputError:  # the row is wrong
             steps = ()
         amounts = {
-            (step.handle, step.word, step.axis, place): text
+            (step.handle, step.motion, place): text
             for step in steps
             for place, text in enumerate(step.amounts)
         }
@@ -241,8 +242,8 @@ def _motions(cells: Sequence[str]) -> list[ResultColumn]:
     several = len({handle for handle, *_ in kinds}) > 1
     return [
         _amounts(
-            f"{MOTION_COLUMN} {' '.join(map(str, kind))}",
-            _motion_title(kind, several),
+            _motion_column(*kind),
+            _motion_title(*kind, several),
             tip,
             [amounts.get(kind, "") for amounts in found],
         )
@@ -250,18 +251,13 @@ def _motions(cells: Sequence[str]) -> list[ResultColumn]:
     ]
 
 
-def _motion_title(kind: _Amount, several: bool) -> str:
-    handle, word, axis, place = kind
-    words = {
-        "twist": tr("Twist"),
-        "bend": tr("Bend"),
-        "turn": tr("Turn"),
-        "push": tr("Push"),
-        "move": tr("Move"),
-        "scale": tr("Scale"),
-    }
-    about = "xyz"[place] if word == "move" else axis.lower()
-    parts = [words[word], about, tr("(handle {n})").format(n=handle + 1) if several else ""]
+def _motion_column(handle: int, motion: Motion, place: int) -> str:
+    return f"{MOTION_COLUMN} {handle} {motion.kind.word} {motion.axis} {place}"
+
+
+def _motion_title(handle: int, motion: Motion, place: int, several: bool) -> str:
+    axis = "xyz"[place] if motion.kind.has_all_axes else motion.axis.lower()
+    parts = [motion.kind.title, axis, tr("(handle {n})").format(n=handle + 1) if several else ""]
     return " ".join(filter(None, parts))
 
 

@@ -16,9 +16,7 @@ from apd_viewer.session.model.handle_paths import document_at, handle_paths
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion_path import document_along, motion_paths
-from apd_viewer.session.posing.motion_step import motion_steps
-from apd_viewer.session.posing.motion_text import parse_motion
-from apd_viewer.session.posing.typed_motion import named_lengths
+from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.studies.plans.design import DesignVariable, design_table
@@ -155,8 +153,7 @@ def document_with_values(state: State, unit: Unit, handle: int, values: Mapping[
     document = replace(state.document.relative_to_rest, **settings)  # type: ignore[arg-type]
     words = [f"{name} {text}" for name, text in values.items() if name not in SETTING_COLUMNS]
     if words:
-        typed = parse_motion(f"handle {handle + 1}: " + "; ".join(words))
-        steps = motion_steps(document, typed, named_lengths(state), unit)
+        steps = motion_steps(state, f"handle {handle + 1}: " + "; ".join(words), unit)
         return document_along(document, motion_paths(document, steps))
     paths = handle_paths(document)
     return document_along(document_at(document, paths, part), paths, part)

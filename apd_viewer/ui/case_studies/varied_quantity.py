@@ -9,7 +9,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.session.model.state import State
-from apd_viewer.session.posing.typed_motion import named_lengths
+from apd_viewer.session.posing.motion import MOTION_KINDS
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
 from apd_viewer.session.quantities.expressions import parse_angle, parse_length, parse_number
 from apd_viewer.session.quantities.units import Unit
@@ -123,15 +123,10 @@ def _as_it_stands() -> VariedQuantity:
 
 
 def _typed_motions() -> list[VariedQuantity]:
-    twist = tr("Angle about the line from the centre of the base to that of the handle")
-    push = tr("Way towards the base: a length, or a share of its distance such as 30%")
-    bend = tr("Angle about an axis through the centre of the base")
-    about, towards = tr("about the line to the base"), tr("towards the base, in % or a length")
-    across = tr("about an axis through the base")
+    offered = [(kind, kind.study) for kind in MOTION_KINDS.values() if kind.study]
     return [
-        VariedQuantity("twist", tr("Twist"), about, twist, DEGREES, "0deg", "180deg", True),
-        VariedQuantity("push", tr("Push"), towards, push, PERCENT, "0%", "40%", True),
-        VariedQuantity("bend", tr("Bend"), across, bend, DEGREES, "0deg", "90deg", True),
+        VariedQuantity(kind.word, kind.title, note, kind.tip, low.lstrip("0"), low, high, True)
+        for kind, (note, low, high) in offered
     ]
 
 
@@ -171,7 +166,7 @@ def _end(quantity: VariedQuantity, text: str, state: State, unit: Unit) -> str:
         SETTING_COLUMNS[quantity.name].parse(share)  # asks about what could be a factor
     if share.endswith(PERCENT) or not quantity.is_motion:
         return _written(parse_number(share.removesuffix(PERCENT), {})) + PERCENT
-    return _written(parse_length(text, unit, named_lengths(state)))
+    return _written(parse_length(text, unit, state.named_lengths))
 
 
 def _written(value: float) -> str:

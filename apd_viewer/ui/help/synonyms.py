@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from apd_viewer.language import tr
+from apd_viewer.session.posing.motion import MOTION_KINDS
 
+_MOTIONS = [kind.title for kind in MOTION_KINDS.values()]
 # By the name of an action or a setting, or the path of a control; beside the words of title and tip.
 SYNONYMS = {
     "open": tr("load import file read"),
@@ -34,7 +36,7 @@ SYNONYMS = {
     "smaller": tr("shrink radius"),
     "type_brush": tr("radius bigger smaller"),
     "choose_by_numbers": tr("condition coordinates index"),
-    "type_motion": tr("shape twist bend rotate turn move scale smaller larger bigger size angle number"),
+    "type_motion": " ".join([tr("shape rotate smaller larger bigger size angle number"), *_MOTIONS]),
     "put_back": tr("undo original rest"),
     "symmetric": tr("mirror both sides"),
     "keep_pose": tr("save remember bookmark"),

@@ -7,18 +7,11 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr, trc
 from apd_viewer.notation import editable_number
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import LINE, MOTIONS, Motion
 from apd_viewer.ui.widgets.fields import ComboBox, TextField, return_focus
 from apd_viewer.ui.widgets.folding_section import quiet_label
 
-_TIPS = {
-    "MOVE": tr("Along an axis: a length such as 12, 0.15L or 5mm; L is the longest side of the mesh"),
-    "TURN": tr("About an axis through the centre of the handle: an angle such as 60deg or 1/6 turn"),
-    "TWIST": tr("About the line from the centre of the base to that of the handle: an angle such as 60deg"),
-    "BEND": tr("About an axis through the centre of the base: an angle such as 30deg"),
-    "LINE": tr("Click two points of the mesh: the bend is about the line through them"),
-    "SCALE": tr("About the centre of the handle: a factor such as 1.2 or 80%"),
-}
+_LINE_TIP = tr("Click two points of the mesh: the bend is about the line through them")
 _PAUSE = 600  # ms; before, a half-typed amount is no error
 _RELATION = tr("“by” adds to the current pose, “to” sets the total from rest")
 
@@ -28,9 +21,9 @@ class MotionField(QWidget):
 
     Attributes
     ----------
-    motion_entered : Signal(TypedMotion, str, bool)
+    motion_entered : Signal(Motion, str, bool)
         The motion, what was typed, and whether it is the total to go to.
-    edited : Signal(TypedMotion, str, bool)
+    edited : Signal(Motion, str, bool)
         The same while it is typed, to be previewed.
     editing_ended : Signal()
         Nothing is being typed any more.
@@ -40,22 +33,22 @@ class MotionField(QWidget):
         What is wrong with the amount.
     """
 
-    motion_entered = Signal(MotionKind, str, bool)
-    edited = Signal(MotionKind, str, bool)
+    motion_entered = Signal(Motion, str, bool)
+    edited = Signal(Motion, str, bool)
     editing_ended = Signal()
     line_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__()
         self.choice = ComboBox(accessibleName=tr("Handle motion"))
-        for motion in MotionKind:
-            self.choice.addItem(motion.title, motion.name)
+        for name, motion in MOTIONS.items():
+            self.choice.addItem(motion.title, name)
         self.relation = ComboBox(accessibleName=tr("By an amount or to a total"), toolTip=_RELATION)
         self.relation.addItem(trc("amount", "by"), False)
         self.relation.addItem(trc("amount", "to"), True)
-        self.pick = QPushButton(tr("Pick line"), toolTip=_TIPS["LINE"])
+        self.pick = QPushButton(tr("Pick line"), toolTip=_LINE_TIP)
         self.pick.clicked.connect(self.line_requested)
-        self.amount = TextField(accessibleName=tr("Amount"), placeholderText="60deg")
+        self.amount = TextField(accessibleName=tr("Amount"))
         self.amount.returnPressed.connect(self._type)
         self.amount.textEdited.connect(self.request_preview)
         self.amount.focus_gained.connect(self.request_preview)
@@ -79,14 +72,14 @@ class MotionField(QWidget):
         self._choose()
 
     @property
-    def motion(self) -> MotionKind:
+    def motion(self) -> Motion:
         """The chosen motion."""
-        return MotionKind[self.choice.currentData()]
+        return MOTIONS[self.choice.currentData()]
 
     @property
     def is_about_line(self) -> bool:
         """True for a motion about a line picked on the mesh."""
-        return self.motion is MotionKind.BEND_LINE
+        return self.motion.axis == LINE
 
     def clear(self) -> None:
         """Begin anew, for another mesh."""
@@ -130,10 +123,9 @@ class MotionField(QWidget):
         self.problem.show()
 
     def _choose(self) -> None:
-        kind = "LINE" if self.is_about_line else self.motion.family
+        tip = _LINE_TIP if self.is_about_line else self.motion.kind.tip
         self.pick.setVisible(self.is_about_line)
-        self.amount.setToolTip(_TIPS[kind])
-        self.choice.setToolTip(_TIPS[kind])
-        examples = {"MOVE": editable_number("0.15") + "L", "SCALE": editable_number("1.2")}
-        self.amount.setPlaceholderText(examples.get(kind, "60deg"))
+        self.amount.setToolTip(tip)
+        self.choice.setToolTip(tip)
+        self.amount.setPlaceholderText(editable_number(self.motion.kind.example))
         self.problem.hide()

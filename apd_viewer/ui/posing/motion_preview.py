@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from apd_viewer.errors import InputError
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.state import State
+from apd_viewer.session.posing.motion import Motion
 from apd_viewer.session.session import Session
 from apd_viewer.ui.panel.motion_field import MotionField
 from apd_viewer.ui.posing.motion_ghost import MotionGhost
@@ -53,17 +53,17 @@ class MotionPreview:
         else:
             self.requested_ghost.hide()
 
-    def _preview(self, motion: MotionKind, text: str, to: bool) -> None:
-        if self._session.store.state is None:
+    def _preview(self, motion: Motion, text: str, to: bool) -> None:
+        if (state := self._session.store.state) is None:
             return
         try:
-            plan = self._session.handles.plan_motion(
+            step = self._session.handles.plan_motion(
                 motion, text, self._parts.handle, self._canvas.bend_line, to
             )
-            way = plan.intermediate_documents()
+            way = step.intermediate_documents(state.document)
         except InputError as error:
             self.ghost.hide()
             self._field.show_error_later(str(error) if text.strip() else "")
         else:
             self._field.show_error_later("")
-            self.ghost.show_motion(plan.start, way)
+            self.ghost.show_motion(state.document, way)

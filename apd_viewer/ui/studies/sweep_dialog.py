@@ -12,8 +12,8 @@ from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
-from apd_viewer.session.posing.motion_step import MotionStep, motion_steps
-from apd_viewer.session.posing.motion_text import parse_motion
+from apd_viewer.session.posing.motion_path import MotionStep
+from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
@@ -122,8 +122,8 @@ class SweepDialog(RunDialog):
         words: list[str] = []
         try:
             if self.motion.currentData() == _TWIST:
-                typed = parse_motion(f"handle {self._handle + 1}: twist {self.twist.text()}")
-                motion = motion_steps(document, typed, {}, Unit.NONE)
+                typed = f"handle {self._handle + 1}: twist {self.twist.text()}"
+                motion = motion_steps(self._state, typed, Unit.NONE)
                 words = ["--handle", str(self._handle + 1), f"--twist={self.twist.text()}"]
             sweep_of(document, round(self.steps.value()), self.to.value() / 100.0, methods, motion=motion)
         except InputError as error:

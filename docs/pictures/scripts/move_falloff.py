@@ -6,7 +6,7 @@ from PySide6.QtGui import QImage
 from stage import Stage
 
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 
 
 def draw(stage: Stage) -> QImage:
@@ -22,7 +22,7 @@ def draw(stage: Stage) -> QImage:
         session.settings.set_contact(False)
         session.settings.change(method="arap")
         session.settings.set_falloff(0, falloff)
-        session.handles.move_by(MotionKind.MOVE_Y, "4", 0)
+        session.handles.move_by(MOTIONS["MOVE_Y"], "4", 0)
         stage.settle()
         stage.look(0.5, 0.55, 1.0)
         pictures.append(stage.scene(360, 260))

@@ -5,7 +5,7 @@ from picture_files import Film, pixels
 from PIL import Image
 from stage import Stage
 
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 
 
 def draw(stage: Stage) -> Film:
@@ -16,7 +16,7 @@ def draw(stage: Stage) -> Film:
     frames = []
     for number in range(count + 1):
         if number:
-            stage.window.session.handles.move_by(MotionKind.TWIST, f"{180 / count}deg", 0)
+            stage.window.session.handles.move_by(MOTIONS["TWIST"], f"{180 / count}deg", 0)
             stage.settle()
         frames.append(_small(pixels(stage.picture(stage.view_box.adjusted(100, 0, -60, 0)))))
     durations = np.full(len(frames), 140)

@@ -5,7 +5,7 @@ import pytest
 
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.mirror import MirrorPlane
-from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation
+from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, shear, translation
 from apd_viewer.geometry.pose.waypoint_path import rotation_vector
 
 RNG = np.random.default_rng(11)
@@ -42,6 +42,17 @@ def test_mirror_plane_has_motions_within_it_that_are_their_own_mirror_images(axi
         translation(X[5] * (1 - normal)) @ rotation_about(X[6], normal, -2.8) @ scaling_about(on_plane, 0.7)
     )
     np.testing.assert_allclose(plane.symmetric_motion(already, X[3]), already, atol=1e-12)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_mirror_plane_keeps_a_shear_within_it_and_makes_any_other_symmetric(axis):
+    plane, normal = MirrorPlane(axis, 0.4), np.eye(3)[axis]
+    one, other = np.eye(3)[[axis - 1, axis - 2]]
+    foot = np.where(normal > 0.0, 0.4, X[4])
+    within = shear(foot, foot + one, other, 0.7)
+    np.testing.assert_allclose(plane.symmetric_motion(within, foot), within, atol=1e-12)
+    made = plane.symmetric_motion(shear(foot, foot + normal + one, other, 0.7), X[3])
+    np.testing.assert_allclose(plane.mirrored(made), made, atol=1e-12)
 
 
 def test_mirror_plane_leaves_nothing_of_a_motion_across_it():

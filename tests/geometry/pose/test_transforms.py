@@ -8,10 +8,10 @@ from scipy.spatial.transform import Rotation
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.transforms import (
-    bend,
     rigid_transform,
     rotation_about,
     scaling_about,
+    shear,
     translation,
     twist,
 )
@@ -115,9 +115,8 @@ def test_scaling_about_refuses_a_scale_that_flattens_or_bursts(factors):
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 0), (np.nan, 0, 1), (np.inf, 0, 0)])
-def test_rotation_about_and_bend_refuse_an_axis_without_a_direction(axis):
+def test_rotation_about_refuses_an_axis_without_a_direction(axis):
     assert "axis" in raised(rotation_about, ORIGIN, axis, 1.0)
-    assert "axis" in raised(bend, ORIGIN, axis, 0.0)
 
 
 @given(points, axes, angles)
@@ -126,7 +125,7 @@ def test_twist_leaves_the_line_between_the_centres(base, axis, angle):
     pose = twist(base, handle, angle)
     close(at(pose, base), base, 100)
     close(at(pose, handle), handle, 100)
-    close(pose, bend(base, handle - base, angle), 100)
+    close(pose, rotation_about(base, handle - base, angle), 100)
     assert rigid_transform(pose, base).angle == pytest.approx(abs(np.arctan2(np.sin(angle), np.cos(angle))))
 
 
@@ -181,3 +180,18 @@ def test_rotation_about_stays_rigid_over_many_rotations_one_after_another():
     for _ in range(2000):
         pose = rotation_about(rng.normal(size=3), rng.normal(size=3), rng.normal()) @ pose
     assert is_rigid(pose)
+
+
+@given(points, points, axes, angles)
+def test_shear_moves_along_the_axis_by_the_height_and_keeps_volumes(base, point, axis, factor):
+    along = axis / np.linalg.norm(axis / np.abs(axis).max()) / np.abs(axis).max()
+    across = np.cross(along, np.roll(along, 1) + [0.1, 0.2, 0.3])
+    pose = shear(base, base + 10.0 * across + 3.0 * along, axis, factor)
+    height = (point - base) @ across / np.linalg.norm(across)
+    close(at(pose, point), point + factor * height * along, 1e4)
+    assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_shear_refuses_an_axis_along_the_line_to_the_handle():
+    assert "no height" in raised(shear, [1.0, 2.0, 3.0], [1.0, 2.0, 9.0], Z, 0.3)
+    assert "no height" in raised(shear, ORIGIN, ORIGIN, Z, 0.3)

@@ -9,8 +9,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import rotation_about, translation
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.posing.mirror_partner import mirror_partner, mirror_plane
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.studies.session_replay import replay_session
 
@@ -69,7 +69,7 @@ def test_mirror_partner_keeps_the_shape_symmetric_in_one_step(winged, how):
     if how == "drag":
         winged.drag(translation([0.1, 0.1, 0.0]), bent)
     elif how == "typed":
-        winged.handles.move_by(MotionKind.BEND_Z, "10deg", 1)
+        winged.handles.move_by(MOTIONS["BEND_Z"], "10deg", 1)
     else:
         winged.handles.set_pose(bent, 0, "Nudge handle", is_repeat=True)
         winged.handles.set_pose(translation([0.0, 0.1, 0.0]) @ bent, 0, "Nudge handle", is_repeat=True)
@@ -84,18 +84,18 @@ def test_mirror_partner_keeps_the_shape_symmetric_in_one_step(winged, how):
 
 
 def test_mirror_partner_winds_the_partner_as_far_the_other_way_round(winged):
-    winged.handles.move_by(MotionKind.TURN_Y, "400deg", 0)
+    winged.handles.move_by(MOTIONS["TURN_Y"], "400deg", 0)
     right, left = winged.store.state.document.handles[:2]
     assert right.has_half_turn
     assert left.has_half_turn
     np.testing.assert_allclose(right.rotation, [0, np.deg2rad(400), 0], atol=1e-9)
     np.testing.assert_allclose(left.rotation, -right.rotation, atol=1e-9)
-    winged.handles.move_by(MotionKind.TURN_Y, "400deg", 1)
+    winged.handles.move_by(MOTIONS["TURN_Y"], "400deg", 1)
     assert not winged.store.state.document.handles[0].waypoints
 
 
 def test_mirror_partner_names_both_handles_and_resets_them_together(winged):
-    winged.handles.move_by(MotionKind.MOVE_Y, "0.2", 0)
+    winged.handles.move_by(MOTIONS["MOVE_Y"], "0.2", 0)
     assert winged.gestures.history.next_undo == "Move along y +0.2 (Handle 1, Handle 2)"
     winged.drag(translation([0.0, 0.5, 0.0]))
     assert winged.gestures.history.next_undo == "Move along y +0.3 (Handle 1, Handle 2)"
@@ -110,12 +110,12 @@ def test_mirror_partner_moves_a_handle_on_the_plane_within_it(winged):
     winged.settle()
     assert asymmetry(winged) <= 1e-6
     before = winged.store.state
-    for motion, text in ((MotionKind.MOVE_X, "0.1"), (MotionKind.TURN_Y, "30deg")):
+    for motion, text in ((MOTIONS["MOVE_X"], "0.1"), (MOTIONS["TURN_Y"], "30deg")):
         with pytest.raises(InputError, match="its own mirror image"):
             winged.handles.move_by(motion, text, 2)
-    winged.handles.move_by(MotionKind.MOVE_X, "0", 2)
+    winged.handles.move_by(MOTIONS["MOVE_X"], "0", 2)
     assert winged.store.state is before
-    winged.handles.move_by(MotionKind.TURN_X, "200deg", 2)
+    winged.handles.move_by(MOTIONS["TURN_X"], "200deg", 2)
     assert winged.store.state.document.handles[2].rotation[0] == pytest.approx(np.deg2rad(200))
 
 
@@ -124,7 +124,7 @@ def test_paint_partner_paints_the_other_side_already_posed(winged):
     winged.painting.paint(np.flatnonzero(winged.store.state.document.labels == HANDLE + 1), FREE)
     winged.painting.end_stroke("Erase")
     winged.parts.remove_handle(1)
-    winged.handles.move_by(MotionKind.MOVE_Y, "0.3", 0)
+    winged.handles.move_by(MOTIONS["MOVE_Y"], "0.3", 0)
     before, steps = winged.store.state, len(winged.gestures.history.undo_names)
     assert mirror_partner(before.document, 0) is None
     winged.symmetric_posing.paint_partner(0)
@@ -145,7 +145,7 @@ def test_mirror_partner_is_undone_saved_and_replayed(winged, tmp_path):
     assert winged.gestures.history.next_undo == "Change symmetry"
     winged.gestures.undo()
     assert winged.store.state.document.mirror_axis == X
-    winged.handles.move_by(MotionKind.BEND_Z, "20deg", 0)
+    winged.handles.move_by(MOTIONS["BEND_Z"], "20deg", 0)
     winged.settle()
     save_session(tmp_path / "a.apd", winged.store.state, VIEW, embed=True)
     found, _ = open_session(tmp_path / "a.apd")

@@ -5,15 +5,14 @@ import pickle
 import numpy as np
 import pytest
 from meshes import box, ends, rotation
+from motions import IN_WORDS, in_words
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.posing.motion_path import document_along, motion_paths
-from apd_viewer.session.posing.motion_step import MotionStep, check_amounts, motion_steps
-from apd_viewer.session.posing.motion_text import parse_motion
-from apd_viewer.session.posing.typed_motion import named_lengths, poses_along
+from apd_viewer.session.posing.motion import MOTIONS
+from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths
+from apd_viewer.session.posing.motion_text import motion_steps, parse_motion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
@@ -29,11 +28,9 @@ def state():
 
 
 def paths(state, text):
-    steps = parse_motion(text)
-    check_amounts(steps, Unit.MILLIMETRE)
-    return motion_paths(
-        state.document, motion_steps(state.document, steps, named_lengths(state), Unit.MILLIMETRE)
-    )
+    for step in parse_motion(text):
+        step.parse_amounts(Unit.MILLIMETRE)
+    return motion_paths(state.document, motion_steps(state, text, Unit.MILLIMETRE))
 
 
 def turned(axis, degrees, about):
@@ -54,6 +51,7 @@ POSES = {
     "push 2mm": [0, 0, -2],
     "push 0.5 X": [0, 0, -1],
     "move 0 0.2cm -1": [0, 2, -1],
+    "shear 0.3 along x": np.array([[1, 0, 0.3, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]),
     "scale 1.5": np.diag([1.5, 1.5, 1.5, 1]),
 }
 
@@ -88,12 +86,11 @@ def test_motion_paths_follow_steps_in_turn_for_the_handles_that_they_name(state)
 @pytest.mark.parametrize("degrees", [40, 400, -1000])
 def test_motion_paths_twist_as_the_window_and_the_sweep_do(degrees, state):
     document = state.document
-    *_, pose = poses_along(document, 0, MotionKind.TWIST, np.radians(degrees))
+    step = MotionStep(0, MOTIONS["TWIST"], (np.radians(degrees),))
+    pose = step.end_document(document).handles[0].pose
     path = paths(state, f"twist {degrees}")[0]
     np.testing.assert_allclose(path.pose_at(1.0), pose, atol=1e-12)
-    swept = sweep_of(
-        document, 3, methods=["arap"], motion=[MotionStep(0, "twist", (np.radians(degrees),))]
-    ).paths[0]
+    swept = sweep_of(document, 3, methods=["arap"], motion=[step]).paths[0]
     assert all(np.array_equal(path.pose_at(part), swept.pose_at(part)) for part in (0.3, 1.0))
     posed = document_along(document, paths(state, f"twist {degrees}"))
     assert np.degrees(posed.handles[0].rotation) == pytest.approx([0, 0, degrees], abs=1e-6)
@@ -115,6 +112,15 @@ def test_typed_step_writes_its_words_in_one_way():
     assert parse_motion("; ".join(step.text for step in first)) == first
 
 
+@pytest.mark.parametrize("name", IN_WORDS)
+def test_parse_motion_reads_every_motion_as_it_is_written(name):
+    steps = parse_motion(in_words(name))
+    assert [step.motion.kind for step in steps] == [MOTIONS[name].kind]
+    assert steps[0].motion.kind.has_all_axes or steps[0].motion == MOTIONS[name]
+    loud = in_words(name).replace(steps[0].motion.kind.word, steps[0].motion.kind.word.upper())
+    assert parse_motion(steps[0].text) == parse_motion(loud) == steps
+
+
 WRONG = {
     "": "is empty",
     "wring 30": "“wring” is no motion",
@@ -129,6 +135,11 @@ WRONG = {
     "move 1 2 3deg": "an angle",
     "push 30deg": "an angle",
     "scale 0": "greater than 0",
+    "scale 2 along x": "remove “along”",
+    "shear 0.3": "as in “shear 0.3 along x”",
+    "shear 0.3 about x": "is “along” an axis",
+    "shear 0.3deg along x": "an angle",
+    "shear 0.3 along z": "no height",
     "handle 0: push 1": "from 1",
     "handle 3: push 1": "no handle 3",
     "twist 40000": "at most 100 turns",
@@ -141,7 +152,7 @@ def test_parse_motion_says_what_is_no_motion(text, state):
         paths(state, text)
 
 
-def test_check_amounts_needs_the_unit_of_the_mesh_for_a_length(state):
+def test_parse_amounts_needs_the_unit_of_the_mesh_for_a_length(state):
     with pytest.raises(InputError, match="unit of the mesh is not set; choose it") as refused:
-        check_amounts(parse_motion("push 2mm"), Unit.NONE)
+        parse_motion("push 2mm")[0].parse_amounts(Unit.NONE)
     assert str(pickle.loads(pickle.dumps(refused.value))) == str(refused.value)

@@ -8,9 +8,9 @@ import pytest
 
 from apd_viewer.geometry.pose.transforms import rotation_about, translation
 from apd_viewer.session.model.handles_and_regions import Handle
-from apd_viewer.session.model.motion_kind import MotionKind
-from apd_viewer.session.posing.motion_plan import MotionPlan
-from apd_viewer.session.posing.motion_titles import motion_title_between
+from apd_viewer.session.posing.motion import MOTIONS
+from apd_viewer.session.posing.motion_path import MotionStep
+from apd_viewer.session.posing.motion_titles import motion_title, motion_title_between
 from apd_viewer.session.quantities.units import Unit
 
 
@@ -25,11 +25,14 @@ def posed(rest):
     return rest.with_handle_moved(0, rotation_about([1.0, 1.0, 6.0], [1.0, 2.0, 3.0], 1.0))
 
 
+def moved(start, motion, amount):
+    return MotionStep(0, motion, (amount,)).end_document(start)
+
+
 def titles(start, motion, amount):
     """The title of a typed motion, and that of a drag by the same."""
-    plan = MotionPlan(start, 0, motion, amount)
-    end = plan.end_document()
-    return plan.title(end, Unit.MILLIMETRE), motion_title_between(start, end, 0, Unit.MILLIMETRE)
+    typed = motion_title(motion, amount, "Handle 1", Unit.MILLIMETRE)
+    return typed, motion_title_between(start, moved(start, motion, amount), 0, Unit.MILLIMETRE)
 
 
 @pytest.mark.parametrize("amount", [0.3, -2.5, 4.0, -7.0, 20.0])
@@ -37,19 +40,19 @@ def titles(start, motion, amount):
 def test_motion_title_between_names_a_drag_as_the_motion_typed(rest, posed, kind, amount):
     for start in (rest, posed):
         for letter in "XYZ":
-            typed, dragged = titles(start, MotionKind[f"{kind}_{letter}"], amount)
+            typed, dragged = titles(start, MOTIONS[f"{kind}_{letter}"], amount)
             assert dragged == typed
             assert "−" in typed if amount < 0 else "+" in typed
 
 
 def test_motion_title_between_names_a_scaling_by_its_factor(posed):
-    typed, dragged = titles(posed, MotionKind.SCALE, 0.8)
+    typed, dragged = titles(posed, MOTIONS["SCALE"], 0.8)
     assert dragged == typed == "Scale ×0.8 (Handle 1)"
 
 
 def test_motion_title_between_gives_turning_back_the_opposite_sign(rest):
-    turned = MotionPlan(rest, 0, MotionKind.TURN_Y, 7.0).end_document()
-    back = MotionPlan(turned, 0, MotionKind.TURN_Y, -6.0).end_document()
+    turned = moved(rest, MOTIONS["TURN_Y"], 7.0)
+    back = moved(turned, MOTIONS["TURN_Y"], -6.0)
     assert (
         motion_title_between(turned, back, 0, Unit.NONE)
         == f"Rotate about y −{np.rad2deg(6.0):.4g}° (Handle 1)"

@@ -5,7 +5,7 @@ import pytest
 from driven_session import BENT, VIEW, Driven, pose
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.posing.named_poses import handle_placements, is_in_pose
 from apd_viewer.session.storage.session_file import open_session, save_session
 
@@ -86,14 +86,14 @@ def test_poses_are_renamed_updated_and_removed_and_all_is_undone(kept):
 
 
 def test_poses_keep_full_turns_too(kept):
-    kept.handles.move_by(MotionKind.TURN_Y, "400deg", 0)
+    kept.handles.move_by(MOTIONS["TURN_Y"], "400deg", 0)
     kept.poses.add()
     turned = document(kept).handles[0].rotation
     kept.poses.go_to(0)
     assert not document(kept).has_half_turn
     kept.poses.go_to(2)
     np.testing.assert_allclose(document(kept).handles[0].rotation, turned, atol=1e-9)
-    kept.handles.move_by(MotionKind.TURN_Y, "-360deg", 0)
+    kept.handles.move_by(MOTIONS["TURN_Y"], "-360deg", 0)
     assert not is_in_pose(document(kept), document(kept).poses[2])
 
 
@@ -156,7 +156,7 @@ def test_poses_answer_in_a_sentence_without_a_pose_or_a_handle(session):
 
 
 def test_poses_are_saved_and_opened(kept, tmp_path):
-    kept.handles.move_by(MotionKind.TURN_Y, "300deg", 1)
+    kept.handles.move_by(MOTIONS["TURN_Y"], "300deg", 1)
     kept.poses.add()
     save_session(tmp_path / "a.apd", kept.store.state, VIEW, embed=True)
     found, _ = open_session(tmp_path / "a.apd")

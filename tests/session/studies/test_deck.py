@@ -15,9 +15,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.posing.motion_step import motion_steps
-from apd_viewer.session.posing.motion_text import parse_motion
-from apd_viewer.session.posing.typed_motion import named_lengths
+from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
@@ -88,7 +86,7 @@ def test_deck_of_ends_held_nodes_where_the_pose_has_them(written):
 
 def test_deck_of_walks_a_turn_in_steps_on_its_arc(written):
     state = painted()
-    motion = motion_steps(state.document, parse_motion("twist 100deg"), named_lengths(state), Unit.NONE)
+    motion = motion_steps(state, "twist 100deg", Unit.NONE)
     deck = written(state.document, motion=motion)
     assert len(deck.steps) == 4
     centre = np.append(V[TOP].mean(axis=0)[:2], 0.0)

@@ -10,7 +10,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation
 from apd_viewer.geometry.solver.deformation_result import deform
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.posing.motion_step import MotionStep
+from apd_viewer.session.posing.motion import MOTIONS
+from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
 BENT = rotation_about([1, 1, 0], [1, 0, 0], 0.8)
@@ -85,7 +86,7 @@ def test_sweep_ends_a_step_where_it_would_end_from_rest(bar):
 
 
 def test_sweep_of_a_twist_goes_past_half_a_turn(bar):
-    sweep = sweep_of(bar, 4, 1.5, ["arap"], motion=[MotionStep(0, "twist", (np.pi,))])
+    sweep = sweep_of(bar, 4, 1.5, ["arap"], motion=[MotionStep(0, MOTIONS["TWIST"], (np.pi,))])
     swept = list(sweep.steps())
     assert sweep.abscissa == "degrees"
     assert [step.degrees for step in swept] == pytest.approx([0, 67.5, 135, 202.5, 270])
@@ -167,7 +168,7 @@ def test_sweep_of_says_what_cannot_be_swept(case, bar):
 
 
 def test_sweep_says_at_each_step_what_turn_is_held(bar):
-    turn = (MotionStep(0, "twist", (np.radians(-400.0),)),)
+    turn = (MotionStep(0, MOTIONS["TWIST"], (np.radians(-400.0),)),)
     sweep = sweep_of(bar.with_settings(contact=False), 5, methods=["arap"], motion=turn)
     steps = list(sweep.steps())
     assert [step.turn_degrees[0] for step in steps] == pytest.approx(

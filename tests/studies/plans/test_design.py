@@ -6,9 +6,12 @@ import re
 
 import numpy as np
 import pytest
+from motions import IN_WORDS, in_words
 
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
+from apd_viewer.session.posing.motion import MOTIONS
+from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.studies.plans.design import GRID, LATIN, SOBOL, design_table, parse_variable
 
 GIVEN = {"mesh": "a.off", "selection": "a.sel"}
@@ -155,3 +158,16 @@ def test_design_table_refuses_a_percentage_that_could_be_a_factor(said, design):
         design_table(GIVEN, [parse_variable(said)], design, 4, 0)
     if ".." in said:
         design_table(GIVEN, [parse_variable(said + "%")], design, 4, 0)
+
+
+@pytest.mark.parametrize("name", IN_WORDS)
+def test_design_table_varies_every_motion(name):
+    kind = MOTIONS[name].kind
+    given = GIVEN | {"motion": in_words(name, "{by}")}
+    designs = [design_table(given, [parse_variable(f"by=1,{kind.example}")], GRID, 2, 0)]
+    if kind.is_one_amount:
+        designs.append(design_table(GIVEN, [parse_variable(f"{kind.word}=1,{kind.example}")], GRID, 2, 0))
+    for names, rows in designs:
+        motions = [row[names.index("motion")] for row in rows]
+        assert [parse_motion(motion)[0].motion.kind for motion in motions] == [kind, kind]
+        assert parse_motion(motions[1])[0].amounts == parse_motion(in_words(name))[0].amounts

@@ -6,7 +6,7 @@ from in_thread import InThread
 from PySide6.QtCore import QSettings
 from study_driving import open_bar
 
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.processes import shape_checker, solver_process
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
@@ -43,7 +43,7 @@ def bar(qtbot, twisted):
     window = twisted
     show(qtbot, window.shell, window.canvas.viewport)
     open_bar(qtbot, window)
-    window.session.handles.move_by(MotionKind.TWIST, "80deg", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "80deg", 0)
     idle(qtbot, window)
     yield window
     if window.case_studies.dialog is not None:

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from motions import IN_WORDS, in_words
 
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.studies.plans.plan_columns import COLUMNS
 from apd_viewer.studies.results import ResultRow, ResultTable
 from apd_viewer.ui.case_studies.case_colors import CaseColors, axis_of, dot_colors
@@ -140,3 +142,12 @@ def test_axis_of_is_no_finer_than_what_is_shown():
     axis, _ = axis_of(column)
     assert axis.high - axis.low >= 0.01
     assert max(len(text) for _, text in axis.ticks(5)) <= len("−0.010 %")
+
+
+@pytest.mark.parametrize("name", IN_WORDS)
+def test_result_columns_name_the_amounts_of_every_motion(name):
+    found = named(result_columns(table(["motion"], *[([in_words(name, f"{n}")], {}) for n in (1, 2)])))
+    titles = [title for title in found if title.split()[0] == MOTIONS[name].kind.title]
+    assert titles
+    assert titles[-1].removeprefix(MOTIONS[name].kind.title).strip() in MOTIONS[name].axis.lower()
+    assert found[titles[-1]].values == pytest.approx([1.0, 2.0])

@@ -9,8 +9,8 @@ from PySide6.QtWidgets import QFileDialog
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.view import View
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.shell import Shell
@@ -29,7 +29,7 @@ def chosen(monkeypatch):
 
 def test_open_path_shows_the_same_picture_of_a_saved_session_again(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "twisted.apd"
-    bottle.session.handles.move_by(MotionKind.TWIST, "45", 0)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "45", 0)
     bottle.choose_unit(Unit.INCH)
     bottle.canvas.viewport.camera_controller.camera = bottle.canvas.viewport.camera_controller.camera.orbited(
         60, 20
@@ -64,7 +64,7 @@ def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, t
     idle(qtbot, bottle)
     size = path.stat().st_size
     chosen["ask_where_to_put_session"] = None
-    bottle.session.handles.move_by(MotionKind.TWIST, "5", 0)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "5", 0)
     idle(qtbot, bottle)
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
@@ -80,7 +80,7 @@ def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, t
 def test_file_requests_open_a_session_at_the_start_of_a_window(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "s.apd"
     chosen["ask_where_to_put_session"] = path, False
-    bottle.session.handles.move_by(MotionKind.TWIST, "30", 0)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "30", 0)
     idle(qtbot, bottle)
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)

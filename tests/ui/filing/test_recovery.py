@@ -29,7 +29,7 @@ PROGRAM = """
 import sys
 from pathlib import Path
 from PySide6.QtCore import QSettings
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.application import make_application
 application = make_application([])
 from apd_viewer.ui.shell import Shell
@@ -40,7 +40,7 @@ shell.requests.open_sample("bottle")
 shell.show()
 window = Workbench(shell, folder / "recovery")
 assert window.session.wait_idle(20.0)
-window.session.handles.move_by(MotionKind.TWIST, "20", 0)
+window.session.handles.move_by(MOTIONS["TWIST"], "20", 0)
 assert window.session.wait_idle(20.0)
 application.exec()
 """

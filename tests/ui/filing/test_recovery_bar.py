@@ -6,9 +6,9 @@ from driving import idle
 from PySide6.QtCore import Qt
 
 from apd_viewer.files.samples import open_sample
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.recovery_file import claim_path
 from apd_viewer.session.storage.session_file import save_session
 
@@ -60,7 +60,7 @@ def test_recovery_bar_offers_again_what_is_put_off(qtbot, started, left):
 
 def test_recovery_bar_does_not_offer_the_work_of_another_window(qtbot, started, folder):
     first = started()
-    first.session.handles.move_by(MotionKind.TWIST, "20", 0)
+    first.session.handles.move_by(MOTIONS["TWIST"], "20", 0)
     qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
     assert started().recovery.isHidden()
 
@@ -68,7 +68,7 @@ def test_recovery_bar_does_not_offer_the_work_of_another_window(qtbot, started, 
 def test_autosave_leaves_nothing_after_a_clean_end(qtbot, started, folder):
     window = started()
     assert window.recovery.isHidden()
-    window.session.handles.move_by(MotionKind.TWIST, "20", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "20", 0)
     qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
     idle(qtbot, window)
     window.shell.close()

@@ -20,8 +20,8 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model import state
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.view import View
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
@@ -102,7 +102,7 @@ def person(monkeypatch):
 
 
 def twist(qtbot, window, degrees=20):
-    window.session.handles.move_by(MotionKind.TWIST, str(degrees), 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], str(degrees), 0)
     idle(qtbot, window)
 
 

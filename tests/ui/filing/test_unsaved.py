@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
@@ -19,7 +19,7 @@ ASK = unsaved_question.ask_before_leaving
 CHANGES = {
     "paint": lambda session: paint(session),
     "setting": lambda session: session.settings.change(stiffness=0.01),
-    "shape": lambda session: session.handles.move_by(MotionKind.TWIST, "20", 0),
+    "shape": lambda session: session.handles.move_by(MOTIONS["TWIST"], "20", 0),
 }
 
 

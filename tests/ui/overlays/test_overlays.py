@@ -15,8 +15,8 @@ from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
 from apd_viewer.presentation.palette import FREE_COLOR
 from apd_viewer.presentation.scales import Measure, Scale, default_scale
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.shell import Shell
@@ -147,7 +147,7 @@ def test_deviation_reading_value_under_the_cursor_is_that_of_the_closed_form(
 @pytest.mark.night
 def test_deviation_overlay_shows_the_contact_pressure_of_what_is_kept_apart(qtbot, coarse):
     coarse.session.settings.set_contact(False)
-    coarse.session.handles.move_by(MotionKind.TWIST, "20deg", 0)
+    coarse.session.handles.move_by(MOTIONS["TWIST"], "20deg", 0)
     idle(qtbot, coarse)
     coarse.shell.activateWindow()
     qtbot.waitUntil(coarse.shell.isActiveWindow)
@@ -162,7 +162,7 @@ def test_deviation_overlay_shows_the_contact_pressure_of_what_is_kept_apart(qtbo
     # The values of the shape before stay in the colours until those of this one are there.
     qtbot.waitUntil(lambda: set(heat.reading.values) == {0.0}, timeout=60_000)  # nothing touches yet
     assert "percent" in coarse.display_options.legend.note.text()
-    coarse.session.handles.move_by(MotionKind.TWIST, "130deg", 0)
+    coarse.session.handles.move_by(MOTIONS["TWIST"], "130deg", 0)
     idle(qtbot, coarse)
     qtbot.waitUntil(lambda: heat.reading.values.max() == 1.0, timeout=60_000)
     settle(qtbot, coarse.canvas.viewport)
@@ -265,7 +265,7 @@ def test_legend_lets_the_range_be_typed_and_fitted_by_a_click(qtbot, area):
 
 def test_legend_shows_the_largest_local_area_change_as_the_panel_does(qtbot, coarse):
     choose(qtbot, coarse, Measure.AREA)
-    coarse.session.handles.move_by(MotionKind.TWIST, "60deg", 0)
+    coarse.session.handles.move_by(MOTIONS["TWIST"], "60deg", 0)
     idle(qtbot, coarse)
     legend, panel = coarse.display_options.legend, coarse.panel.area
     settle(qtbot, coarse.canvas.viewport)

@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.toolbox import Tool
 
@@ -63,7 +63,7 @@ def test_type_pivot_shows_the_point_while_it_is_typed_and_is_a_step_of_undo(qtbo
     assert typed.isHidden()
     assert len(bottle.canvas.picker.marked_points) == 0
     np.testing.assert_allclose(session.store.state.document.pivot(0), point)
-    session.handles.move_by(MotionKind.TURN_Z, "30deg", 0)
+    session.handles.move_by(MOTIONS["TURN_Z"], "30deg", 0)
     np.testing.assert_allclose(transform(session.store.state.document.handles[0].pose, point[None])[0], point)
     session.gestures.undo()
     session.gestures.undo()

@@ -8,8 +8,8 @@ from meshes import box
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.panel.convergence_progress import ConvergenceProgress
 
 
@@ -84,6 +84,6 @@ def test_convergence_progress_has_no_number_while_it_is_not_known(solving):
 
 
 def test_convergence_progress_is_not_shown_for_a_quick_motion(qtbot, bottle):
-    bottle.session.handles.move_by(MotionKind.TWIST, "1", 0)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "1", 0)
     idle(qtbot, bottle)
     assert not bottle.status.progress.isVisible()

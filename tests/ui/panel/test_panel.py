@@ -13,7 +13,7 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.readings import NO_VALUE, area_verdict
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.widgets.slider import DECADES, PERCENT
@@ -147,7 +147,7 @@ def test_set_contact_ends_a_twist_without_a_crossing(qtbot, coarse):
     found = []
     for on in (False, True):
         coarse.session.settings.set_contact(on)
-        coarse.session.handles.move_by(MotionKind.TWIST, "150deg", 0)
+        coarse.session.handles.move_by(MOTIONS["TWIST"], "150deg", 0)
         idle(qtbot, coarse)
         state = coarse.session.store.state
         found.append(len(crossings(state.frame.U, state.document.mesh.joined_F)))
@@ -183,13 +183,13 @@ def test_volume_section_reads_contact_too(qtbot, bottle):
     bottle.session.settings.set_contact(True, 0.03)
     said = [label.text() for label in (volume.pairs, volume.least_gap, volume.share)]
     assert said == ["none", "–", "–"], "nothing has moved"
-    bottle.session.handles.move_by(MotionKind.TWIST, "150deg", 0)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "150deg", 0)
     idle(qtbot, bottle)
     frame = bottle.session.store.state.frame
     assert frame.contact.pairs == int(volume.pairs.text().replace(",", "")) > 0
     assert 0.0 < frame.contact.least_gap < 0.03
     assert float(volume.least_gap.text()) == pytest.approx(frame.contact.least_gap, rel=1e-3)
-    bottle.session.handles.move_by(MotionKind.TWIST, "2deg", 0)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "2deg", 0)
     qtbot.waitUntil(lambda: bottle.session.shape_checks.shape_check is None)
     assert volume.crossings.text() == "no self-intersections", "on the way too"
     idle(qtbot, bottle)
@@ -198,7 +198,7 @@ def test_volume_section_reads_contact_too(qtbot, bottle):
 def test_set_contact_takes_crossings_out_of_a_shape_once_contact_is_turned_on(qtbot, coarse):
     volume, box = coarse.panel.volume, coarse.panel.method.contact
     coarse.session.settings.set_contact(False)
-    coarse.session.handles.move_by(MotionKind.TWIST, "150deg", 0)
+    coarse.session.handles.move_by(MOTIONS["TWIST"], "150deg", 0)
     idle(qtbot, coarse)
     state = coarse.session.store.state
     assert len(crossings(state.frame.U, state.document.mesh.joined_F))
@@ -273,7 +273,7 @@ def test_panel_begins_with_the_defaults_for_another_mesh(qtbot, bottle):
     assert document(bottle).settings.method == panel.method.method.currentData() == "exact"
     assert document(bottle).settings.stiffness == panel.method.stiffness.value == 0.0
     assert not document(bottle).settings.hold_area
-    assert (motion.motion, motion.amount.text()) == (MotionKind.TWIST, "")
+    assert (motion.motion, motion.amount.text()) == (MOTIONS["TWIST"], "")
     assert motion.problem.isHidden()
     bottle.actions_.undo.trigger()
     assert document(bottle).settings.method == panel.method.method.currentData() == "local"

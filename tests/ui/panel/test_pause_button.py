@@ -5,7 +5,7 @@ from driving import LEFT, idle, rest
 from PySide6.QtCore import Qt
 
 from apd_viewer.geometry.solver.convergence import Convergence
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.state_store import Activity
 
 
@@ -13,7 +13,7 @@ from apd_viewer.session.state_store import Activity
 def solving(qtbot, bottle):
     """The bottle on its way to a twisted shape, for longer than a test takes."""
     bottle.session.settings.change(convergence=Convergence(energy_tolerance=1e-15))
-    bottle.session.handles.move_by(MotionKind.TWIST, "45", 0)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "45", 0)
     return bottle
 
 

@@ -8,7 +8,7 @@ import pytest
 from driving import LEFT, idle, work_off
 from process_tree import text_of, tree_of
 
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 
 MAIN = "solver_main import main"  # in what a process of the solver runs
 SOON = 15_000  # ms; it is said after 5 s
@@ -33,11 +33,11 @@ def bottle(new_bottle):
 
 def test_notice_says_a_stopped_solver_until_it_is_restarted(qtbot, bottle):
     store, notice, button = bottle.session.store, bottle.notice, bottle.status.pause
-    bottle.session.handles.move_by(MotionKind.TWIST, "5", 0)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "5", 0)
     idle(qtbot, bottle)
     (stopped,) = solvers()
     os.kill(stopped, signal.SIGSTOP)
-    bottle.session.handles.move_by(MotionKind.TWIST, "20", 0)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "20", 0)
     before = store.state.frame.U
     qtbot.waitUntil(lambda: bool(notice.text), timeout=SOON)
     assert "has not answered" in notice.text

@@ -5,7 +5,7 @@ from driving import document, drag, idle, ring_grip
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 
 LEFT = Qt.MouseButton.LeftButton
 
@@ -47,7 +47,7 @@ def test_pose_section_keeps_goes_to_updates_renames_and_removes_poses(qtbot, bot
     QTest.keyClick(view, Qt.Key.Key_Comma)
     assert active(bottle) == [True, False]
 
-    session.handles.move_by(MotionKind.MOVE_Y, "0.1L", 0)
+    session.handles.move_by(MOTIONS["MOVE_Y"], "0.1L", 0)
     QTest.mouseClick(section.list.rows[1].update_pose, LEFT)
     assert active(bottle) == [False, True]
     bottle.actions_.undo.trigger()

@@ -25,9 +25,9 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.presentation.number_format import format_significant
 from apd_viewer.presentation.published_volumes import PUBLISHED_FIGURES, VolumeName
-from apd_viewer.session.model.motion_kind import MotionKind
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
@@ -71,8 +71,8 @@ def twisted(qtbot, window, file):
     window.session.parts.add_region()
     wanted = window.session.store.state.document.mesh.V[:, 1] > 12.0
     window.session.painting.set_members(PaintedPart(1, is_region=True), wanted, "Paint region")
-    window.session.handles.move_by(MotionKind.TWIST, "20", 0)
-    window.session.handles.move_by(MotionKind.MOVE_Y, "0.25", 0)
+    window.session.handles.move_by(MOTIONS["TWIST"], "20", 0)
+    window.session.handles.move_by(MOTIONS["MOVE_Y"], "0.25", 0)
     window.session.measurements.add(MeasurementKind.SECTION, plane=Plane((0.0, 1.0, 0.0), 10.0))
     idle(qtbot, window)
     qtbot.waitUntil(lambda: window.session.shape_checks.shape_check is not None, timeout=30_000)
@@ -191,7 +191,7 @@ def test_report_controller_writes_pictures_and_the_session_and_nobodys_folder(qt
 
 def test_report_controller_measures_what_is_missing_soon_after_an_edit(qtbot, twisted, tmp_path, monkeypatch):
     monkeypatch.setattr(shape_checker, "NEXT_PAUSE", 1000.0)  # the window does not look meanwhile
-    twisted.session.handles.move_by(MotionKind.TWIST, "5", 0)
+    twisted.session.handles.move_by(MOTIONS["TWIST"], "5", 0)
     idle(qtbot, twisted)
     points = SurfacePoint(0, (1.0, 0.0, 0.0)), SurfacePoint(60, (1.0, 0.0, 0.0))
     twisted.session.measurements.add(MeasurementKind.GEODESIC, points)
@@ -213,7 +213,7 @@ def test_report_controller_says_that_a_report_is_asked_for_on_the_way_and_measur
     qtbot, twisted, tmp_path
 ):
     store = twisted.session.store
-    twisted.session.handles.move_by(MotionKind.TWIST, "60", 0)
+    twisted.session.handles.move_by(MOTIONS["TWIST"], "60", 0)
     assert not store.state.frame.settled
     shown = store.state.frame.U
     path = tmp_path / "report.html"

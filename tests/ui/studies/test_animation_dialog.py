@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QFileDialog
 from study_driving import click, finish, open_bar
 
 from apd_viewer.figures.rendered_pictures import no_pictures_reason
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def window(kept_window):
 def bar(qtbot, window):
     """A window on a bar, its handle moved twice."""
     open_bar(qtbot, window)
-    for way in (MotionKind.MOVE_X, MotionKind.MOVE_Y):
+    for way in (MOTIONS["MOVE_X"], MOTIONS["MOVE_Y"]):
         window.session.handles.move_by(way, "0.5", 0)
         idle(qtbot, window)
     return window

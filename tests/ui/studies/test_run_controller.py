@@ -15,7 +15,7 @@ from study_driving import click, finish, open_bar
 
 from apd_viewer.commands.sweep_command import sweep_parser
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.widgets.figure_view import FigureView
 
@@ -75,7 +75,7 @@ def test_sweep_dialog_draws_a_sweep_and_saves_it_where_the_user_says(
 
 
 def test_sweep_dialog_sweeps_the_motion_of_the_handle_if_it_has_one(qtbot, bar, tmp_path, monkeypatch):
-    bar.session.handles.move_by(MotionKind.MOVE_X, "0.5", 0)
+    bar.session.handles.move_by(MOTIONS["MOVE_X"], "0.5", 0)
     idle(qtbot, bar)
     bar.actions_.pose.sweep.trigger()
     dialog = bar.runs.dialogs["sweep"]

@@ -13,7 +13,7 @@ from apd_viewer.files.samples import resource_path
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
 from apd_viewer.presentation import readings
-from apd_viewer.session.model.motion_kind import MotionKind
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.gizmo_layout import RING_RADIUS, RINGS, GizmoOrientation
 from apd_viewer.ui.tools.toolbox import Tool
@@ -220,7 +220,7 @@ def test_nudge_moves_in_the_picture_by_arrow_keys_and_nowhere_else(qtbot, bottle
 
 def test_gizmo_axes_are_those_that_were_chosen(bottle):
     gizmo, along = bottle.canvas.gizmo, bottle.actions_.pose.orientations
-    bottle.session.handles.move_by(MotionKind.TURN_X, "30", 0)
+    bottle.session.handles.move_by(MOTIONS["TURN_X"], "30", 0)
     along[GizmoOrientation.HANDLE].trigger()
     np.testing.assert_allclose(gizmo.frame.axes, pose(bottle)[:3, :3].T, atol=1e-12)
     along[GizmoOrientation.VIEW].trigger()
@@ -235,7 +235,7 @@ def test_gizmo_axes_are_those_that_were_chosen(bottle):
 def test_handle_section_puts_a_handle_back_by_its_button(qtbot, bottle):
     back = bottle.panel.handles.reset_handle
     assert not back.isEnabled()
-    bottle.session.handles.move_by(MotionKind.TWIST, "20", 0)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "20", 0)
     assert back.isEnabled()
     qtbot.mouseClick(back, Qt.MouseButton.LeftButton)
     assert not bottle.session.store.state.document.is_posed
@@ -245,7 +245,7 @@ def test_handle_section_puts_a_handle_back_by_its_button(qtbot, bottle):
 def test_history_list_goes_to_the_step_that_is_clicked(qtbot, bottle):
     states = [bottle.session.store.state]
     for angle in ("10", "20"):
-        bottle.session.handles.move_by(MotionKind.TWIST, angle, 0)
+        bottle.session.handles.move_by(MOTIONS["TWIST"], angle, 0)
         idle(qtbot, bottle)
         states.append(bottle.session.store.state)
     bottle.tools.choose_tool(Tool.ORBIT)
@@ -275,9 +275,9 @@ def test_pick_pivot_makes_rings_turn_about_the_point_and_is_a_step_of_undo(bottl
     assert view.camera_controller.camera.key == eye.key
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point, atol=1e-9)
     assert session.gestures.history.next_undo == "Move pivot"
-    session.handles.move_by(MotionKind.TURN_Z, "30deg", 0)
+    session.handles.move_by(MOTIONS["TURN_Z"], "30deg", 0)
     np.testing.assert_allclose(transform(pose(bottle), point[None])[0], point, atol=1e-9)
-    session.handles.move_by(MotionKind.MOVE_X, "1", 0)
+    session.handles.move_by(MOTIONS["MOVE_X"], "1", 0)
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point + [1, 0, 0], atol=1e-9)
     bottle.actions_.pose.pivots[2].trigger()
     centre = transform(pose(bottle), session.store.state.document.centre(0)[None])[0]
@@ -302,7 +302,7 @@ def test_pick_pivot_is_called_off_by_escape(bottle, mouse):
 def test_bake_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbot, bottle):
     session, view = bottle.session, bottle.canvas.viewport
     bottle.tools.choose_tool(Tool.BASE)
-    session.handles.move_by(MotionKind.BEND_Z, "20deg", 0)
+    session.handles.move_by(MOTIONS["BEND_Z"], "20deg", 0)
     assert session.wait_idle(20.0)
     before, eye, title = session.store.state, view.camera_controller.camera.key, bottle.shell.windowTitle()
     bottle.actions_.bake.trigger()
