@@ -8,7 +8,6 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.bounding_boxes import smallest_box
-from apd_viewer.geometry.analysis.convex_hull import convex_hull, minimum_width
 from apd_viewer.geometry.mesh.arrays import local_origin
 from apd_viewer.geometry.mesh.checked_arguments import as_float, checked
 from apd_viewer.language import tr
@@ -74,3 +73,106 @@ def hull_readings(points: np.ndarray) -> HullReadings:
         _, b, c = np.sort(np.ptp(along, axis=0)).tolist()
         return HullReadings(0.0, 0.0, (0.0, b, c))
     return HullReadings(hull.volume, minimum_width(hull), smallest_box(hull.corners))
+
+
+_PORTION = 1 << 22  # products of directions with corners at a time
+_ROUNDING = 1e-12  # of the size
+_ENOUGH = 4000  # corners that tell one direction from another
+
+
+class ConvexHull(NamedTuple):
+    """Convex hull of points, with outward unit normals.
+
+    Attributes
+    ----------
+    corners : (k, 3) float array
+    normals : (f, 3) float array
+        Of its triangles.
+    edges : (e, 2) int array
+        The two triangles at each edge.
+    volume : float
+    """
+
+    corners: np.ndarray
+    normals: np.ndarray
+    edges: np.ndarray
+    volume: float
+
+
+def convex_hull(points: np.ndarray) -> ConvexHull | None:
+    """Convex hull of ``points`` (k, 3); None if they are flat."""
+    # Here: few runs of the program come this way, and the first picture does not wait for scipy.
+    from scipy.spatial import ConvexHull as Qhull
+    from scipy.spatial import QhullError
+
+    try:
+        found = Qhull(points)
+    except QhullError:
+        return None
+    pairs = np.column_stack([np.repeat(np.arange(len(found.neighbors)), 3), found.neighbors.ravel()])
+    edges = pairs[pairs[:, 0] < pairs[:, 1]]
+    return ConvexHull(points[found.vertices], found.equations[:, :3], edges, float(found.volume))
+
+
+def minimum_width(hull: ConvexHull) -> float:
+    """Least distance of two parallel planes with the hull between them.
+
+    Exact up to 4,000 corners. Of more, a part finds the direction, and all give the extent along it: never
+    less than the minimum, and on a sphere at most 0.1 % more.
+    """
+    few = hull.corners[:: -(-len(hull.corners) // _ENOUGH)]
+    part = hull if len(few) == len(hull.corners) else convex_hull(few)
+    direction = _narrowest(hull if part is None else part)
+    return float(_extents(direction[None], hull.corners)[0][0])
+
+
+def _narrowest(hull: ConvexHull) -> np.ndarray:
+    """Direction (3,) of the minimum width, of any length.
+
+    The two planes hold either a face and a corner, or two edges [Houle & Toussaint 1988], so all of these are
+    tried. The normals of planes through an edge lie between those of its two faces; along that arc the lowest
+    corner changes where two linear functions meet, and only there the other plane can hold an edge.
+    """
+    corners = hull.corners - hull.corners.mean(axis=0)
+    extents, low = _extents(hull.normals, corners)
+    best = extents.argmin()
+    least, narrowest = extents[best], hull.normals[best]
+    ends, lows = hull.normals[hull.edges], low[hull.edges]
+    rounding = _ROUNDING * np.abs(corners).max()
+    while True:
+        apart = corners[lows[:, 1]] - corners[lows[:, 0]]
+        gaps = np.einsum("nec,nc->ne", ends, apart) * (1.0, -1.0)
+        changes = gaps.sum(axis=1) > rounding
+        if not changes.any():
+            return narrowest
+        ends, lows, gaps = ends[changes], lows[changes], gaps[changes]
+        middle = (ends * gaps[:, ::-1, None]).sum(axis=1) / gaps.sum(axis=1)[:, None]
+        extents, low = _extents(middle, corners)
+        best = extents.argmin()
+        if extents[best] < least:
+            least, narrowest = extents[best], middle[best]
+        # Where a third corner is lower still, both halves of the arc are searched.
+        depth = np.einsum("nc,nc->n", corners[lows[:, 0]] - corners[low], middle)
+        deeper = depth > rounding
+        halves = [
+            np.stack([ends[deeper, 0], middle[deeper]], 1),
+            np.stack([middle[deeper], ends[deeper, 1]], 1),
+        ]
+        ends = np.concatenate(halves)
+        lows = np.concatenate(
+            [
+                np.column_stack([lows[deeper, 0], low[deeper]]),
+                np.column_stack([low[deeper], lows[deeper, 1]]),
+            ]
+        )
+
+
+def _extents(directions: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Extents (d,) along ``directions`` (d, 3) of any length, and lowest corners (d,)."""
+    extent, low = np.empty(len(directions)), np.empty(len(directions), dtype=np.int64)
+    step = max(1, _PORTION // len(corners))
+    for k in range(0, len(directions), step):
+        heights = directions[k : k + step] @ corners.T
+        low[k : k + step] = heights.argmin(axis=1)
+        extent[k : k + step] = np.ptp(heights, axis=1)
+    return extent / np.linalg.norm(directions, axis=1), low

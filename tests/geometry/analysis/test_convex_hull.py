@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull as Qhull
 
-from apd_viewer.geometry.analysis.convex_hull import convex_hull, minimum_width
-from apd_viewer.geometry.analysis.hull_readings import hull_readings
+from apd_viewer.geometry.analysis.hull_readings import convex_hull, hull_readings, minimum_width
 
 TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)
 OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])

@@ -5,10 +5,9 @@ import oracle
 import pytest
 from meshes import sphere, tube
 
-from apd_viewer.geometry.energy.area_barrier import AreaBarrier
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
-from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.energy.solve_mesh import AreaBarrier, SolveMesh
 from apd_viewer.geometry.solver.deformation_result import deform
 
 V, F = sphere(2)

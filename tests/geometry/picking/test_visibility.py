@@ -8,8 +8,7 @@ from meshes import box, grid, moved, rotation, soup, sphere, tube
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.bounding_hierarchy import BRANCHING, bounding_hierarchy
-from apd_viewer.geometry.picking.surface_index import SurfaceIndex
-from apd_viewer.geometry.picking.visibility import TOUCHING_DISTANCE, is_visible
+from apd_viewer.geometry.picking.surface_index import TOUCHING_DISTANCE, SurfaceIndex, is_visible
 
 
 def seen(eye, U, F, ids=None):

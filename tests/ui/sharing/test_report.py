@@ -16,7 +16,7 @@ from PySide6.QtGui import QImage
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.geometry.analysis.convex_hull import convex_hull
+from apd_viewer.geometry.analysis.hull_readings import convex_hull
 from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
