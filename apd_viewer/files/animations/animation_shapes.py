@@ -1,4 +1,8 @@
-"""Shapes of a mesh one after another, each in a file of its own."""
+"""Shapes of a mesh one after another, each in a file of its own.
+
+A point cache names no vertices: its points are those of the mesh that it is put on, in their order. So it has
+to follow what importers make of the file, and not the file alone.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.files.animations.imported_vertices import imported_vertices
 from apd_viewer.geometry.analysis.target_shape import TargetShape
-from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import BakedOrigin, Mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,3 +103,22 @@ class ShapeRecorder:
     def numbers(self) -> list[float]:
         """Numbers of the shapes kept, counted from 0 as they came."""
         return [float(number) for number in self._kept]
+
+
+# Formats of which vertices without a face are not imported.
+_FACES_ALONE = (".obj", ".glb", ".gltf")
+
+
+def imported_vertices(mesh: Mesh) -> np.ndarray:
+    """Vertices in the order of Blender's import of the file, (k,) int array.
+
+    STL has no vertices but corners: equal ones, in single precision, become one vertex, in the order in which
+    they first come. Of OBJ and glTF only the vertices of faces are imported. Of all other formats, and of a
+    mesh without a file, each vertex is.
+    """
+    read = mesh.origin.mesh if isinstance(mesh.origin, BakedOrigin) else mesh
+    suffix = mesh.origin.suffix if mesh.origin else ""
+    if suffix == ".stl":
+        corners = read.V.astype(np.float32) + np.float32(0.0)  # one zero, and not two of either sign
+        return np.sort(np.unique(corners, axis=0, return_index=True)[1])
+    return np.unique(mesh.F) if suffix in _FACES_ALONE else np.arange(len(mesh.V))

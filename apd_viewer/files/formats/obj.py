@@ -6,19 +6,21 @@ then no longer fit. What is not ``v`` or ``f`` is not read, and comes back as it
 
 from __future__ import annotations
 
+import posixpath
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain
+from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.files.formats.obj_faces import parse_faces
-from apd_viewer.files.formats.obj_materials import material_images
+from apd_viewer.files.formats.obj_faces import ObjFaces, parse_faces
 from apd_viewer.files.formats.parsed_mesh import ParsedMesh, updated_normals
-from apd_viewer.files.formats.text import TextEdits, parse_numbers, with_line_feeds
+from apd_viewer.files.formats.text import TextEdits, decoded_text, parse_numbers, with_line_feeds
 from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
 from apd_viewer.files.formats.vertex_colors import text_colors_to_uint8
+from apd_viewer.files.storage.sibling_files import sibling_content
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
@@ -148,3 +150,54 @@ def _not_understood(text: bytes) -> str:
     return tr("line {line} is not valid: {text}").format(
         line=line, text=match[0].strip().decode(errors="replace")[:60]
     )
+
+
+_LIBRARY = re.compile(rb"\n[ \t]*mtllib[ \t]+([^\n#]+)")
+_USED = re.compile(rb"\n[ \t]*usemtl[ \t]+([^\n#]+)")
+_FACE = re.compile(rb"\n[ \t]*f[ \t]")
+_NEW = re.compile(rb"\n[ \t]*newmtl[ \t]+([^\n#]+)")
+_IMAGE = re.compile(rb"\n[ \t]*map_Kd[ \t]+([^\n#]+)", re.IGNORECASE)
+_OPTION = re.compile(r"-(?:s|o|t)(?:\s+[-+.\deE]+){1,3}\s+|-mm(?:\s+\S+){2}\s+|-\w+\s+\S+\s+")
+
+
+def material_images(text: bytes, mesh: Path, faces: ObjFaces) -> tuple[list[str], np.ndarray]:
+    """Images of the materials, and the one of each polygon, (p,); -1 is none.
+
+    The images are named relative to the folder of ``mesh``; raises InputError if a material file is outside.
+    """
+    named = _named_images(text, mesh)
+    paths = sorted(set(named.values()))
+    uses = list(_USED.finditer(text))
+    start = np.array([match.start() for match in uses], dtype=np.int64)
+    image = [paths.index(named[name]) if (name := _name(use)) in named else -1 for use in uses]
+    begins = np.array([match.start() for match in _FACE.finditer(text)], dtype=np.int64)
+    count = len(faces.polygons.start) - 1
+    if len(begins) != count:
+        return [], np.full(count, -1)
+    return paths, np.array([-1, *image])[np.searchsorted(start, begins)]
+
+
+def _named_images(text: bytes, mesh: Path) -> dict[str, str]:
+    """Image of each material, by its name."""
+    named = {}
+    for library in dict.fromkeys(map(_decoded, _LIBRARY.findall(text))):
+        content = sibling_content(library, mesh)
+        if content is None:
+            continue
+        said = b"\n" + with_line_feeds(decoded_text(content)[0])
+        folder = posixpath.dirname(library.replace("\\", "/"))
+        begins = [*_NEW.finditer(said)]
+        for match, end in zip(begins, [*(m.start() for m in begins[1:]), len(said)], strict=True):
+            found = _IMAGE.search(said, match.end() - 1, end)
+            if found is not None:
+                image = _OPTION.sub("", _decoded(found[1])).replace("\\", "/")
+                named[_name(match)] = posixpath.join(folder, image)
+    return named
+
+
+def _name(match: re.Match[bytes]) -> str:
+    return _decoded(match[1])
+
+
+def _decoded(name: bytes) -> str:
+    return name.decode("utf-8", errors="replace").strip()

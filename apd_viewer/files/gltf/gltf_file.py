@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -18,7 +20,6 @@ from apd_viewer.files.gltf.accessors import (
     write_rows,
 )
 from apd_viewer.files.gltf.containers import data_uri, rewritten_glb
-from apd_viewer.files.gltf.json_spans import with_replaced_values
 from apd_viewer.files.gltf.primitive_textures import PrimitiveTriangles, primitive_texture
 from apd_viewer.files.gltf.scene import (
     matrix_products,
@@ -196,3 +197,55 @@ def _local(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:
 def with_offset(X: np.ndarray, offset: np.ndarray | None) -> np.ndarray:
     """The sum of two arrays; without the other it is the first."""
     return X if offset is None else X + offset
+
+
+JsonPath: TypeAlias = tuple[str | int, ...]
+
+_SPACE = re.compile(r"[ \t\r\n]*")
+_DECODER = json.JSONDecoder()
+
+
+def value_spans(text: str, paths: Sequence[JsonPath]) -> dict[JsonPath, tuple[int, int]]:
+    """Begin and end of the values at ``paths``; missing ones are left out."""
+    found: dict[JsonPath, tuple[int, int]] = {}
+    _find(text, _skip(text, 0), set(paths), (), found)
+    return found
+
+
+def with_replaced_values(text: str, changes: Sequence[tuple[JsonPath, str]]) -> str:
+    """The text with other values at the paths of ``changes``."""
+    found = value_spans(text, [path for path, _ in changes])
+    for path, new in sorted(changes, key=lambda change: -found[change[0]][0]):
+        begin, end = found[path]
+        text = text[:begin] + new + text[end:]
+    return text
+
+
+def _find(
+    text: str, at: int, wanted: set[JsonPath], here: JsonPath, found: dict[JsonPath, tuple[int, int]]
+) -> int:
+    """Search the value at ``at``; return its end."""
+    if not any(path[: len(here)] == here for path in wanted):
+        return _DECODER.raw_decode(text, at)[1]
+    if text[at] not in "{[" or here in wanted:
+        end = _DECODER.raw_decode(text, at)[1]
+        if here in wanted:
+            found[here] = at, end
+        return end
+    is_object, close, place = text[at] == "{", "}" if text[at] == "{" else "]", 0
+    at = _skip(text, at + 1)
+    while text[at] != close:
+        key: str | int = place
+        if is_object:
+            key, at = _DECODER.raw_decode(text, at)
+            at = _skip(text, _skip(text, at) + 1)  # the colon
+        at = _skip(text, _find(text, at, wanted, (*here, key), found))
+        if text[at] == ",":
+            at = _skip(text, at + 1)
+        place += 1
+    return at + 1
+
+
+def _skip(text: str, at: int) -> int:
+    match = _SPACE.match(text, at)
+    return match.end() if match else at

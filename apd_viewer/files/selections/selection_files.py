@@ -9,26 +9,156 @@ suffix   what it is                                          what it holds
 .sel     the survey's: a number a line                       labels
 .dmat    libigl's dense matrix: a group a vertex             labels, of handles that hold a vertex
 =======  ==================================================  =========================================
+
+``apd_label`` is 0 base, 1 free, 2 handle, 3 the next handle and so on; ``apd_region``, which may be left
+out, is 0 in no region, 1 in the first one and so on. Any program that keeps the properties of vertices may
+have written the file; positions and faces are not looked at.
+
+``labels`` (n,) and ``member`` (n,) are as in :class:`Selection`, ``handles`` and ``regions`` are names,
+``areas`` are percentages, nan where an area is only measured, and ``digest`` is :attr:`Mesh.digest`. Only
+``labels`` must be there.
 """
 
 from __future__ import annotations
 
+import io
+import sys
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.selections.selection import Selection
+from apd_viewer.files.formats.ply import PlyFile, read_ply
+from apd_viewer.files.selections.selection import (
+    Selection,
+    check_vertex_count,
+    checked_labels,
+    checked_member,
+)
 from apd_viewer.files.selections.selection_dmat import labels_to_dmat, selection_from_dmat
 from apd_viewer.files.selections.selection_json import selection_from_json, selection_to_json
-from apd_viewer.files.selections.selection_npz import selection_from_npz, selection_to_npz
-from apd_viewer.files.selections.selection_ply import selection_from_ply, selection_to_ply
 from apd_viewer.files.selections.survey_formats import labels_to_sel, read_selection
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.files.storage.regular_files import one_line_message, read_content
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
+
+_KEYS = ("labels", "member", "handles", "regions", "areas", "digest")
+_MOST_NAMES = 100
+
+
+def selection_to_npz(mesh: Mesh, selection: Selection) -> bytes:
+    """The file of a selection."""
+    stream = io.BytesIO()
+    np.savez_compressed(
+        stream,
+        labels=selection.labels,
+        member=selection.member,
+        handles=np.array(selection.handles, dtype=np.str_),
+        regions=np.array(selection.regions, dtype=np.str_),
+        areas=np.array([np.nan if area is None else area for area in selection.areas], dtype=np.float64),
+        digest=np.array(mesh.digest),
+    )
+    return stream.getvalue()
+
+
+def selection_from_npz(content: bytes, mesh: Mesh) -> Selection:
+    """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
+    n = len(mesh.V)
+    arrays = _arrays(content, 32 * n + (1 << 23))
+    if "labels" not in arrays:
+        raise ValueError(tr("it has no array “labels”"))
+    labels = checked_labels(arrays["labels"], n)
+    member = checked_member(arrays["member"], n) if "member" in arrays else None
+    handles, regions = (_names(arrays, key) for key in ("handles", "regions"))
+    digest = arrays.get("digest", np.array(mesh.digest))
+    return Selection.with_default_names(
+        labels, member, handles, regions, _areas(arrays), _is(digest, mesh.digest)
+    )
+
+
+def _arrays(content: bytes, most: int) -> dict[str, np.ndarray]:
+    """Arrays of a selection in the file, unless they unpack to too many bytes."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+        if size <= most:
+            with np.load(io.BytesIO(content), allow_pickle=False) as file:
+                return {key: np.asarray(file[key]) for key in _KEYS if key in file.files}
+    except Exception as error:  # zipfile and NumPy raise many kinds of errors
+        raise ValueError(tr("it is not an NPZ archive, or it is damaged")) from error
+    raise ValueError(tr("it would unpack to {size:,} bytes").format(size=size))
+
+
+def _names(arrays: dict[str, np.ndarray], key: str) -> list[str]:
+    names = arrays.get(key, np.array([], dtype=np.str_))
+    if names.dtype.kind != "U" or names.ndim != 1 or len(names) > _MOST_NAMES:
+        raise ValueError(tr("its “{key}” are not a list of names").format(key=key))
+    codes = np.frombuffer(names.astype(names.dtype.newbyteorder("<")).tobytes(), "<u4")
+    if codes.max(initial=0) > sys.maxunicode:  # Python would decode them to invalid text
+        raise ValueError(tr("its “{key}” are damaged").format(key=key))
+    return [str(name) for name in names]
+
+
+def _areas(arrays: dict[str, np.ndarray]) -> list[float | None]:
+    areas = arrays.get("areas", np.array([]))
+    if areas.dtype.kind not in "iuf" or areas.ndim != 1 or len(areas) > _MOST_NAMES:
+        raise ValueError(tr("its “areas” are not a list of numbers"))
+    return [None if np.isnan(area) else float(area) for area in areas]
+
+
+def _is(digest: np.ndarray, expected: str) -> bool:
+    if digest.dtype.kind != "U" or digest.ndim != 0:
+        raise ValueError(tr("its “digest” is not text"))
+    return bool(digest == expected)
+
+
+_LABEL, _REGION = "apd_label", "apd_region"
+_HEAD = f"""ply
+format binary_little_endian 1.0
+comment {_LABEL}: 0 base, 1 free, 2 handle, 3 the next handle; {_REGION}: 0 none
+element vertex {{}}
+property double x
+property double y
+property double z
+property uchar {_LABEL}
+property uchar {_REGION}
+element face {{}}
+property list uchar int vertex_indices
+end_header
+"""
+
+
+def selection_to_ply(mesh: Mesh, selection: Selection) -> bytes:
+    """The triangles of ``mesh``, with the labels and the regions at its vertices."""
+    rows = np.empty(len(mesh.V), dtype=[("V", "<f8", (3,)), (_LABEL, "u1"), (_REGION, "u1")])
+    rows["V"], rows[_LABEL], rows[_REGION] = mesh.V, selection.labels, selection.member
+    faces = np.empty(len(mesh.F), dtype=[("count", "u1"), ("corners", "<i4", (3,))])
+    faces["count"], faces["corners"] = 3, mesh.F
+    return _HEAD.format(len(rows), len(faces)).encode() + rows.tobytes() + faces.tobytes()
+
+
+def selection_from_ply(content: bytes, mesh: Mesh) -> Selection:
+    """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
+    file = read_ply(content).origin
+    if not isinstance(file, PlyFile):
+        raise ValueError(tr("it has no vertices"))
+    at = next(k for k, element in enumerate(file.elements) if element.name == "vertex")
+    there = {name for name, length, kind in file.elements[at].properties if not length and kind[0] in "iu"}
+    if _LABEL not in there:
+        raise InputError(
+            tr("Its vertices have no integer property “{name}”; choose a file with a selection.").format(
+                name=_LABEL
+            )
+        )
+    n = len(mesh.V)
+    check_vertex_count(file.elements[at].rows, n)
+    labels = checked_labels(file.columns(at, (_LABEL,))[:, 0], n)
+    member = checked_member(file.columns(at, (_REGION,))[:, 0], n) if _REGION in there else None
+    return Selection.with_default_names(labels, member)
+
 
 _READERS: dict[str, Callable[[bytes, Mesh], Selection]] = {
     ".json": selection_from_json,

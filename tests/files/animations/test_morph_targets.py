@@ -14,7 +14,7 @@ from vtkmodules.vtkIOGeometry import vtkGLTFReader
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations import morph_targets
 from apd_viewer.files.animations.animation_files import write_animation
-from apd_viewer.files.animations.shading_normals import shading_normals
+from apd_viewer.files.animations.morph_targets import shading_normals
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
