@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import tempfile
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
-from apd_viewer.commands.measurement_output import measurements_report
+import numpy as np
+
 from apd_viewer.commands.result_output import result_summary, show_progress_line, write_result
 from apd_viewer.commands.scalar_output import (
     add_scalar_options,
@@ -29,6 +32,10 @@ from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, check
 from apd_viewer.files.animations.animation_shapes import Animation, ShapeRecorder
 from apd_viewer.files.animations.series_files import replacing_series
 from apd_viewer.files.mesh_writing import check_mesh_path
+from apd_viewer.geometry.measuring.carried_path import CarriedPath
+from apd_viewer.geometry.measuring.geodesics import geodesic_path
+from apd_viewer.geometry.measuring.measurement import Measurement, measure
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.status_text import about_missing_target
@@ -110,3 +117,43 @@ def _write_animations(
     animation = Animation(document.mesh, *painted, shapes.files, shapes.numbers, document.target_shape)
     for path in paths:
         write_animation(animation, scratch_path_beside(path, stack))
+
+
+_FIELDS = {0: "angle", 1: "length", 2: "area"}
+
+
+def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dict[str, Any]]]:
+    """Field of a report with the measurements at rest and at ``U`` (n, 3), if any.
+
+    Lengths are in mesh units, angles in degrees; what cannot be measured is None.
+    """
+    shapes, F = (("_rest", document.mesh.V), ("", U)), document.mesh.joined_F
+    measured = [
+        {
+            "name": each.name,
+            "kind": each.kind.value,
+            **{
+                f"{_FIELDS[power]}{suffix}": _number(value, power)
+                for suffix, X in shapes
+                for value, power in zip(_values(each, X, F), each.kind.powers, strict=True)
+            },
+        }
+        for each in document.measurements
+    ]
+    return {"measurements": measured} if measured else {}
+
+
+def _values(measurement: Measurement, U: np.ndarray, F: np.ndarray) -> tuple[float | None, ...]:
+    path = None
+    if measurement.kind is MeasurementKind.GEODESIC:
+        try:
+            path = CarriedPath.from_polyline(geodesic_path(U, F, *measurement.points), U, F)
+        except InputError:
+            path = CarriedPath.empty()
+    return measure(measurement, U, F, path).values
+
+
+def _number(value: float | None, power: int) -> float | None:
+    if value is None or math.isnan(value):
+        return None
+    return math.degrees(value) if power == 0 else value

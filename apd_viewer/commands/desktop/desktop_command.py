@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import os
+import re
+import shutil
+import subprocess
 import sys
 import sysconfig
+from collections.abc import Sequence
 from pathlib import Path
 
-from apd_viewer.commands.desktop.desktop_files import data_folder, install_files, remove_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
+from apd_viewer.files.samples import resource_path
+from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.installation import is_packaged
 from apd_viewer.language import tr
 
@@ -79,3 +86,124 @@ def _check_system() -> None:
                 "users; it removes them with the program."
             )
         )
+
+
+_NAME = "apd-viewer"
+# Where each resource belongs in a folder of data.
+_PLACES = {
+    f"desktop/{_NAME}.desktop": f"applications/{_NAME}.desktop",
+    f"desktop/{_NAME}.xml": f"mime/packages/{_NAME}.xml",
+    f"desktop/{_NAME}.thumbnailer": f"thumbnailers/{_NAME}.thumbnailer",
+    f"icons/{_NAME}.svg": f"icons/hicolor/scalable/apps/{_NAME}.svg",
+}
+# Programs that collect what is in folders, the folders, and what they collect.
+_COLLECTORS = (
+    ("update-mime-database", "mime", "packages/*.xml"),
+    ("update-desktop-database", "applications", "*.desktop"),
+)
+_COLLECTED = {
+    "mime": (
+        *("XMLnamespaces", "aliases", "generic-icons", "globs", "globs2", "icons", "magic", "mime.cache"),
+        *("subclasses", "treemagic", "types", "version"),
+    ),
+    "applications": ("mimeinfo.cache",),
+}
+_PATIENCE = 60.0  # s
+
+
+def data_folder() -> Path:
+    """Folder of the user's data, ``$XDG_DATA_HOME``."""
+    named = Path(os.environ.get("XDG_DATA_HOME", ""))
+    return named if named.is_absolute() else Path.home() / ".local" / "share"  # as the specification says
+
+
+def install_files(folder: Path, command: Sequence[str]) -> list[str]:
+    """Write all files; return the names of collectors that are missing or fail.
+
+    Parameters
+    ----------
+    folder : Path
+        Of data; made if it is not there.
+    command : sequence of str
+        The words that start this program, beginning with a path.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written.
+    """
+    for source, place in _PLACES.items():
+        path = folder / place
+        with contextlib.suppress(OSError):  # said below
+            path.parent.mkdir(parents=True, exist_ok=True)
+        with replacing_file(path) as scratch:
+            scratch.write_bytes(_started_by(command, resource_path(source).read_bytes()))
+    return [program for program, part, _ in _COLLECTORS if not _collected(program, folder / part)]
+
+
+def remove_files(folder: Path) -> bool:
+    """Remove all files and folders left empty; False if there were none.
+
+    Raises
+    ------
+    OSError
+        If one cannot be removed.
+    """
+    found = [path for place in _PLACES.values() if (path := folder / place).exists()]
+    for path in found:
+        path.unlink()
+    for program, part, others in _COLLECTORS:
+        if found and (folder / part).is_dir():
+            _collected(program, folder / part)
+            if not any((folder / part).glob(others)):
+                _remove_collected(folder / part, _COLLECTED[part])
+    for place in _PLACES.values():
+        _remove_empty((folder / place).parent, folder)
+    return bool(found)
+
+
+def _collected(program: str, folder: Path) -> bool:
+    """Run a collector on a folder; False if it is missing, or does not end."""
+    found = shutil.which(program)
+    if found is None:
+        return False
+    try:
+        subprocess.run([found, str(folder)], capture_output=True, check=False, timeout=_PATIENCE)
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    return True
+
+
+def _remove_collected(folder: Path, names: Sequence[str]) -> None:
+    """Remove the files and empty folders of a collector."""
+    for name in names:
+        (folder / name).unlink(missing_ok=True)
+    for inner in folder.iterdir():
+        with contextlib.suppress(OSError):  # a file, or others have files in it
+            inner.rmdir()
+
+
+def _remove_empty(folder: Path, top: Path) -> None:
+    """Remove a folder below ``top``, and those around it, as far as they are empty."""
+    while folder != top:
+        with contextlib.suppress(OSError):  # others have files in it
+            folder.rmdir()
+        folder = folder.parent
+
+
+def _started_by(command: Sequence[str], content: bytes) -> bytes:
+    """Content of a file with other words to start the program."""
+    words = " ".join(map(_quoted, command)).encode()
+    content = re.sub(rb"(?m)^Exec=apd-viewer\b", lambda _: b"Exec=" + words, content)
+    tried = _escaped(command[0]).encode()
+    return re.sub(rb"(?m)^TryExec=.*$", lambda _: b"TryExec=" + tried, content)
+
+
+def _quoted(word: str) -> str:
+    """A word for the key Exec: quoted, then escaped as all strings are."""
+    quoted = re.sub(r'(["`$\\])', r"\\\1", word.replace("%", "%%"))
+    return _escaped(f'"{quoted}"' if re.search(r"[^\w@%+=:,./-]", word) else quoted)
+
+
+def _escaped(text: str) -> str:
+    return text.replace("\\", "\\\\").replace("\n", "\\n").replace("\t", "\\t")

@@ -5,30 +5,31 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
+import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from apd_viewer.commands.studies.study_output import (
-    damaged_results_line,
-    mistake_lines,
-    study_summary,
-    work_left_lines,
-)
-from apd_viewer.commands.studies.study_progress import StudyProgress
 from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
-from apd_viewer.language import localize_numbers, tr
+from apd_viewer.language import comma_separated, localize_numbers, tr, trn
+from apd_viewer.presentation.number_format import format_grouped
+from apd_viewer.presentation.time_left import duration_text
+from apd_viewer.studies.case_file import FAILED
 from apd_viewer.studies.case_runner import Engine
 from apd_viewer.studies.case_session import INPUTS_FOLDER
 from apd_viewer.studies.cluster import connected_cluster
 from apd_viewer.studies.local_pool import LocalPool, core_count
 from apd_viewer.studies.plans.input_files import InputFiles
-from apd_viewer.studies.plans.plan import read_plan
+from apd_viewer.studies.plans.plan import Plan, read_plan
 from apd_viewer.studies.plans.plan_columns import CASE_COLUMNS, SETTING_COLUMNS
+from apd_viewer.studies.progress_meter import CaseCounts
+from apd_viewer.studies.results import ResultTable, status_text
 from apd_viewer.studies.study import Study
-from apd_viewer.studies.study_forecast import study_forecast
+from apd_viewer.studies.study_forecast import StudyForecast, study_forecast
 
 _INTERRUPTED = 130
 
@@ -153,3 +154,123 @@ def _interruptible(study: Study) -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+_LOG = 30.0  # s between two lines of a log
+
+
+class StudyProgress:
+    """Says how far a study is, to whoever reads.
+
+    Parameters
+    ----------
+    is_json : bool
+        As lines of JSON on the standard output. Beside ``done``, a share, and ``doing`` they have
+        ``cases``, ``finished``, ``running``, ``failed``, ``rate`` (cases a second) and ``seconds_left``.
+    """
+
+    def __init__(self, is_json: bool = False) -> None:
+        self._display = Progress(is_json)
+        self._log = not is_json and not sys.stderr.isatty()
+        self._logged = time.monotonic()
+
+    def show(self, counts: CaseCounts) -> None:
+        """Show the state of the study."""
+        self._display.show(
+            counts.done / max(counts.cases, 1),
+            counts_text(counts),
+            cases=counts.cases,
+            finished=counts.done,
+            running=counts.running,
+            failed=counts.failed,
+            rate=counts.rate,
+            seconds_left=counts.seconds_left,
+        )
+        if self._log and time.monotonic() - self._logged > _LOG:
+            self._logged = time.monotonic()
+            print(counts_text(counts), file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        """Remove the line."""
+        self._display.end()
+
+
+def counts_text(counts: CaseCounts) -> str:
+    """The state of a study in a few words."""
+    words = [tr("{done:,} of {cases:,}").format(done=counts.done, cases=counts.cases)]
+    words.append(tr("{running} running").format(running=counts.running))
+    if counts.failed:
+        words.append(tr("{failed} failed").format(failed=counts.failed))
+    if counts.rate is not None and counts.seconds_left is not None:
+        words.append(tr("{rate:.3g}/min").format(rate=60.0 * counts.rate))
+        words.append(tr("{time} left").format(time=duration_text(counts.seconds_left)))
+    return comma_separated(words)
+
+
+_MOST_SAID = 20  # sentences; the table has all of them
+
+
+def mistake_lines(plan: Plan) -> str:
+    """A line for each wrong or repeated row."""
+    lines = [_on_line(row.line, row.mistake) for row in plan.rows if row.mistake]
+    return "".join(f"{line}\n" for line in _first(lines))
+
+
+def work_left_lines(work_left: StudyForecast, processes: int) -> str:
+    """Lines on the work left."""
+    lines = [
+        trn(
+            "{cases:,} case, {done:,} done, {left:,} to do",
+            "{cases:,} cases, {done:,} of them done, {left:,} to do",
+            work_left.cases,
+        ).format(cases=work_left.cases, done=work_left.done, left=work_left.cases - work_left.done)
+    ]
+    if work_left.failed:
+        lines.append(
+            tr("failed so far: {failed:,}; --retry-failed tries again").format(failed=work_left.failed)
+        )
+    if work_left.wrong:
+        said = trn(
+            "{wrong:,} row is wrong and is left out",
+            "{wrong:,} rows are wrong and are left out",
+            work_left.wrong,
+        )
+        lines.append(said.format(wrong=work_left.wrong))
+    if work_left.seconds is None:
+        lines.append(tr("No case was timed yet, so nobody knows how long they take."))
+    elif work_left.cases > work_left.done:
+        lines.append(
+            tr("about {time} by {processes} processes, as measured so far").format(
+                time=duration_text(work_left.seconds / processes), processes=processes
+            )
+        )
+    return "\n".join(lines)
+
+
+def study_summary(table: ResultTable, folder: Path) -> str:
+    """Lines on the results."""
+    count = Counter(row.status for row in table.rows)
+    words = comma_separated(
+        f"{format_grouped(number, 0)} {status_text(status)}" for status, number in count.items()
+    )
+    lines = [tr("{folder}: {words}").format(folder=folder / "results.csv", words=words)]
+    failed = [_on_line(row.line, row.sentence) for row in table.rows if row.status == FAILED]
+    return "\n".join([*lines, *_first(failed)])
+
+
+def damaged_results_line(count: int) -> str:
+    """A line on damaged results; empty without any."""
+    said = trn(
+        "{count:,} damaged result is computed again", "{count:,} damaged results are computed again", count
+    )
+    return said.format(count=count) + "\n" if count else ""
+
+
+def _on_line(line: int, sentence: str) -> str:
+    return tr("line {line}: {sentence}").format(line=line, sentence=sentence)
+
+
+def _first(lines: list[str]) -> list[str]:
+    """The first lines, and how many more there are."""
+    more = len(lines) - _MOST_SAID
+    return lines if more <= 0 else [*lines[:_MOST_SAID], tr("... and {more:,} more").format(more=more)]
