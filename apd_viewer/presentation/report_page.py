@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -11,6 +12,7 @@ from apd_viewer.files.html_page import (
     Page,
     PageBlock,
     PageDrawing,
+    PageGrid,
     PageNote,
     PagePictureRow,
     PageSection,
@@ -18,6 +20,7 @@ from apd_viewer.files.html_page import (
 )
 from apd_viewer.geometry.analysis.area_change import LocalChange
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
+from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation import measurement_text, readings, report_settings
 from apd_viewer.presentation.number_format import format_length, format_short
@@ -28,7 +31,7 @@ from apd_viewer.presentation.report_origin import (
     version_of,
     version_rows,
 )
-from apd_viewer.presentation.report_volumes import volumes_block
+from apd_viewer.presentation.volume_text import volume_rows
 from apd_viewer.session.measurement_readings import MeasurementReading
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import (
@@ -37,7 +40,7 @@ from apd_viewer.session.model.status_text import (
     self_passing_warnings,
 )
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_mass import Wall, wall_mass
+from apd_viewer.session.quantities.wall_mass import Wall, wall_density, wall_mass, wall_thickness
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,3 +218,32 @@ def _findings(subject: ReportSubject) -> Iterator[PageBlock]:
         yield PageNote(finding.sentence)
     if not findings:
         yield PageNote(tr("No issues"))
+
+
+def volumes_block(state: State, unit: Unit, wall: Wall, checks: tuple[ShapeCheck, ShapeCheck]) -> PageBlock:
+    """Table of the volumes at rest and now; ``checks`` are those of both shapes."""
+    at_rest, found = checks
+    if math.isnan(found.packed) or math.isnan(at_rest.packed):  # the process that measures has died
+        return PageNote(tr("Not measured; create the report again."))
+    now, then = readings.volumes(state.frame, state.inspection)
+    wall_found = state.inspection.double_wall
+    thickness, openings = wall_thickness(wall, unit), state.inspection.openings
+    rows = volume_rows(
+        VolumeReadings.of(state.inspection.area, then, openings, at_rest.hull, thickness, wall_found),
+        VolumeReadings.of(state.frame.area, now, openings, found.hull, thickness, wall_found),
+        unit,
+        wall_density(wall),
+    )
+    none = (("", tr("none found")),)
+    head = tr("Quantity"), tr("At rest"), tr("Now"), tr("Change"), tr("Published")
+    lines = [
+        (
+            ((row.title, row.definition),),
+            (row.rest,),
+            (row.now,),
+            ((row.change, ""),) if row.change else (),
+            tuple((each.words, each.source) for each in row.published) or none,
+        )
+        for row in rows
+    ]
+    return PageGrid(head, tuple(lines))

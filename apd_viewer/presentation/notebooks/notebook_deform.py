@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
+import base64
 import inspect
 from collections.abc import Callable
+from dataclasses import dataclass, fields
 from functools import WRAPPER_ASSIGNMENTS, wraps
+from html import escape
 from typing import ParamSpec
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import checked_floats, checked_integers, frozen
+from apd_viewer.files.picture_files import png_content
+from apd_viewer.geometry.mesh.arrays import checked_floats, checked_integers, diagonal, frozen
+from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.solver.deformation_result import Result
 from apd_viewer.geometry.solver.deformation_result import deform as quietly_deform
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
-from apd_viewer.presentation.notebooks.pictured_result import PicturedResult
+from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.presentation.notebooks.progress_line import ProgressLine
+from apd_viewer.presentation.number_format import (
+    format_length,
+    format_short,
+    format_signed,
+    format_significant,
+)
+from apd_viewer.presentation.palette import FREE_COLOR
+from apd_viewer.presentation.shape_picture import shape_picture
 
 P = ParamSpec("P")
 # Processes are sent a function by its module and name.
@@ -50,3 +64,93 @@ def _shown(deform: Callable[P, Result]) -> Callable[P, PicturedResult]:
 
 
 deform = _shown(quietly_deform)
+
+
+_SIDE = 280  # pixels of each shape
+_END = 0.1  # of the colours, as relative change of area
+# Text takes the colour of the page, and lines half of it: legible on light and on dark.
+_CELL = "text-align:left;padding:2px 12px 2px 0;border-bottom:1px solid rgba(128,128,128,0.35)"
+
+
+@dataclass(frozen=True, eq=False)
+class PicturedResult(Result):
+    """Result with a picture and a table of readings for notebooks.
+
+    Attributes
+    ----------
+    rest : (n, 3) float array
+        The rest shape.
+    triangles : (m, 3) int array
+    """
+
+    rest: np.ndarray
+    triangles: np.ndarray
+
+    @classmethod
+    def of(cls, result: Result, rest: np.ndarray, triangles: np.ndarray) -> PicturedResult:
+        """The same result with the mesh for its picture."""
+        given = {field.name: getattr(result, field.name) for field in fields(result)}
+        return cls(**given, rest=rest, triangles=triangles)
+
+    def _repr_html_(self) -> str:
+        """HTML of the shapes side by side and of a table, for notebooks."""
+        return f'<div style="color:inherit;background:none">{self._figure()}{_table(result_rows(self))}</div>'
+
+    def _figure(self) -> str:
+        pixels = shape_picture([self.rest, self.U], self.triangles, [FREE_COLOR, change_colors(self)], _SIDE)
+        source = base64.b64encode(png_content(pixels)).decode()
+        said = tr("Rest shape and deformed shape, coloured by its local area change up to ±{end} %")
+        caption = escape(said.format(end=format_short(100 * _END)))
+        return f'<img src="data:image/png;base64,{source}" alt="{caption}" title="{caption}">'
+
+
+def change_colors(result: PicturedResult) -> np.ndarray:
+    """Colours of the triangles by the change of their areas, (m, 3) uint8."""
+    areas, now = (face_areas(X, result.triangles) for X in (result.rest, result.U))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        change = np.nan_to_num(np.log(now / areas), nan=0.0, posinf=_END, neginf=-_END)
+    return DIVERGING.colors(0.5 + 0.5 * change / _END)
+
+
+def result_rows(result: PicturedResult) -> list[tuple[str, str]]:
+    """Readings of a result in words, with their names."""
+    ended = tr("{n:,} iterations, converged") if result.converged else tr("{n:,} iterations, not converged")
+    region = tr("Region “{name}”")
+    return [
+        (tr("Method"), METHODS[result.method].short_title),
+        (
+            tr("Effort"),
+            f"{ended.format(n=result.iterations)}, {format_significant(result.seconds, 3)}\u00a0s",
+        ),
+        (tr("Area"), _of_rest(result.area, result.area_rest)),
+        *_volume_rows(result),
+        *((region.format(name=part.name), _of_rest(part.area, part.area_rest)) for part in result.regions),
+        (tr("Largest local area change"), f"{format_short(100 * result.local_change)}\u00a0%"),
+        (tr("Handle drift"), format_length(result.handle_drift, diagonal(result.rest))),
+        *((tr("Warning"), sentence) for sentence in result.warnings),
+    ]
+
+
+def _volume_rows(result: Result) -> list[tuple[str, str]]:
+    """Row of the volume, with caps over the openings; none where nothing is enclosed."""
+    if result.volume is not None and result.volume_rest:
+        return [(tr("Volume"), _of_rest(result.volume, result.volume_rest))]
+    if result.volume_capped is not None and result.volume_capped_rest:
+        return [(tr("Volume, capped"), _of_rest(result.volume_capped, result.volume_capped_rest))]
+    return []
+
+
+def _of_rest(value: float, rest: float) -> str:
+    change = format_signed(100.0 * (value / rest - 1.0), 3) if rest else "0.000"
+    return tr("{now} of {rest} ({change} %)").format(
+        now=format_significant(value), rest=format_significant(rest), change=change
+    )
+
+
+def _table(rows: list[tuple[str, str]]) -> str:
+    lines = (
+        f'<tr style="background:none"><th scope="row" style="{_CELL}">{escape(name)}</th>'
+        f'<td style="{_CELL}">{escape(reading)}</td></tr>'
+        for name, reading in rows
+    )
+    return f'<table style="color:inherit;background:none;border-collapse:collapse">{"".join(lines)}</table>'
