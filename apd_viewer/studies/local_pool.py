@@ -6,8 +6,12 @@ too long can be ended, and a process is replaced after so many cases without wai
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
+import threading
 import time
+from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from multiprocessing import get_context, parent_process
 from threading import Thread
@@ -15,7 +19,6 @@ from threading import Thread
 from apd_viewer.session.processes.child_boot import set_up_process
 from apd_viewer.studies.case_worker import CaseAnswer, CaseTask, TaskRunner
 from apd_viewer.studies.case_worker import run_task as work_on_case
-from apd_viewer.studies.worker_environment import starting_workers
 
 # Cases of a process before another one takes its place.
 RECYCLE_AFTER = 300
@@ -138,3 +141,27 @@ class LocalPool:
         """End the processes, with their cases if at once."""
         for lane in self._lanes:
             lane.end(at_once)
+
+
+_ONE_CORE = dict.fromkeys(
+    ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"
+)
+
+
+@contextlib.contextmanager
+def starting_workers() -> Iterator[None]:
+    """Have processes started within use one core, and ignore Ctrl+C."""
+    before = {name: os.environ.get(name) for name in _ONE_CORE}
+    main = threading.current_thread() is threading.main_thread()
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if main else None
+    os.environ.update(_ONE_CORE)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+        if main:
+            signal.signal(signal.SIGINT, handler)

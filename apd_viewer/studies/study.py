@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 from apd_viewer.errors import InputError
+from apd_viewer.language import tr
 from apd_viewer.studies.case_file import FAILED
 from apd_viewer.studies.case_runner import CaseRunner, Engine
 from apd_viewer.studies.case_session import INPUTS_FOLDER
@@ -15,7 +17,6 @@ from apd_viewer.studies.plans.input_files import InputFiles
 from apd_viewer.studies.plans.plan import Plan, read_plan
 from apd_viewer.studies.progress_meter import CaseCounts, ProgressMeter
 from apd_viewer.studies.results import ResultTable, write_curves, write_results
-from apd_viewer.studies.study_folder import check_links
 from apd_viewer.studies.study_store import StudyStore
 
 # Seconds between two tables written on the way, and how many times longer than writing took that is at least.
@@ -150,3 +151,25 @@ class Study:
     def close(self) -> None:
         """Let others write into the folder."""
         self._store.close()
+
+
+# All that is written there, but for the files of cases, which take the place of links.
+_WRITTEN = (
+    ".lock",
+    "study.sqlite*",
+    "results.*",
+    "curves.csv",
+    "cases",
+    "cases/*",
+    "inputs",
+    "inputs/*",
+    "inputs/*/*",
+)
+
+
+def check_links(folder: Path) -> None:
+    """Raise InputError for a link out of the folder."""
+    inside = os.path.realpath(folder)
+    for path in (path for pattern in _WRITTEN for path in folder.glob(pattern)):
+        if path.is_symlink() and not Path(os.path.realpath(path)).is_relative_to(inside):
+            raise InputError(tr("{path} is a link that leads out of the study; remove it.").format(path=path))

@@ -7,7 +7,7 @@ import tempfile
 
 import pytest
 
-from apd_viewer.studies.kernel_compilation import compile_kernels_once
+from apd_viewer.studies.case_worker import compile_kernels_once
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="folders of Unix that are for all")
 
