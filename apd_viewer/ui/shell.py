@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from PySide6.QtCore import QChildEvent, QEvent, QSettings, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
-from PySide6.QtWidgets import QMainWindow, QTabBar, QWidget
+from PySide6.QtWidgets import QAbstractButton, QDockWidget, QMainWindow, QTabBar, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.ui.actions.inert_chrome import InertChrome
-from apd_viewer.ui.docks import Docks
 from apd_viewer.ui.filing.file_requests import FileRequests
 from apd_viewer.ui.overlays.findings_badge import Badge
 from apd_viewer.ui.panel.history_list import HistoryList
@@ -23,8 +22,13 @@ from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets import theme
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
-from apd_viewer.ui.widgets.icons import application_icon
+from apd_viewer.ui.widgets.icons import application_icon, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QAction
+
+    from apd_viewer.ui.widgets.theme import Theme
 
 
 class Shell(QMainWindow):
@@ -160,3 +164,53 @@ class Shell(QMainWindow):
             self.closed.emit()
             self.canvas.viewport.close()
             super().closeEvent(event)
+
+
+# The platform's own are black on a dark panel too.
+_BUTTONS = {"qt_dockwidget_closebutton": "remove", "qt_dockwidget_floatbutton": "panel"}
+
+
+class Docks:
+    """Docks of a window, in menu order.
+
+    Parameters
+    ----------
+    window : QMainWindow
+    """
+
+    def __init__(self, window: QMainWindow) -> None:
+        self._window = window
+        self._docks: dict[str, QDockWidget] = {}
+
+    def add(
+        self,
+        name: str,
+        title: str,
+        content: QWidget,
+        area: Qt.DockWidgetArea = Qt.DockWidgetArea.RightDockWidgetArea,
+        shown: bool = True,
+    ) -> QDockWidget:
+        """Put ``content`` into a dock; ``name`` identifies it in the layout."""
+        dock = QDockWidget(title, self._window, objectName=name)
+        dock.setWidget(content)
+        self._window.addDockWidget(area, dock)
+        dock.setVisible(shown)
+        dock.toggleViewAction().setObjectName(name)  # under which its keys are remembered
+        self._docks[name] = dock
+        return dock
+
+    def __getitem__(self, name: str) -> QDockWidget:
+        return self._docks[name]
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the buttons of the titles."""
+        for dock in self._docks.values():
+            for name, image in _BUTTONS.items():
+                button = dock.findChild(QAbstractButton, name)
+                if button is not None:
+                    button.setIcon(icon(image, theme))
+
+    @property
+    def toggles(self) -> list[QAction]:
+        """Actions to show and hide the docks."""
+        return [dock.toggleViewAction() for dock in self._docks.values()]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QMainWindow
+from PySide6.QtWidgets import QMainWindow, QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
@@ -15,13 +15,13 @@ from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.display_actions import DisplayActions
 from apd_viewer.ui.actions.edit_controller import EditController
 from apd_viewer.ui.actions.file_actions import FileActions
-from apd_viewer.ui.actions.help_actions import help_actions
-from apd_viewer.ui.actions.measure_actions import MeasureActions
 from apd_viewer.ui.actions.obstacle_actions import ObstacleActions
 from apd_viewer.ui.actions.pose_actions import PoseActions
 from apd_viewer.ui.actions.select_actions import SelectActions
 from apd_viewer.ui.actions.tool_bar import add_tool_bar
 from apd_viewer.ui.actions.view_actions import ViewActions
+from apd_viewer.ui.measuring.kind_words import KIND_WORDS
+from apd_viewer.ui.measuring.measure_controller import MeasureController
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.display_names import menu_text
@@ -166,3 +166,87 @@ class Actions:
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
         self._maker.set_theme(theme)
+
+
+# Name, title, icon, tip, keys and command.
+_Row = tuple[str, str, str, str, object, "Callable[[], object]"]
+
+
+def help_actions(maker: ActionMaker, commands: Commands) -> dict[str, QAction]:
+    """Actions by their names, in menu order."""
+    return {row[0]: maker.make(*row) for row in (*_of_the_manual(commands), *_others(commands))}
+
+
+def _of_the_manual(commands: Commands) -> list[_Row]:
+    helps = commands.help  # called later: it is made of the actions
+    manual = tr("Open the manual in the browser; it needs no network")
+    ask = tr("Click anything to open the manual there; by its key at once, at the mouse")
+    find = tr("Type what you want to do, and run the command from there")
+    keys = tr("View and change the keyboard shortcuts")
+    tour = tr("Learn the program in five steps, on a bottle")
+    help_key, find_keys = QKeySequence.StandardKey.HelpContents, ("Ctrl+F", "F3")
+    return [
+        ("manual", tr("&Manual"), "manual", manual, None, lambda: helps().open_manual()),
+        ("help", tr("&What is this?"), "help", ask, help_key, lambda: helps().explain_next_click()),
+        ("find_command", tr("&Find a command…"), "find", find, find_keys, lambda: helps().open_search()),
+        ("shortcuts", tr("&Shortcuts…"), "keyboard", keys, ("Shift+F1", "?"), lambda: helps().open_sheet()),
+        ("tour", tr("&Tour"), "tour", tour, None, lambda: helps().begin_tour()),
+    ]
+
+
+def _others(commands: Commands) -> list[_Row]:
+    tables = tr("Reproduce the tables of Li and Hui, with figures")
+    copied = tr("Copy versions, graphics driver and the end of the log, for a bug report")
+    about = tr("Version, licence and source of the method")
+    copy = commands.reports.copy_diagnostics
+    return [
+        ("paper", tr("The &paper's tables…"), "tables", tables, None, commands.runs.open_paper),
+        ("copy_diagnostics", tr("&Copy diagnostics"), "copy", copied, None, copy),
+        ("about", tr("&About APD Viewer"), "about", about, None, commands.show_about_box),
+    ]
+
+
+class MeasureActions:
+    """Actions of the kinds of measurements, and of all of them together.
+
+    Parameters
+    ----------
+    maker : ActionMaker
+    measurements : MeasureController
+
+    Attributes
+    ----------
+    kinds : dict of MeasurementKind to QAction
+    copy, clear : QAction
+    """
+
+    def __init__(self, maker: ActionMaker, measurements: MeasureController) -> None:
+        self.kinds = {
+            kind: maker.make(
+                f"measure_kind:{kind.name}",
+                words.title,
+                words.icon,
+                words.tip,
+                None,
+                partial(measurements.choose_kind, kind),
+            )
+            for kind, words in KIND_WORDS.items()
+        }
+        maker.make_exclusive(self.kinds.values())
+        self.kinds[measurements.tool.kind].setChecked(True)
+        measurements.kind_chosen.connect(lambda kind: self.kinds[kind].setChecked(True))
+        tip = tr("Copy the values of all measurements as text, for a spreadsheet")
+        self.copy = maker.make(
+            "copy_measurements", tr("&Copy measurements"), "copy", tip, None, measurements.copy
+        )
+        tip = tr("Remove all measurements")
+        title = tr("&Remove all measurements")
+        self.clear = maker.make("clear_measurements", title, "remove", tip, None, measurements.clear)
+
+    def fill(self, menu: QMenu) -> None:
+        """Put all of them into the menu of the tools."""
+        menu.addSeparator()
+        own = menu.addMenu(tr("Me&asurements"))
+        own.addActions(list(self.kinds.values()))
+        own.addSeparator()
+        own.addActions([self.copy, self.clear])

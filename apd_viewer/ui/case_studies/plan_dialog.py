@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QObject, QSize, Qt, Signal
 from PySide6.QtWidgets import (
     QDialog,
     QFileDialog,
@@ -21,15 +21,16 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_folder import unused_folder
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS
 from apd_viewer.studies.plans.design import GRID, LATIN, MOST_SAMPLES, SOBOL
-from apd_viewer.ui.case_studies.end_preview import EndPreview
 from apd_viewer.ui.case_studies.engine_fields import EngineFields
-from apd_viewer.ui.case_studies.method_fields import MethodFields
 from apd_viewer.ui.case_studies.study_files import (
     PlanRows,
     StudyDesign,
@@ -42,7 +43,7 @@ from apd_viewer.ui.posing.motion_ghost import MotionGhost
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import count_field, widget_row
 from apd_viewer.ui.widgets.display_names import window_title_text
-from apd_viewer.ui.widgets.fields import ComboBox, TextField
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 
@@ -295,3 +296,93 @@ class PlanDialog(QDialog):
         self._preview.hide()
         self.engine.check.stop()
         super().done(result)
+
+
+class EndPreview:
+    """Shows documents within a gesture that is taken back.
+
+    Parameters
+    ----------
+    session : Session
+    ghost : MotionGhost
+        Shows the handles at once; the mesh follows.
+    """
+
+    def __init__(self, session: Session, ghost: MotionGhost) -> None:
+        self._session, self._ghost = session, ghost
+        self._before: State | None = None
+
+    @property
+    def is_showing(self) -> bool:
+        """True while it shows anything."""
+        return self._before is not None and self._session.gestures.state_before is self._before
+
+    def show(self, document: Document) -> None:
+        """Show a document, if its mesh is open and no other gesture is under way."""
+        gestures, state = self._session.gestures, self._session.store.state
+        if state is None or state.document.mesh is not document.mesh:
+            return
+        if not self.is_showing:
+            if gestures.state_before is not None:
+                return
+            gestures.begin()
+            self._before = gestures.state_before
+        self._ghost.show_handles(document)
+        self._session.handles.solve_poses(document)
+
+    def hide(self) -> None:
+        """Return to the state before."""
+        self._ghost.hide()
+        gestures, before, self._before = self._session.gestures, self._before, None
+        if before is None:
+            return
+        if gestures.state_before is before:
+            gestures.cancel()
+        elif (
+            gestures.state_before is not None and gestures.state_before.document.mesh is before.document.mesh
+        ):
+            gestures.state_before = before  # a drag that began on what was shown is undone to what was before
+
+
+class MethodFields(QObject):
+    """A box for each method; that of the document is ticked.
+
+    Parameters
+    ----------
+    document : Document
+
+    Attributes
+    ----------
+    changed : Signal()
+    checks : dict of str to CheckBox
+        By the names of methods.
+    layout_ : QHBoxLayout
+        The row of the boxes.
+    """
+
+    changed = Signal()
+
+    def __init__(self, document: Document) -> None:
+        super().__init__()
+        self.checks = {name: CheckBox(method.short_title) for name, method in METHODS.items()}
+        for name, check in self.checks.items():
+            method = METHODS[name]
+            slow = tr("Takes several times as long as the others")
+            check.setToolTip(f"{method.description}\n{slow}" if method.is_slow else method.description)
+            # Obstacles push by contact only.
+            check.setEnabled(method.may_use_contact or not document.has_active_obstacles)
+            check.setChecked(name == document.settings.method)
+            check.toggled.connect(self.changed)
+        self.layout_: QHBoxLayout = widget_row(*self.checks.values())
+
+    @property
+    def chosen_count(self) -> int:
+        """Number of ticked methods."""
+        return sum(check.isChecked() for check in self.checks.values())
+
+    def chosen_methods(self) -> tuple[str, ...]:
+        """Names of the ticked methods; raises InputError if there is none."""
+        found = tuple(name for name, check in self.checks.items() if check.isChecked())
+        if not found:
+            raise InputError(tr("No method is ticked; tick one, or several to compare them."))
+        return found

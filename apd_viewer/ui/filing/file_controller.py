@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from enum import Enum
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtWidgets import QWidget
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QMessageBox, QWidget
 
 from apd_viewer.files.known_file import FileState, KnownFile
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -17,7 +19,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.recovery_file import RecoveryFile, find_recovery_files
 from apd_viewer.ui.filing import file_dialogs, unsaved_question
-from apd_viewer.ui.filing.changed_file_question import ChangedFileAnswer, ask_about_changed_file
+from apd_viewer.ui.filing.question import Question, ask_question
 from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
 from apd_viewer.ui.widgets.display_names import window_title_text
@@ -204,3 +206,40 @@ class FileController:
         elif answer is UnsavedAnswer.EXPORT:
             self.export_mesh(action)
         return answer is UnsavedAnswer.DISCARD
+
+
+class ChangedFileAnswer(Enum):
+    """An answer to the question."""
+
+    SAVE_AS = tr("Save &as…")
+    OVERWRITE = tr("&Overwrite")
+    RELOAD = tr("&Reload")
+    CANCEL = tr("Cancel")
+
+
+_ROLES = {
+    ChangedFileAnswer.SAVE_AS: QMessageBox.ButtonRole.AcceptRole,
+    ChangedFileAnswer.OVERWRITE: QMessageBox.ButtonRole.DestructiveRole,
+    ChangedFileAnswer.RELOAD: QMessageBox.ButtonRole.ActionRole,
+    ChangedFileAnswer.CANCEL: QMessageBox.ButtonRole.RejectRole,
+}
+
+
+def ask_about_changed_file(
+    parent: QWidget, name: str, actions: Mapping[ChangedFileAnswer, Callable[[], object]]
+) -> None:
+    """Ask about a changed file in the next event, and go on as is decided.
+
+    Whoever has found the change may still be at work. ``Enter`` loses nothing.
+    """
+    QTimer.singleShot(0, parent, lambda: actions.get(_decision(parent, name), lambda: None)())
+
+
+def _decision(parent: QWidget, name: str) -> ChangedFileAnswer:
+    said = tr("“{name}” has been changed by another window or program. Overwrite it?")
+    about = tr(
+        "Overwrite loses what is in the file. Reload opens the file instead and takes this window’s "
+        "changes away; Undo brings them back."
+    )
+    question = Question(tr("File changed"), said, name, about)
+    return ask_question(parent, question, _ROLES, ChangedFileAnswer.SAVE_AS, ChangedFileAnswer.CANCEL)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from functools import partial
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QScrollArea, QWidget
+from PySide6.QtWidgets import QAbstractButton, QDockWidget, QMainWindow, QScrollArea, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.session.state_store import StateStore
+from apd_viewer.ui.actions.action_maker import without_mnemonic
 from apd_viewer.ui.help import manual_places
-from apd_viewer.ui.help.control_texts import texts_of
 from apd_viewer.ui.help.manual_places import ManualPlace
 from apd_viewer.ui.help.menu_entries import menu_entries
 from apd_viewer.ui.help.search_query import SearchTexts
@@ -162,3 +162,18 @@ def setting_entries(open_settings: Callable[[str], object]) -> Iterator[Searchab
                 manual_places.setting_place(preference.name),
                 image="settings",
             )
+
+
+def texts_of(widget: QWidget) -> tuple[str, str]:
+    """Title and tip of a control, each on one line; empty if missing."""
+    if isinstance(widget, SliderField):
+        widget = widget.field
+    title = widget.accessibleName()
+    if isinstance(widget, QAbstractButton) and not title:
+        title = without_mnemonic(widget.text())
+    return _flat(title), _flat(widget.toolTip())
+
+
+def _flat(text: str) -> str:
+    """Text on one line."""
+    return " ".join(text.split())

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from PySide6.QtCore import QObject, QRect, QTimer, Signal
+from PySide6.QtCore import QObject, QPointF, QRect, QTimer, Signal
+from PySide6.QtGui import QMouseEvent
 
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.deviation_extremes import write_shades
@@ -15,12 +16,12 @@ from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
-from apd_viewer.presentation.scales import Measure, Scale, default_scale, measures_of
+from apd_viewer.presentation.scales import Measure, Scale, default_scale, measures_of, span_of
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.overlays.deviation_reading import DeviationReading
 from apd_viewer.ui.overlays.document_measures import DocumentMeasures
 from apd_viewer.ui.overlays.extreme_marker import ExtremeMarker
 from apd_viewer.ui.overlays.legend import Legend
+from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 
@@ -304,3 +305,74 @@ class DeviationOverlay(QObject):
         values = self.reading.values
         if values is not None:
             self.extremes.show_extreme(values, self._size, step, self.scale, self.unit)
+
+
+_READ = 250  # ms between two readings of the legend while the shape moves
+
+
+class DeviationReading(MouseTool, QObject):
+    """Reads the values on the shape into the legend.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    legend : Legend
+
+    Attributes
+    ----------
+    enabled : bool
+        Whether a measure is shown.
+    values : (n,) float array or None
+        Of the shape on screen, once measured.
+    timer : QTimer
+        Running between two readings of a moving shape.
+    """
+
+    def __init__(self, canvas: Canvas, legend: Legend) -> None:
+        super().__init__(canvas)
+        self._surface, self._legend = canvas.surface, legend
+        self.enabled = False
+        self.values: np.ndarray | None = None
+        self._cursor: QPointF | None = None
+        self.timer = QTimer(self, singleShot=True, interval=_READ)
+        self.timer.timeout.connect(self.update_legend)
+        canvas.viewport.tools.insert(0, self)
+
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """Least and largest value on the shape, or None."""
+        return span_of(self.values)
+
+    def value_at(self, position: QPointF) -> float | None:
+        """Value under a position in the viewport."""
+        hit = None if self.values is None else self._surface.hit(position)
+        if hit is None or self.values is None or self._surface.surface_index is None:
+            return None
+        return float(
+            self._surface.barycentric_weights(hit) @ self.values[self._surface.surface_index.F[hit.face]]
+        )
+
+    def update_legend(self) -> None:
+        """Update the legend's extreme and the value under the cursor."""
+        if self.enabled:
+            value = None if self._cursor is None else self.value_at(self._cursor)
+            self._legend.show_values(self.span, value)
+
+    def schedule_update(self) -> None:
+        """Read after a moment; several calls make one reading."""
+        if not self.timer.isActive():
+            self.timer.start()
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Read the value under the cursor without consuming the event."""
+        if self.enabled:
+            self._cursor = event.position()
+            if not self.timer.isActive():
+                self.update_legend()
+        return False
+
+    def leave(self) -> None:
+        """Forget the cursor."""
+        if self._cursor is not None:
+            self._cursor = None
+            self.update_legend()

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QPainter, QPaintEvent
-from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QToolButton, QWidget
 
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation.number_format import format_short
-from apd_viewer.ui.panel.compiling_progress import CompilingProgress
 from apd_viewer.ui.panel.convergence_progress import ConvergenceProgress
 
 if TYPE_CHECKING:
@@ -168,3 +167,27 @@ def _extent(state: State, unit: Unit) -> str:
     return tr("{vertices:,} vertices, {faces:,} faces; {size} at rest").format(
         vertices=found.vertices, faces=found.faces, size=size
     )
+
+
+_SCALE = 1000
+_WIDTH = 88
+
+
+class CompilingProgress(QWidget):
+    """A thin bar, shown while the solver compiles."""
+
+    def __init__(self) -> None:
+        super().__init__(toolTip=tr("The first shapes may wait for it; at later starts nothing does."))
+        self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
+        self.bar.setFixedWidth(_WIDTH)
+        row = QHBoxLayout(self, spacing=0)
+        row.setContentsMargins(8, 0, 0, 0)
+        row.addWidget(self.bar, 0, Qt.AlignmentFlag.AlignVCenter)
+        row.addWidget(QLabel(tr("compiling for this computer, only once…")))
+        self.hide()
+
+    def follow(self, share: float | None) -> None:
+        """Show the share of the kernels compiled so far, if that is known, until it is 1."""
+        self.setVisible(share is not None and share < 1.0)
+        if share is not None:
+            self.bar.setValue(round(_SCALE * share))

@@ -6,25 +6,24 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRect, Qt, Signal
-from PySide6.QtGui import QColor, QNativeGestureEvent
-from PySide6.QtWidgets import QApplication
+from PySide6.QtCore import QEvent, QPointF, QRect, Qt, Signal
+from PySide6.QtGui import QColor, QNativeGestureEvent, QPainter
+from PySide6.QtWidgets import QApplication, QWidget
 from pyvistaqt import QtInteractor
 
 from apd_viewer.ui.appearance.antialiasing import Antialiasing
 from apd_viewer.ui.scene.camera_controller import CameraController
-from apd_viewer.ui.scene.mouse_dispatcher import MouseDispatcher
 from apd_viewer.ui.scene.navigation import Navigation
-from apd_viewer.ui.scene.tool_layer import ToolLayer
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from PySide6.QtCore import QEvent
-    from PySide6.QtGui import QKeyEvent, QMouseEvent, QResizeEvent, QShowEvent, QWheelEvent
+    from PySide6.QtGui import QKeyEvent, QMouseEvent, QPaintEvent, QResizeEvent, QShowEvent, QWheelEvent
     from PySide6.QtWidgets import QWidget
 
     from apd_viewer.ui.scene.mouse_tool import MouseTool
+    from apd_viewer.ui.scene.navigation import Navigation
 
 _GL_NAMES = 0x1F00, 0x1F01, 0x1F02  # GL_VENDOR, GL_RENDERER, GL_VERSION
 
@@ -280,3 +279,109 @@ class Viewport(QtInteractor):
         # Qt frees context and surface itself and may put others at their addresses, where Python
         # would still find these wrappers: of the wrong class, or of an object that is gone.
         self._ctx = self._surface = None
+
+
+class ToolLayer(QWidget):
+    """Widget as large as the viewport, blind to the mouse.
+
+    QPainter draws smooth lines and letters where a software OpenGL draws neither, and a tool that
+    only changes its own looks costs no VTK draw.
+
+    Parameters
+    ----------
+    viewport : QWidget
+    tools : list
+        Of the viewport; looked at in every paint.
+    """
+
+    def __init__(self, viewport: QWidget, tools: list[MouseTool]) -> None:
+        super().__init__(viewport)
+        self._tools = tools
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Let the tools paint, the first one on top."""
+        with QPainter(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            for tool in reversed(self._tools):
+                tool.paint(painter)
+
+
+class MouseDispatcher:
+    """Dispatches mouse events to the tools in order, then to the camera.
+
+    Parameters
+    ----------
+    viewport : QWidget
+    tools : list
+        Of the viewport; looked at for every event.
+    navigation : Navigation
+    """
+
+    def __init__(self, viewport: QWidget, tools: list[MouseTool], navigation: Navigation) -> None:
+        self._viewport = viewport
+        self._tools = tools
+        self._navigation = navigation
+        self._holder: MouseTool | None = None
+        self._button = Qt.MouseButton.NoButton
+
+    def press(self, event: QMouseEvent) -> None:
+        """Offer a press; its taker holds the mouse until the button is released."""
+        if self._holder is not None:
+            return
+        self._button = event.button()
+        takers = (tool for tool in self._everyone() if tool.press(event))
+        self._holder = next(takers, None)
+
+    def move(self, event: QMouseEvent) -> None:
+        """Send the move to the holder, or to all tools for a preview."""
+        if self._holder is not None and not event.buttons() & self._button:
+            self.release(event)  # the release went to another window
+        elif self._holder is not None:
+            self._holder.move(event)
+        elif event.buttons() == Qt.MouseButton.NoButton:
+            self._hover(event)
+
+    def release(self, event: QMouseEvent) -> None:
+        """End the drag on release of its button."""
+        if self._holder is not None and not event.buttons() & self._button:
+            holder, self._holder = self._holder, None
+            holder.release(event)
+        if event.type() == QEvent.Type.MouseButtonRelease and event.buttons() == Qt.MouseButton.NoButton:
+            self._hover(event)
+
+    def wheel(self, event: QWheelEvent) -> None:
+        """Offer the wheel."""
+        any(tool.wheel(event) for tool in self._everyone())
+
+    def leave(self) -> None:
+        """Notify the tools of the cursor's leaving, except during a drag."""
+        if self._holder is None:
+            for tool in self._tools:
+                tool.leave()
+
+    def cancel(self) -> bool:
+        """Cancel the tools' work; True if there was any."""
+        done = any(tool.cancel() for tool in self._tools)
+        if done:
+            self._holder = None
+        return done
+
+    def finish(self) -> bool:
+        """Finish a shape of several clicks; True if there was one."""
+        return any(tool.finish() for tool in self._tools)
+
+    def _everyone(self) -> tuple[MouseTool, ...]:
+        return (*self._tools, self._navigation)
+
+    def _hover(self, event: QMouseEvent) -> None:
+        """Offer a move; for tools behind its taker the cursor has left."""
+        taken = False
+        for tool in self._tools:
+            if taken:
+                tool.leave()
+            else:
+                taken = tool.move(event)
+        if not taken:
+            self._viewport.unsetCursor()

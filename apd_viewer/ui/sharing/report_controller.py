@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
@@ -12,10 +13,12 @@ from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QFont, QFontMetricsF, QGuiApplication, QImage, QPainter
 from PySide6.QtWidgets import QWidget
 
+from apd_viewer import log
 from apd_viewer.errors import InputError
 from apd_viewer.files import html_page
 from apd_viewer.files.fingerprint import fingerprint
 from apd_viewer.files.report import target_distance_fields
+from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.deviation_extremes import write_shades
@@ -28,6 +31,7 @@ from apd_viewer.presentation.python_script import python_script
 from apd_viewer.presentation.report_origin import ReportReadings
 from apd_viewer.presentation.report_page import ReportSubject, report_page
 from apd_viewer.presentation.scales import Measure, Scale, default_scale
+from apd_viewer.redaction import redacted_text
 from apd_viewer.session.measurement_readings import complete_readings
 from apd_viewer.session.model.memo import triangle_areas
 from apd_viewer.session.model.state import State
@@ -45,7 +49,6 @@ from apd_viewer.ui.plots.chart_drawing import draw_chart
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.offscreen_scene import OffscreenScene
 from apd_viewer.ui.scene.scene_picture import png_of
-from apd_viewer.ui.sharing.diagnostics import diagnostics
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import Pictures, PictureSettings
 from apd_viewer.ui.tools.canvas import Canvas
@@ -279,3 +282,42 @@ def _encoded(images: list[QImage], legend: str) -> html_page.PagePictureRow:
         html_page.PagePicture(png_of(image), caption) for image, caption in zip(images, captions, strict=True)
     ]
     return html_page.PagePictureRow(tuple(pictures), legend)
+
+
+_LINES = 100  # of the log
+
+
+def diagnostics(opengl: str) -> str:
+    """Diagnostics as text, without the user's folders and meshes.
+
+    Parameters
+    ----------
+    opengl : str
+        Vendor, renderer and version of the OpenGL in use.
+    """
+    parts = {
+        "Versions": [*log.version_lines(), f"OpenGL {opengl}"],
+        "Log": _last_lines(),
+        "Last crash": _last_crash(),
+    }
+    return "\n\n".join("\n".join([f"{title}:", *(lines or ["none"])]) for title, lines in parts.items())
+
+
+def _last_lines() -> list[str]:
+    """End of this process's log; empty if there is none."""
+    file = log.current_file()
+    return [] if file is None else _lines(file)[-_LINES:]
+
+
+def _last_crash() -> list[str]:
+    """Last crash of any process, after its file name; empty if none."""
+    for path in sorted(log.log_folder().glob("*.crash"), reverse=True):  # named by their time
+        if lines := _lines(path):
+            return [path.name, *lines]
+    return []
+
+
+def _lines(path: Path) -> list[str]:
+    with suppress(OSError):
+        return redacted_text(read_bytes(path).decode(errors="replace")).splitlines()
+    return []

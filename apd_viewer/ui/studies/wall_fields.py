@@ -18,10 +18,10 @@ from apd_viewer.session.quantities.elastic_wall import (
     parse_poisson_ratio,
     parse_young_modulus,
 )
+from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import parse_density
 from apd_viewer.session.quantities.wall_materials import WALL_MATERIALS, yield_radius
-from apd_viewer.ui.studies.length_field import LengthField
 from apd_viewer.ui.studies.run_dialog import widget_row
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
 
@@ -156,3 +156,32 @@ def _entry(name: str, tip: str, usual: str) -> TextField:
     field.setAccessibleName(name)
     field.setMaximumWidth(110)
     return field
+
+
+class LengthField(TextField):
+    """Length as typed; an empty field stands for the usual one, or for none.
+
+    Parameters
+    ----------
+    name, tip, placeholder : str
+        Its accessible name, its tip, and the words of an empty field.
+    unit : Unit
+        Of the mesh.
+    length : float or None
+        At first, mesh units.
+    """
+
+    def __init__(
+        self, name: str, tip: str, placeholder: str, unit: Unit, length: float | None = None
+    ) -> None:
+        super().__init__(toolTip=tip, placeholderText=placeholder)
+        self._unit = unit
+        self.setAccessibleName(name)
+        self.setMaximumWidth(110)
+        self.setText("" if length is None else format_editable(length, 12))
+
+    @property
+    def value(self) -> float | None:
+        """Length in mesh units, None where nothing was typed; raises InputError."""
+        text = self.text()
+        return parse_length(unambiguous_text(text), self._unit, {}) if text.strip() else None

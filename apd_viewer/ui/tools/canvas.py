@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,9 @@ from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
+from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.ui.scene.coloring import Coloring
+from apd_viewer.ui.scene.framing import is_in_view, surrounding_box, uncovering_shift, unobstructed_camera
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.vertex_marks import VertexMarks
 from apd_viewer.ui.scene.viewport import Viewport
@@ -21,8 +24,8 @@ from apd_viewer.ui.tools.brush_tool import BrushTool
 from apd_viewer.ui.tools.click_tool import ClickExtent, ClickTool
 from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.tools.gizmo_drag import nice_step, translated
+from apd_viewer.ui.tools.gizmo_layout import GIZMO_RADIUS
 from apd_viewer.ui.tools.inactive_handles import HandlePivot, InactiveHandles, movable_pivots
-from apd_viewer.ui.tools.mesh_view import MeshView
 from apd_viewer.ui.tools.outline_tool import OutlineKind, OutlineTool
 from apd_viewer.ui.tools.point_picker import PointPicker
 from apd_viewer.ui.tools.selection_tool import SelectionTool, StrokeEffect
@@ -34,12 +37,15 @@ from apd_viewer.ui.widgets.theme import Theme
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from PySide6.QtCore import QRectF
+
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
     from apd_viewer.session.model.up_axis import UpAxis
     from apd_viewer.ui.preferences.up_axes import UpAxes
-
+    from apd_viewer.ui.scene.camera_controller import CameraController
+    from apd_viewer.ui.scene.surface import Surface
 
 _NUDGE = 5.0  # pixels, about
 
@@ -297,3 +303,61 @@ class Canvas(QObject):
 def _active(pivots: tuple[HandlePivot, ...], handle: int) -> HandlePivot | None:
     """The pivot of the handle with a number, if it can be moved."""
     return next((pivot for pivot in pivots if pivot.number == handle), None)
+
+
+class MeshView:
+    """Moves the camera to the mesh or to parts of it.
+
+    Parameters
+    ----------
+    camera_controller : CameraController
+    surface : Surface
+    """
+
+    def __init__(self, camera_controller: CameraController, surface: Surface) -> None:
+        self._look, self._surface = camera_controller, surface
+
+    def frame_mesh(self, gizmo: np.ndarray | None) -> None:
+        """Show the whole mesh, and all of a gizmo at a point (3,)."""
+        points, room = self._surface.U, np.zeros(len(self._surface.U))
+        if gizmo is not None:
+            points = np.vstack([points, gizmo])
+            room = np.append(room, GIZMO_RADIUS)
+        self._look.frame(points, room)
+
+    def show_vertices(self, vertices: np.ndarray, covered: QRectF) -> None:
+        """Move the camera as little as necessary to show vertices, or all if none.
+
+        ``covered`` is the hidden part of the viewport, at its lower right.
+        """
+        U, look = self._surface.U, self._look
+        points = U[vertices] if len(vertices) else U
+        low, high = U.min(axis=0), U.max(axis=0)
+        if len(vertices):
+            normals, size = self._surface.normals[vertices], float(np.linalg.norm(high - low))
+            look.camera = unobstructed_camera(look.camera, points, normals, size, self._surface.distances)
+        if not is_in_view(look.camera, points, covered):
+            shift = uncovering_shift(look.camera, covered)
+            look.frame(surrounding_box(points, low, high), padding=-sum(shift))
+            look.camera = look.camera.panned(*shift)
+
+    def saved_view(self, unit: str) -> View:
+        """View for a file, with the unit of length."""
+        eye = self._look.camera
+        stand = CameraPose(_point(eye.position), _point(eye.focal), _point(eye.up), float(eye.angle))
+        return View(stand, unit, up_axis=eye.up_axis)
+
+    def restore(self, view: View) -> None:
+        """Move the camera to the standpoint and up axis saved in a file, if any."""
+        if view.up_axis is not None:
+            self._look.camera = replace(self._look.camera, up_axis=view.up_axis)
+        if view.camera is not None:
+            at = view.camera
+            position, focal, up = np.array(at.position), np.array(at.focal), np.array(at.up)
+            self._look.camera = replace(
+                self._look.camera, position=position, focal=focal, up=up, angle=at.angle
+            )
+
+
+def _point(x: np.ndarray) -> tuple[float, float, float]:
+    return float(x[0]), float(x[1]), float(x[2])

@@ -14,7 +14,7 @@ from study_driving import click, finished, press_row, tick
 from apd_viewer.errors import InputError
 from apd_viewer.studies.case_file import read_case
 from apd_viewer.studies.local_pool import core_count
-from apd_viewer.ui.case_studies.scheduler_check import SchedulerCheck, host_and_port
+from apd_viewer.ui.case_studies.engine_fields import SchedulerCheck, host_and_port
 from apd_viewer.ui.case_studies.study_files import PLAN_FILE
 from apd_viewer.ui.case_studies.study_run import RUN_FILE, scheduler_option, stored_options
 

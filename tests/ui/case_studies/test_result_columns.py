@@ -7,13 +7,13 @@ from motions import IN_WORDS, in_words
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.studies.plans.plan_columns import COLUMNS
 from apd_viewer.studies.results import ResultRow, ResultTable
-from apd_viewer.ui.case_studies.case_colors import CaseColors, axis_of, dot_colors
 from apd_viewer.ui.case_studies.result_columns import (
     MOTION_COLUMN,
     PLAN_TITLES,
     result_columns,
     shown_columns,
 )
+from apd_viewer.ui.case_studies.results_panel import CaseColors, axis_of, dot_colors
 
 
 def table(columns, *rows):

@@ -7,7 +7,7 @@ import pytest
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
-from apd_viewer.ui.obstacles.obstacle_rays import ray_distance
+from apd_viewer.ui.obstacles.obstacle_picker import ray_distance
 from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent, axes_along, drawing_anchor, obstacle_shape
 
 EXTENT = ShapeExtent(np.array([1.0, 2.0, 3.0]), np.array([0.5, 2.0, 1.0]))

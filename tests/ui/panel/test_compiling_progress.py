@@ -2,7 +2,7 @@
 
 from PySide6.QtWidgets import QMainWindow
 
-from apd_viewer.ui.panel.compiling_progress import CompilingProgress
+from apd_viewer.ui.panel.status_bar import CompilingProgress
 
 
 def test_compiling_progress_is_shown_while_something_is_left_to_compile(qtbot):

@@ -8,7 +8,7 @@ from PySide6.QtTest import QTest
 
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
 from apd_viewer.geometry.pose.transforms import rotation_about, translation
-from apd_viewer.ui.posing.motion_trace import motion_trace
+from apd_viewer.ui.posing.motion_ghost import motion_trace
 
 
 def choose(window, motion):

@@ -8,7 +8,7 @@ import pytest
 from PySide6.QtGui import QGuiApplication
 
 from apd_viewer import log
-from apd_viewer.ui.sharing.diagnostics import diagnostics
+from apd_viewer.ui.sharing.report_controller import diagnostics
 
 
 @pytest.fixture
