@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -87,16 +88,8 @@ def squeezed(mesh) -> Document:
         NamedObstacle("Wall", ObstacleKind.PLATE, frozen(-1.01 * X), frozen(X)),
         NamedObstacle("Plate", ObstacleKind.PLATE, frozen(1.01 * X), frozen(-X)).with_shift(-0.4 * X),
     )
-    document = initial_state(mesh).document
-    return Document(
-        document.mesh,
-        document.labels,
-        document.grip,
-        document.member,
-        stiffness=0.001,
-        contact=True,
-        obstacles=plates,
-    )
+    document = initial_state(mesh).document.with_settings(stiffness=0.001, contact=True)
+    return replace(document, obstacles=plates)
 
 
 def test_sweep_of_obstacles_alone_tells_the_load_of_every_step(mesh, tmp_path):

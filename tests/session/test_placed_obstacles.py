@@ -26,7 +26,7 @@ def steps(session):
 
 
 def apart(session):
-    return contact_thickness(diagonal(now(session).mesh.V), now(session).thickness)
+    return contact_thickness(diagonal(now(session).mesh.V), now(session).settings.thickness)
 
 
 def least_distance(obstacle):
@@ -64,7 +64,7 @@ def test_add_floor_puts_a_floor_under_the_lowest_point_and_turns_contact_on(open
     np.testing.assert_array_equal(floor.axis, UP)
     low = opened.U[:, 2].min()
     assert floor.place[2] == pytest.approx(low - apart(opened), abs=1e-12)
-    assert now(opened).contact
+    assert now(opened).settings.contact
     assert steps(opened) == ["Add floor"]
     opened.gestures.undo()
     assert now(opened) is before  # contact is off again in the same step
@@ -87,10 +87,10 @@ def test_add_plates_lets_two_plates_touch_the_shape_from_both_sides(opened):
 
 def test_add_floor_and_put_plates_keep_the_thickness_of_the_walls(opened):
     opened.obstacles.add_floor(UP, thickness=0.05)
-    assert now(opened).thickness == 0.05
+    assert now(opened).settings.thickness == 0.05
     assert now(opened).obstacles[0].place[2] == pytest.approx(opened.U[:, 2].min() - 0.05)
     opened.obstacles.add_plates(np.eye(3)[0], thickness=0.02)  # contact is on already
-    assert now(opened).thickness == 0.05
+    assert now(opened).settings.thickness == 0.05
 
 
 @pytest.mark.parametrize("kind", ObstacleKind)

@@ -85,8 +85,8 @@ def test_case_session_lets_a_case_open_as_a_session(cells, run, bar):
     assert np.array_equal(state.frame.U, result.U)
     assert state.frame.area_error == pytest.approx(result.readings["area_error"], abs=1e-12)
     posed = state.document
-    assert (view.unit, posed.contact, posed.mesh.name) == ("cm", "contact" in cells, "bar.off")
-    if not posed.contact:  # which stops the handle on its way
+    assert (view.unit, posed.settings.contact, posed.mesh.name) == ("cm", "contact" in cells, "bar.off")
+    if not posed.settings.contact:  # which stops the handle on its way
         held = posed.constraints()
         np.testing.assert_allclose(result.U[held.fixed], held.targets, atol=1e-9)
     turned = np.degrees(np.linalg.norm(posed.handles[0].rotation))

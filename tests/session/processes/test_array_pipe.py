@@ -56,7 +56,7 @@ def test_array_pipe_brings_a_document_with_all_its_arrays_once(line, size):
     assert np.array_equal(there[0].mesh.weld.inverse, document.mesh.weld.inverse)
     first = line.bytes
     again = line.sent((document.with_settings(area=101.0), document.labels))
-    assert again[0].area == 101.0
+    assert again[0].settings.area == 101.0
     assert again[0].mesh is there[0].mesh
     assert again[0].labels is again[1] is there[1]
     assert line.bytes < first / 2

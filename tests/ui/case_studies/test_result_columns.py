@@ -58,7 +58,7 @@ def test_result_columns_tell_handles_apart_only_where_there_are_several():
 def test_result_columns_leave_out_what_is_the_same_in_all_rows():
     rows = [(["a.apd", "9", area], {}) for area in ("98%", "99%")]
     found = result_columns(table(["session", "steps", "area"], *rows))
-    assert [column.title for column in found] == ["Line", "Target area"]
+    assert [column.title for column in found] == ["Line", "Area target"]
 
 
 def test_result_columns_leave_out_a_note_that_repeats_a_quantity():
@@ -69,7 +69,7 @@ def test_result_columns_leave_out_a_note_that_repeats_a_quantity():
         (["fly 3", "99%", "60", "-30", "99", "45"], {}),
     ]
     assert [column.title for column in result_columns(table(columns, *rows))[1:]] == [
-        *("Twist", "Push", "Target area", "Load"),
+        *("Twist", "Push", "Area target", "Load"),
     ]
 
 
@@ -90,7 +90,7 @@ def test_result_columns_make_two_columns_of_a_target_and_a_reading_of_one_name()
     assert columns["Volume change"].values == pytest.approx([-40.0, np.nan], nan_ok=True)
     assert columns["Volume change"].texts == ("−40.00 %", "")
     assert columns["Volume"].texts == ("300.0", "350.0")
-    assert columns["Target volume"].is_from_plan
+    assert columns["Volume target"].is_from_plan
 
 
 def test_axis_of_is_logarithmic_for_ranges_by_factors():

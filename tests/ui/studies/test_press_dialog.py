@@ -47,7 +47,7 @@ def asked(window, qtbot, tmp_path, monkeypatch):
         state_of = window.session.store
         window.session.files.open_mesh(Mesh(V, F))
         idle(qtbot, window)
-        changed = replace(state_of.state.document, **changes)
+        changed = state_of.state.document.with_settings(**changes)
         state = state_of.state.updated(document=changed)
         dialog = PressDialog(window.shell, state, View(unit=unit), window.preferences)
         dialogs.append(dialog)
