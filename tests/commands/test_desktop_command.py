@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands.desktop import desktop_command, desktop_files
+from apd_viewer.commands.desktop import desktop_command
 from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
 from apd_viewer.files.meshes import MESH_FORMATS
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -149,7 +149,7 @@ def test_desktop_command_tells_other_systems_their_own_way(system, said, monkeyp
 def test_data_folder_does_not_count_a_relative_one(monkeypatch):
     for value in ("", "data"):
         monkeypatch.setenv("XDG_DATA_HOME", value)
-        assert desktop_files.data_folder() == Path.home() / ".local" / "share"
+        assert desktop_command.data_folder() == Path.home() / ".local" / "share"
 
 
 def test_own_command_is_the_script_that_was_started(tmp_path, monkeypatch):
@@ -214,7 +214,7 @@ def test_desktop_command_registers_a_command_that_makes_a_thumbnail(suffix, inst
 def test_desktop_files_can_say_any_folder_of_the_program(name, tmp_path):
     """A word is read back as the specification says: escapes undone, then quotes, then percent signs."""
     program = str(tmp_path / name / "apd-viewer")
-    desktop_files.install_files(tmp_path / "data", [program, "-m", "x"])
+    desktop_command.install_files(tmp_path / "data", [program, "-m", "x"])
     for path, section in ((MENU, "Desktop Entry"), (THUMBNAILS, "Thumbnailer Entry")):
         keys = read(tmp_path / "data" / path, section)
         assert keys["TryExec"] == program

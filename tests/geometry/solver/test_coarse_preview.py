@@ -9,7 +9,7 @@ from remote_factor_double import Elsewhere
 
 from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals
 from apd_viewer.geometry.mesh.normals import vertex_normals
-from apd_viewer.geometry.solver import coarse_preview
+from apd_viewer.geometry.solver import multilevel
 from apd_viewer.geometry.solver.deformation import Deformation
 
 AROUND = 48
@@ -186,7 +186,7 @@ def test_preview_forecast_is_foretold_while_the_factor_is_missing(factor, monkey
 
 def test_preview_forecast_foretells_the_descent_by_its_own_pace(factor, monkeypatch):
     solver, now = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor), 0.0
-    monkeypatch.setattr(coarse_preview, "time", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr(multilevel, "time", SimpleNamespace(monotonic=lambda: now))
     solver.aim(targets(0.3))
     until_the_coarse_one_is_done(solver)
     factor.there, expected = True, solver.solver.inner.forecast.iterations
