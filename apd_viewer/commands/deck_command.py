@@ -7,7 +7,7 @@ import argparse
 from apd_viewer.commands.motion_options import add_input_options, input_from
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.parser import Parser
-from apd_viewer.commands.terminal.unit_option import naming_unit_option
+from apd_viewer.commands.terminal.weld_option import naming_unit_option
 from apd_viewer.files.fe_deck import check_deck, write_deck
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr

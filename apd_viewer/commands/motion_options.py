@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.commands.terminal.unit_option import naming_unit_option
-from apd_viewer.commands.terminal.weld_option import open_input_mesh
+from apd_viewer.commands.terminal.weld_option import naming_unit_option, open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file
@@ -17,7 +16,7 @@ from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_selection import with_selection
+from apd_viewer.session.model.document_parts import with_selection
 from apd_viewer.session.model.handle_paths import intermediate_documents
 from apd_viewer.session.model.state import State, initial_state, welded_state
 from apd_viewer.session.model.view import SESSION_SUFFIX, View

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.commands.press_output import press_report, press_summary
-from apd_viewer.commands.press_rows import press_rows
+from apd_viewer.commands.press_output import press_report, press_rows, press_summary
 from apd_viewer.commands.press_wall import add_wall_options, parse_gas, press_wall
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.output_files import check_files

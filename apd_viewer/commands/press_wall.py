@@ -6,7 +6,7 @@ import argparse
 from dataclasses import dataclass
 
 from apd_viewer.commands.terminal.parser import Parser
-from apd_viewer.commands.terminal.unit_option import naming_unit_option
+from apd_viewer.commands.terminal.weld_option import naming_unit_option
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.total_curvature import total_curvature
 from apd_viewer.geometry.energy.material import Material

@@ -28,14 +28,18 @@ from apd_viewer.commands.terminal.animation_options import (
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.errors import InputError
-from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, check_animation, write_animation
+from apd_viewer.files.animations.animation_files import (
+    ANIMATION_FORMATS,
+    check_animation,
+    replacing_series,
+    write_animation,
+)
 from apd_viewer.files.animations.animation_shapes import Animation, ShapeRecorder
-from apd_viewer.files.animations.series_files import replacing_series
 from apd_viewer.files.mesh_writing import check_mesh_path
-from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
 from apd_viewer.geometry.measuring.measurement import Measurement, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
+from apd_viewer.geometry.measuring.surface_point import CarriedPath
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.status_text import about_missing_target

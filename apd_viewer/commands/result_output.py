@@ -13,7 +13,7 @@ from apd_viewer.files.report import write_report
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.analysis.mesh_findings import file_findings
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.analysis.shape_findings import seam_findings
+from apd_viewer.geometry.analysis.shape_check import seam_findings
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.frame import Frame

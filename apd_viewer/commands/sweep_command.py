@@ -25,8 +25,7 @@ from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.commands.terminal.setting_options import add_contact_option
 from apd_viewer.commands.terminal.weld_option import add_weld_option
 from apd_viewer.figures.rendered_pictures import no_pictures_reason, write_shape
-from apd_viewer.files.animations.animation_files import write_animation
-from apd_viewer.files.animations.series_files import replacing_series
+from apd_viewer.files.animations.animation_files import replacing_series, write_animation
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.files.storage.atomic_folder import filling_folder
 from apd_viewer.files.tables import write_table

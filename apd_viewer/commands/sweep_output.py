@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from apd_viewer.commands.result_output import mesh_remarks
-from apd_viewer.commands.terminal.plain_numbers import format_signed
+from apd_viewer.commands.terminal.columns import format_signed
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.rendered_pictures import Picture, draw_shapes
 from apd_viewer.files.animations.animation_shapes import Animation

@@ -12,7 +12,7 @@ from typing import Any
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.columns import column_count, padded_text
 from apd_viewer.commands.terminal.parser import Parser
-from apd_viewer.commands.terminal.unit_option import naming_unit_option
+from apd_viewer.commands.terminal.weld_option import naming_unit_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import hull_fields

@@ -19,8 +19,7 @@ from apd_viewer.files.meshes import (
     largest_coordinate,
     parsed_mesh,
 )
-from apd_viewer.files.storage.atomic_file import file_write_error, is_stream, replacing_file
-from apd_viewer.files.storage.links import is_circular_link
+from apd_viewer.files.storage.atomic_file import file_write_error, is_circular_link, is_stream, replacing_file
 from apd_viewer.files.storage.regular_files import one_line_message, without_library_warnings
 from apd_viewer.geometry.mesh.arrays import checked_floats
 from apd_viewer.geometry.mesh.checked_arguments import check_type, checked

@@ -19,14 +19,14 @@ from apd_viewer.geometry.analysis import area_change, defects, deviation, deviat
 from apd_viewer.geometry.linalg import atomic_access
 from apd_viewer.geometry.linalg.kernels import KERNELS
 from apd_viewer.geometry.measuring import sections
-from apd_viewer.geometry.mesh import region_areas
+from apd_viewer.geometry.mesh import operators
 from apd_viewer.geometry.picking import surface_index, vertex_sets
 from apd_viewer.geometry.solver import deformation
 
 # Together they import all modules with kernels.
 _IMPORTERS = (
     *(area_change, atomic_access, defects, deformation, deviation, double_wall, deviation_extremes),
-    *(region_areas, sections, surface_index, vertex_sets),
+    *(operators, sections, surface_index, vertex_sets),
 )
 # Sections of the table that a first drag needs, and other processes can compile beside the window.
 SECTIONS = ("drag", "contact", "factor")

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import metadata
 
-from apd_viewer.files.fingerprint import Fingerprint
 from apd_viewer.files.html_page import PageAttachment, PageBlock, PageCommand, PageNote, PageTable
+from apd_viewer.files.known_file import Fingerprint
 from apd_viewer.geometry.analysis.area_change import LocalChange
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings

@@ -24,7 +24,7 @@ from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.jobs.background_job import Jobs
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_selection import selection_of, with_selection
+from apd_viewer.session.model.document_parts import selection_of, with_selection
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.status_text import (
     about_deck,

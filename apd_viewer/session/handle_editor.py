@@ -17,8 +17,12 @@ from apd_viewer.session.model.handle_paths import with_rounded_poses
 from apd_viewer.session.posing.gesture_motion import has_moved
 from apd_viewer.session.posing.mirror_partner import with_pair_moved, with_pair_reset
 from apd_viewer.session.posing.motion import Motion, MotionReference
-from apd_viewer.session.posing.motion_path import MotionStep
-from apd_viewer.session.posing.motion_titles import motion_title, motion_title_between, moved_handle_names
+from apd_viewer.session.posing.motion_path import (
+    MotionStep,
+    motion_title,
+    motion_title_between,
+    moved_handle_names,
+)
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
 from apd_viewer.session.state_store import StateStore
 

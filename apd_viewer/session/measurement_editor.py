@@ -10,7 +10,7 @@ from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.language import tr
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.listener import Listener
-from apd_viewer.session.model.unique_names import next_name, unique_name
+from apd_viewer.session.model.document_parts import next_name, unique_name
 from apd_viewer.session.state_store import StateStore
 from apd_viewer.session.storage.measurements_json import MOST_MEASUREMENTS
 

@@ -7,10 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.measurement import Measurement, MeasurementResult, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
-from apd_viewer.geometry.measuring.surface_point import SurfacePoint
+from apd_viewer.geometry.measuring.surface_point import CarriedPath, SurfacePoint
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.state import State

@@ -13,9 +13,9 @@ from apd_viewer.notation import localized_number
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import next_name, unique_name
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.unique_names import next_name, unique_name
 from apd_viewer.session.posing.obstacle_placement import (
     contact_distance,
     is_clear,

@@ -13,8 +13,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import has_region_targets, with_next_region, without_paint
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.status_text import about_lock
-from apd_viewer.session.selecting.part_operation import PartOperation
-from apd_viewer.session.selecting.part_operations import members_after
+from apd_viewer.session.selecting.part_operations import PartOperation, members_after
 from apd_viewer.session.state_store import StateStore
 
 

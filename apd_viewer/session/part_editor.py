@@ -9,11 +9,16 @@ from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.listener import Listener
-from apd_viewer.session.model.document_parts import with_next_region, without_handle, without_region
+from apd_viewer.session.model.document_parts import (
+    next_name,
+    unique_name,
+    with_next_region,
+    without_handle,
+    without_region,
+)
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.status_text import about_lock
-from apd_viewer.session.model.unique_names import next_name, unique_name
 from apd_viewer.session.posing.named_poses import with_handle_renamed
 from apd_viewer.session.state_store import StateStore
 

@@ -8,8 +8,8 @@ from apd_viewer.language import comma_separated, in_quotes, tr
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.handle_editor import HandleEditor
 from apd_viewer.session.listener import Listener
+from apd_viewer.session.model.document_parts import next_name, unique_name
 from apd_viewer.session.model.handles_and_regions import MOST_POSES, NamedPose
-from apd_viewer.session.model.unique_names import next_name, unique_name
 from apd_viewer.session.posing.named_poses import (
     handle_placements,
     is_in_pose,

@@ -11,13 +11,12 @@ from apd_viewer.language import tr
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.handle_editor import HandleEditor
 from apd_viewer.session.listener import Listener
+from apd_viewer.session.model.document_parts import next_name
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.unique_names import next_name
 from apd_viewer.session.posing.mirror_partner import mirrored_handle
-from apd_viewer.session.selecting.part_operation import PartOperation
-from apd_viewer.session.selecting.part_operations import members_after
+from apd_viewer.session.selecting.part_operations import PartOperation, members_after
 from apd_viewer.session.state_store import StateStore
 
 _MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z

@@ -14,7 +14,7 @@ from apd_viewer.files.meshes import read_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_selection import with_selection
+from apd_viewer.session.model.document_parts import with_selection
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.posing.motion_path import MotionStep

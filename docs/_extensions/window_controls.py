@@ -5,8 +5,7 @@ from __future__ import annotations
 from window_tour import widgets
 
 from apd_viewer.ui.help.manual_places import control_path, is_named
-from apd_viewer.ui.help.menu_entries import menu_entries
-from apd_viewer.ui.help.searchable import texts_of
+from apd_viewer.ui.help.searchable import menu_entries, texts_of
 from apd_viewer.ui.workbench import Workbench
 
 

@@ -10,7 +10,6 @@ import pytest
 from page_parts import PageParts
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.fingerprint import display_path, fingerprint
 from apd_viewer.files.html_page import (
     Page,
     PageAttachment,
@@ -25,6 +24,7 @@ from apd_viewer.files.html_page import (
     page_html,
     write_page,
 )
+from apd_viewer.files.known_file import display_path, fingerprint
 from apd_viewer.files.samples import resource_path
 
 HOSTILE = "</td><script>alert('x')</script> & \"quoted\" {braces} ü"

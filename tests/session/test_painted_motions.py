@@ -19,7 +19,7 @@ from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.selecting.part_operation import PartOperation
+from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.studies.deck_setup import deck_of
 from apd_viewer.session.studies.session_replay import replay_session

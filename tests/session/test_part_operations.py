@@ -18,8 +18,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import NamedRegion
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.selecting.part_operation import PartOperation
-from apd_viewer.session.selecting.part_operations import members_after
+from apd_viewer.session.selecting.part_operations import PartOperation, members_after
 
 PARTS = [
     PaintedPart(BASE),

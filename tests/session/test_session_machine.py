@@ -19,7 +19,7 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document_parts import have_same_paint
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.posing.motion import MOTIONS
-from apd_viewer.session.selecting.part_operation import PartOperation
+from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.state_store import Activity
 

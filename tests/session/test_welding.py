@@ -7,7 +7,7 @@ from seams import halves
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.geometry.analysis.shape_findings import SEAMS
+from apd_viewer.geometry.analysis.shape_check import SEAMS
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.python_script import python_script

@@ -9,7 +9,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.pose.transforms import rotation_about
-from apd_viewer.session.model.document_selection import with_selection
+from apd_viewer.session.model.document_parts import with_selection
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion import MOTIONS

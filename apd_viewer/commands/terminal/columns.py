@@ -6,6 +6,8 @@ import itertools
 import re
 import unicodedata
 
+from apd_viewer.presentation import number_format
+
 # East Asian Wide and Fullwidth of the Unicode Character Database, from Hangul to full-width forms.
 _WIDE = "\u1100-\u115f\u2e80-\ua4cf\uac00-\ud7a3\uf900-\ufaff\ufe30-\ufe6f\uff00-\uff60\uffe0-\uffe6"
 _OPENING, _CLOSING = "（“《「【", "，。、；：？！）”》」】…"
@@ -43,3 +45,8 @@ def wrapped_lines(text: str, columns: int) -> list[str]:
             lines.append("")
         lines[-1] += piece if lines[-1] else piece.lstrip()
     return [line.rstrip() for line in lines]
+
+
+def format_signed(value: float, decimals: int) -> str:
+    """The number with its sign; no sign if it rounds to zero."""
+    return number_format.format_signed(value, decimals).replace("−", "-")

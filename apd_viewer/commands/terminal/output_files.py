@@ -7,7 +7,7 @@ from pathlib import Path
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_writable
-from apd_viewer.files.storage.links import resolved_path
+from apd_viewer.files.storage.atomic_file import resolved_path
 from apd_viewer.language import tr
 
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
+from apd_viewer.session.quantities.units import NoUnitError
 
 
 def add_weld_option(parser: argparse.ArgumentParser) -> None:
@@ -31,3 +35,16 @@ def open_input_mesh(path: str | Path, weld: bool, unit: str = "") -> Mesh:
     mesh = open_mesh(path)
     mesh = replace(mesh, unit=unit) if unit else mesh
     return mesh.welded() if weld else mesh
+
+
+@contextmanager
+def naming_unit_option() -> Iterator[None]:
+    """Name the option in the refusal of a length without the unit of the mesh."""
+    try:
+        yield
+    except NoUnitError as error:
+        raise InputError(
+            tr(
+                "The unit of the mesh is not set; add --unit mm, cm, m, in or ft for a length in {word}."
+            ).format(word=error.word)
+        ) from error

@@ -19,8 +19,7 @@ from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.files.mesh_writing import METRES
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.normals import vertex_normals
-from apd_viewer.geometry.mesh.triangle_frames import triangle_frames
+from apd_viewer.geometry.mesh.normals import triangle_frames, vertex_normals
 from apd_viewer.language import tr
 
 _FLOAT, _UINT = 5126, 5125  # component types of four bytes each

@@ -8,12 +8,15 @@ from __future__ import annotations
 from array import array
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+from xml.parsers import expat
 
 import numpy as np
 
-from apd_viewer.files.formats.xml_3mf import read_xml
 from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/"  # and the year
 _PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/"
@@ -179,3 +182,33 @@ def _text(attributes: dict[str, str], name: str) -> str:
     if name not in attributes:
         raise ValueError(tr("an object of it has no number"))
     return attributes[name].strip()
+
+
+def read_xml(
+    content: bytes,
+    on_element: Callable[[str, dict[str, str]], None],
+    on_namespace: Callable[[str | None, str | None], None] | None = None,
+) -> None:
+    """Call ``on_element(name, attributes)`` for each; names are "namespace name".
+
+    Raises
+    ------
+    ValueError
+        If it is damaged, or declares entities.
+    """
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.StartElementHandler = on_element
+    parser.StartNamespaceDeclHandler = on_namespace
+    parser.StartDoctypeDeclHandler = _refuse_entities
+    try:
+        parser.Parse(content, True)
+    except expat.ExpatError as error:
+        raise ValueError(
+            tr("its XML is damaged at line {line:,}, column {column:,}").format(
+                line=error.lineno, column=error.offset + 1
+            )
+        ) from None
+
+
+def _refuse_entities(*_: object) -> None:
+    raise ValueError(tr("a part of it declares XML entities, which 3MF does not allow"))

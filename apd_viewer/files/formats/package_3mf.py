@@ -14,9 +14,8 @@ from urllib.parse import unquote
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.model_3mf import Model, ModelObject
+from apd_viewer.files.formats.model_3mf import Model, ModelObject, read_xml
 from apd_viewer.files.formats.parsed_mesh import ParsedMesh
-from apd_viewer.files.formats.xml_3mf import read_xml
 from apd_viewer.files.storage.archive import ARCHIVE_ERRORS, largest_unpacked_size
 from apd_viewer.files.storage.sibling_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr

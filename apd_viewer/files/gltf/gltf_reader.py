@@ -12,9 +12,15 @@ import numpy as np
 from apd_viewer.files.formats.parsed_mesh import ParsedMesh
 from apd_viewer.files.gltf.accessors import FAN, STRIP, TRIANGLES, accessor_numbers, primitive_triangles
 from apd_viewer.files.gltf.containers import glb_chunks, parse_document, read_buffers
-from apd_viewer.files.gltf.extensions import COMPRESSED, check_supported, compressed_error, extension_fields
 from apd_viewer.files.gltf.gltf_file import GltfFile, VertexBlock, with_offset
-from apd_viewer.files.gltf.mesh_instances import MeshInstance, mesh_instances
+from apd_viewer.files.gltf.mesh_instances import (
+    COMPRESSED,
+    MeshInstance,
+    check_supported,
+    compressed_error,
+    extension_fields,
+    mesh_instances,
+)
 from apd_viewer.files.gltf.primitive_textures import PrimitiveTriangles
 from apd_viewer.files.gltf.scene import (
     document_entry,

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.links import check_not_circular, resolved_path
 from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 from apd_viewer.language import tr
 
@@ -154,3 +153,22 @@ def _usual_mode(path: Path) -> int:
     umask = os.umask(0)
     os.umask(umask)
     return 0o666 & ~umask
+
+
+def resolved_path(path: Path) -> Path:
+    """Absolute path behind all links; one in a circle stays as it is.
+
+    ``Path.resolve`` raises RuntimeError there, before Python 3.13.
+    """
+    return Path(os.path.realpath(path))
+
+
+def is_circular_link(path: Path) -> bool:
+    """True for a link to itself, also by way of others."""
+    return os.path.islink(os.path.realpath(path))  # noqa: PTH114, Path raises on names that are too long
+
+
+def check_not_circular(path: Path) -> None:
+    """Raise OSError for a link to itself: a file or folder would replace it."""
+    if is_circular_link(path):
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.links import check_not_circular, resolved_path
+from apd_viewer.files.storage.atomic_file import check_not_circular, resolved_path
 from apd_viewer.files.storage.lock import FileLock, acquire_lock
 from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 from apd_viewer.language import tr

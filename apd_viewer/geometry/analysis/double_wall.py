@@ -9,9 +9,9 @@ import numpy as np
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.adjacency import opposite_half_edges
 from apd_viewer.geometry.mesh.arrays import diagonal, mesh_size
+from apd_viewer.geometry.mesh.components import join, root
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.operators import missing_volume_reason, volume
-from apd_viewer.geometry.mesh.union_find import join, root
 from apd_viewer.geometry.picking.picking import block_boxes, ray_hit
 
 # Thickness of a wall, in diagonals: 0.009 for a cup of 1 mm, 0.04 for thick glass, 0.12 for a bottle's body.

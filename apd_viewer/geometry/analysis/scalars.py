@@ -9,8 +9,8 @@ import numpy as np
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.normals import triangle_frames
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.mesh.triangle_frames import triangle_frames
 from apd_viewer.geometry.pose.constraints import FREE
 
 LABEL, REGION = "apd_label", "apd_region"

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from apd_viewer.geometry.analysis.self_intersections import crossing_pairs
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle
-from apd_viewer.geometry.contact.exempt_zones import exempt_zones, is_within_zone
-from apd_viewer.geometry.contact.followers import Followers, NoFollowers
 from apd_viewer.geometry.contact.near_pairs import NearPairs
 from apd_viewer.geometry.contact.obstacle_pairs import ObstaclePairs
 from apd_viewer.geometry.linalg.kernels import njit
@@ -285,3 +285,95 @@ def _smooth(E: np.ndarray, shares: np.ndarray, rise: float, sweeps: int) -> None
                 changed = True
         if not changed:
             break
+
+
+# Rings of triangles around those that cross.
+_RINGS = 3
+
+
+def is_near_crossing(F: np.ndarray, crossing: np.ndarray, n: int) -> np.ndarray:
+    """Mask (n,) of the vertices within a few rings of the ``crossing`` triangles (k,)."""
+    near = np.zeros(n, bool)
+    near[F[crossing]] = True
+    for _ in range(_RINGS):
+        near[F[near[F].any(axis=1)]] = True
+    return near
+
+
+def exempt_zones(F: np.ndarray, pairs: np.ndarray | None, n: int) -> np.ndarray:
+    """Number of the zone of each vertex, from 1; 0 for none.
+
+    What crosses is in one zone, and so is what is connected with it within a few rings. Zones of different
+    places are kept apart.
+
+    Parameters
+    ----------
+    F : (m, 3) int array
+    pairs : (p, 2) int array or None
+        Triangles that cross at rest.
+    n : int
+        Number of the vertices.
+
+    Returns
+    -------
+    (n,) int array
+    """
+    if pairs is None or not len(pairs):
+        return np.zeros(n, np.int64)
+    near = is_near_crossing(F, pairs.ravel(), n)
+    whole = F[near[F].all(axis=1)]
+    a = np.concatenate([whole[:, 0], whole[:, 1], F[pairs[:, 0], 0]])
+    b = np.concatenate([whole[:, 1], whole[:, 2], F[pairs[:, 1], 0]])
+    _, place = connected_components(sp.coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), directed=False)
+    zone = np.zeros(n, np.int64)
+    zone[near] = np.unique(place[near], return_inverse=True)[1] + 1
+    return zone
+
+
+def is_within_zone(zone: np.ndarray) -> np.ndarray:
+    """Mask (p,) of pairs of triangles that share a zone, by their corners (p, 2, 3).
+
+    At the rim a triangle of a zone is crossed by those with one corner in it.
+    """
+    same = zone[:, 0, :, None] == zone[:, 1, None, :]
+    return (same & (zone[:, 0, :, None] > 0)).any(axis=(1, 2))
+
+
+class Followers(Protocol):
+    """Vertices that have no motion of their own, but follow the others."""
+
+    @property
+    def exempt_groups(self) -> np.ndarray:
+        """Rows (z, n) of groups that nothing keeps apart; see :class:`PairSearch`."""
+
+    def with_followers(self, U: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3) with the followers where they follow to."""
+
+    def transfer_gradient(self, g: np.ndarray) -> None:
+        """Add the gradient (n, 3) of followers to that of what they follow."""
+
+    def limit_shares(self, shares: np.ndarray) -> None:
+        """Let what they follow go no farther than they do, by shares (n,)."""
+
+
+class NoFollowers:
+    """No followers.
+
+    Parameters
+    ----------
+    n : int
+        Number of the vertices.
+    """
+
+    def __init__(self, n: int) -> None:
+        self.exempt_groups = np.zeros((0, n), np.int64)
+
+    def with_followers(self, U: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3) itself."""
+        return U
+
+    def transfer_gradient(self, g: np.ndarray) -> None:
+        """Leave the gradient (n, 3) as it is."""
+
+    def limit_shares(self, shares: np.ndarray) -> None:
+        """Leave the shares (n,) as they are."""

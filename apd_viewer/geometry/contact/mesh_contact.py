@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.contact.contact import Contact
+from apd_viewer.geometry.contact.contact import Contact, Followers
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle
-from apd_viewer.geometry.contact.followers import Followers
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.mesh.checked_arguments import check_argument
 from apd_viewer.language import tr

@@ -7,10 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.sections import section
-from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
+from apd_viewer.geometry.measuring.surface_point import CarriedPath, SurfacePoint, point_positions
 
 _ARC = 0.4  # radius of an angle's arc, of its shorter side
 _ARC_STEPS = 24

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.union_find import join
 
 
 @njit(cache=True, nogil=True)
@@ -78,3 +77,19 @@ def loose_components(component: np.ndarray, F: np.ndarray, is_held: np.ndarray) 
     loose = np.flatnonzero(sizes)
     loose = loose[np.argsort(-sizes[loose], kind="stable")]
     return tuple(LooseComponent(int(first), int(sizes[first])) for first in loose)
+
+
+@njit(cache=True, nogil=True)
+def root(parent: np.ndarray, k: int) -> int:
+    """The lowest known thing of the set of ``k``; the way to it is shortened."""
+    while parent[k] != k:
+        parent[k] = parent[parent[k]]
+        k = parent[k]
+    return k
+
+
+@njit(cache=True, nogil=True)
+def join(parent: np.ndarray, a: int, b: int) -> None:
+    """Make one set of those of ``a`` and ``b``."""
+    a, b = root(parent, a), root(parent, b)
+    parent[max(a, b)] = min(a, b)

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.triangle_frames import triangle_frames
 
 _LONGEST = 1e30  # the square of a longer one overflows
 
@@ -111,3 +110,27 @@ def rotated_normals(
     out = N.copy()
     out[good] = sums[good] * (np.linalg.norm(N[good], axis=1) / size[good])[:, None]
     return out
+
+
+def triangle_frames(corners: np.ndarray) -> np.ndarray:
+    """Frame of each triangle: along its first edge, across it, and its normal.
+
+    Parameters
+    ----------
+    corners : (m, 3, 3) float array
+        Positions of the corners.
+
+    Returns
+    -------
+    (m, 3, 3) float array
+        Zero for a triangle without area.
+    """
+    along = corners[:, 1] - corners[:, 0]
+    normal = _unit(np.cross(along, corners[:, 2] - corners[:, 0]))
+    along = np.where(normal.any(axis=1, keepdims=True), _unit(along), 0.0)
+    return np.stack([along, np.cross(normal, along), normal], axis=1)
+
+
+def _unit(X: np.ndarray) -> np.ndarray:
+    size = np.linalg.norm(X, axis=1, keepdims=True)
+    return np.divide(X, size, out=np.zeros_like(X), where=size > 0.0)

@@ -9,8 +9,8 @@ import numpy as np
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.adjacency import BOUNDARY, _normal
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.components import join, root
 from apd_viewer.geometry.mesh.normals import CornerNormals
-from apd_viewer.geometry.mesh.union_find import join, root
 
 _NONE = frozen(np.empty((0, 3, 3), dtype=np.float32))
 SHARP = np.deg2rad(30.0)  # angle between the normals of two triangles at a sharp edge

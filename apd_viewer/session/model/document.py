@@ -15,7 +15,7 @@ from apd_viewer.geometry.measuring.measurement import Measurement
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.components import LooseComponent, loose_components
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.region_areas import region_areas
+from apd_viewer.geometry.mesh.operators import region_areas
 from apd_viewer.geometry.pose.constraints import (
     BASE,
     FREE,

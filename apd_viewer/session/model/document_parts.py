@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
+from itertools import count
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.files.selections.selection import default_name
+from apd_viewer.files.selections.selection import Selection, default_name
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle, NamedRegion
-from apd_viewer.session.model.unique_names import next_name
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -76,3 +78,40 @@ def without_region(document: Document, k: int) -> Document:
 def _without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
     """Codes with ``gone`` replaced by ``instead``, and those above decremented."""
     return frozen(np.where(codes == gone, instead, codes - (codes > gone)).astype(np.uint8))
+
+
+def selection_of(document: Document) -> Selection:
+    """The paint, with the names of its parts."""
+    names = [handle.name for handle in document.handles], [region.name for region in document.regions]
+    areas = [region.area for region in document.regions]
+    return Selection.with_default_names(document.labels, document.member, *names, areas)
+
+
+def with_selection(document: Document, selection: Selection) -> Document:
+    """The same document, painted in another way."""
+    regions = map(NamedRegion, selection.regions, selection.areas)
+    weld = document.mesh.weld
+    codes = selection.labels, selection.member
+    if len(weld.first) < len(weld.inverse):  # both sides of a seam are painted alike
+        codes = frozen(codes[0][weld.first][weld.inverse]), frozen(codes[1][weld.first][weld.inverse])
+    labels, member = codes
+    return replace(
+        document,
+        labels=labels,
+        member=member,
+        handles=tuple(map(Handle, selection.handles)),
+        regions=tuple(regions),
+    )
+
+
+def next_name(kind: str, taken: Collection[str], first: int = 1) -> str:
+    """The first free name of "kind 1", "kind 2" and so on."""
+    return next(name for k in count(first) if (name := default_name(kind, k)) not in taken)
+
+
+def unique_name(requested: str, current: str, taken: Collection[str]) -> str:
+    """New name; the ``current`` one if blank, numbered if taken."""
+    requested, others = requested.strip(), set(taken) - {current}
+    if requested in others:
+        return next_name(requested, others, first=2)
+    return requested or current

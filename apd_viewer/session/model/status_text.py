@@ -138,7 +138,7 @@ def exempt_zone_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Findi
         return ()
     # Here, because the window shows some of these sentences before they are loaded.
     from apd_viewer.geometry.analysis.mesh_findings import Finding
-    from apd_viewer.geometry.contact.exempt_zones import is_near_crossing
+    from apd_viewer.geometry.contact.contact import is_near_crossing
 
     near = is_near_crossing(mesh.joined_F, crossing, len(mesh.V))
     where = frozen(np.flatnonzero(near[mesh.weld.representative]))

@@ -8,7 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.picking.mirror_images import nearest_mirror_vertices
+from apd_viewer.geometry.picking.vertex_sets import nearest_mirror_vertices
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.pose.mirror import MirrorPlane
 from apd_viewer.session.model.document import Document

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from apd_viewer.geometry.contact.clearance import clearance
 from apd_viewer.geometry.contact.mesh_contact import contact_thickness
+from apd_viewer.geometry.contact.obstacle_pairs import clearance
 from apd_viewer.geometry.mesh.arrays import checked_direction, diagonal, frozen
 from apd_viewer.session.model import memo
+from apd_viewer.session.model.document_parts import next_name
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.unique_names import next_name
 
 # Of new ones, in longest sides of the mesh: about a thumb on a bottle.
 _RADIUS = {ObstacleKind.PLATE: 0.0, ObstacleKind.SPHERE: 0.08, ObstacleKind.CYLINDER: 0.05}

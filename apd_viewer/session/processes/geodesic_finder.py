@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.measuring.carried_path import CarriedPath
-from apd_viewer.geometry.measuring.surface_point import SurfacePoint
+from apd_viewer.geometry.measuring.surface_point import CarriedPath, SurfacePoint
 from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
 from apd_viewer.session.processes.newest_answer import NewestAnswer, answer_to
 

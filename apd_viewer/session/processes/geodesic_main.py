@@ -10,9 +10,8 @@ from typing import BinaryIO
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.measuring.carried_path import CarriedPath
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
-from apd_viewer.geometry.measuring.surface_point import SurfacePoint
+from apd_viewer.geometry.measuring.surface_point import CarriedPath, SurfacePoint
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run_service
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import tr
+from apd_viewer.language import in_quotes, tr
 from apd_viewer.session.quantities.ambiguous_numbers import check_unambiguous
-from apd_viewer.session.quantities.expression_functions import FUNCTIONS, call_function
 from apd_viewer.session.quantities.quantity import DIMENSIONLESS, Quantity
-from apd_viewer.session.quantities.tokens import is_number, quoted_input
 from apd_viewer.session.quantities.units import NoUnitError, Unit
 
 # Deeper than needed, and far below Python's own limit.
@@ -167,3 +167,104 @@ class ExpressionParser:
 def _number(token: str) -> Quantity:
     check_unambiguous(token, ",")
     return Quantity(float(token.replace(",", ".")))
+
+
+_OF_ANGLES: dict[str, Callable[[float], float]] = {"sin": math.sin, "cos": math.cos, "tan": math.tan}
+_TO_ANGLES: dict[str, Callable[[float], float]] = {"asin": math.asin, "acos": math.acos, "atan": math.atan}
+VARIADIC_FUNCTIONS: dict[str, Callable[..., float]] = {"min": min, "max": max}
+FUNCTIONS = ("sqrt", *_OF_ANGLES, *_TO_ANGLES, "abs", *VARIADIC_FUNCTIONS)
+# Rounding of a cosine at a right angle.
+_NO_COSINE = 1e-15
+
+
+def call_function(name: str, values: list[Quantity]) -> Quantity:
+    """Value of a named function."""
+    first = values[0]
+    if name in VARIADIC_FUNCTIONS:
+        for value in values:
+            first = first.in_kind_of(value)
+        return replace(first, value=VARIADIC_FUNCTIONS[name](value.value for value in values))
+    if len(values) != 1:
+        raise InputError(
+            tr("{name} takes one value, not {n}, as in {name}(1).").format(name=name, n=len(values))
+        )
+    if name == "abs":
+        return replace(first, value=abs(first.value))
+    if name == "sqrt":
+        return first ** Quantity(0.5)
+    return _of_angle(name, first) if name in _OF_ANGLES else _to_angle(name, first)
+
+
+def _of_angle(name: str, value: Quantity) -> Quantity:
+    if value.powers not in (DIMENSIONLESS, (0.0, 1.0)):
+        raise InputError(
+            tr("{name} does not accept {kind}; enter an angle, as in {name}(30deg).").format(
+                name=name, kind=value.kind
+            )
+        )
+    turn = math.radians(value.value)
+    if name == "tan" and abs(math.cos(turn)) < _NO_COSINE:
+        raise InputError(tr("The tangent of a right angle is infinite; enter another angle."))
+    return Quantity(_OF_ANGLES[name](turn))
+
+
+def _to_angle(name: str, value: Quantity) -> Quantity:
+    if value.powers != DIMENSIONLESS:
+        raise InputError(
+            tr("{name} does not accept {kind}; enter a number, as in {name}(0.5).").format(
+                name=name, kind=value.kind
+            )
+        )
+    if name != "atan" and abs(value.value) > 1.0:
+        raise InputError(
+            tr("{name} accepts only numbers from -1 to 1; enter one of these.").format(name=name)
+        )
+    return Quantity(math.degrees(_TO_ANGLES[name](value.value)), angle=1.0)
+
+
+SPELLINGS = str.maketrans(
+    dict.fromkeys("−–‐‑", "-")
+    | dict.fromkeys("×·⋅∙∗", "*")
+    | dict.fromkeys("÷∕⁄", "/")
+    | dict.fromkeys("µμ", "u")
+    | {"²": "^2 ", "³": "^3 ", "°": " deg ", "π": " pi "}
+)
+_TOKEN = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[^\W\d_]\w*|\*\*|[-+*/^%(),]"
+_AMONG_ARGUMENTS = re.compile(rf"\s*({_TOKEN})")
+_ELSEWHERE = re.compile(rf"\s*([0-9]+,[0-9]+(?:[eE][+-]?[0-9]+)?|{_TOKEN})")
+
+
+def tokenize(text: str) -> list[str]:
+    """Tokens of a text, left to right; raises InputError."""
+    tokens: list[str] = []
+    # For each open parenthesis, whether commas separate arguments; elsewhere they are decimal commas.
+    lists = [False]
+    at = 0
+    while at < len(text):
+        found = (_AMONG_ARGUMENTS if lists[-1] else _ELSEWHERE).match(text, at)
+        if not found:
+            raise InputError(
+                tr("{text} is not allowed here; remove it.").format(text=quoted_input(text[at:].lstrip()[0]))
+            )
+        token, at = found[1], found.end()
+        if token == "(":
+            lists.append(tokens[-1:] != [] and tokens[-1] in VARIADIC_FUNCTIONS)
+        elif token == ")" and len(lists) > 1:
+            lists.pop()
+        tokens.append(token)
+    return tokens
+
+
+def is_number(token: str) -> bool:
+    """True if a token begins like a number."""
+    return token[:1].isdecimal() or token[:1] == "."
+
+
+def quoted_input(text: str) -> str:
+    """Typed text for a sentence: shortened, invisible characters as codes."""
+    short = text if len(text) <= 20 else f"{text[:19]}…"
+    return (
+        in_quotes(short)
+        if short.isprintable()
+        else tr("The character U+{code:04X}").format(code=ord(text[0]))
+    )

@@ -12,9 +12,8 @@ from collections.abc import Mapping
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.session.quantities.expression_parser import ExpressionParser
+from apd_viewer.session.quantities.expression_parser import SPELLINGS, ExpressionParser, tokenize
 from apd_viewer.session.quantities.quantity import DIMENSIONLESS
-from apd_viewer.session.quantities.tokens import SPELLINGS, tokenize
 from apd_viewer.session.quantities.units import Unit
 
 MOST_CHARACTERS = 200

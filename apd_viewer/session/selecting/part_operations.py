@@ -3,15 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from enum import Enum
 from typing import TypeAlias
 
 import numpy as np
 
 from apd_viewer.geometry.picking.vertex_sets import grown_set, mirrored_set, shrunk_set, smoothed_set
+from apd_viewer.language import tr
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.mirror_partner import mirror_plane
-from apd_viewer.session.selecting.part_operation import PartOperation
+
+
+class PartOperation(Enum):
+    """An operation on a part; its value names the step of undo."""
+
+    GROW = tr("Grow")
+    SHRINK = tr("Shrink")
+    SMOOTH = tr("Smooth boundary")
+    INVERT = tr("Invert")
+    CLEAR = tr("Clear")
+    MIRROR_X = tr("Mirror along x")
+    MIRROR_Y = tr("Mirror along y")
+    MIRROR_Z = tr("Mirror along z")
+
 
 MemberOperation: TypeAlias = "Callable[[State, np.ndarray], np.ndarray]"
 

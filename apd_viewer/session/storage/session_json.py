@@ -11,11 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame, FrameContact
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence, check_convergence
+from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, SettingKind, Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import MOST_POSES, NO_FLAGS
@@ -29,6 +33,7 @@ from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.session.storage.measurements_json import measurements_from_json, measurements_to_json
 from apd_viewer.session.storage.obstacle_json import obstacle_from_json, obstacle_to_json, vectors_from_json
 from apd_viewer.session.storage.part_json import (
+    LARGEST_NUMBER,
     LEAST_POSITIVE,
     flags_from_json,
     flags_to_json,
@@ -39,7 +44,6 @@ from apd_viewer.session.storage.part_json import (
     pose_to_json,
     region_from_json,
 )
-from apd_viewer.session.storage.settings_json import settings_from_json, settings_to_json
 
 _POINTS = ("position", "focal", "up")
 _AXES = "xyz"
@@ -233,3 +237,63 @@ def _wall(fields: JsonFields) -> Wall:
 def _point(numbers: np.ndarray) -> Point3:
     x, y, z = numbers.tolist()
     return x, y, z
+
+
+def settings_to_json(settings: Settings) -> dict[str, Any]:
+    """All settings by their names; unset ones are null."""
+    return {name: _to_json(setting.kind, getattr(settings, name)) for name, setting in SETTINGS.items()}
+
+
+def settings_from_json(fields: JsonFields) -> Settings:
+    """The settings again; raises ValueError with a phrase on damaged ones."""
+    return Settings(**{name: _from_json(fields, name, setting.kind) for name, setting in SETTINGS.items()})
+
+
+def _to_json(kind: SettingKind, value: Any) -> Any:
+    match kind:
+        case SettingKind.METHOD:
+            return value
+        case SettingKind.SWITCH:
+            return bool(value)
+        case SettingKind.CONVERGENCE:
+            return value._asdict()
+        case SettingKind.NUMBER | SettingKind.TOLERANCE | SettingKind.PERCENTAGE | SettingKind.LENGTH:
+            return number_to_json(value)
+
+
+def _from_json(fields: JsonFields, name: str, kind: SettingKind) -> Any:
+    match kind:
+        case SettingKind.METHOD:
+            return _method_from_json(fields.text(name))
+        case SettingKind.SWITCH:
+            # Switches that came later were off in the sessions of before.
+            return fields.has_value(name) and fields.flag(name)
+        case SettingKind.CONVERGENCE:
+            return (
+                _convergence_from_json(fields.nested_fields(name))
+                if fields.has_value(name)
+                else DEFAULT_CONVERGENCE
+            )
+        case SettingKind.NUMBER:
+            return fields.number(name, 0.0, LARGEST_NUMBER)
+        case SettingKind.TOLERANCE | SettingKind.PERCENTAGE | SettingKind.LENGTH:
+            if getattr(DEFAULT_SETTINGS, name) is None and not fields.has_value(name):
+                return None
+            return fields.number(name, LEAST_POSITIVE, LARGEST_NUMBER)
+
+
+def _method_from_json(name: str) -> str:
+    if name not in METHODS:
+        raise ValueError(tr("its “method” is unknown"))
+    return name
+
+
+def _convergence_from_json(fields: JsonFields) -> Convergence:
+    found = Convergence(
+        fields.count("most_iterations"), fields.number("energy_tolerance"), fields.number("step_tolerance")
+    )
+    try:
+        check_convergence(found)
+    except InputError:
+        raise ValueError(tr("its “convergence” is damaged")) from None
+    return found

@@ -20,7 +20,7 @@ from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.state import State
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.session.studies.document_turns import document_turns
+from apd_viewer.session.studies.sweep import document_turns
 
 
 def replay_session(

@@ -20,8 +20,7 @@ from apd_viewer.ui.actions.pose_actions import PoseActions
 from apd_viewer.ui.actions.select_actions import SelectActions
 from apd_viewer.ui.actions.tool_bar import add_tool_bar
 from apd_viewer.ui.actions.view_actions import ViewActions
-from apd_viewer.ui.measuring.kind_words import KIND_WORDS
-from apd_viewer.ui.measuring.measure_controller import MeasureController
+from apd_viewer.ui.measuring.measure_controller import KIND_WORDS, MeasureController
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.display_names import menu_text

@@ -7,14 +7,23 @@ from typing import cast
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent
-from PySide6.QtWidgets import QFrame, QHeaderView, QLabel, QTreeWidget, QTreeWidgetItem, QVBoxLayout
+from PySide6.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QHeaderView,
+    QLabel,
+    QLineEdit,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+)
 
 from apd_viewer.language import tr
 from apd_viewer.ui.help.search_query import SearchQuery, match_score
-from apd_viewer.ui.help.search_row import SearchRow
 from apd_viewer.ui.help.searchable import Searchable
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
+from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
@@ -200,3 +209,31 @@ def _item(found: Searchable, theme: Theme) -> QTreeWidgetItem:
     item.setForeground(1, QColor(theme.quiet))
     item.setTextAlignment(2, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
     return item
+
+
+class SearchRow(QHBoxLayout):
+    """Search field and cross.
+
+    Parameters
+    ----------
+    name, prompt : str
+        Of the field.
+    closing : str
+        Name of the cross.
+
+    Attributes
+    ----------
+    field : QLineEdit
+    close_button : QToolButton
+    """
+
+    def __init__(self, name: str, prompt: str, closing: str) -> None:
+        super().__init__(spacing=8)
+        self.field = QLineEdit(accessibleName=name, placeholderText=prompt, clearButtonEnabled=True)
+        self.close_button = small_button(closing, tr("Close (Esc)"))
+        self.addWidget(self.field, 1)
+        self.addWidget(self.close_button)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the cross."""
+        self.close_button.setIcon(icon("cancel", theme))

@@ -19,10 +19,8 @@ from apd_viewer.ui.help.command_search import CommandSearch
 from apd_viewer.ui.help.context_help import ContextHelp, look_up_in_manual, show_manual
 from apd_viewer.ui.help.manual import FIRST_PAGE
 from apd_viewer.ui.help.manual_places import ManualPlace
-from apd_viewer.ui.help.menu_entries import menu_entries
-from apd_viewer.ui.help.mouse_help import mouse_gestures
-from apd_viewer.ui.help.searchable import searchable_entries
-from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, ShortcutGroup, ShortcutRow
+from apd_viewer.ui.help.searchable import menu_entries, searchable_entries
+from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, ShortcutGroup, ShortcutRow, mouse_gestures
 from apd_viewer.ui.help.shortcut_sheet import ShortcutSheet
 from apd_viewer.ui.help.tour import Tour
 from apd_viewer.ui.help.tour_targets import TourTargets

@@ -27,7 +27,7 @@ from PySide6.QtWidgets import (
 from apd_viewer.ui.actions.action_maker import NAME_PROPERTY
 from apd_viewer.ui.part_lists.named_rows import NamedRow
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.settings_page.preference_control import SETTING_PROPERTY
+from apd_viewer.ui.settings_page.settings_dialog import SETTING_PROPERTY
 from apd_viewer.ui.widgets.folding_section import Heading
 from apd_viewer.ui.widgets.slider_field import SliderField
 

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtWidgets import QAbstractButton, QDockWidget, QMainWindow, QScrollArea, QWidget
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QAbstractButton, QDockWidget, QMainWindow, QMenu, QMenuBar, QScrollArea, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.session.state_store import StateStore
 from apd_viewer.ui.actions.action_maker import without_mnemonic
 from apd_viewer.ui.help import manual_places
 from apd_viewer.ui.help.manual_places import ManualPlace
-from apd_viewer.ui.help.menu_entries import menu_entries
 from apd_viewer.ui.help.search_query import SearchTexts
 from apd_viewer.ui.help.synonyms import SYNONYMS
 from apd_viewer.ui.panel.panel import Panel
@@ -177,3 +178,40 @@ def texts_of(widget: QWidget) -> tuple[str, str]:
 def _flat(text: str) -> str:
     """Text on one line."""
     return " ".join(text.split())
+
+
+class MenuEntry(NamedTuple):
+    """An entry, with the titles of its menu and of its submenu, if any."""
+
+    menu: str
+    submenu_title: str
+    action: QAction
+
+    def full_title(self, title: str) -> str:
+        """Title prefixed by the submenu's, unless they repeat each other."""
+        if not self.submenu_title or title.startswith(self.submenu_title):
+            return title
+        return tr("{menu}: {title}").format(menu=self.submenu_title, title=title)
+
+
+def menu_entries(bar: QMenuBar) -> Iterator[MenuEntry]:
+    """All entries of a menu bar, in its order."""
+    for top in bar.actions():
+        for action, within in _leaves(submenu(top)):
+            yield MenuEntry(without_mnemonic(top.text()), within, action)
+
+
+def submenu(action: QAction) -> QMenu:
+    """Menu of an action."""
+    menu = action.menu()
+    assert isinstance(menu, QMenu)
+    return menu
+
+
+def _leaves(menu: QMenu, within: str = "") -> Iterator[tuple[QAction, str]]:
+    """Actions of a menu with the titles of their submenus."""
+    for action in menu.actions():
+        if action.menu() is not None:
+            yield from _leaves(submenu(action), without_mnemonic(action.text()))
+        elif not action.isSeparator():
+            yield action, within

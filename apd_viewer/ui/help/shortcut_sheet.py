@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.ui.help.search_row import SearchRow
+from apd_viewer.ui.help.command_search import SearchRow
 from apd_viewer.ui.help.shortcut_rows import ActionRow, ShortcutGroup
 from apd_viewer.ui.preferences.shortcuts import Shortcuts, native_keys, split_keys
 from apd_viewer.ui.scene.viewport import Viewport

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -16,7 +17,6 @@ from apd_viewer.presentation import measurement_text as words
 from apd_viewer.session.measurement_readings import MeasurementReading
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
-from apd_viewer.ui.measuring.kind_words import KIND_WORDS
 from apd_viewer.ui.measuring.measure_drawing import draw_labels, draw_lines, draw_points
 from apd_viewer.ui.measuring.measure_tool import MeasureTool
 from apd_viewer.ui.panel.measure_section import MeasureSection
@@ -233,3 +233,40 @@ class MeasureView(MouseTool):
         if tool.kind is kind:
             said = words.value_text(measured.values[0], kind.powers[0], self._unit)
             draw_labels(painter, eye, [(measured, [said], True)])
+
+
+class KindWords(NamedTuple):
+    """Title in a menu, icon, tip, and hint for the status line."""
+
+    title: str
+    icon: str
+    tip: str
+    hint: str
+
+
+KIND_WORDS = {
+    MeasurementKind.DISTANCE: KindWords(
+        tr("&Distance"),
+        "measure-distance",
+        tr("Measure the straight distance between two points"),
+        tr("Measure distance: click two points on the mesh; Esc cancels"),
+    ),
+    MeasurementKind.ANGLE: KindWords(
+        tr("&Angle"),
+        "measure-angle",
+        tr("Measure the angle of three points, at the second one"),
+        tr("Measure angle: click three points on the mesh, the vertex second; Esc cancels"),
+    ),
+    MeasurementKind.GEODESIC: KindWords(
+        tr("&Geodesic"),
+        "measure-geodesic",
+        tr("Measure the shortest path over the surface between two points"),
+        tr("Measure geodesic: click two points on the mesh; Esc cancels"),
+    ),
+    MeasurementKind.SECTION: KindWords(
+        tr("&Section"),
+        "measure-section",
+        tr("Measure the contour in which a plane cuts the mesh, and the area in it"),
+        tr("Measure section: click where the plane cuts the mesh, wheel changes the axis, Ctrl+wheel zooms"),
+    ),
+}

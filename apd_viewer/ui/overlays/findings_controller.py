@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, QPointF, QRectF
 from PySide6.QtWidgets import QApplication, QWidget
 
 from apd_viewer.geometry.analysis.mesh_findings import SEPARATE_COMPONENTS, Finding
-from apd_viewer.geometry.analysis.shape_findings import SEAMS
+from apd_viewer.geometry.analysis.shape_check import SEAMS
 from apd_viewer.session.model.loose_findings import loose_component_findings
 from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.finding_list import FindingList, FindingRow

@@ -21,8 +21,7 @@ from apd_viewer.ui.panel.pose_section import PoseSection
 from apd_viewer.ui.panel.size_section import SizeSection
 from apd_viewer.ui.panel.target_section import TargetSection
 from apd_viewer.ui.panel.volume_section import VolumeSection
-from apd_viewer.ui.part_lists.part_buttons import PartButtons
-from apd_viewer.ui.part_lists.part_row import Swatch
+from apd_viewer.ui.part_lists.part_row import PartButtons, Swatch
 from apd_viewer.ui.preferences.shortcut_hints import show_keys_in_tip
 from apd_viewer.ui.widgets.folding_section import Section
 from apd_viewer.ui.widgets.slider_field import SliderField

@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QObject
 
-from apd_viewer.files.storage.links import resolved_path
+from apd_viewer.files.storage.atomic_file import resolved_path
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.presentation.scales import Measure

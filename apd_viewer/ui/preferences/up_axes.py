@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
-from apd_viewer.files.storage.links import resolved_path
+from apd_viewer.files.storage.atomic_file import resolved_path
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.preferences.preferences import user_file
 

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QWidget
 from apd_viewer import log
 from apd_viewer.errors import InputError
 from apd_viewer.files import html_page
-from apd_viewer.files.fingerprint import fingerprint
+from apd_viewer.files.known_file import fingerprint
 from apd_viewer.files.report import target_distance_fields
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.analysis.area_change import LocalChange, local_change

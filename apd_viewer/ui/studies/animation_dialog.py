@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
@@ -17,7 +17,6 @@ from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
 from apd_viewer.ui.filing.file_dialogs import ask_where_to_save
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.studies.animation_formats import format_choice
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.run_dialog import RunDialog, count_field, widget_row
 from apd_viewer.ui.widgets.display_names import window_title_text
@@ -122,3 +121,22 @@ def _stamp(path: Path) -> tuple[int, int] | None:
     except OSError:
         return None
     return found.st_mtime_ns, found.st_ino
+
+
+ANIMATION_FORMATS: Mapping[str, str] = {
+    ".glb": tr("glTF with morph targets (GLB)"),
+    ".pc2": tr("Blender point cache (PC2)"),
+    ".mdd": tr("Blender point cache (MDD)"),
+    ".pvd": tr("ParaView series (PVD)"),
+    ".gif": tr("film (GIF)"),
+}
+
+
+def format_choice(first: str) -> ComboBox:
+    """Choice of a format by its ending; ``first`` is chosen to begin with."""
+    choice = ComboBox()
+    choice.setAccessibleName(tr("Format of the animation"))
+    for ending, title in ANIMATION_FORMATS.items():
+        choice.addItem(title, ending)
+    choice.setCurrentIndex(choice.findData(first))
+    return choice

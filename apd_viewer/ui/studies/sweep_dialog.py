@@ -19,7 +19,7 @@ from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.studies.animation_formats import format_choice
+from apd_viewer.ui.studies.animation_dialog import format_choice
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.run_dialog import RunDialog, count_field, widget_row
 from apd_viewer.ui.widgets.display_names import window_title_text

@@ -9,8 +9,7 @@ from animated import animated
 from meshes import sphere
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.animations.animation_files import check_animation, write_animation
-from apd_viewer.files.animations.series_files import replacing_series
+from apd_viewer.files.animations.animation_files import check_animation, replacing_series, write_animation
 from apd_viewer.geometry.analysis.scalars import shape_scalars
 from apd_viewer.geometry.mesh.mesh import Mesh
 

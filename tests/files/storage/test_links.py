@@ -5,9 +5,8 @@ from symbolic_links import needs_links
 
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.files.storage.atomic_file import is_circular_link, replacing_file, resolved_path
 from apd_viewer.files.storage.atomic_folder import filling_folder
-from apd_viewer.files.storage.links import is_circular_link, resolved_path
 
 pytestmark = needs_links
 

@@ -10,7 +10,7 @@ from watched_pipe import WatchedPipe
 
 import apd_viewer
 from apd_viewer.errors import InputError
-from apd_viewer.files.fingerprint import fingerprint
+from apd_viewer.files.known_file import fingerprint
 from apd_viewer.files.storage.lock import acquire_lock
 from apd_viewer.files.storage.regular_files import NotRegularError, open_regular, read_bytes, read_content
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from meshes import grid, sphere
 
-from apd_viewer.geometry.contact.clearance import clearance
 from apd_viewer.geometry.contact.contact_obstacles import capsule, plate
 from apd_viewer.geometry.contact.contact_obstacles import sphere as ball
+from apd_viewer.geometry.contact.obstacle_pairs import clearance
 
 X, Y, Z = np.eye(3)
 ONE = np.array([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0]]), np.array([[0, 1, 2]])

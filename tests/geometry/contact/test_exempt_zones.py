@@ -4,8 +4,7 @@ import numpy as np
 from meshes import grid
 
 from apd_viewer.geometry.analysis.self_intersections import crossing_pairs, crossings
-from apd_viewer.geometry.contact.contact import Contact
-from apd_viewer.geometry.contact.exempt_zones import exempt_zones, is_near_crossing
+from apd_viewer.geometry.contact.contact import Contact, exempt_zones, is_near_crossing
 
 AWAY = np.array([5.0, 0.0, 0.0])
 

@@ -7,7 +7,7 @@ from seams import half, halves, twisted
 
 import apd_viewer
 from apd_viewer.geometry.analysis.inspection import inspect
-from apd_viewer.geometry.analysis.shape_findings import SEAMS
+from apd_viewer.geometry.analysis.shape_check import SEAMS
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.seams import Seams

@@ -6,8 +6,8 @@ from crossing_check import CrossingCheck
 from meshes import ends, tube
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.contact.clearance import clearance
 from apd_viewer.geometry.contact.contact_obstacles import capsule, plate, sphere
+from apd_viewer.geometry.contact.obstacle_pairs import clearance
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.pose.fitted_motion import fitted_motion

@@ -9,8 +9,7 @@ import pytest
 from apd_viewer.geometry.pose.transforms import rotation_about, translation
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.posing.motion import MOTIONS
-from apd_viewer.session.posing.motion_path import MotionStep
-from apd_viewer.session.posing.motion_titles import motion_title, motion_title_between
+from apd_viewer.session.posing.motion_path import MotionStep, motion_title, motion_title_between
 from apd_viewer.session.quantities.units import Unit
 
 

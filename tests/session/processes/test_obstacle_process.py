@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from meshes import ends, tube
 
-from apd_viewer.geometry.contact.clearance import clearance
+from apd_viewer.geometry.contact.obstacle_pairs import clearance
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.session.state_store import Activity

@@ -13,7 +13,7 @@ from apd_viewer.files.fe_deck import write_deck
 from apd_viewer.files.selections.selection import Selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.session.model.document_selection import with_selection
+from apd_viewer.session.model.document_parts import with_selection
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall

@@ -8,7 +8,7 @@ from mesh_contents import binary_stl
 from PySide6.QtCore import QPointF, Qt
 from seams import halves
 
-from apd_viewer.geometry.analysis.shape_findings import SEAMS
+from apd_viewer.geometry.analysis.shape_check import SEAMS
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.presentation.palette import MARK_COLOR, label_colors
