@@ -33,7 +33,7 @@ class SettingsEditor:
         self._listener = listener
 
     def change(self, **settings: Any) -> None:
-        """Change settings by their names, as one gesture; a missing volume cannot be a target."""
+        """Change settings by their names as one gesture; refuse a missing volume."""
         why = self._store.required_state().inspection.missing_volume_phrase
         if settings.get("volume") is not None and why:
             self._listener.failed(

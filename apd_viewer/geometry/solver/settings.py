@@ -71,7 +71,7 @@ class Setting:
 
 
 def _setting(default: object, *row: Any, factored: bool = False, **more: Any) -> Any:
-    """Field of the settings with its row; ``factored`` if a change needs another factor."""
+    """Field of the settings with its row; ``factored`` if a change refactors."""
     metadata = {"setting": Setting(*row, **more), "factored": factored}
     return field(default=default, metadata=metadata)
 

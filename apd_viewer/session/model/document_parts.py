@@ -13,7 +13,6 @@ from apd_viewer.files.selections.selection import Selection, default_name
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.language import tr
-from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle, NamedRegion
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Construction of a deformation from a document, and its iteration along the document's paths."""
+"""Deformation of a document, and its iteration along the document's paths."""
 
 from __future__ import annotations
 

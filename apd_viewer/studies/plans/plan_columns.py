@@ -125,7 +125,7 @@ def _parser(setting: Setting) -> Callable[[str], CaseSetting]:
 
 
 def _with_default(name: str, setting: Setting) -> str:
-    """Description of a setting with its default, but for percentages: methods differ in it."""
+    """Description of a setting; with its default, unless methods differ in it."""
     default = getattr(DEFAULT_SETTINGS, name)
     if default is None or setting.kind is SettingKind.PERCENTAGE:
         return setting.help

@@ -92,7 +92,7 @@ def test_read_bytes_takes_files_of_the_kernel_that_wait_or_never_end_to_be_as_lo
 # These read what the program itself has: its resources, its settings and what it has just written.
 OF_THEIR_OWN = {
     "commands/deform_command.py",
-    "commands/desktop/desktop_files.py",
+    "commands/desktop/desktop_command.py",
     "figures/drawing.py",
     "figures/rendered_pictures.py",
     "files/storage/atomic_file.py",
