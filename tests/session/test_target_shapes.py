@@ -15,8 +15,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.processes import solver_process
-from apd_viewer.session.processes.messages import RequestMessage
+from apd_viewer.session.processes.array_pipe import ArrayPacker
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 
@@ -73,13 +72,13 @@ def test_target_shapes_load_and_clear_are_steps_of_undo(session, file):
 def test_target_shapes_leave_the_shape_to_be_solved_as_without_a_target(session, file, monkeypatch):
     load(session, file)
     document = session.store.state.document
-    sent = []
+    sent, packed_message = [], ArrayPacker.packed_message
 
-    def noted(number, request, *others):
+    def noted(packer, request):
         sent.append(request.document)
-        return RequestMessage(number, request, *others)
+        return packed_message(packer, request)
 
-    monkeypatch.setattr(solver_process, "RequestMessage", noted)
+    monkeypatch.setattr(ArrayPacker, "packed_message", noted)
     session.drag(np.diag([1.0, 1.0, 1.1, 1.0]))
     session.settle()
     assert session.store.state.document.target_shape is document.target_shape
