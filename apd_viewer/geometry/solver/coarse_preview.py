@@ -37,24 +37,16 @@ class CoarsePreview:
         Vertices that may move.
     U : (n, 3) float array
         The last shape.
+    projection : GoalProjection
+        Its goals.
     """
 
     def __init__(self, elastic: ElasticSurface, coarse: CoarseLevel, goals: tuple[Goal, ...]) -> None:
         self._elastic, self._coarse = elastic, coarse
         self.free = elastic.free
         self.U = elastic.U
-        self._projection = GoalProjection(self, goals)
-        self._projection.refresh_directions(self.U)
-
-    @property
-    def goal_values(self) -> np.ndarray:
-        """Values of the goals at ``U``, (g,) float array."""
-        return self._projection.values
-
-    @property
-    def has_met_goals(self) -> bool:
-        """True if all goals are met at ``U``."""
-        return self._projection.has_met_goals
+        self.projection = GoalProjection(self, goals)
+        self.projection.refresh_directions(self.U)
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """Smooth response (f, 3) to forces ``b_f`` (f, 3), for meeting goals."""
@@ -63,9 +55,9 @@ class CoarsePreview:
     def follow_coarse(self, targets: np.ndarray) -> None:
         """Follow the coarse surface, with the held vertices at ``targets`` (k, 3)."""
         U = self._coarse.prolonged_positions(targets)
-        if self._projection.has_outdated_directions:
-            self._projection.refresh_directions(U)
-        self.U, _ = self._projection.project(U)
+        if self.projection.has_outdated_directions:
+            self.projection.refresh_directions(U)
+        self.U, _ = self.projection.project(U)
 
 
 class PreviewForecast:
