@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from apd_viewer.language import tr
+from apd_viewer.session.document_editor import DocumentEditor
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.jobs.background_job import Jobs
 from apd_viewer.session.listener import Listener
@@ -16,7 +17,7 @@ from apd_viewer.session.posing.obstacle_placement import reset_obstacles
 from apd_viewer.session.state_store import StateStore
 
 
-class RestShape:
+class RestShape(DocumentEditor):
     """Restores and replaces the rest shape; each is a step of undo.
 
     Parameters
@@ -28,10 +29,8 @@ class RestShape:
     """
 
     def __init__(self, store: StateStore, gestures: Gestures, jobs: Jobs, listener: Listener) -> None:
-        self._store = store
-        self._gestures = gestures
+        super().__init__(store, gestures, listener)
         self._jobs = jobs
-        self._listener = listener
 
     def restore(self) -> None:
         """Reset handles, obstacles, shape and percentages; the paint stays."""

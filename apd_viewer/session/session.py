@@ -27,7 +27,6 @@ from apd_viewer.session.saved_work import SavedWork
 from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.shape_checks import ShapeChecks
 from apd_viewer.session.state_store import Activity, StateStore
-from apd_viewer.session.symmetric_posing import SymmetricPosing
 from apd_viewer.session.target_shapes import TargetShapes
 from apd_viewer.session.typed_values import TypedValues
 
@@ -47,7 +46,6 @@ class Session:
         Steps of undo.
     painting : Painting
     handles : HandleEditor
-    symmetric_posing : SymmetricPosing
     obstacles : ObstacleEditor
     poses : PoseEditor
     parts : PartEditor
@@ -72,7 +70,6 @@ class Session:
         self.gestures = gestures = Gestures(store, listener)
         self.painting = Painting(store, gestures, listener)
         self.handles = HandleEditor(store, gestures, listener)
-        self.symmetric_posing = SymmetricPosing(store, gestures, self.handles, listener)
         self.obstacles = ObstacleEditor(store, gestures, listener)
         self.poses = PoseEditor(store, gestures, self.handles, listener)
         self.parts = PartEditor(store, gestures, listener)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.language import tr
+from apd_viewer.session.document_editor import DocumentEditor
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.jobs.background_job import Jobs
 from apd_viewer.session.listener import Listener
@@ -16,7 +16,7 @@ from apd_viewer.session.model.status_text import about_target
 from apd_viewer.session.state_store import StateStore
 
 
-class TargetShapes:
+class TargetShapes(DocumentEditor):
     """Loads and clears the target shape; each is a step of undo.
 
     Parameters
@@ -28,10 +28,8 @@ class TargetShapes:
     """
 
     def __init__(self, store: StateStore, gestures: Gestures, jobs: Jobs, listener: Listener) -> None:
-        self._store = store
-        self._gestures = gestures
+        super().__init__(store, gestures, listener)
         self._jobs = jobs
-        self._listener = listener
 
     def load(self, path: str | Path, on_success: Callable[[], object] = lambda: None) -> None:
         """Compare with the mesh in a file, opened in the background.
@@ -57,6 +55,4 @@ class TargetShapes:
             self._set(tr("Clear target shape"), None)
 
     def _set(self, gesture: str, target: TargetShape | None) -> None:
-        state = self._gestures.state_without_gesture()
-        self._gestures.record(gesture, state)
-        self._store.set_document(replace(state.document, target_shape=target, missing_target_shape=None))
+        self._replace(gesture, target_shape=target, missing_target_shape=None)
