@@ -303,7 +303,7 @@ def test_paint_partner_takes_a_mirror_handle_along_the_whole_motion(empty):
 
 def test_bake_begins_anew_from_what_is_on_screen(twisted):
     a_base_stroke(twisted)
-    twisted.rest_shape.bake()
+    twisted.shapes.bake()
     twisted.until(lambda: twisted.jobs.current is None)
     assert said(twisted) == "at rest"
     assert not twisted.store.state.is_handle_moved(0)

@@ -44,7 +44,7 @@ def compared(file, mesh):
 
 
 def load(session, path):
-    session.target_shapes.load(path)
+    session.shapes.load_target(path)
     session.until(lambda: session.jobs.current is None)
 
 
@@ -56,7 +56,7 @@ def test_target_shapes_load_and_clear_are_steps_of_undo(session, file):
     assert second.target_shape.has_same_triangles(second.mesh)
     assert session.told[-1] == "Comparing with longer.obj."
     assert session.saved_work.is_unsaved
-    session.target_shapes.clear()
+    session.shapes.clear_target()
     assert session.store.state.document.target_shape is None
     session.gestures.undo()
     assert session.store.state.document is second
@@ -150,7 +150,7 @@ def test_open_session_misses_a_missing_target_and_does_not_forget_it(session, co
     away.rename(file)
     found, _ = open_session(tmp_path / "again.apd")
     assert found.document.target_shape.mesh.path == file
-    session.target_shapes.clear()
+    session.shapes.clear_target()
     assert session.store.state.document.missing_target_shape is None
 
 
