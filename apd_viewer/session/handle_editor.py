@@ -1,4 +1,4 @@
-"""Poses and pivots of the handles: dragged, typed, nudged or reset."""
+"""Poses and pivots of the handles: dragged, typed, nudged, reset or mirrored."""
 
 from __future__ import annotations
 
@@ -8,14 +8,19 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES, transform
 from apd_viewer.language import tr
+from apd_viewer.session.document_editor import DocumentEditor
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import next_name
 from apd_viewer.session.model.handle_paths import with_rounded_poses
+from apd_viewer.session.model.handles_and_regions import Handle
+from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.gesture_motion import has_moved
-from apd_viewer.session.posing.mirror_partner import with_pair_moved, with_pair_reset
+from apd_viewer.session.posing.mirror_partner import mirrored_handle, with_pair_moved, with_pair_reset
 from apd_viewer.session.posing.motion import Motion, MotionReference
 from apd_viewer.session.posing.motion_path import (
     MotionStep,
@@ -24,10 +29,13 @@ from apd_viewer.session.posing.motion_path import (
     moved_handle_names,
 )
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
+from apd_viewer.session.selecting.part_operations import PartOperation, members_after
 from apd_viewer.session.state_store import StateStore
 
+_MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z
 
-class HandleEditor:
+
+class HandleEditor(DocumentEditor):
     """Moves the handles; the mesh follows.
 
     Parameters
@@ -38,9 +46,7 @@ class HandleEditor:
     """
 
     def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
-        self._store = store
-        self._gestures = gestures
-        self._listener = listener
+        super().__init__(store, gestures, listener)
         self._warned: Mesh | None = None
 
     def drag(self, pose: np.ndarray, k: int = 0) -> None:
@@ -144,3 +150,37 @@ class HandleEditor:
             return
         self._gestures.record(tr("Move pivot"), state)
         self._store.set_document(state.document.with_handle(k, replace(handle, pivot=point)))
+
+    def mirror_along(self, axis: int | None) -> None:
+        """Move handles symmetrically along an axis, 0, 1 or 2; None moves each by itself."""
+        if axis != self._gestures.state_without_gesture().document.mirror_axis:
+            self._replace(tr("Change symmetry"), mirror_axis=axis)
+
+    def paint_partner(self, k: int) -> None:
+        """Paint a handle on the mirror image of handle ``k``, in the mirrored pose."""
+        state = self._gestures.state_without_gesture()
+        document = state.document.relative_to_rest
+        ids = _unpainted_image(state, k)
+        if len(document.handles) >= MOST_HANDLES:
+            sentence = tr("The limit is {most} handles; remove one first.").format(most=MOST_HANDLES)
+            self._listener.failed(sentence)
+        elif not len(ids):
+            self._listener.failed(
+                tr("The other side has no free vertices there; choose another axis or erase paint.")
+            )
+        else:
+            handle = document.handles[k]
+            name = next_name(tr("Handle"), [each.name for each in document.handles])
+            partner = mirrored_handle(document, handle, Handle(name, falloff=handle.falloff))
+            self._gestures.record(tr("Paint mirror handle"), state)
+            document = document.with_handle(len(document.handles), partner)
+            self.solve_poses(document.with_label(ids, HANDLE + len(document.handles) - 1))
+
+
+def _unpainted_image(state: State, k: int) -> np.ndarray:
+    """Free vertices at the mirror image of handle ``k``."""
+    document, part = state.document, PaintedPart(HANDLE + k)
+    if document.mirror_axis is None:
+        return np.empty(0, dtype=int)
+    both = members_after(state, part, _MIRRORS[document.mirror_axis])
+    return np.flatnonzero(both & ~part.mask(document))

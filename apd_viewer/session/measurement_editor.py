@@ -8,27 +8,13 @@ from apd_viewer.geometry.measuring.measurement import Measurement, Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.language import tr
-from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.listener import Listener
+from apd_viewer.session.document_editor import DocumentEditor
 from apd_viewer.session.model.document_parts import next_name, unique_name
-from apd_viewer.session.state_store import StateStore
 from apd_viewer.session.storage.measurements_json import MOST_MEASUREMENTS
 
 
-class MeasurementEditor:
-    """Changes the measurements of the document.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    listener : Listener
-    """
-
-    def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
-        self._store = store
-        self._gestures = gestures
-        self._listener = listener
+class MeasurementEditor(DocumentEditor):
+    """Changes the measurements of the document."""
 
     def add(
         self, kind: MeasurementKind, points: tuple[SurfacePoint, ...] = (), plane: Plane | None = None
@@ -59,7 +45,5 @@ class MeasurementEditor:
         self._set(tr("Remove all measurements"), ())
 
     def _set(self, gesture: str, measurements: tuple[Measurement, ...]) -> None:
-        state = self._gestures.state_without_gesture()
-        if measurements != state.document.measurements:
-            self._gestures.record(gesture, state)
-            self._store.set_document(replace(state.document, measurements=measurements))
+        if measurements != self._gestures.state_without_gesture().document.measurements:
+            self._replace(gesture, measurements=measurements)

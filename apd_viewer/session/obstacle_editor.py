@@ -10,8 +10,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
-from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.listener import Listener
+from apd_viewer.session.document_editor import DocumentEditor
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import next_name, unique_name
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
@@ -25,29 +24,17 @@ from apd_viewer.session.posing.obstacle_placement import (
     touching_plate,
 )
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.state_store import StateStore
 
 _NOWHERE = frozen(np.zeros(3))
 # In sizes of the mesh: what a drag computes in floating point is equal within this.
 _SAME = 1e-9
 
 
-class ObstacleEditor:
+class ObstacleEditor(DocumentEditor):
     """Changes the obstacles of the document; each change is a step of undo.
 
     Obstacles push by contact, which is turned on with the first of them.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    listener : Listener
     """
-
-    def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
-        self._store = store
-        self._gestures = gestures
-        self._listener = listener
 
     # Adding
 
@@ -138,9 +125,8 @@ class ObstacleEditor:
         there = self._store.required_state().document.obstacles
         name = unique_name(name, there[k].name, [each.name for each in there])
         if name != there[k].name:
-            state = self._gestures.state_without_gesture()
-            self._gestures.record(tr("Rename"), state)
-            self._store.set_document(_with(state.document, k, replace(there[k], name=name)))
+            document = self._recorded(tr("Rename")).document
+            self._store.set_document(_with(document, k, replace(there[k], name=name)))
 
     def replace(self, k: int, obstacle: NamedObstacle) -> None:
         """Place obstacle ``k`` anew, as said by ``obstacle``; its motion begins there.
@@ -201,9 +187,7 @@ class ObstacleEditor:
             self._set(title, (*there[:k], there[k].with_shift(_NOWHERE), *there[k + 1 :]))
 
     def _set(self, gesture: str, obstacles: tuple[NamedObstacle, ...]) -> None:
-        state = self._gestures.state_without_gesture()
-        self._gestures.record(gesture, state)
-        self._store.solve(replace(state.document, obstacles=obstacles))
+        self._store.solve(replace(self._recorded(gesture).document, obstacles=obstacles))
 
 
 def _with(document: Document, k: int, obstacle: NamedObstacle) -> Document:

@@ -7,30 +7,16 @@ from dataclasses import fields
 import numpy as np
 
 from apd_viewer.language import tr
-from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.listener import Listener
+from apd_viewer.session.document_editor import DocumentEditor
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import has_region_targets, with_next_region, without_paint
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.selecting.part_operations import PartOperation, members_after
-from apd_viewer.session.state_store import StateStore
 
 
-class Painting:
-    """Assigns vertices to the base, the handles and the regions.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    listener : Listener
-    """
-
-    def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
-        self._store = store
-        self._gestures = gestures
-        self._listener = listener
+class Painting(DocumentEditor):
+    """Assigns vertices to the base, the handles and the regions."""
 
     def paint(self, ids: np.ndarray, label: int) -> None:
         """Label the vertices ``ids`` within the current gesture; the shape stays as it is."""

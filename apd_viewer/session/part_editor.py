@@ -7,8 +7,7 @@ from dataclasses import replace
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
-from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.listener import Listener
+from apd_viewer.session.document_editor import DocumentEditor
 from apd_viewer.session.model.document_parts import (
     next_name,
     unique_name,
@@ -20,23 +19,10 @@ from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.posing.named_poses import with_handle_renamed
-from apd_viewer.session.state_store import StateStore
 
 
-class PartEditor:
-    """Adds, removes and renames handles and regions; locks and hides parts.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    listener : Listener
-    """
-
-    def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
-        self._store = store
-        self._gestures = gestures
-        self._listener = listener
+class PartEditor(DocumentEditor):
+    """Adds, removes and renames handles and regions; locks and hides parts."""
 
     def add_handle(self) -> int:
         """Add a handle without vertices; returns its number, or the last at the limit."""
@@ -65,10 +51,9 @@ class PartEditor:
         handles = self._store.required_state().document.handles
         name = unique_name(name, handles[k].name, [handle.name for handle in handles])
         if name != handles[k].name:
-            state = self._gestures.state_without_gesture()
-            self._gestures.record(tr("Rename"), state)
-            handle = state.document.handles[k]
-            document = with_handle_renamed(state.document, handle.name, name)
+            document = self._recorded(tr("Rename")).document
+            handle = document.handles[k]
+            document = with_handle_renamed(document, handle.name, name)
             self._store.set_document(document.with_handle(k, replace(handle, name=name)))
 
     def add_region(self) -> int:
@@ -98,10 +83,9 @@ class PartEditor:
         regions = self._store.required_state().document.regions
         name = unique_name(name, regions[k].name, [region.name for region in regions])
         if name != regions[k].name:
-            state = self._gestures.state_without_gesture()
-            self._gestures.record(tr("Rename"), state)
-            region = state.document.regions[k]
-            self._store.set_document(state.document.with_region(k, replace(region, name=name)))
+            document = self._recorded(tr("Rename")).document
+            region = replace(document.regions[k], name=name)
+            self._store.set_document(document.with_region(k, region))
 
     def lock(self, part: PaintedPart, on: bool) -> None:
         """Protect a part from being painted, or no longer."""

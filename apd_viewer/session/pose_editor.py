@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from apd_viewer.language import comma_separated, in_quotes, tr
+from apd_viewer.session.document_editor import DocumentEditor
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.handle_editor import HandleEditor
 from apd_viewer.session.listener import Listener
@@ -21,7 +22,7 @@ from apd_viewer.session.state_store import StateStore
 _NO_HANDLE = tr("There is no handle whose pose could be kept; paint one first.")
 
 
-class PoseEditor:
+class PoseEditor(DocumentEditor):
     """Keeps the places of all handles under names, and brings the handles back there.
 
     Parameters
@@ -35,10 +36,8 @@ class PoseEditor:
     def __init__(
         self, store: StateStore, gestures: Gestures, handles: HandleEditor, listener: Listener
     ) -> None:
-        self._store = store
-        self._gestures = gestures
+        super().__init__(store, gestures, listener)
         self._handles = handles
-        self._listener = listener
 
     def add(self) -> None:
         """Keep the present places of all handles under a new name."""
@@ -49,7 +48,9 @@ class PoseEditor:
             self._listener.failed(tr("The limit is {most} poses; remove one first.").format(most=MOST_POSES))
         else:
             name = next_name(tr("Pose"), [pose.name for pose in document.poses])
-            self._set(tr("Keep pose"), (*document.poses, NamedPose(name, handle_placements(document))))
+            self._replace(
+                tr("Keep pose"), poses=(*document.poses, NamedPose(name, handle_placements(document)))
+            )
             # The list of poses may be out of sight.
             self._listener.message_sent(tr("Kept as “{pose}”.").format(pose=name))
 
@@ -93,26 +94,21 @@ class PoseEditor:
         poses = self._store.required_state().document.poses
         name = unique_name(name, poses[k].name, [pose.name for pose in poses])
         if name != poses[k].name:
-            self._replace(tr("Rename"), k, replace(poses[k], name=name))
+            self._set(tr("Rename"), k, replace(poses[k], name=name))
 
     def update(self, k: int) -> None:
         """Give pose ``k`` the present places of all handles."""
         document = self._gestures.state_without_gesture().document
         if present := handle_placements(document):
-            self._replace(tr("Update pose"), k, replace(document.poses[k], placements=present))
+            self._set(tr("Update pose"), k, replace(document.poses[k], placements=present))
         else:
             self._listener.failed(_NO_HANDLE)
 
     def remove(self, k: int) -> None:
         """Remove pose ``k``; the handles stay where they are."""
         poses = self._store.required_state().document.poses
-        self._set(tr("Remove pose"), poses[:k] + poses[k + 1 :])
+        self._replace(tr("Remove pose"), poses=poses[:k] + poses[k + 1 :])
 
-    def _replace(self, gesture: str, k: int, pose: NamedPose) -> None:
+    def _set(self, gesture: str, k: int, pose: NamedPose) -> None:
         poses = self._store.required_state().document.poses
-        self._set(gesture, (*poses[:k], pose, *poses[k + 1 :]))
-
-    def _set(self, gesture: str, poses: tuple[NamedPose, ...]) -> None:
-        state = self._gestures.state_without_gesture()
-        self._gestures.record(gesture, state)
-        self._store.set_document(replace(state.document, poses=poses))
+        self._replace(gesture, poses=(*poses[:k], pose, *poses[k + 1 :]))

@@ -22,13 +22,11 @@ from apd_viewer.session.painting import Painting
 from apd_viewer.session.part_editor import PartEditor
 from apd_viewer.session.pose_editor import PoseEditor
 from apd_viewer.session.processes.solver_worker import SolverWorker
-from apd_viewer.session.rest_shape import RestShape
 from apd_viewer.session.saved_work import SavedWork
 from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.shape_checks import ShapeChecks
+from apd_viewer.session.shape_editor import ShapeEditor
 from apd_viewer.session.state_store import Activity, StateStore
-from apd_viewer.session.symmetric_posing import SymmetricPosing
-from apd_viewer.session.target_shapes import TargetShapes
 from apd_viewer.session.typed_values import TypedValues
 
 
@@ -47,7 +45,6 @@ class Session:
         Steps of undo.
     painting : Painting
     handles : HandleEditor
-    symmetric_posing : SymmetricPosing
     obstacles : ObstacleEditor
     poses : PoseEditor
     parts : PartEditor
@@ -55,8 +52,7 @@ class Session:
     measurements : MeasurementEditor
     measurement_readings : MeasurementReadings
     typed_values : TypedValues
-    rest_shape : RestShape
-    target_shapes : TargetShapes
+    shapes : ShapeEditor
     jobs : Jobs
     saved_work : SavedWork
     files : FileJobs
@@ -72,7 +68,6 @@ class Session:
         self.gestures = gestures = Gestures(store, listener)
         self.painting = Painting(store, gestures, listener)
         self.handles = HandleEditor(store, gestures, listener)
-        self.symmetric_posing = SymmetricPosing(store, gestures, self.handles, listener)
         self.obstacles = ObstacleEditor(store, gestures, listener)
         self.poses = PoseEditor(store, gestures, self.handles, listener)
         self.parts = PartEditor(store, gestures, listener)
@@ -81,8 +76,7 @@ class Session:
         self.measurement_readings = MeasurementReadings(store, gestures, listener)
         self.jobs = Jobs(listener.wake, listener.failed, listener.message_sent, listener.status_changed)
         self.typed_values = TypedValues(store)
-        self.rest_shape = RestShape(store, gestures, self.jobs, listener)
-        self.target_shapes = TargetShapes(store, gestures, self.jobs, listener)
+        self.shapes = ShapeEditor(store, gestures, self.jobs, listener)
         self.saved_work = SavedWork(store, gestures, listener)
         self.files = FileJobs(store, gestures, self.saved_work, self.jobs, listener)
         self.autosave = Autosave(store, gestures, self.saved_work, self.files, listener)

@@ -179,7 +179,7 @@ class StateStore:
         if reply is not None and reply.news:
             self._factored = ()
             self._listener.message_sent(reply.news)
-        if reply is not None and reply.generation == self._generation:
+        if reply is not None and reply.request.generation == self._generation:
             self._accept(reply)
 
     def _hear_silence(self) -> None:
@@ -194,7 +194,8 @@ class StateStore:
         if reply.warning and reply.warning != self._warned:
             self._listener.message_sent(reply.warning)
         # A slightly stale frame of this drag is worth showing, but does not tell whether it has converged.
-        latest = reply.document is self._asked
+        document = reply.request.document
+        latest = document is self._asked
         if reply.finished and latest:
             settled = reply.frame is not None and reply.frame.converged
             self.activity = Activity.SETTLED if settled else Activity.UNREACHED
@@ -204,10 +205,10 @@ class StateStore:
             self._listener.status_changed()
             return
         self._warned = reply.warning
-        self._factored = factor_key(reply.document)
+        self._factored = factor_key(document)
         self.seconds_per_iteration = reply.seconds
-        self.trace.add_frame(reply.document, reply.frame)
-        state = self._showing(reply.document, reply.frame)
+        self.trace.add_frame(document, reply.frame)
+        state = self._showing(document, reply.frame)
         self.set_state(state if latest else state.as_unsettled())
 
     def _showing(self, asked: Document, frame: Frame) -> State:

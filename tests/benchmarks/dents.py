@@ -78,7 +78,7 @@ def pull(subdivisions: int) -> None:
             time.sleep(0.001)
         solver.iterate()
         now = time.monotonic() - begun - measuring
-        frame, hides = solver.frame(), solver.solver.is_iterate_hidden
+        frame, hides = solver.frame(), solver.solver.progress.is_iterate_hidden
         forecast.add_gap(now, frame.gap, frame.seconds_left)
         measured = time.monotonic()
         rough = roughness.of(frame.U)

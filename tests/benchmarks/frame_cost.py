@@ -147,7 +147,7 @@ class Bench:
             converged=False,
             settled=False,
         )
-        self.worker.reply = Reply(request.document, request.generation, frame, False, 0.01)
+        self.worker.reply = Reply(request, frame, seconds=0.01)
         self.window._receive()
 
     def move_and_frame(self) -> None:

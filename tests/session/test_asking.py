@@ -63,7 +63,7 @@ VERBS: dict[str, Callable[[Driven], object]] = {
     "Change area": lambda session: session.settings.change(area=110.0),
     "Change volume": lambda session: session.settings.change(volume=100.0),
     "Change stiffness": lambda session: session.settings.change(stiffness=0.01),
-    "Reset all handles": lambda session: session.rest_shape.restore(),
+    "Reset all handles": lambda session: session.shapes.restore(),
 }
 ALIASES: dict[str, tuple[str, Callable[[Driven], object]]] = {
     "the region's name": ("Rename", lambda session: session.parts.rename_region(0, "Waist")),
@@ -408,7 +408,7 @@ def test_remove_region_leaves_nothing_asked_for(parted):
 def test_set_area_is_met_at_once_without_a_pose(session, factored, method):
     session.settings.change(method=method)
     ready(session)
-    session.rest_shape.restore()
+    session.shapes.restore()
     factored.count = 0
     assert session.store.state.is_at_rest
     session.settings.change(area=120.0)
@@ -419,7 +419,7 @@ def test_set_area_is_met_at_once_without_a_pose(session, factored, method):
     within = 1.2 * session.store.state.document.settings.tolerance if method == "paper" else 1e-9
     assert abs(session.store.state.frame.area_error - 0.2) < within
     assert not session.store.state.document.is_posed
-    session.rest_shape.restore()
+    session.shapes.restore()
     assert session.U is session.store.state.document.mesh.V
     assert session.store.state.document.settings.area == 100.0
     assert session.store.state.is_at_rest
@@ -435,15 +435,15 @@ def test_rest_shape_restore_asks_for_100_percent_and_leaves_free_what_is_free(pa
     parted.settings.change(area=105.0)
     parted.drag(BENT)
     parted.settle()
-    parted.rest_shape.restore()
+    parted.shapes.restore()
     assert parted.store.state.document.target_percentages == (100.0, None, 100.0, None)
     assert parted.store.state.frame.regions == parted.store.state.document.region_areas(parted.U)
     parted.settings.change(volume=110.0)
-    parted.rest_shape.restore()
+    parted.shapes.restore()
     assert parted.store.state.document.settings.volume == 100.0
     assert parted.store.state.is_at_rest
     undo = parted.gestures.history.next_undo
-    parted.rest_shape.restore()
+    parted.shapes.restore()
     assert (parted.gestures.history.next_undo, len(parted.gestures.history.undo_states)) == (
         undo,
         len(parted.gestures.history.undo_states),
@@ -452,7 +452,7 @@ def test_rest_shape_restore_asks_for_100_percent_and_leaves_free_what_is_free(pa
 
 def test_settings_move_nothing_at_rest_with_100_percent_of_everything(parted):
     ready(parted)
-    parted.rest_shape.restore()
+    parted.shapes.restore()
     for verb in (
         lambda: parted.settings.change(volume=100.0),
         lambda: parted.settings.set_region_area(0, 100.0),

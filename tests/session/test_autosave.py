@@ -592,7 +592,7 @@ def play(folder: Path) -> None:
         lambda: session.settings.change(method=chance.choice(["local", "exact", "arap"])),
         session.gestures.undo,
         session.gestures.redo,
-        session.rest_shape.restore,
+        session.shapes.restore,
     ]
     with (folder / "log").open("w") as log:
         for number in range(1_000_000):

@@ -291,8 +291,8 @@ def test_paint_partner_takes_a_mirror_handle_along_the_whole_motion(empty):
     empty.handles.move_by(MOTIONS["MOVE_X"], "0.1", 0)
     empty.settle()
     empty.stroke(ring(empty, 0.2), BASE)
-    empty.symmetric_posing.mirror_along(0)
-    empty.symmetric_posing.paint_partner(0)
+    empty.handles.mirror_along(0)
+    empty.handles.paint_partner(0)
     empty.settle()
     first, second = document(empty).relative_to_rest.handles
     assert first.pose[0, 3] == pytest.approx(0.1)
@@ -303,7 +303,7 @@ def test_paint_partner_takes_a_mirror_handle_along_the_whole_motion(empty):
 
 def test_bake_begins_anew_from_what_is_on_screen(twisted):
     a_base_stroke(twisted)
-    twisted.rest_shape.bake()
+    twisted.shapes.bake()
     twisted.until(lambda: twisted.jobs.current is None)
     assert said(twisted) == "at rest"
     assert not twisted.store.state.is_handle_moved(0)

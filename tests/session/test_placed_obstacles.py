@@ -237,7 +237,7 @@ def test_rest_shape_restore_brings_obstacles_back_clear_of_the_rest_shape(sessio
     session.settle()
     session.obstacles.add_floor(np.array([0.0, 0.0, -1.0]))
     lid = now(session).obstacles[3]
-    session.rest_shape.restore()
+    session.shapes.restore()
     assert not any(each.shift.any() for each in now(session).obstacles)
     np.testing.assert_allclose(now(session).obstacles[0].place, floor.place, atol=1e-12)
     moved = now(session).obstacles[3]
@@ -255,7 +255,7 @@ def test_bake_keeps_obstacles_where_they_are(session):
     session.obstacles.move(0, -0.5 * UP)
     session.settle()
     where = now(session).obstacles[0].centre
-    session.rest_shape.bake()
+    session.shapes.bake()
     session.settle()
     (floor,) = now(session).obstacles
     np.testing.assert_allclose(floor.place, where, atol=1e-12)

@@ -123,7 +123,7 @@ def test_saved_work_counts_a_baked_shape_as_unsaved_on_the_same_file(session, tm
     session.settle()
     session.files.save(tmp_path / "a.apd", VIEW)
     wait(session)
-    session.rest_shape.bake()
+    session.shapes.bake()
     wait(session)
     assert (session.saved_work.is_unsaved, session.saved_work.path) == (True, tmp_path / "a.apd")
     session.gestures.undo()

@@ -40,7 +40,7 @@ def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
     return {
         "Paint": lambda: session.stroke(np.arange(3, 9), FREE),
         "Rotate about y −1.146° (Handle 1)": lambda: session.drag(*(pose(k / 50) for k in range(30))),
-        "Reset all handles": session.rest_shape.restore,
+        "Reset all handles": session.shapes.restore,
         "Change method": lambda: session.settings.change(method="arap"),
         "Change tolerance": lambda: session.settings.change(tolerance=0.01),
         "Change convergence": lambda: session.settings.change(convergence=Convergence(500, 1e-9)),
@@ -380,7 +380,7 @@ def test_request_solver_does_not_factor_for_settings_undo_and_reset(session, fac
     session.settle()
     session.gestures.undo()
     session.gestures.redo()
-    session.rest_shape.restore()
+    session.shapes.restore()
     session.drag(BENT)
     session.settle()
     assert factored.count == 0
@@ -499,7 +499,7 @@ def _jumps(session: Driven) -> dict[str, Callable[[], None]]:
     return {
         "undo": lambda: (session.gestures.end("Move handle"), session.gestures.undo()),
         "cancel": session.gestures.cancel,
-        "reset": lambda: (session.gestures.end("Move handle"), session.rest_shape.restore()),
+        "reset": lambda: (session.gestures.end("Move handle"), session.shapes.restore()),
         "stroke": stroke,
     }
 
@@ -519,7 +519,7 @@ def test_jump_to_is_followed_by_no_frame_from_before_it(session, slow, jump):
         session.listen(0.04)
         assert session.store.state is state
         assert len(session.changes) == changes
-        session.rest_shape.restore()
+        session.shapes.restore()
 
 
 def test_jump_to_an_unsettled_shape_shows_its_own_frames_only(session, slow):
@@ -791,7 +791,7 @@ def test_session_verbs_without_a_mesh_say_so(empty):
     for verb in (
         empty.gestures.begin,
         empty.gestures.undo,
-        empty.rest_shape.restore,
+        empty.shapes.restore,
         lambda: empty.settings.change(method="arap"),
     ):
         with pytest.raises(RuntimeError, match="no mesh is open"):
@@ -818,7 +818,7 @@ def test_rest_shape_restore_brings_back_the_rest_shape_and_keeps_the_paint(sessi
     session.stroke(np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 1.0), BASE)
     kept = session.store.state.document.labels
     assert kept is not labels
-    session.rest_shape.restore()
+    session.shapes.restore()
     state = session.store.state
     assert state.frame.U is state.document.mesh.V
     assert state.document.grip is state.document.mesh.V
@@ -827,7 +827,7 @@ def test_rest_shape_restore_brings_back_the_rest_shape_and_keeps_the_paint(sessi
     undo = session.gestures.history.next_undo
     session.gestures.undo()
     session.gestures.redo()
-    session.rest_shape.restore()
+    session.shapes.restore()
     assert session.gestures.history.next_undo == undo, "a second reset has nothing to do"
 
 

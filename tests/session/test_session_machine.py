@@ -185,7 +185,7 @@ class Use(RuleBasedStateMachine):
     @rule()
     def reset(self) -> None:
         before = self._before_act()
-        self.session.rest_shape.restore()
+        self.session.shapes.restore()
         assert self.session.U is before.document.mesh.V
         if self.session.store.state is not before:
             self._recorded(before)
@@ -363,7 +363,7 @@ class Use(RuleBasedStateMachine):
     def bake(self) -> None:
         self.session.receive()
         before = shown = self.session.store.state
-        self.session.rest_shape.bake()
+        self.session.shapes.bake()
         while self.session.jobs.current is not None:
             before = self.session.store.state
             self.session.receive()

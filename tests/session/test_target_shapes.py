@@ -15,8 +15,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.processes import solver_process
-from apd_viewer.session.processes.messages import RequestMessage
+from apd_viewer.session.processes.array_pipe import ArrayPacker
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 
@@ -45,7 +44,7 @@ def compared(file, mesh):
 
 
 def load(session, path):
-    session.target_shapes.load(path)
+    session.shapes.load_target(path)
     session.until(lambda: session.jobs.current is None)
 
 
@@ -57,7 +56,7 @@ def test_target_shapes_load_and_clear_are_steps_of_undo(session, file):
     assert second.target_shape.has_same_triangles(second.mesh)
     assert session.told[-1] == "Comparing with longer.obj."
     assert session.saved_work.is_unsaved
-    session.target_shapes.clear()
+    session.shapes.clear_target()
     assert session.store.state.document.target_shape is None
     session.gestures.undo()
     assert session.store.state.document is second
@@ -73,13 +72,13 @@ def test_target_shapes_load_and_clear_are_steps_of_undo(session, file):
 def test_target_shapes_leave_the_shape_to_be_solved_as_without_a_target(session, file, monkeypatch):
     load(session, file)
     document = session.store.state.document
-    sent = []
+    sent, packed_message = [], ArrayPacker.packed_message
 
-    def noted(number, request, *others):
+    def noted(packer, request):
         sent.append(request.document)
-        return RequestMessage(number, request, *others)
+        return packed_message(packer, request)
 
-    monkeypatch.setattr(solver_process, "RequestMessage", noted)
+    monkeypatch.setattr(ArrayPacker, "packed_message", noted)
     session.drag(np.diag([1.0, 1.0, 1.1, 1.0]))
     session.settle()
     assert session.store.state.document.target_shape is document.target_shape
@@ -151,7 +150,7 @@ def test_open_session_misses_a_missing_target_and_does_not_forget_it(session, co
     away.rename(file)
     found, _ = open_session(tmp_path / "again.apd")
     assert found.document.target_shape.mesh.path == file
-    session.target_shapes.clear()
+    session.shapes.clear_target()
     assert session.store.state.document.missing_target_shape is None
 
 

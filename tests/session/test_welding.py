@@ -32,7 +32,7 @@ def tube(empty, tmp_path):
 
 
 def weld(session):
-    session.rest_shape.weld()
+    session.shapes.weld()
     session.until(lambda: session.jobs.current is None)
     session.settle()
 
@@ -114,7 +114,7 @@ def test_bake_leaves_a_welded_shape_welded(tube, tmp_path):
     weld(tube)
     tube.drag(quarter())
     tube.settle()
-    tube.rest_shape.bake()
+    tube.shapes.bake()
     tube.until(lambda: tube.jobs.current is None)
     state = tube.store.state
     save_session(tmp_path / "tube.apd", state, View())

@@ -74,7 +74,7 @@ class TouchingUser(User):
     def play(self, verbs: int = 12) -> None:
         """So many gestures, one after another."""
         done = [self.drag_on] * 9 + [self.ring, self.other_method, self.other_area, self.other_thickness]
-        done += [self.pause, self.gestures.undo, self.gestures.redo, self.rest_shape.restore]
+        done += [self.pause, self.gestures.undo, self.gestures.redo, self.shapes.restore]
         for _ in range(verbs):
             before = self.frames
             self.random.choice(done)()

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import Any, BinaryIO
 
 from apd_viewer.session.processes.child_process import ChildProcess
-from apd_viewer.session.processes.messages import CompilationProgress, RequestMessage, SolverMessage
+from apd_viewer.session.processes.request_and_reply import CompilationProgress, Request
 from apd_viewer.session.processes.request_solver import RequestSolver
 from apd_viewer.session.processes.solver_main import SolverMessageSender, serve
 
@@ -32,7 +32,7 @@ class Compiler:
         share = 0.0
         while share < 1.0:
             share = self._shares.get()
-            tell(SolverMessage(0, CompilationProgress(share)))
+            tell(CompilationProgress(share))
         self._shares.put(share)  # for a solver that was started anew meanwhile
 
 
@@ -44,17 +44,17 @@ class LateSolver(RequestSolver):
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
-        self._left: RequestMessage | None = None
+        self._left: Request | None = None
 
-    def answer(self, order: RequestMessage) -> None:
-        self.turn_to(order.request.document.mesh)
-        if not (order.request.iterate or order.request.with_cost):
-            self._left = order
+    def answer(self, request: Request) -> None:
+        self.turn_to(request.document.mesh)
+        if not (request.iterate or request.with_cost):
+            self._left = request
             return
         left, self._left = self._left, None
-        if left is not None and left.request.document.mesh is order.request.document.mesh:
+        if left is not None and left.document.mesh is request.document.mesh:
             super().answer(left)
-        super().answer(order)
+        super().answer(request)
 
 
 class InThread(ChildProcess):

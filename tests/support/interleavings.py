@@ -114,7 +114,7 @@ class User(Driven):
                     self.pause,
                     lambda: self.act(self.gestures.undo),
                     lambda: self.act(self.gestures.redo),
-                    lambda: self.act(self.rest_shape.restore),
+                    lambda: self.act(self.shapes.restore),
                     self.open_mesh,
                 ]
             )()

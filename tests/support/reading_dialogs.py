@@ -53,7 +53,7 @@ def panel(driver):
     ends = [SurfacePoint(face, (1.0, 0.0, 0.0)) for face in (0, len(mesh.F) // 2)]
     session.measurements.add(MeasurementKind.DISTANCE, tuple(ends))
     save_mesh(mesh, 1.01 * mesh.V, driver.folder / "target.obj")
-    session.target_shapes.load(driver.folder / "target.obj")
+    session.shapes.load_target(driver.folder / "target.obj")
     driver.idle()
     window.panel.folded_sections = []
     driver.shell.activateWindow()

@@ -313,7 +313,7 @@ def test_viewport_is_never_starved_by_a_drag_of_a_large_mesh(qtbot, big, monkeyp
         assert len(shown) >= 5
         if longest < MOST_FRAMES:
             break
-        big.session.rest_shape.restore()
+        big.session.shapes.restore()
         idle(qtbot, big)
     assert longest < MOST_FRAMES
 

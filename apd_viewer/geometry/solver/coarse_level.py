@@ -83,7 +83,7 @@ class CoarseLevel:
     @property
     def converged(self) -> bool:
         """True if further iterations would show next to nothing."""
-        return self._solver.stuck or bool(self._solver.converged)
+        return self._solver.has_ended
 
     @property
     def energy(self) -> float:

@@ -20,6 +20,7 @@ from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE, GoalProjection
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.solver.adaptive_metric import AdaptiveMetric, gains_from_hessian
+from apd_viewer.geometry.solver.iterative_solver import SolverProgress
 from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
 
 # The directions y become outdated as the shape rotates: recomputed after this many iterations.
@@ -69,11 +70,8 @@ class ConstrainedDescent:
     multipliers : (g,) float array
         Lagrange multipliers of the goals.
     stuck : bool
-        Whether the goals have been given up; ``U`` is then the best shape found, and stays.
+        The goals have been given up; the current shape is the best found, and stays.
     """
-
-    is_iterate_hidden = False
-    seconds_left: float | None = None
 
     def __init__(
         self,
@@ -92,9 +90,37 @@ class ConstrainedDescent:
         self.set_goals(goals)
 
     @property
-    def U(self) -> np.ndarray:
-        """Current shape, (n, 3) float array."""
-        return self.elastic.U
+    def progress(self) -> SolverProgress:
+        """Current shape and readings; of plain iterations only lengths tell convergence."""
+        projection = self._projection
+        return SolverProgress(
+            self.elastic.U,
+            self.held_positions,
+            projection.values,
+            projection.has_met_goals,
+            stuck=self.stuck,
+            converged=None if self._plain else self.has_converged,
+            convergence_ratio=self._convergence_ratio,
+        )
+
+    @property
+    def _convergence_ratio(self) -> float | None:
+        E = self._energies
+        if len(E) <= _WINDOW:
+            return None
+        return float(E[0] - E[-1]) / max(self._tolerance * float(E[-1]), _NO_ENERGY)
+
+    @property
+    def has_ended(self) -> bool:
+        """True if further steps would gain next to nothing, or nothing."""
+        return self.stuck or self.has_converged
+
+    @property
+    def has_converged(self) -> bool:
+        """True if further steps would gain next to nothing."""
+        E = self._by_hessian
+        slow = len(E) > _HESSIAN_WINDOW and E[0] - E[-1] <= _HESSIAN_GAIN * self._tolerance * E[-1]
+        return self._at_minimum or self.has_stalled(self._tolerance) or slow
 
     @property
     def ready(self) -> bool:
@@ -102,36 +128,9 @@ class ConstrainedDescent:
         return self.elastic.factor.ready
 
     @property
-    def goal_values(self) -> np.ndarray:
-        """Values of the goals at ``U``, (g,) float array."""
-        return self._projection.values
-
-    @property
-    def has_met_goals(self) -> bool:
-        """True if all goals are met at ``U``."""
-        return self._projection.has_met_goals
-
-    @property
     def energy(self) -> float:
-        """The energy of ``U``."""
+        """The energy of the current shape."""
         return self._quasi_newton.energy if self._quasi_newton else self.elastic.energy
-
-    @property
-    def converged(self) -> bool | None:
-        """True if further steps would gain next to nothing; None of plain iterations."""
-        if self._plain:
-            return None
-        E = self._by_hessian
-        slow = len(E) > _HESSIAN_WINDOW and E[0] - E[-1] <= _HESSIAN_GAIN * self._tolerance * E[-1]
-        return self._at_minimum or self.has_stalled(self._tolerance) or slow
-
-    @property
-    def convergence_ratio(self) -> float | None:
-        """Gain of the last steps in multiples of its tolerance; None before them."""
-        E = self._energies
-        if len(E) <= _WINDOW:
-            return None
-        return float(E[0] - E[-1]) / max(self._tolerance * float(E[-1]), _NO_ENERGY)
 
     def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten steps together reduce the energy by at most this part."""
@@ -195,7 +194,7 @@ class ConstrainedDescent:
             self.iterate()
         elif self._quasi_newton is None:
             self.iterate()
-            if self.has_met_goals and not self.stuck:
+            if self._projection.has_met_goals and not self.stuck:
                 self._quasi_newton = QuasiNewton(self.elastic, self._projection)
         else:
             self._update_metric()
@@ -228,14 +227,14 @@ class ConstrainedDescent:
         if not self.goals:
             elastic.iterate(self.held_positions)
             return
-        met_before, pressure = self.has_met_goals, self._pressure(self.multipliers)
+        met_before, pressure = self._projection.has_met_goals, self._pressure(self.multipliers)
         self._update_directions(pressure)
         start, end = elastic.U, elastic.global_step(self.held_positions, self.multipliers, projection.g)
         steady = 1.0 / max(1.0, _STEADY + pressure)
         for damping in _DAMPINGS if met_before else _DAMPINGS[:1]:
             share = damping * steady
             U, mu = projection.project(end if share == 1.0 else self._between(start, end, share))
-            if self.has_met_goals:
+            if self._projection.has_met_goals:
                 break
         self.multipliers = self._updated(share, mu)
         elastic.local_step(U)

@@ -24,7 +24,7 @@ from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE
-from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
+from apd_viewer.geometry.solver.iterative_solver import IterativeSolver, SolverProgress
 from apd_viewer.geometry.solver.loose_components import LooseComponents
 from apd_viewer.geometry.solver.methods import Method
 from apd_viewer.geometry.solver.touching_descent import TouchingDescent
@@ -165,41 +165,29 @@ class ContactDescent:
         self.replace_obstacles(obstacles)
 
     @property
-    def U(self) -> np.ndarray:
-        """The shape to show, (n, 3) float array."""
-        return self._U
+    def progress(self) -> SolverProgress:
+        """Shape and readings; hidden, and not converged, while it is on its way.
 
-    @property
-    def goal_values(self) -> np.ndarray:
-        """Values of the goals at the iterated shape, (g,)."""
-        return (self._touching or self._inner).goal_values
-
-    @property
-    def has_met_goals(self) -> bool:
-        """True if all goals are met at the iterated shape."""
-        return (self._touching or self._inner).has_met_goals
+        With contact ahead no seconds are expected.
+        """
+        progress = (self._touching or self._inner).progress
+        progress = progress._replace(U=self._U, held_positions=self.held_positions)
+        if self.is_on_its_way:
+            return progress._replace(
+                is_iterate_hidden=True, converged=False, convergence_ratio=None, seconds_left=None
+            )
+        hidden = progress.is_iterate_hidden or (self._touching is None and self._refused > 0)
+        return progress._replace(is_iterate_hidden=hidden)
 
     @property
     def energy(self) -> float | None:
-        """The energy of ``U`` without that of the gaps; None if it is not known."""
+        """Energy of the shape to show without that of gaps; None if it is not known."""
         return self.elastic.energy if self._touching else self._inner.energy
-
-    @property
-    def is_iterate_hidden(self) -> bool:
-        """True if ``U`` is not the iterated shape, or stands still on its path."""
-        if self._touching:
-            return self.is_on_its_way or self._touching.is_standing_still
-        return self.is_on_its_way or self._inner.is_iterate_hidden or self._refused > 0
 
     @property
     def ready(self) -> bool:
         """True if a step has nothing to wait for."""
         return self._inner.ready
-
-    @property
-    def stuck(self) -> bool:
-        """True once the goals are given up."""
-        return (self._touching or self._inner).stuck
 
     @property
     def share_reached(self) -> float:
@@ -216,21 +204,6 @@ class ContactDescent:
     def is_on_its_way(self) -> bool:
         """True if the held vertices go on."""
         return self.share < 1.0 and not self.is_stopped
-
-    @property
-    def converged(self) -> bool | None:
-        """True if the path has ended, and further steps would gain next to nothing."""
-        return False if self.is_on_its_way else (self._touching or self._inner).converged
-
-    @property
-    def convergence_ratio(self) -> float | None:
-        """Gain of the last steps in multiples of its tolerance; None before them."""
-        return None if self.is_on_its_way else (self._touching or self._inner).convergence_ratio
-
-    @property
-    def seconds_left(self) -> float | None:
-        """Expected seconds to convergence; None with contact ahead."""
-        return None if self.is_on_its_way or self._touching else self._inner.seconds_left
 
     def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten steps together reduce the energy by at most this part."""
@@ -332,20 +305,21 @@ class ContactDescent:
         """Take the next shape of the inner solver, if the way is free."""
         self._steps += 1
         self._inner.step()
-        W, shifts = self._inner.U, self.path.shifts_at(self._ahead)
+        progress, shifts = self._inner.progress, self.path.shifts_at(self._ahead)
+        W = progress.U
         stands = W is self._U and (self.path.moves_held or self.share == self._ahead)
         if stands or self.contact.move_to(W, shifts):
             if not stands:
                 self._U, self.share, self.held_positions, self._refused = (
                     W,
                     self._ahead,
-                    self._inner.held_positions,
+                    progress.held_positions,
                     0,
                 )
                 self.shifts = shifts
         elif self.elastic.factor.ready:  # which contact would wait for
             self._refused += self.contact.examined_parts
-            if self._refused >= _PATIENCE or self._inner.converged:
+            if self._refused >= _PATIENCE or progress.converged:
                 self._touch()
                 self.step()
                 return

@@ -43,6 +43,7 @@ from apd_viewer.geometry.solver.held_vertices import (
     checked_start,
     solve_constraints,
 )
+from apd_viewer.geometry.solver.iterative_solver import SolverProgress
 from apd_viewer.geometry.solver.loose_components import GO, LooseComponents
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
@@ -303,15 +304,15 @@ class Deformation(Uncopyable):
     def iterate(self) -> None:
         """One iteration, without the readings of its shape."""
         solver = self.solver
-        with cores_for(len(solver.U)):
-            if self._kept.may_retry_calm_goals and self._would_settle:
+        with cores_for(len(self.rest.solve_mesh.V)):
+            if self._kept.may_retry_calm_goals and self._would_settle(solver.progress):
                 self._kept.retry_calm_goals()
                 solver.set_goals(self._kept.goals)
-            before = solver.U
+            before = solver.progress.U
             solver.step()
-            if self._kept.has_calm_goals and not solver.has_met_goals:
+            if self._kept.has_calm_goals and not solver.progress.has_met_goals:
                 self._let_calm_go(before)
-            self._steps.append(largest_difference(solver.U, before) / self.rest.diagonal)
+            self._steps.append(largest_difference(solver.progress.U, before) / self.rest.diagonal)
             self._iteration += 1
             self._total += 1
 
@@ -330,37 +331,37 @@ class Deformation(Uncopyable):
     @property
     def settled(self) -> bool:
         """True if iterating further changes nothing."""
-        return self.solver.stuck or (self._would_settle and not self._kept.may_retry_calm_goals)
+        progress = self.solver.progress
+        return progress.stuck or (self._would_settle(progress) and not self._kept.may_retry_calm_goals)
 
-    @property
-    def _would_settle(self) -> bool:
-        return self.solver.has_met_goals and self._still()
+    def _would_settle(self, progress: SolverProgress) -> bool:
+        return progress.has_met_goals and self._still(progress)
 
     def frame(self) -> Frame:
         """The shape after the last iteration, and its readings."""
-        solver, settled = self.solver, self.settled
-        with cores_for(len(solver.U)):
-            found = self.rest.measure(solver.U)
-            regions = self._kept.region_areas(solver.U)
-            energy = solver.energy
+        progress, settled = self.solver.progress, self.settled
+        with cores_for(len(progress.U)):
+            found = self.rest.measure(progress.U)
+            regions = self._kept.region_areas(progress.U)
+            energy = self.solver.energy
         return Frame(
-            U=frozen(self.rest.from_local(self._spread(solver.U))),
+            U=frozen(self.rest.from_local(self._spread(progress))),
             iteration=self._iteration,
             **found._asdict(),
             area_error=found.area / self.rest.area - 1.0,
-            handle_drift=self._held.drift(solver.held_positions),
-            converged=settled and solver.has_met_goals and self.share_reached == 1.0,
+            handle_drift=self._held.drift(progress.held_positions),
+            converged=settled and progress.has_met_goals and self.share_reached == 1.0,
             settled=settled,
             regions=regions,
-            unreached=self._unreached(),
+            unreached=self._unreached(progress),
             energy=energy,
             total=self._total,
             gap=self._steps.convergence_ratio(self._convergence)
-            if solver.converged is None
-            else solver.convergence_ratio,
-            seconds_left=solver.seconds_left,
+            if progress.converged is None
+            else progress.convergence_ratio,
+            seconds_left=progress.seconds_left,
             share_reached=self.share_reached,
-            **(contact_readings(at.contact, at.U, at.shifts) if (at := self.contact) else {}),
+            **(contact_readings(at.contact, progress.U, at.shifts) if (at := self.contact) else {}),
         )
 
     @property
@@ -373,11 +374,11 @@ class Deformation(Uncopyable):
         """True if the held vertices have not come as far as they can."""
         return self.contact is not None and self.contact.is_on_its_way
 
-    def _spread(self, U: np.ndarray) -> np.ndarray:
-        """Local positions ``U`` of the vertices of the solve, for all those of the file."""
-        spread = self.rest.weld.to_file(self.loose.with_followers(U))
+    def _spread(self, progress: SolverProgress) -> np.ndarray:
+        """Local positions of all vertices of the file."""
+        spread = self.rest.weld.to_file(self.loose.with_followers(progress.U))
         if self.rest.weld.offset is not None and not self._traits.moves_handles:
-            self._held.write_positions(spread, self.solver.held_positions)
+            self._held.write_positions(spread, progress.held_positions)
         return spread
 
     @property
@@ -395,21 +396,19 @@ class Deformation(Uncopyable):
         """Target of "the area" or "the volume"; None without one."""
         return self._kept.target(name)
 
-    def _still(self) -> bool:
-        converged = self.solver.converged
+    def _still(self, progress: SolverProgress) -> bool:
+        converged = progress.converged
         if converged is None or not self._steps.has_steps:
             return self._steps.has_converged(self._convergence)
-        return converged or (self._steps.is_rounding and not self.solver.is_iterate_hidden)
+        return converged or (self._steps.is_rounding and not progress.is_iterate_hidden)
 
     @property
     def missed_goals_sentence(self) -> str | None:
         """Goals not met by the last frame, and their values; None if all are met."""
-        return self._kept.missed_goals_sentence(self.solver.goal_values)
+        return self._kept.missed_goals_sentence(self.solver.progress.goal_values)
 
-    def _unreached(self) -> str | None:
+    def _unreached(self, progress: SolverProgress) -> str | None:
         stopped = self.contact is not None and self.contact.is_stopped
-        if stopped and self.solver.has_met_goals:  # otherwise it is the goals that let it go no farther
+        if stopped and progress.has_met_goals:  # otherwise it is the goals that let it go no farther
             return stop_sentence(self.share_reached, self.contact)
-        return self._kept.out_of_reach_sentence(
-            self.solver.goal_values if stopped or self.solver.stuck else None
-        )
+        return self._kept.out_of_reach_sentence(progress.goal_values if stopped or progress.stuck else None)

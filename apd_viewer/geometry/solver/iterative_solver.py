@@ -2,12 +2,48 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.goals.goals import Goal
+
+
+class SolverProgress(NamedTuple):
+    """Shape and readings of an iterative solver after a step.
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        The shape to show.
+    held_positions : (k + s, 3) float array
+        Positions of held vertices, then targets of soft ones.
+    goal_values : (g,) float array
+        Values of the goals at the iterated shape.
+    has_met_goals : bool
+        All goals are met there.
+    is_iterate_hidden : bool
+        ``U`` is not the iterated shape.
+    stuck : bool
+        The goals are given up; ``U`` is then the best shape, for good.
+    converged : bool or None
+        Further steps gain next to nothing; None if only lengths tell.
+    convergence_ratio : float or None
+        Measure of convergence in multiples of its tolerance; None while not known.
+    seconds_left : float or None
+        Expected seconds to convergence while a factor is made; None if not known.
+    """
+
+    U: np.ndarray
+    held_positions: np.ndarray
+    goal_values: np.ndarray
+    has_met_goals: bool
+    is_iterate_hidden: bool = False
+    stuck: bool = False
+    converged: bool | None = None
+    convergence_ratio: float | None = None
+    seconds_left: float | None = None
 
 
 class IterativeSolver(Protocol):
@@ -22,48 +58,16 @@ class IterativeSolver(Protocol):
     elastic: ElasticSurface
 
     @property
-    def U(self) -> np.ndarray:
-        """The shape to show, (n, 3) float array."""
-
-    @property
-    def held_positions(self) -> np.ndarray:
-        """Positions of held vertices, then targets of soft ones, (k + s, 3)."""
-
-    @property
-    def goal_values(self) -> np.ndarray:
-        """Values of the goals at ``U``, (g,) float array."""
-
-    @property
-    def has_met_goals(self) -> bool:
-        """True if all goals are met at ``U``."""
+    def progress(self) -> SolverProgress:
+        """Current shape and readings."""
 
     @property
     def energy(self) -> float | None:
-        """The energy of ``U``; None if it is not known."""
-
-    @property
-    def is_iterate_hidden(self) -> bool:
-        """True if ``U`` is not the iterated shape."""
+        """The energy of the shape to show; None if it is not known."""
 
     @property
     def ready(self) -> bool:
         """True if a step has nothing to wait for, such as a factor."""
-
-    @property
-    def stuck(self) -> bool:
-        """True once the goals are given up; ``U`` is then the best shape, for good."""
-
-    @property
-    def converged(self) -> bool | None:
-        """True if further steps gain next to nothing; None if only lengths tell."""
-
-    @property
-    def convergence_ratio(self) -> float | None:
-        """Measure of convergence in multiples of its tolerance; None while not known."""
-
-    @property
-    def seconds_left(self) -> float | None:
-        """Expected seconds to convergence while a factor is made; None if not known."""
 
     def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten steps together reduce the energy by at most this part."""
@@ -83,6 +87,10 @@ class IterativeSolver(Protocol):
 
 class LevelSolver(IterativeSolver, Protocol):
     """Solver with shapes, down to the coarsest level, to save and restore."""
+
+    @property
+    def has_ended(self) -> bool:
+        """True if further steps would gain next to nothing, or nothing."""
 
     def shapes(self) -> list[np.ndarray]:
         """Iterated shape, then those of the coarser levels."""

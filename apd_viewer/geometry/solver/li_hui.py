@@ -8,6 +8,7 @@ from scipy.sparse import diags_array
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.goals.goals import Goal, GoalMeasures
 from apd_viewer.geometry.mesh.operators import area
+from apd_viewer.geometry.solver.iterative_solver import SolverProgress
 
 
 class LiHui:
@@ -35,10 +36,6 @@ class LiHui:
     # Literally (kappa = 0) Eq. 9 returns the corrected points and leaves a crease at the base.
     KAPPA = 1.0
     ITERATIONS_A_ROUND = 20
-    # The goal is never given up, and there is no energy that converges.
-    stuck, converged, convergence_ratio = False, None, None
-    is_iterate_hidden = False
-    seconds_left: float | None = None
 
     def __init__(self, elastic: ElasticSurface, handle_of: np.ndarray, goals: tuple[Goal, ...]) -> None:
         self.elastic = elastic
@@ -53,6 +50,16 @@ class LiHui:
         self.set_goals(goals)
 
     @property
+    def progress(self) -> SolverProgress:
+        """Current shape and readings; the goal is never given up, and no energy converges."""
+        return SolverProgress(self.U, self.held_positions, self.goal_values, self._has_met_goals)
+
+    @property
+    def _has_met_goals(self) -> bool:
+        miss = self._area.relative_miss(float(self.goal_values[0]))
+        return abs(miss) <= self._area.tolerance * self._wanted
+
+    @property
     def ready(self) -> bool:
         """True if a step has nothing to wait for."""
         return self.elastic.factor.ready and self._blend.ready
@@ -61,13 +68,6 @@ class LiHui:
     def energy(self) -> float:
         """Energy of ``U``, a shape beside its minimiser."""
         return self.elastic.energy_at(self.U)
-
-    @property
-    def has_met_goals(self) -> bool:
-        """True if the area of ``U`` is within the tolerance."""
-        return (
-            abs(self._area.relative_miss(float(self.goal_values[0]))) <= self._area.tolerance * self._wanted
-        )
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Bring the total area to another value, or to another tolerance, from now on."""
@@ -94,7 +94,7 @@ class LiHui:
         self.elastic.iterate(self._h)
         self._correct_and_blend()
         self._iteration += 1
-        if self._iteration % self.ITERATIONS_A_ROUND == 0 and not self.has_met_goals:
+        if self._iteration % self.ITERATIONS_A_ROUND == 0 and not self._has_met_goals:
             self._h = self.held_positions
 
     def _correct_and_blend(self) -> None:

@@ -15,7 +15,7 @@ from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE, ConstrainedDescent
-from apd_viewer.geometry.solver.iterative_solver import LevelSolver
+from apd_viewer.geometry.solver.iterative_solver import LevelSolver, SolverProgress
 
 # Below so many free vertices a surface converges as soon alone.
 _ALONE = 4 * FEWEST_COARSE_VERTICES
@@ -108,59 +108,39 @@ class MultilevelDescent:
         self._reset()
 
     @property
-    def U(self) -> np.ndarray:
-        """The shape to show, (n, 3) float array."""
-        return (self._preview or self.fine).U
+    def progress(self) -> SolverProgress:
+        """Readings of the fine surface, or of its preview, which has not converged."""
+        progress = self.fine.progress._replace(seconds_left=self.forecast.seconds_left)
+        if not self._is_descending:
+            progress = progress._replace(converged=False, convergence_ratio=None)
+        if (preview := self._preview) is None:
+            return progress
+        return progress._replace(
+            U=preview.U,
+            goal_values=preview.projection.values,
+            has_met_goals=preview.projection.has_met_goals,
+            is_iterate_hidden=True,
+        )
 
     @property
-    def held_positions(self) -> np.ndarray:
-        """Positions of held vertices, then targets of soft ones, (k + s, 3)."""
-        return self.fine.held_positions
+    def has_ended(self) -> bool:
+        """True if further steps would gain next to nothing, or nothing."""
+        return self.fine.stuck or (self._is_descending and self.fine.has_converged)
 
     @property
-    def goal_values(self) -> np.ndarray:
-        """Values of the goals at ``U``, (g,) float array."""
-        return (self._preview or self.fine).goal_values
-
-    @property
-    def has_met_goals(self) -> bool:
-        """True if all goals are met at ``U``."""
-        return (self._preview or self.fine).has_met_goals
+    def _is_descending(self) -> bool:
+        """True if only the fine surface has to converge."""
+        return self.coarse.converged and not self._previews
 
     @property
     def energy(self) -> float | None:
-        """The energy of ``U``; None if it is not known."""
+        """The energy of the shape to show; None if it is not known."""
         return None if self._preview else self.fine.energy
-
-    @property
-    def is_iterate_hidden(self) -> bool:
-        """True if ``U`` is not the iterated shape."""
-        return self._preview is not None
 
     @property
     def ready(self) -> bool:
         """True if a step has nothing to wait for."""
         return (self._previews and not self.coarse.converged) or self.fine.ready
-
-    @property
-    def stuck(self) -> bool:
-        """True once the goals are given up."""
-        return self.fine.stuck
-
-    @property
-    def converged(self) -> bool | None:
-        """True if further steps would gain next to nothing."""
-        return self.coarse.converged and not self._previews and self.fine.converged
-
-    @property
-    def convergence_ratio(self) -> float | None:
-        """Gain of the fine steps in multiples of its tolerance; None before them."""
-        return self.fine.convergence_ratio if self.coarse.converged and not self._previews else None
-
-    @property
-    def seconds_left(self) -> float | None:
-        """Expected seconds to convergence; None if a step never waited for the factor."""
-        return self.forecast.seconds_left
 
     def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten fine steps together reduce the energy by at most this part."""
@@ -192,7 +172,7 @@ class MultilevelDescent:
 
     def follow_coarse_again(self) -> None:
         """Follow the coarse level again from the current fine shape, without previews."""
-        self.restart(self.fine.U)
+        self.restart(self.elastic.U)
         self._previews = False
 
     def shapes(self) -> list[np.ndarray]:
@@ -217,11 +197,11 @@ class MultilevelDescent:
             self._advance_coarse()
             self.coarse.smooth(_SMOOTHING_OF_FABRIC if self.elastic.membrane else _SMOOTHING)
             self._preview = self._preview or CoarsePreview(self.elastic, self.coarse, self.fine.goals)
-            self._preview.follow_coarse(self.held_positions)
+            self._preview.follow_coarse(self.fine.held_positions)
             self.forecast.expect_factor()
         elif self._previews:
             self._end_previews()
-        elif self.coarse.converged or self.stuck:
+        elif self.coarse.converged or self.fine.stuck:
             self.fine.step()
             self.forecast.count_iteration()
         else:
@@ -274,24 +254,16 @@ class CoarsePreview:
         Vertices that may move.
     U : (n, 3) float array
         The last shape.
+    projection : GoalProjection
+        Its goals.
     """
 
     def __init__(self, elastic: ElasticSurface, coarse: CoarseLevel, goals: tuple[Goal, ...]) -> None:
         self._elastic, self._coarse = elastic, coarse
         self.free = elastic.free
         self.U = elastic.U
-        self._projection = GoalProjection(self, goals)
-        self._projection.refresh_directions(self.U)
-
-    @property
-    def goal_values(self) -> np.ndarray:
-        """Values of the goals at ``U``, (g,) float array."""
-        return self._projection.values
-
-    @property
-    def has_met_goals(self) -> bool:
-        """True if all goals are met at ``U``."""
-        return self._projection.has_met_goals
+        self.projection = GoalProjection(self, goals)
+        self.projection.refresh_directions(self.U)
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """Smooth response (f, 3) to forces ``b_f`` (f, 3), for meeting goals."""
@@ -300,9 +272,9 @@ class CoarsePreview:
     def follow_coarse(self, targets: np.ndarray) -> None:
         """Follow the coarse surface, with the held vertices at ``targets`` (k, 3)."""
         U = self._coarse.prolonged_positions(targets)
-        if self._projection.has_outdated_directions:
-            self._projection.refresh_directions(U)
-        self.U, _ = self._projection.project(U)
+        if self.projection.has_outdated_directions:
+            self.projection.refresh_directions(U)
+        self.U, _ = self.projection.project(U)
 
 
 class PreviewForecast:

@@ -15,7 +15,7 @@ from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.solver.adaptive_metric import gains_from_hessian
 from apd_viewer.geometry.solver.constrained_descent import LATE_TOLERANCE, ConstrainedDescent
-from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
+from apd_viewer.geometry.solver.iterative_solver import IterativeSolver, SolverProgress
 from apd_viewer.geometry.solver.li_hui import LiHui
 from apd_viewer.geometry.solver.methods import Method
 from apd_viewer.geometry.solver.multilevel import (
@@ -79,61 +79,29 @@ class Restarts:
         self._reset()
 
     @property
-    def U(self) -> np.ndarray:
-        """The shape to show, (n, 3) float array."""
-        return self._best[1][0] if self._on_trial else self.inner.U
+    def progress(self) -> SolverProgress:
+        """Readings of the best shape while another is on trial.
 
-    @property
-    def held_positions(self) -> np.ndarray:
-        """Positions of held vertices, then targets of soft ones, (k + s, 3)."""
-        return self.inner.held_positions
-
-    @property
-    def goal_values(self) -> np.ndarray:
-        """Values of the goals at the iterated shape, (g,)."""
-        return self.inner.goal_values
-
-    @property
-    def has_met_goals(self) -> bool:
-        """True if all goals are met at the iterated shape."""
-        return self.inner.has_met_goals
+        It has converged once no further restart promises a lower minimum.
+        """
+        progress = self.inner.progress._replace(converged=self._done)
+        if self._minima:
+            progress = progress._replace(seconds_left=None)
+        if self._on_trial:
+            return progress._replace(U=self._best[1][0], is_iterate_hidden=True, convergence_ratio=0.0)
+        if self._finishing:
+            return progress._replace(convergence_ratio=self.inner.fine.progress.convergence_ratio)
+        return progress
 
     @property
     def energy(self) -> float | None:
-        """The energy of ``U``; None if it is not known."""
+        """The energy of the shape to show; None if it is not known."""
         return self._best[0] if self._on_trial else self.inner.energy
-
-    @property
-    def is_iterate_hidden(self) -> bool:
-        """True if ``U`` is not the iterated shape."""
-        return self._on_trial or self.inner.is_iterate_hidden
 
     @property
     def ready(self) -> bool:
         """True if a step has nothing to wait for."""
         return self.inner.ready
-
-    @property
-    def stuck(self) -> bool:
-        """True once the goals are given up."""
-        return self.inner.stuck
-
-    @property
-    def converged(self) -> bool | None:
-        """True if no further restart promises a lower minimum."""
-        return self._done
-
-    @property
-    def convergence_ratio(self) -> float | None:
-        """Gain in multiples of its tolerance; 0 on trial."""
-        if self._on_trial:
-            return 0.0
-        return self.inner.fine.convergence_ratio if self._finishing else self.inner.convergence_ratio
-
-    @property
-    def seconds_left(self) -> float | None:
-        """Expected seconds to the first minimum; None if they are not known."""
-        return None if self._minima else self.inner.seconds_left
 
     def set_tolerance(self, tolerance: float) -> None:
         """Take a minimum for one once ten steps reduce the energy by at most this part."""
@@ -168,20 +136,21 @@ class Restarts:
 
     def step(self) -> None:
         """Do a step of the multilevel solver, and restart it where it stalls."""
-        inner = self.inner
-        (inner.fine if self._finishing else inner).step()
+        inner = self.inner.fine if self._finishing else self.inner
+        inner.step()
+        progress = inner.progress
         energy = self.elastic.energy if self._on_trial else np.inf
         gain = 0.0 if self._finishing else _GAIN
         # Once shown it stays: switching back would flicker.
         self._on_trial = self._on_trial and not energy < (1.0 - gain) * self._best[0]
         if self._finishing:
-            if inner.stuck or inner.fine.converged:
+            if progress.stuck or progress.converged:
                 self._end()
-        elif self._leads_nowhere() or (self._on_trial and (inner.stuck or self._fails(energy))):
+        elif self._leads_nowhere() or (self._on_trial and (progress.stuck or self._fails(energy, progress))):
             (self._end if self._by_hessian else self._finish)()
-        elif inner.stuck:
+        elif progress.stuck:
             self._done = True
-        elif inner.converged or ((self._on_trial or not self._by_hessian) and self._stalls(energy)):
+        elif progress.converged or ((self._on_trial or not self._by_hessian) and self._stalls(energy)):
             self._begin_trial()
 
     def _leads_nowhere(self) -> bool:
@@ -201,9 +170,9 @@ class Restarts:
         before, now = self._coarse_start, coarse.shapes()[0]
         return float(np.abs(now - before).max()) <= _SAME * float(np.ptp(before, axis=0).max())
 
-    def _fails(self, energy: float) -> bool:
+    def _fails(self, energy: float, progress: SolverProgress) -> bool:
         """True if the trial has converged and is the last one worth it."""
-        if not (self.inner.converged or self._stalls(energy)):
+        if not (progress.converged or self._stalls(energy)):
             return False
         known = any(abs(energy - minimum) <= _GAIN * minimum for minimum in self._minima)
         return known or len(self._minima) - int(np.argmin(self._minima)) > self._patience

@@ -14,6 +14,7 @@ from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE
+from apd_viewer.geometry.solver.iterative_solver import SolverProgress
 from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
 from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection, TouchingSurface
 
@@ -82,9 +83,21 @@ class TouchingDescent:
         return self._surface.U
 
     @property
-    def goal_values(self) -> np.ndarray:
-        """Values of the goals at ``U``, (g,) float array."""
-        return self._projection.values
+    def progress(self) -> SolverProgress:
+        """Current shape and readings; hidden after a step that only tried to go on.
+
+        It is stuck where no free way leads to shapes that meet the goals.
+        """
+        return SolverProgress(
+            self.U,
+            self.held_positions,
+            self._projection.values,
+            self.has_met_goals,
+            is_iterate_hidden=self._steps == 0,
+            stuck=self._at_minimum and not self.has_met_goals and not self.is_on_its_way,
+            converged=self.converged,
+            convergence_ratio=self.convergence_ratio,
+        )
 
     @property
     def has_met_goals(self) -> bool:
@@ -92,19 +105,9 @@ class TouchingDescent:
         return self._projection.largest_miss <= GOAL_TOLERANCE
 
     @property
-    def is_standing_still(self) -> bool:
-        """True if nothing was done but to try the next part of the path."""
-        return self._steps == 0
-
-    @property
     def is_stopped(self) -> bool:
         """True if contact lets the held vertices go no farther."""
         return self.share < 1.0 and self._waited >= _PATIENCE
-
-    @property
-    def stuck(self) -> bool:
-        """True where no free way leads to shapes that meet the goals."""
-        return self._at_minimum and not self.has_met_goals and not self.is_on_its_way
 
     @property
     def is_on_its_way(self) -> bool:

@@ -3,7 +3,7 @@
 ::
 
     window process                                      solver process           factor process (large meshes)
-    thread "solver": SolverWorker   -- request, arrays -> thread "orders": Mailbox
+    thread "solver": SolverWorker   -- request, arrays -> thread "requests": Mailbox
     thread "answers": SolverProcess <- reply, shape ----- RequestSolver, Deformation
                                                           RemoteFactor -- matrix, B -> LinearSolver
                                                                        <- solution ---

@@ -10,6 +10,7 @@ import io
 import itertools
 import pickle
 import struct
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -83,14 +84,14 @@ class ArrayPacker:
     def packed_message(self, value: object) -> bytes:
         """Return the message for ``value``; raises MemoryError."""
         self._mentioned, self._arrays, self._meshes = {}, [], []
-        content = _pickled(value, self)
+        content = pickled(value, self._number)
         forgotten = [number for key, (number, _) in self._known.items() if key not in self._mentioned]
         arrays = self._laid_out()
         self._known = self._mentioned
         name = self.shared_arrays.name if self.shared_arrays else None
         return pickle.dumps((arrays, self._meshes, forgotten, name, content))
 
-    def number(self, value: object) -> int | None:
+    def _number(self, value: object) -> int | None:
         """Return the number of an array or a mesh; None for anything else."""
         if isinstance(value, np.ndarray):
             return self._array(value)
@@ -159,7 +160,7 @@ class ArrayUnpacker:
             envelope.close()
         for mesh in meshes:
             self._known[mesh.number] = self._mesh(mesh)
-        return _unpickled(content, self._known)
+        return unpickled(content, self._known)
 
     def _mesh(self, description: _Mesh) -> Mesh:
         known = self._known
@@ -167,17 +168,21 @@ class ArrayUnpacker:
         return Mesh.from_checked(known[description.V], known[description.F], description.path, weld=weld)
 
 
-def _pickled(value: object, packer: ArrayPacker) -> bytes:
+def pickled(value: object, number_of: Callable[[object], int | None]) -> bytes:
+    """Pickle ``value``, with the objects that have a number replaced by it."""
+
     class Pickler(pickle.Pickler):
         def persistent_id(self, thing: object) -> int | None:
-            return packer.number(thing)
+            return number_of(thing)
 
     buffer = io.BytesIO()
     Pickler(buffer, pickle.HIGHEST_PROTOCOL).dump(value)
     return buffer.getvalue()
 
 
-def _unpickled(content: bytes, known: dict[int, Any]) -> Any:
+def unpickled(content: bytes, known: Mapping[int, Any]) -> Any:
+    """Restore a value, given the objects by their numbers."""
+
     class Unpickler(pickle.Unpickler):
         def persistent_load(self, number: int) -> Any:
             return known[number]

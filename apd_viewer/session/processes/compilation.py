@@ -14,7 +14,7 @@ from apd_viewer.geometry.warmup import SECTIONS, report_compilations, warm_up
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run_service
 from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
-from apd_viewer.session.processes.messages import CompilationProgress, SolverMessage
+from apd_viewer.session.processes.request_and_reply import CompilationProgress
 
 # The window and the solver come first: on two cores the window would otherwise be ready twice as late.
 _NICENESS = 10
@@ -32,7 +32,7 @@ class Compilation:
         Called with messages on how far it is.
     """
 
-    def __init__(self, send: Callable[[SolverMessage], object]) -> None:
+    def __init__(self, send: Callable[[CompilationProgress], object]) -> None:
         self._tell = send
         self._stop = report_compilations(lambda share: self._say(min(share, _NEARLY_ALL)))
 
@@ -45,7 +45,7 @@ class Compilation:
             self._say(1.0)
 
     def _say(self, share: float) -> None:
-        self._tell(SolverMessage(0, CompilationProgress(share)))
+        self._tell(CompilationProgress(share))
 
 
 class CompilerProcesses:

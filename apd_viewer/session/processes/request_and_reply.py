@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from enum import Enum
+from logging import LogRecord
+from typing import NamedTuple
 
 import numpy as np
 
+from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.pose.frame import NO_SHIFTS, Frame
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.session.model.document import Document
@@ -31,6 +35,12 @@ class Request:
         Whether the last reply should say what it took.
     shifts : (o, 3) float array
         How far the obstacles have come at ``U``; empty where that is not known.
+    number : int
+        Given when it is sent; a later request has a higher one.
+    shape_buffer : str or None
+        Name of the shared memory for the shapes; without one they travel in the replies.
+    decimations : tuple of Decimation
+        Of the mesh, where they are known and the process has not found them itself.
     """
 
     document: Document
@@ -39,6 +49,9 @@ class Request:
     iterate: bool
     with_cost: bool = False
     shifts: np.ndarray = field(default_factory=lambda: NO_SHIFTS)
+    number: int = 0
+    shape_buffer: str | None = None
+    decimations: tuple[Decimation, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -63,6 +76,8 @@ class Reply:
 
     Attributes
     ----------
+    request : Request
+        It travels as its number.
     finished : bool
         Nothing more comes for this request.
     seconds : float
@@ -73,18 +88,48 @@ class Reply:
         What has happened to the solver meanwhile.
     cost : Cost or None
         With the last reply, where it was asked for.
+    shape_number : int or None
+        Number of the shape in shared memory, where it lies there instead of in the frame.
+    decimations : tuple of Decimation or None
+        Of the mesh, in a reply of their own once they are found.
     """
 
-    document: Document
-    generation: int
-    frame: Frame | None
-    finished: bool
+    request: Request
+    frame: Frame | None = None
+    finished: bool = False
     seconds: float = 0.0
     failure: str | None = None
     warning: str | None = None
     news: str | None = None
     cost: Cost | None = None
+    shape_number: int | None = None
+    decimations: tuple[Decimation, ...] | None = None
 
+
+class RequestStage(Enum):
+    """Progress of a request."""
+
+    RECEIVED = "received"
+    TURNED_TO = "turned to"  # all earlier requests are answered or dropped
+    UNDER_WAY = "under way"  # said every second in which something is done for it
+    ANSWERED = "answered"  # or dropped; nothing more is said of it
+
+
+class RequestProgress(NamedTuple):
+    """The stage that a request has reached; None is a request that need not be named."""
+
+    stage: RequestStage
+    request: Request | None = None
+
+
+@dataclass(frozen=True)
+class CompilationProgress:
+    """Kernels are being compiled for this computer; the ``share`` done, 1 in the end."""
+
+    share: float
+
+
+SolverMessage = Reply | RequestProgress | CompilationProgress | LogRecord
 
 _OF_DOCUMENT, _OF_SETTINGS, _OF_HANDLE = map(factored_fields, (Document, Settings, Handle))
 

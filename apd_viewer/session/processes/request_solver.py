@@ -29,12 +29,13 @@ from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.targets import targets_of
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
-from apd_viewer.session.processes.messages import RequestMessage, RequestStage, SolverMessage
 from apd_viewer.session.processes.remote_factor import RemoteFactor
 from apd_viewer.session.processes.request_and_reply import (
     Cost,
     Reply,
     Request,
+    RequestProgress,
+    RequestStage,
     are_same_keys,
     factor_key,
     obstacle_key,
@@ -45,7 +46,7 @@ _log = logging.getLogger(__name__)
 _NOTHING = np.zeros((0, 3))
 _MOMENT = 0.0005  # s
 _SOON = 1.0  # s
-# Without an order. Kept memory saves the frames of a drag a third of their time, but from gesture to gesture
+# Without a request. Kept memory saves the frames of a drag a third of their time, but from gesture to gesture
 # it lies ever more scattered: 165 MiB after 2,000 of them.
 _PAUSE = 2.0  # s
 _NO_ROOM = tr("Not enough memory for this mesh; close other programs and try again.")
@@ -54,18 +55,18 @@ REMOTE_FACTOR_ROWS = 100_000
 
 
 class RequestSolver:
-    """Answers orders one after another, and caches preparations for the next one.
+    """Answers requests one after another, and caches preparations for the next one.
 
     Parameters
     ----------
-    requests : Mailbox of RequestMessage
-        Where the newest order is; its end is the end of :meth:`run`.
+    requests : Mailbox of Request
+        Where the newest one is; its end is the end of :meth:`run`.
     send : callable
         Called with every message.
     """
 
-    def __init__(self, requests: Mailbox[RequestMessage], send: Callable[[SolverMessage], None]) -> None:
-        self._orders = requests
+    def __init__(self, requests: Mailbox[Request], send: Callable[[Reply | RequestProgress], None]) -> None:
+        self._requests = requests
         self._tell = send
         self._tray: SharedShapeBuffer | None = None
         self._rest: tuple[Mesh, RestMesh] | None = None
@@ -81,50 +82,49 @@ class RequestSolver:
         self._warm = False
 
     def run(self, when_idle: Callable[[Callable[[], bool]], object] = lambda _: None) -> None:
-        """Answer orders until there are no more.
+        """Answer requests until there are no more.
 
         While there are none ``when_idle(called)`` is called, until it has come to its end: it should return
         soon once ``called()``.
         """
-        done = not self._orders.wait_for_value(_SOON) and self._rested(when_idle)
-        while (order := self._orders.wait()) is not None:
-            self._tell(SolverMessage(order.number, RequestStage.TURNED_TO))
+        done = not self._requests.wait_for_value(_SOON) and self._rested(when_idle)
+        while (request := self._requests.wait()) is not None:
+            self._tell(RequestProgress(RequestStage.TURNED_TO, request))
             try:
-                self.answer(order)
+                self.answer(request)
             except InputError as error:
-                self._fail(order, str(error))
+                self._fail(request, str(error))
             except Exception as error:
                 # A bug or a lack of memory must be reported, and the next request must find a solver.
                 _log.exception("The solver stopped")
                 said = str(error) or type(error).__name__
                 stopped = tr("The solver stopped ({said}); undo the last step.").format(said=said)
-                self._fail(order, _NO_ROOM if isinstance(error, MemoryError) else stopped)
-            self._tell(SolverMessage(order.number, RequestStage.ANSWERED))
-            if not done and not self._orders.is_ready:
+                self._fail(request, _NO_ROOM if isinstance(error, MemoryError) else stopped)
+            self._tell(RequestProgress(RequestStage.ANSWERED, request))
+            if not done and not self._requests.is_ready:
                 done = self._rested(when_idle)
-            if not self._orders.wait_for_value(_PAUSE):
+            if not self._requests.wait_for_value(_PAUSE):
                 give_back_freed_memory()
         self._drop()
 
-    def answer(self, order: RequestMessage) -> None:
-        """Tell what an order asks for, or prepare for the next one."""
-        request = order.request
+    def answer(self, request: Request) -> None:
+        """Tell what a request asks for, or prepare for the next one."""
         self.turn_to(request.document.mesh)
         if request.document.paint_problem:
             # During painting; an undeformable mesh is refused at the first request.
             if request.with_cost:  # who compares methods waits for an answer
                 raise InputError(request.document.paint_problem)
             with contextlib.suppress(InputError):
-                compute_decimations(self._rest_of(order))
+                compute_decimations(self._rest_of(request))
             return
         if request.with_cost and not self._warm:
             warm_up()  # otherwise the first method would pay for all
             self._warm = True
-        self._rest_of(order)
+        self._rest_of(request)
         started = time.perf_counter()
-        solver = self._prepared(order)
+        solver = self._prepared(request)
         if request.iterate:
-            self._iterate(order, solver, started)
+            self._iterate(request, solver, started)
         else:
             self._begin_factorizations()
 
@@ -140,9 +140,9 @@ class RequestSolver:
         return any(factor.is_factoring for factor in self._factors)
 
     def _rested(self, when_idle: Callable[[Callable[[], bool]], object]) -> bool:
-        """Call ``when_idle``; False if an order came first."""
-        when_idle(lambda: self._orders.is_ready)
-        return not self._orders.is_ready
+        """Call ``when_idle``; False if a request came first."""
+        when_idle(lambda: self._requests.is_ready)
+        return not self._requests.is_ready
 
     def _drop(self) -> None:
         """Forget the deformation, and end its factorizations."""
@@ -151,66 +151,64 @@ class RequestSolver:
             factor.close()
         self._factors = []
 
-    def _fail(self, order: RequestMessage, message: str) -> None:
+    def _fail(self, request: Request, message: str) -> None:
         self._drop()
-        request = order.request
-        reply = Reply(request.document, request.generation, None, finished=True, failure=message)
-        self._tell(SolverMessage(order.number, reply))
+        self._tell(Reply(request, finished=True, failure=message))
 
-    def _iterate(self, order: RequestMessage, solver: Deformation, started: float) -> None:
-        tray, cost, walk = self._shape_buffer_of(order), None, self._walk
+    def _iterate(self, request: Request, solver: Deformation, started: float) -> None:
+        tray, cost, walk = self._shape_buffer_of(request), None, self._walk
         assert walk is not None
         iterations, since, last = 0, time.perf_counter(), 0
         while True:  # once at least, or poses faster than their preparation would show nothing
             while not solver.ready:
-                if self._orders.is_ready:
+                if self._requests.is_ready:
                     return
                 time.sleep(_MOMENT)
             walk.iterate()
             iterations += 1
             if walk.is_iterate_hidden:
-                if self._orders.is_ready:
+                if self._requests.is_ready:
                     return
                 continue
             most = solver.convergence.most_iterations
             finished = walk.has_arrived and (solver.settled or iterations >= most)
             if finished:
                 took = time.perf_counter() - started
-                while tray is not None and not tray.is_free and not self._orders.is_ready:
+                while tray is not None and not tray.is_free and not self._requests.is_ready:
                     time.sleep(_MOMENT)
             if tray is None or (tray.is_free and (finished or tray.is_displayed)):
                 seconds = (time.perf_counter() - since) / (iterations - last)
                 frame = walk.frame()
-                put = None
-                if finished and order.request.with_cost:
+                shape_number = None
+                if finished and request.with_cost:
                     cost = Cost(solver.rest.energy(frame.U), took)
                 if tray is not None:
-                    put, frame = tray.write_shape(frame.U), replace(frame, U=_NOTHING)
-                reply = Reply(
-                    order.request.document,
-                    order.request.generation,
-                    frame,
-                    finished,
-                    seconds,
-                    warning=self._warning,
-                    cost=cost,
+                    shape_number, frame = tray.write_shape(frame.U), replace(frame, U=_NOTHING)
+                self._tell(
+                    Reply(
+                        request,
+                        frame,
+                        finished,
+                        seconds,
+                        warning=self._warning,
+                        cost=cost,
+                        shape_number=shape_number,
+                    )
                 )
-                self._tell(SolverMessage(order.number, reply, put))
                 since, last = time.perf_counter(), iterations
                 self._begin_factorizations()
-            if finished or self._orders.is_ready:
+            if finished or self._requests.is_ready:
                 return
 
-    def _shape_buffer_of(self, order: RequestMessage) -> SharedShapeBuffer | None:
-        if order.shape_buffer is None:
+    def _shape_buffer_of(self, request: Request) -> SharedShapeBuffer | None:
+        if request.shape_buffer is None:
             return None
-        if self._tray is None or self._tray.name != order.shape_buffer:
-            self._tray = SharedShapeBuffer(len(order.request.document.mesh.V), order.shape_buffer)
+        if self._tray is None or self._tray.name != request.shape_buffer:
+            self._tray = SharedShapeBuffer(len(request.document.mesh.V), request.shape_buffer)
         return self._tray
 
-    def _prepared(self, order: RequestMessage) -> Deformation:
+    def _prepared(self, request: Request) -> Deformation:
         """Return the solver with the goals and poses of the request; factor if needed."""
-        request = order.request
         document = request.document
         held = document.constraints()
         kept_apart = (
@@ -231,7 +229,7 @@ class RequestSolver:
         fresh = self._solver is None or not are_same_keys(key, self._key)
         if self._solver is None or fresh:
             self._drop()  # frees the memory for the next one
-            self._solver = self._made(order, held)
+            self._solver = self._made(request, held)
         else:
             if not are_same_keys(goals, self._goals):
                 self._solver.keep(*targets_of(document), document.settings.calm)
@@ -254,8 +252,8 @@ class RequestSolver:
         self._placed = around
         return self._solver
 
-    def _made(self, order: RequestMessage, held: Constraints) -> Deformation:
-        rest, document = self._rest_of(order), order.request.document
+    def _made(self, request: Request, held: Constraints) -> Deformation:
+        rest, document = self._rest_of(request), request.document
         return deformation_of(document, held, rest, self._factored if _is_large(rest) else None)
 
     def _factored(self, matrix: Callable[[], Matrix], V: np.ndarray) -> Factor:
@@ -267,13 +265,13 @@ class RequestSolver:
         for factor in self._factors:
             factor.begin()
 
-    def _rest_of(self, order: RequestMessage) -> RestMesh:
-        mesh = order.request.document.mesh
+    def _rest_of(self, request: Request) -> RestMesh:
+        mesh = request.document.mesh
         if self._rest is None or self._rest[0] is not mesh:
-            rest = RestMesh(mesh.V, mesh.F, mesh.weld, order.decimations)
+            rest = RestMesh(mesh.V, mesh.F, mesh.weld, request.decimations)
             self._rest = mesh, rest
-            if _is_large(rest) and not order.decimations:
-                self._tell(SolverMessage(order.number, compute_decimations(rest)))
+            if _is_large(rest) and not request.decimations:
+                self._tell(Reply(request, decimations=compute_decimations(rest)))
         return self._rest[1]
 
 

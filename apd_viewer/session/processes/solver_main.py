@@ -1,6 +1,6 @@
 """Main function of the solver process.
 
-A thread reads, so that the solver finds the newest order between two iterations. Nothing here is worth
+A thread reads, so that the solver finds the newest request between two iterations. Nothing here is worth
 saving: the process ends at once when its owner has gone, whatever it is doing.
 """
 
@@ -20,7 +20,12 @@ from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run_service
 from apd_viewer.session.processes.compilation import Compilation
-from apd_viewer.session.processes.messages import RequestMessage, RequestStage, SolverMessage, packed_message
+from apd_viewer.session.processes.request_and_reply import (
+    Request,
+    RequestProgress,
+    RequestStage,
+    SolverMessage,
+)
 from apd_viewer.session.processes.request_solver import RequestSolver
 from apd_viewer.session.processes.shared_memory import untrack_shared_memory
 
@@ -48,15 +53,19 @@ class SolverMessageSender:
         self._sink = sink
         self._one_at_a_time = threading.Lock()
 
-    def __call__(self, message: SolverMessage | logging.LogRecord) -> None:
-        """Send a message."""
+    def __call__(self, message: SolverMessage) -> None:
+        """Send a message, with requests named by their numbers."""
         # An owner that stopped listening is gone: the source of requests ends as well.
         with self._one_at_a_time, contextlib.suppress(OSError, ValueError):
-            array_pipe.write_message(self._sink, packed_message(message))
+            array_pipe.write_message(self._sink, array_pipe.pickled(message, _request_number))
+
+
+def _request_number(thing: object) -> int | None:
+    return thing.number if isinstance(thing, Request) else None
 
 
 class _Pulse:
-    """Tells the owner every second of an order under way, or of work at leisure.
+    """Tells the owner every second of a request under way, or of work at leisure.
 
     A process that waits for what never comes spends no time of the processor.
     """
@@ -68,15 +77,16 @@ class _Pulse:
         self._thread.start()
 
     def tell(self, message: SolverMessage) -> None:
-        """Send a message of the solver, beating from an order to its answer."""
+        """Send a message of the solver, beating from a request to its answer."""
         self._tell(message)
-        if message.content is RequestStage.TURNED_TO:
+        stage = message.stage if isinstance(message, RequestProgress) else None
+        if stage is RequestStage.TURNED_TO:
             self._beats.set()
-        elif message.content is RequestStage.ANSWERED:
+        elif stage is RequestStage.ANSWERED:
             self._beats.clear()
 
     def during(self, work: Callable[[Callable[[], bool]], object], called: Callable[[], bool]) -> None:
-        """Do some work, beating meanwhile: an order may wait for it."""
+        """Do some work, beating meanwhile: a request may wait for it."""
         self._beats.set()
         work(called)
         self._beats.clear()
@@ -92,7 +102,7 @@ class _Pulse:
         while self._beats.wait() and not self._ended.wait(_BEAT):
             spent = time.process_time() - time.thread_time()
             if spent - before > _LEAST_SPENT or self._factoring():
-                self._tell(SolverMessage(0, RequestStage.UNDER_WAY))
+                self._tell(RequestProgress(RequestStage.UNDER_WAY))
             before = spent
 
 
@@ -114,7 +124,7 @@ def serve(
     on_source_end: Callable[[], object] = lambda: None,
     when_idle: Callable[[Callable[[], bool]], object] = lambda _: None,
 ) -> None:
-    """Answer the orders from ``source`` on this thread until it ends.
+    """Answer the requests from ``source`` on this thread until it ends.
 
     Parameters
     ----------
@@ -125,24 +135,24 @@ def serve(
     when_idle : callable
         Called when there is nothing to do: see :meth:`RequestSolver.run`.
     """
-    orders: Mailbox[RequestMessage] = Mailbox()
+    requests: Mailbox[Request] = Mailbox()
 
     def receive() -> None:
         unpacker = array_pipe.ArrayUnpacker()
         try:
             while (message := array_pipe.read_message(source)) is not None:
-                order: RequestMessage = unpacker.unpacked_value(message)
-                send(SolverMessage(order.number, RequestStage.RECEIVED))
-                orders.put(order)
+                request: Request = unpacker.unpacked_value(message)
+                send(RequestProgress(RequestStage.RECEIVED, request))
+                requests.put(request)
         finally:  # without an owner there is nothing to log to
-            orders.close()
+            requests.close()
             on_source_end()
 
-    reader = threading.Thread(target=receive, name="orders", daemon=True)
+    reader = threading.Thread(target=receive, name="requests", daemon=True)
     reader.start()
     solver: RequestSolver
     pulse = _Pulse(send, lambda: solver.is_factoring)
-    solver = RequestSolver(orders, pulse.tell)
+    solver = RequestSolver(requests, pulse.tell)
     solver.run(partial(pulse.during, when_idle))
     pulse.end()
     reader.join()

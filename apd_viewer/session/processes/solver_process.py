@@ -15,14 +15,15 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.jobs.silence_watch import SilenceWatch
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
-from apd_viewer.session.processes.messages import (
+from apd_viewer.session.processes.request_and_reply import (
     CompilationProgress,
-    RequestMessage,
+    Reply,
+    Request,
     RequestStage,
     SolverMessage,
-    unpacked_message,
+    are_same_keys,
+    factor_key,
 )
-from apd_viewer.session.processes.request_and_reply import Reply, Request, are_same_keys, factor_key
 from apd_viewer.session.processes.shared_memory import SharedShapeBuffer
 
 _PATIENCE = 5  # s
@@ -109,13 +110,12 @@ class SolverProcess:
         self._received.clear()
         number, tray = next(self._numbers), self._shape_buffer_for(request)
         self._watch.expect_answer(number, _patience(len(request.document.mesh.F)))
-        self._requests[number], self._trays[number] = request, tray
-        # With every order: the process may skip earlier ones. It has the decimations it computed itself.
+        # With every request: the process may skip earlier ones. It has the decimations it computed itself.
         known = () if request.document.mesh is self._finder_of else decimations
-        order = RequestMessage(
-            number, _to_solve(self._with_first_start(request)), tray.name if tray else None, known
-        )
-        message = self._packer.packed_message(order)
+        name = tray.name if tray else None
+        request = replace(request, number=number, shape_buffer=name, decimations=known)
+        self._requests[number], self._trays[number] = request, tray
+        message = self._packer.packed_message(_to_solve(self._with_first_start(request)))
         if self.is_alive:  # if it has just ended, the listening thread reports so
             self._process.send_messages(message)
         if not self.is_alive:
@@ -160,7 +160,7 @@ class SolverProcess:
     def _listen(self) -> None:
         try:
             while (message := self._process.receive()) is not None:
-                self._hear(unpacked_message(message, self._requests))
+                self._hear(array_pipe.unpickled(message, self._requests))
         finally:
             self.is_alive = False
             self._watch.close()
@@ -169,40 +169,40 @@ class SolverProcess:
             self._received.set()
             self._ended(self)
 
-    def _hear(self, message: SolverMessage | logging.LogRecord) -> None:
+    def _hear(self, message: SolverMessage) -> None:
         self._watch.note_message()
         if isinstance(message, logging.LogRecord):
             logging.getLogger(message.name).handle(message)
-        elif isinstance(message.content, Reply):
-            self._hear_reply(message.content, self._trays[message.number], message.shape_number)
-        elif message.content is RequestStage.RECEIVED:
+        elif isinstance(message, CompilationProgress):
+            self._compiling(message.share)
+        elif isinstance(message, Reply):
+            self._hear_reply(message)
+        elif message.request is not None:
+            self._hear_stage(message.stage, message.request.number)
+
+    def _hear_stage(self, stage: RequestStage, number: int) -> None:
+        if stage is RequestStage.RECEIVED:
             self._discard_shared_arrays()
             self._received.set()
-        elif message.content is RequestStage.TURNED_TO:
-            for number in [n for n in list(self._requests) if n < message.number]:
-                del self._requests[number], self._trays[number]
-        elif message.content is RequestStage.ANSWERED:
-            self._watch.note_message(answer=message.number)
-        elif isinstance(message.content, CompilationProgress):
-            self._compiling(message.content.share)
-        elif isinstance(message.content, tuple):
-            self._finder_of = self._requests[message.number].document.mesh
-            self._learned(self._finder_of, message.content)
+        elif stage is RequestStage.TURNED_TO:
+            for earlier in [n for n in list(self._requests) if n < number]:
+                del self._requests[earlier], self._trays[earlier]
+        elif stage is RequestStage.ANSWERED:
+            self._watch.note_message(answer=number)
 
-    def _hear_reply(
-        self, reply: Reply, shape_buffer: SharedShapeBuffer | None, shape_number: int | None
-    ) -> None:
+    def _hear_reply(self, reply: Reply) -> None:
+        if reply.decimations is not None:
+            self._finder_of = reply.request.document.mesh
+            self._learned(self._finder_of, reply.decimations)
+            return
         if reply.failure:
             # The process took its state along: the next request starts from the displayed shape.
             self._start = None
         looked: Callable[[], object] = _nothing
         if (frame := reply.frame) is not None:
-            U = frame.U
-            if shape_buffer is not None and shape_number is not None:
-                U, looked = (
-                    shape_buffer.take_shape(shape_number),
-                    partial(shape_buffer.mark_displayed, shape_number),
-                )
+            U, shape_buffer = frame.U, self._trays[reply.request.number]
+            if shape_buffer is not None and (number := reply.shape_number) is not None:
+                U, looked = shape_buffer.take_shape(number), partial(shape_buffer.mark_displayed, number)
             reply = replace(reply, frame=replace(frame, U=frozen(U)))
         self._publish(reply, looked)
 

@@ -197,14 +197,12 @@ class SolverWorker:
             return True
         if calm:
             self._news.put(_DIED)
-            reply = Reply(request.document, request.generation, None, finished=False)
-            if self._replies.offer((reply, lambda: None)):
+            if self._replies.offer((Reply(request), lambda: None)):
                 self._wake()
         return False
 
     def _fail(self, request: Request, sentence: str) -> None:
-        reply = Reply(request.document, request.generation, None, finished=True, failure=sentence)
-        self._put(reply, lambda: None)
+        self._put(Reply(request, finished=True, failure=sentence), lambda: None)
 
     def _put(self, reply: Reply, on_displayed: Callable[[], object]) -> None:
         if self._replies.put((reply, on_displayed)):
@@ -215,9 +213,9 @@ class SolverWorker:
     def _publish(self, reply: Reply, on_displayed: Callable[[], object]) -> None:
         if reply.frame is not None:
             self._deaths = 0
-            self._shape = reply.generation, reply.frame
+            self._shape = reply.request.generation, reply.frame
         if reply.finished:
-            self._finished = reply.document, reply.generation
+            self._finished = reply.request.document, reply.request.generation
         self._put(reply, on_displayed)
 
     def _learned(self, mesh: Mesh, decimations: tuple[Decimation, ...]) -> None:

@@ -89,7 +89,7 @@ class Comparison:
         if reply is None:
             return False
         self.news = reply.news or self.news
-        if reply.document is self._asked and self.current_method is not None:
+        if reply.request.document is self._asked and self.current_method is not None:
             self._hear(self.current_method, reply)
         return True
 

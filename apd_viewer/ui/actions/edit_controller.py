@@ -90,12 +90,12 @@ class EditController:
         """Put all handles back, and the mesh in its rest shape."""
         if self._is_open:
             self.cancel_drag()
-            self._session.rest_shape.restore()
+            self._session.shapes.restore()
 
     def bake(self) -> None:
         """Make the shape on screen the rest shape."""
         if self._may_begin():
-            self._session.rest_shape.bake()
+            self._session.shapes.bake()
 
     # Parts
 

@@ -53,7 +53,7 @@ class FindingsController(QObject):
         self.list.stay_toggled.connect(
             lambda k, on: session.settings.set_staying(self._listed[k].components, on)
         )
-        self.list.weld_requested.connect(session.rest_shape.weld)
+        self.list.weld_requested.connect(session.shapes.weld)
         self.list.dismissed.connect(self._dismiss)
         canvas.viewport.clicked.connect(self._clicked)
         for begun in (canvas.strokes.began, canvas.drag_began):

@@ -63,12 +63,12 @@ class TargetController(QObject):
             return
         path = file_dialogs.ask_for_target_shape(self._window, self._memory.last_folder)
         if path is not None:
-            self._session.target_shapes.load(path, lambda: self._heat.choose_measure(Measure.TARGET_DISTANCE))
+            self._session.shapes.load_target(path, lambda: self._heat.choose_measure(Measure.TARGET_DISTANCE))
 
     def clear_target_shape(self) -> None:
         """Compare with no other mesh any more."""
         if self._session.store.state is not None:
-            self._session.target_shapes.clear()
+            self._session.shapes.clear_target()
 
     def refresh(self) -> None:
         """Measure the shape on screen once it rests; give up what is out of date."""

@@ -55,11 +55,11 @@ class SymmetryController:
     def _choose(self, axis: int | None) -> None:
         if self._session.store.state is not None:
             self._give_up()
-            self._session.symmetric_posing.mirror_along(axis)
+            self._session.handles.mirror_along(axis)
 
     def _paint(self) -> None:
         self._give_up()
-        self._session.symmetric_posing.paint_partner(self._parts.handle)
+        self._session.handles.paint_partner(self._parts.handle)
 
 
 def _sentence(document: Document, k: int) -> str:

@@ -61,7 +61,7 @@ def test_frame_energy_is_of_the_shape_shown_while_a_coarse_one_leads_and_others_
     hid = 0
     for _ in range(400):
         frame = solver.step()
-        hid += solver.solver.is_iterate_hidden
+        hid += solver.solver.progress.is_iterate_hidden
         assert frame.energy == pytest.approx(rest.energy(frame.U), rel=1e-6)
         if hid > 3 or solver.settled:
             break

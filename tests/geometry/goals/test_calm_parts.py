@@ -57,7 +57,7 @@ def test_calm_parts_keep_the_area_of_limbs_and_all_goals_hold_in_every_frame(ges
         frame = solver.step()
         iterations += 1
         assert abs(frame.area_error) <= 1e-9
-        assert len(solver.solver.goal_values) > 1
+        assert len(solver.solver.progress.goal_values) > 1
         assert solver.missed_goals_sentence is None
         assert np.array_equal(frame.U[FIXED], GESTURES[gesture])
         assert iterations < 2000
@@ -123,7 +123,7 @@ def test_calm_parts_let_other_goals_hold_beside_them(asked):
             break
         solver.iterate()
     assert solver.missed_goals_sentence is None
-    assert len(solver.solver.goal_values) > 1 + len(asked)
+    assert len(solver.solver.progress.goal_values) > 1 + len(asked)
     legs = change(solver.frame().U, LIMBS["legs"])
     assert abs(legs - (asked.get("area", 100.0) / 100.0 - 1.0)) <= 5e-3
 

@@ -55,11 +55,11 @@ def test_coarse_preview_always_holds_what_is_asked(asked, factor):
         solver.aim(targets(0.04 * k, (0, 0, 0)))
         solver.iterate()
         method = solver.solver
-        assert method.is_iterate_hidden, "it is none of its own shapes"
-        assert method.has_met_goals
-        assert np.array_equal(method.U[FIXED], targets(0.04 * k, (0, 0, 0)))
+        assert method.progress.is_iterate_hidden, "it is none of its own shapes"
+        assert method.progress.has_met_goals
+        assert np.array_equal(method.progress.U[FIXED], targets(0.04 * k, (0, 0, 0)))
         for goal in goals:
-            assert abs(goal.relative_miss(GoalMeasures((goal,)).values(method.U)[0])) <= (
+            assert abs(goal.relative_miss(GoalMeasures((goal,)).values(method.progress.U)[0])) <= (
                 1e-9 if asked == "all" else 1e-10
             )
         assert not solver.frame().settled
@@ -109,7 +109,7 @@ def test_coarse_preview_lets_the_deformation_end_where_it_would_without_and_noth
     factor.there = True
     assert solver.ready
     first = solver.step()
-    assert not solver.solver.is_iterate_hidden
+    assert not solver.solver.progress.is_iterate_hidden
     diagonal = solver.rest.diagonal
     assert np.abs(first.U - preview).max() <= 0.01 * diagonal
     normals = [vertex_normals(U, solver.rest.solve_mesh.F) for U in (preview, first.U)]
@@ -133,7 +133,7 @@ def test_coarse_preview_follows_a_hand_that_moves_on_from_the_last_full_shape(fa
     for shift in (0.25, 0.3, 0.25, 0.2):
         solver.aim(targets(0.3, (0.1, 0.0, shift)))
         solver.iterate()
-        assert solver.solver.is_iterate_hidden
+        assert solver.solver.progress.is_iterate_hidden
     while not (frame := solver.step()).settled:
         pass
     assert np.abs(frame.U - rest.U).max() <= 5e-3 * solver.rest.diagonal

@@ -64,8 +64,8 @@ def test_constrained_descent_without_goals_is_the_plain_iteration(move):
     for _ in range(10):
         plain.iterate(targets)
         method.iterate()
-    assert np.array_equal(plain.U, method.U)
-    assert method.has_met_goals
+    assert np.array_equal(plain.U, method.progress.U)
+    assert method.progress.has_met_goals
 
 
 def kkt_residual(rest, method):
@@ -105,7 +105,7 @@ def test_constrained_descent_ends_where_the_conditions_of_karush_kuhn_and_tucker
     method.aim(targets)
     for _ in range(len(V)):
         method.iterate()
-    assert method.has_met_goals
+    assert method.progress.has_met_goals
     residual, multipliers = kkt_residual(rest, method)
     assert residual <= 1e-6
     assert 4 * method.multipliers == pytest.approx(multipliers, rel=1e-4)

@@ -181,10 +181,10 @@ def test_contact_energy_at_is_that_of_the_shape_even_after_a_refused_move():
     for step in range(150):
         solver.iterate()
         if step % 5 == 0 and inside.contact.touching_pairs:
-            U = inside.U
+            U = inside.progress.U
             fresh.start_at(U)
             seen += fresh.energy_at(U) > 0.0
-            assert inside.contact.energy_at(inside.U) == pytest.approx(fresh.energy_at(U), rel=1e-9)
+            assert inside.contact.energy_at(inside.progress.U) == pytest.approx(fresh.energy_at(U), rel=1e-9)
     assert seen >= 5
 
 

@@ -128,9 +128,9 @@ def test_li_hui_changes_nothing_by_its_blend_where_arap_has_settled_at_the_rest_
     method = LiHui(arap, np.isin(fixed, handle).astype(int), (replace(goal, tolerance=1e-3),))
     method.aim(targets)
     method.step()
-    assert method.has_met_goals
+    assert method.progress.has_met_goals
     assert np.abs(method.held_positions - targets).max() <= 1e-9
-    assert np.abs(method.U - arap.U).max() <= 1e-9
+    assert np.abs(method.progress.U - arap.U).max() <= 1e-9
 
 
 def test_li_hui_needs_no_more_iterations_for_a_wider_tolerance():

@@ -131,9 +131,9 @@ def test_multilevel_holds_what_is_held_and_what_is_kept_in_every_iteration(mater
     method.aim(targets)
     for _ in range(40):
         method.step()
-        assert method.has_met_goals
-        assert np.array_equal(method.U[fixed], targets)
-        assert np.isfinite(method.U).all()
+        assert method.progress.has_met_goals
+        assert np.array_equal(method.progress.U[fixed], targets)
+        assert np.isfinite(method.progress.U).all()
 
 
 @pytest.mark.parametrize("method", ["arap", "exact", "local"])

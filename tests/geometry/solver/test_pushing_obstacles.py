@@ -88,7 +88,9 @@ def test_deformation_tells_loads_that_are_the_slopes_of_the_energy(kind):
         while not solver.settled:
             solver.iterate()
         inside = solver.contact
-        found.append((inside.energy + inside.contact.energy_at(inside.U), solver.frame().loads[0, 0]))
+        found.append(
+            (inside.energy + inside.contact.energy_at(inside.progress.U), solver.frame().loads[0, 0])
+        )
     (before, _), (_, load), (after, _) = found
     assert load == pytest.approx((after - before) / (2.0 * h), rel=0.01)
 
@@ -124,7 +126,7 @@ def test_deformation_between_two_plates_is_a_press():
         assert -frame.loads[0, 0] == pytest.approx(step.load_low, rel=0.01)
         assert frame.loads[1, 0] == pytest.approx(step.load_high, rel=0.01)
         inside = solver.contact
-        energy = inside.energy + inside.contact.energy_at(inside.U)
+        energy = inside.energy + inside.contact.energy_at(inside.progress.U)
         assert energy == pytest.approx(step.energy, rel=0.01)
 
 

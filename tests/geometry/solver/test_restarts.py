@@ -26,7 +26,7 @@ def to_the_end(solver, most=3000):
     frames, hidden = [], []
     while not solver.settled:
         frames.append(solver.step())
-        hidden.append(solver.solver.is_iterate_hidden)
+        hidden.append(solver.solver.progress.is_iterate_hidden)
         assert len(frames) < most
     return frames, np.array(hidden)
 
@@ -35,7 +35,7 @@ def shown_while_it_tries(angle):
     """A solver in the midst of a try, and the shape that is shown."""
     solver = Deformation(V, F, FIXED, rest=REST)
     solver.aim(turned(angle))
-    while not solver.solver.is_iterate_hidden:
+    while not solver.solver.progress.is_iterate_hidden:
         solver.iterate()
     shown = solver.frame().U
     for _ in range(5):
@@ -73,7 +73,7 @@ def test_restarts_end_a_try_when_the_hand_moves_on():
     solver, shown = shown_while_it_tries(1.0)
     assert solver.frame().U.tobytes() == shown.tobytes()
     solver.aim(turned(1.1))
-    assert not solver.solver.is_iterate_hidden
+    assert not solver.solver.progress.is_iterate_hidden
     frame = solver.step()
     assert np.array_equal(frame.U[FIXED], turned(1.1))
     assert abs(frame.area_error) <= 1e-9

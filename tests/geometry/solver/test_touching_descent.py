@@ -48,12 +48,14 @@ def test_touching_descent_never_raises_the_energy_of_shape_and_gaps_while_handle
         if inside.is_on_its_way or not inside.contact.touching_pairs:
             energies = []
             continue
-        energies.append(inside.energy + inside.contact.energy_at(inside.U))
+        energies.append(inside.energy + inside.contact.energy_at(inside.progress.U))
         if len(energies) > 1:
             assert energies[-1] <= energies[-2] * (1.0 + 1e-9)
             judged += 1
-        if len(energies) > 10 and inside.convergence_ratio:
-            tolerances.append((energies[-11] - energies[-1]) / (energies[-1] * inside.convergence_ratio))
+        if len(energies) > 10 and inside.progress.convergence_ratio:
+            tolerances.append(
+                (energies[-11] - energies[-1]) / (energies[-1] * inside.progress.convergence_ratio)
+            )
     assert judged >= 20
     assert tolerances == pytest.approx([tolerances[0]] * len(tolerances), rel=1e-6), "ten steps and no fewer"
 

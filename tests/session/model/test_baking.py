@@ -22,7 +22,7 @@ VIEW = View()
 
 
 def bake(session: Driven) -> None:
-    session.rest_shape.bake()
+    session.shapes.bake()
     session.until(lambda: session.jobs.current is None)
 
 
@@ -82,7 +82,7 @@ def test_bake_is_undone_and_done_again(session):
     assert session.store.state is before
     session.gestures.redo()
     assert session.store.state is after
-    session.rest_shape.restore()
+    session.shapes.restore()
     assert session.store.state is after, "there is nothing to put back"
 
 
@@ -92,7 +92,7 @@ def test_bake_takes_the_shape_that_was_on_screen_though_it_goes_on(session):
     session.drag(BENT)
     session.until(lambda: session.store.state.frame.iteration > 3)
     shown = session.U
-    session.rest_shape.bake()
+    session.shapes.bake()
     time.sleep(0.2)
     session.until(lambda: session.jobs.current is None)
     assert session.U is shown
@@ -103,7 +103,7 @@ def test_bake_refuses_what_has_been_dragged_on_meanwhile(session):
     session.drag(BENT)
     session.settle()
     before = session.store.state.document.mesh
-    session.rest_shape.bake()
+    session.shapes.bake()
     session.drag(pose(0.2))
     session.until(lambda: session.jobs.current is None)
     assert session.store.state.document.mesh is before

@@ -34,7 +34,7 @@ def winged(session) -> Driven:
     session.stroke(np.flatnonzero(V[:, 0] < 5.7), HANDLE + 1)
     session.parts.add_handle()
     session.stroke(np.flatnonzero(V[:, 1] > 0.8), HANDLE + 2)
-    session.symmetric_posing.mirror_along(X)
+    session.handles.mirror_along(X)
     return session
 
 
@@ -57,7 +57,7 @@ def test_mirror_partner_finds_partners_by_their_paint(winged):
     assert [mirror_partner(document, k).share for k in range(3)] == [1.0, 1.0, 1.0]
     winged.stroke(np.flatnonzero(document.mesh.V[:, 0] < 5.5), FREE)
     assert mirror_partner(winged.store.state.document, 0) is None, "too little is left of it"
-    winged.symmetric_posing.mirror_along(None)
+    winged.handles.mirror_along(None)
     assert mirror_partner(winged.store.state.document, 2) is None
 
 
@@ -127,13 +127,13 @@ def test_paint_partner_paints_the_other_side_already_posed(winged):
     winged.handles.move_by(MOTIONS["MOVE_Y"], "0.3", 0)
     before, steps = winged.store.state, len(winged.gestures.history.undo_names)
     assert mirror_partner(before.document, 0) is None
-    winged.symmetric_posing.paint_partner(0)
+    winged.handles.paint_partner(0)
     winged.settle()
     document = winged.store.state.document
     assert mirror_partner(document, 0) == (2, 1.0)
     assert asymmetry(winged) <= 1e-6
     assert len(winged.gestures.history.undo_names) == steps + 1
-    winged.symmetric_posing.paint_partner(0)
+    winged.handles.paint_partner(0)
     assert "free vertices" in winged.failed[-1]
     assert winged.store.state.document is document
     winged.gestures.undo()
@@ -141,7 +141,7 @@ def test_paint_partner_paints_the_other_side_already_posed(winged):
 
 
 def test_mirror_partner_is_undone_saved_and_replayed(winged, tmp_path):
-    winged.symmetric_posing.mirror_along(None)
+    winged.handles.mirror_along(None)
     assert winged.gestures.history.next_undo == "Change symmetry"
     winged.gestures.undo()
     assert winged.store.state.document.mirror_axis == X
@@ -160,7 +160,7 @@ def test_mirror_partner_lets_a_handle_without_a_mirror_image_move_alone(session)
     V, F = box(2, 2, 6)
     session.show_now(Mesh(V, F))
     session.paint_ends()
-    session.symmetric_posing.mirror_along(2)
+    session.handles.mirror_along(2)
     assert mirror_partner(session.store.state.document, 0) is None, "the base is there"
     session.drag(translation([0.0, 0.0, 1.0]))
     np.testing.assert_array_equal(poses(session)[0], translation([0.0, 0.0, 1.0]))

@@ -108,7 +108,7 @@ def test_poses_stay_where_they_are_when_paint_grips_anew(kept):
     assert is_in_pose(document(kept), document(kept).poses[1])
     kept.poses.go_to(0)
     np.testing.assert_allclose(handle_placements(document(kept))[0].pose, pose(0.3), atol=1e-9)
-    kept.rest_shape.restore()
+    kept.shapes.restore()
     kept.poses.go_to(1)
     np.testing.assert_allclose(where(kept)[0], BENT, atol=1e-9)
 
@@ -120,7 +120,7 @@ def test_poses_are_the_same_places_after_baking(kept):
     there = document(kept).constraints()
     kept.poses.go_to(1)
     kept.settle()
-    kept.rest_shape.bake()
+    kept.shapes.bake()
     kept.until(lambda: kept.jobs.current is None)
     assert not document(kept).is_posed
     assert is_in_pose(document(kept), document(kept).poses[1])

@@ -13,8 +13,7 @@ from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import compilation
 from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
 from apd_viewer.session.processes.compilation import Compilation
-from apd_viewer.session.processes.messages import RequestStage
-from apd_viewer.session.processes.request_and_reply import Request
+from apd_viewer.session.processes.request_and_reply import Request, RequestStage
 from apd_viewer.session.processes.solver_main import serve
 from apd_viewer.session.processes.solver_worker import SolverWorker
 
@@ -51,7 +50,7 @@ def test_compilation_tells_all_last_and_once(monkeypatch):
         return lambda: stopped.append(len(told))
 
     monkeypatch.setattr(compilation, "report_compilations", listening)
-    Compilation(lambda message: told.append(message.content.share)).run(lambda: False)
+    Compilation(lambda message: told.append(message.share)).run(lambda: False)
     assert told[0] == 0.5
     assert [share == 1.0 for share in told] == [False, False, False, True]
     assert stopped == [3]
@@ -68,7 +67,7 @@ def test_solver_main_is_not_silent_while_it_compiles():
 
     with os.fdopen(source, "rb") as orders:
         serve(orders, told.append, when_idle=work_until_something_is_told)
-    assert told[0].content is RequestStage.UNDER_WAY
+    assert told[0].stage is RequestStage.UNDER_WAY
 
 
 @pytest.mark.usefixtures("process")

@@ -359,7 +359,7 @@ def test_comparison_window_takes_again_what_the_main_window_shows_now(qtbot, bar
     before = cells(side)["Exact"]["Energy"]
     bar.session.handles.reset_handle(0)
     idle(qtbot, bar)
-    bar.session.rest_shape.restore()
+    bar.session.shapes.restore()
     idle(qtbot, bar)
     qtbot.mouseClick(side.again, LEFT)
     assert "at rest" in side.status.text()

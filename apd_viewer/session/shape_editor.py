@@ -1,0 +1,112 @@
+"""The rest shape, replaced and welded, and the target shape, loaded and cleared."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.language import tr
+from apd_viewer.session.document_editor import DocumentEditor
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.jobs.background_job import Jobs
+from apd_viewer.session.listener import Listener
+from apd_viewer.session.model.baking import baked_state
+from apd_viewer.session.model.state import State, rest_frame, welded_state
+from apd_viewer.session.model.status_text import about_baking, about_target
+from apd_viewer.session.posing.named_poses import rebased_poses
+from apd_viewer.session.posing.obstacle_placement import reset_obstacles
+from apd_viewer.session.state_store import StateStore
+
+
+class ShapeEditor(DocumentEditor):
+    """Restores and replaces the rest shape and the target shape.
+
+    Parameters
+    ----------
+    store : StateStore
+    gestures : Gestures
+    jobs : Jobs
+    listener : Listener
+    """
+
+    def __init__(self, store: StateStore, gestures: Gestures, jobs: Jobs, listener: Listener) -> None:
+        super().__init__(store, gestures, listener)
+        self._jobs = jobs
+
+    def restore(self) -> None:
+        """Reset handles, obstacles, shape and percentages; the paint stays."""
+        state = self._gestures.state_without_gesture()
+        if not state.is_at_rest:
+            self._gestures.record(tr("Reset all handles"), state)
+            rest = rest_frame(state.document.mesh, state.inspection)
+            state = state.updated(state.document.at_rest(), rest)
+            self._store.jump_to(state.updated(replace(state.document, obstacles=reset_obstacles(state))))
+
+    def bake(self) -> None:
+        """Make the shape on screen the rest shape, in the background."""
+
+        def tell(shown: State) -> None:
+            self._listener.message_sent(
+                about_baking(shown.frame.area, shown.inspection.area, self._store.unit)
+            )
+
+        again = tr("The shape changed in the meantime; bake it again.")
+        self._change(tr("Measuring the new rest shape"), _baked, tr("Bake as rest shape"), again, tell)
+
+    def weld(self) -> None:
+        """Weld nearly meeting seams; the vertices of the file stay."""
+        again = tr("The shape changed in the meantime; weld it again.")
+        self._change(tr("Welding the seams"), welded_state, tr("Weld seams"), again)
+
+    def _change(
+        self,
+        doing: str,
+        change: Callable[[State], State],
+        gesture: str,
+        again: str,
+        tell: Callable[[State], object] = lambda _: None,
+    ) -> None:
+        """Change the state in the background; fail with ``again`` if another came."""
+        shown = self._gestures.state_without_gesture()
+
+        def done(state: State) -> None:
+            if self._gestures.state_without_gesture().document is not shown.document:
+                self._listener.failed(again)
+                return
+            self._recorded(gesture)
+            self._store.jump_to(state)
+            tell(shown)
+
+        self._jobs.run(doing, lambda: change(shown), done)
+
+    def load_target(self, path: str | Path, on_success: Callable[[], object] = lambda: None) -> None:
+        """Compare with the mesh in a file, opened in the background.
+
+        ``on_success()`` follows if all went well.
+        """
+        path, mesh = Path(path), self._store.required_state().document.mesh
+
+        def loaded(target: TargetShape) -> None:
+            if self._store.required_state().document.mesh.F is not mesh.F:
+                return  # another mesh has been opened meanwhile
+            self._replace(tr("Load target shape"), target_shape=target, missing_target_shape=None)
+            self._listener.message_sent(about_target(target, mesh))
+            on_success()
+
+        title = tr("Opening {name}").format(name=path.name)
+        self._jobs.run(title, lambda: TargetShape(open_mesh(path)), loaded)
+
+    def clear_target(self) -> None:
+        """Compare with no other mesh any more."""
+        document = self._store.required_state().document
+        if document.target_shape is not None or document.missing_target_shape is not None:
+            self._replace(tr("Clear target shape"), target_shape=None, missing_target_shape=None)
+
+
+def _baked(state: State) -> State:
+    """The state with its shape as the rest shape, and its named poses from there."""
+    at_rest = baked_state(state)
+    return replace(at_rest, document=replace(at_rest.document, poses=rebased_poses(state.document)))
