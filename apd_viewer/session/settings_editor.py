@@ -10,27 +10,13 @@ from typing import Any
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import comma_separated, tr
-from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.listener import Listener
+from apd_viewer.session.document_editor import DocumentEditor
 from apd_viewer.session.model.document_parts import have_same_paint
 from apd_viewer.session.posing.obstacle_placement import obstacles_outside_shape
-from apd_viewer.session.state_store import StateStore
 
 
-class SettingsEditor:
-    """Changes the settings of the document.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    listener : Listener
-    """
-
-    def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
-        self._store = store
-        self._gestures = gestures
-        self._listener = listener
+class SettingsEditor(DocumentEditor):
+    """Changes the settings of the document."""
 
     def change(self, **settings: Any) -> None:
         """Change settings by their names as one gesture; refuse a missing volume."""
