@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -208,7 +207,7 @@ class PressDialog(RunDialog):
     @property
     def _targets(self) -> dict[str, str]:
         """Options of the command for the targets that the method keeps."""
-        area, volume, *_ = kept_percentages(replace(self._document, method=self.method.currentData()))
+        area, volume, *_ = kept_percentages(self._document.with_settings(method=self.method.currentData()))
         said = {"--area": area, "--volume": volume}
         return {option: f"{value!r}%" for option, value in said.items() if value is not None}
 
