@@ -17,7 +17,6 @@ FOR_PROGRAMS = {
     "commands/paper_tables.py",
     "presentation/color_maps.py",
     "presentation/legend_svg.py",
-    "session/quantities/deck_wall.py",
     "ui/appearance/shading.py",
     "ui/case_studies/varied_quantity.py",
     "ui/case_studies/engine_fields.py",

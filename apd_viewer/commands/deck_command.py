@@ -12,11 +12,10 @@ from apd_viewer.files.fe_deck import check_deck, write_deck
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
 from apd_viewer.session.model.status_text import about_deck
-from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_mass import Wall
-from apd_viewer.session.quantities.wall_materials import WALL_MATERIALS, wall_material
-from apd_viewer.session.studies.deck_setup import deck_of
+from apd_viewer.session.quantities.wall import WallText
+from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, wall_material
+from apd_viewer.session.studies.deck_setup import deck_of, deck_wall
 
 
 def deck_parser() -> Parser:
@@ -57,14 +56,14 @@ def _deck(options: argparse.Namespace) -> None:
     output = check_deck(options.output)
     state, view, motion = input_from(options)
     unit = Unit(options.unit or view.unit)
-    wall = deck_wall(_words(options, view.wall), unit, diagonal(state.document.mesh.V))
+    text = WallText(
+        options.thickness or view.wall.thickness,
+        options.density or view.wall.density,
+        options.young,
+        options.poisson,
+        material=wall_material(options.material),
+    )
+    wall = deck_wall(text, unit, diagonal(state.document.mesh.V))
     deck = deck_of(state.document, wall, options.steps, motion)
     write_deck(output, deck)
     print("\n".join([about_deck(str(output), deck), *mesh_remarks(state.document.mesh)]))
-
-
-def _words(options: argparse.Namespace, saved: Wall) -> DeckWallText:
-    """The wall as typed; of a session, its own where nothing is."""
-    wall = Wall(options.thickness or saved.thickness, options.density or saved.density)
-    material = wall_material(options.material) if options.material else None
-    return DeckWallText(wall, options.young, options.poisson, material)

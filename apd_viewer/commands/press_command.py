@@ -5,18 +5,18 @@ from __future__ import annotations
 import argparse
 import json
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from apd_viewer.commands.press_output import press_report, press_rows, press_summary
-from apd_viewer.commands.press_wall import add_wall_options, parse_gas, press_wall
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.commands.terminal.setting_options import add_setting_options
-from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
+from apd_viewer.commands.terminal.weld_option import add_weld_option, naming_unit_option, open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
 from apd_viewer.files.storage.atomic_file import replacing_file
@@ -34,7 +34,10 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.state import welded_state
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.quantities.expressions import parse_number
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.newton_conversion import NewtonConversion, newton_conversion
+from apd_viewer.session.quantities.units import SYMBOLS, Unit
+from apd_viewer.session.quantities.wall import Wall, WallText, wall_from
+from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, parse_pressure, wall_material
 from apd_viewer.session.storage.session_file import open_session
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -80,7 +83,7 @@ def press_parser() -> Parser:
     )
     parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
     add_setting_options(parser, _SETTINGS, _PRESSING)
-    add_wall_options(parser)
+    _add_wall_options(parser)
     parser.add_argument(
         "--release", action="store_true", help=tr("open the plates again in the end, and write what remains")
     )
@@ -97,6 +100,38 @@ def press_parser() -> Parser:
     add_weld_option(parser)
     parser.set_defaults(run=_press)
     return parser
+
+
+def _add_wall_options(parser: Parser) -> None:
+    parser.add_argument(
+        "--unit", choices=SYMBOLS, default="", help=tr("unit of length of the mesh; of a session, its own")
+    )
+    materials = ", ".join(material.name for material in WALL_MATERIALS)
+    for option, metavar, what in (
+        ("--material", "NAME", tr("material of the wall: {names}").format(names=materials)),
+        (
+            "--thickness",
+            "LENGTH",
+            tr("of the wall, and distance that walls keep, such as 0.3mm; default: 1/1000 of the diagonal"),
+        ),
+        (
+            "--gas",
+            "PRESSURE",
+            tr(
+                "gas that is enclosed, openings capped: 1atm where newtons are known, or pressure times "
+                "volume in areas of the surface; default: it leaves freely"
+            ),
+        ),
+        ("--density", "D", tr("of the material, such as 1.38 (g/cm³), for the mass")),
+        ("--young", "E", tr("Young's modulus, such as 2.8GPa, for loads in newtons")),
+        ("--poisson", "NU", tr("Poisson's ratio; default: 0.4, or that of the material")),
+        (
+            "--yield-radius",
+            "LENGTH",
+            tr("walls bent to less than this radius keep a crease; default: none do, or as of the material"),
+        ),
+    ):
+        parser.add_argument(option, metavar=metavar, help=what)
 
 
 def parse_axis(text: str) -> np.ndarray:
@@ -127,14 +162,14 @@ def _press(options: argparse.Namespace) -> None:
     axis = parse_axis(options.axis)
     mesh, start, unit = _opened(options.mesh, options.weld)
     check_shapes(mesh, output, np.ones(len(mesh.V), dtype=bool))
-    wall = press_wall(options, Unit(options.unit or unit))
+    wall = _wall(options, Unit(options.unit or unit))
     rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
     extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ checked_direction(axis)))
     moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
     material = Settings(options.method, *moduli).material
-    newtons = wall.newton_conversion(material, rest)
-    gas = parse_gas(options.gas, newtons, rest)
-    goals = options.area, options.volume, wall.contact_distance
+    newtons = newton_conversion(wall, material, rest)
+    gas = _gas(options.gas, newtons, rest)
+    goals = options.area, options.volume, wall.thickness if options.thickness else None
     asked = PressOptions((), options.method, *moduli, *goals, wall.yield_radius, start, gas)
     to = parse_distance(options.to, extent)
     plates = PlatePress(rest, axis, to, options.steps, options.iterations, asked)
@@ -161,6 +196,37 @@ def _press(options: argparse.Namespace) -> None:
             beside.enter_context(replacing_file(options.report)).write_text(said + "\n", encoding="utf-8")
         save_mesh(mesh, found.U, output, wall.unit.symbol)
     print("\n".join([press_summary(found, rest, output, wall, newtons, extent), *mesh_remarks(mesh)]))
+
+
+@naming_unit_option()
+def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
+    """Wall of a command line, for a mesh in a unit; raises InputError."""
+    material = wall_material(options.material or "")
+    if unit is Unit.NONE and (material or options.young):
+        raise InputError(tr("A material needs the unit of the mesh; add --unit mm, cm, m, in or ft."))
+    words = options.thickness, options.density, options.young, options.poisson, options.yield_radius
+    thickness, density, young, poisson, radius = (word or "" for word in words)
+    wall = wall_from(WallText(thickness, density, young, poisson, radius, material), unit)
+    if options.young and wall.thickness is None:
+        raise InputError(tr("Newtons need the thickness of the wall as well; add --thickness."))
+    if options.young and not options.stiffness:
+        raise InputError(tr("Newtons need walls that resist bending; add --stiffness 0.001."))
+    # Walls without bending stiffness keep no creases, of whatever they are made.
+    return wall if options.yield_radius or options.stiffness else replace(wall, yield_radius=None)
+
+
+def _gas(text: str | None, newtons: NewtonConversion | None, rest: RestMesh) -> float | None:
+    """Pressure times volume of the gas, in areas, from a text; raises InputError."""
+    if text is None:
+        return None
+    pascals = parse_pressure(text)
+    if pascals is None:
+        return parse_number(text, {})
+    if newtons is None:
+        raise InputError(
+            tr("A pressure with a unit needs newtons; add --material, or --thickness and --young.")
+        )
+    return newtons.gas_amount(pascals, rest)
 
 
 def _opened(path: str, weld: bool) -> tuple[Mesh, np.ndarray | None, str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from apd_viewer.commands.press_wall import NewtonConversion, PressWall
 from apd_viewer.commands.terminal.columns import format_signed
 from apd_viewer.files.report import shape_check_fields
 from apd_viewer.files.tables import Cell
@@ -14,9 +13,44 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pressing.press_options import PressOptions
 from apd_viewer.geometry.pressing.press_step import PressStep
 from apd_viewer.geometry.pressing.pressed_mesh import Pressed
-from apd_viewer.language import tr
+from apd_viewer.language import comma_separated, tr
 from apd_viewer.presentation import obstacle_readings
-from apd_viewer.presentation.number_format import format_exact
+from apd_viewer.presentation.number_format import format_exact, format_short
+from apd_viewer.session.quantities.newton_conversion import NewtonConversion
+from apd_viewer.session.quantities.wall import Wall
+from apd_viewer.session.quantities.wall_material import GPA
+
+
+def press_row(
+    step: PressStep, is_opening: bool, pressed: Pressed, newtons: NewtonConversion | None = None
+) -> dict[str, Cell]:
+    """Row of the table by column name, with newtons where they are known."""
+    row: dict[str, Cell] = {
+        "distance": step.distance,
+        "load_low": step.load_low,
+        "load_high": step.load_high,
+        "load_excess_percent": None if pressed.load_excess is None else 100.0 * pressed.load_excess,
+        "stretching_percent": 100.0 * step.stretching,
+        "energy": step.energy,
+        "volume": step.volume,
+        "volume_capped": step.volume_capped,
+        "area_error": step.area_error,
+        "crossings": step.crossings,
+        "iterations": step.iterations,
+        "settled": step.settled,
+        "opening": is_opening,
+    }
+    if newtons is not None:
+        row["load_low_newton"] = newtons.newtons_per_load * step.load_low
+        row["load_high_newton"] = newtons.newtons_per_load * step.load_high
+        row["newton_factor"] = newtons.underestimate_factor(step.stretching)
+    return row
+
+
+def press_rows(pressed: Pressed, newtons: NewtonConversion | None = None) -> list[dict[str, Cell]]:
+    """Rows of the table: as the plates close, then as they open."""
+    closing = [press_row(step, False, pressed, newtons) for step in pressed.steps]
+    return closing + [press_row(step, True, pressed, newtons) for step in pressed.released]
 
 
 def press_report(
@@ -24,7 +58,7 @@ def press_report(
     rest: RestMesh,
     pressed: Pressed,
     options: PressOptions,
-    wall: PressWall,
+    wall: Wall,
     newtons: NewtonConversion | None,
 ) -> dict[str, object]:
     """Fields of the report."""
@@ -52,9 +86,9 @@ def press_report(
     }
 
 
-def _wall_fields(wall: PressWall, area: float) -> dict[str, object]:
+def _wall_fields(wall: Wall, area: float) -> dict[str, object]:
     """Fields of what is known of the wall."""
-    elastic, material = wall.elastic, wall.material
+    material = wall.material
     fields = {
         "unit": wall.unit.symbol or None,
         "unit_is_guess": wall.unit.is_guess or None,
@@ -62,8 +96,8 @@ def _wall_fields(wall: PressWall, area: float) -> dict[str, object]:
         "material_source": material and material.source,
         "wall_thickness": wall.thickness,
         "density": wall.density,
-        "young": elastic and elastic.young,
-        "poisson": elastic and elastic.poisson,
+        "young": wall.young,
+        "poisson": None if wall.young is None else wall.nu,
         "mass_grams": wall.grams(area),
     }
     return {name: value for name, value in fields.items() if value is not None}
@@ -85,7 +119,7 @@ def press_summary(
     pressed: Pressed,
     rest: RestMesh,
     output: Path,
-    wall: PressWall,
+    wall: Wall,
     newtons: NewtonConversion | None,
     extent: float,
 ) -> str:
@@ -161,10 +195,10 @@ def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
     return lines
 
 
-def _wall_lines(wall: PressWall, area: float, found: Pressed, newtons: NewtonConversion | None) -> list[str]:
+def _wall_lines(wall: Wall, area: float, found: Pressed, newtons: NewtonConversion | None) -> list[str]:
     lines, grams = [], wall.grams(area)
     if wall.material or newtons is not None or grams is not None:
-        lines.append(tr("wall    {wall}").format(wall=wall.text))
+        lines.append(tr("wall    {wall}").format(wall=_wall_text(wall)))
     if wall.material:
         lines.append(tr("        after {source}").format(source=wall.material.source))
     if grams is not None:
@@ -186,6 +220,22 @@ def _wall_lines(wall: PressWall, area: float, found: Pressed, newtons: NewtonCon
     return lines
 
 
+def _wall_text(wall: Wall) -> str:
+    """Words on all that is known of a wall."""
+    said = [wall.material and wall.material.title]
+    if wall.thickness is not None:
+        said.append(wall.unit.format_length(format_short(wall.thickness)))
+    if wall.density is not None:
+        said.append(f"{format_short(wall.density)}\u00a0g/cm³")
+    if wall.young is not None:
+        said.append(f"{format_short(wall.young / GPA)}\u00a0GPa")
+        said.append(tr("Poisson's ratio {ratio}").format(ratio=format_short(wall.nu)))
+    if wall.yield_radius is not None:
+        radius = wall.unit.format_length(format_short(wall.yield_radius))
+        said.append(tr("yields below a radius of {radius}").format(radius=radius))
+    return comma_separated(filter(None, said))
+
+
 def _volume_line(capped: bool, step: PressStep, rest: RestMesh, title: str, remains: str) -> list[str]:
     """Line on the volume of a step; none where nothing is enclosed."""
     now, at_rest = (step.volume_capped, rest.volume_capped) if capped else (step.volume, rest.volume)
@@ -205,35 +255,3 @@ def _volume_line(capped: bool, step: PressStep, rest: RestMesh, title: str, rema
 
 def _beside(value: float, unit: str) -> str:
     return f" ({format_exact(value, 3)} {unit})"
-
-
-def press_row(
-    step: PressStep, is_opening: bool, pressed: Pressed, newtons: NewtonConversion | None = None
-) -> dict[str, Cell]:
-    """Row of the table by column name, with newtons where they are known."""
-    row: dict[str, Cell] = {
-        "distance": step.distance,
-        "load_low": step.load_low,
-        "load_high": step.load_high,
-        "load_excess_percent": None if pressed.load_excess is None else 100.0 * pressed.load_excess,
-        "stretching_percent": 100.0 * step.stretching,
-        "energy": step.energy,
-        "volume": step.volume,
-        "volume_capped": step.volume_capped,
-        "area_error": step.area_error,
-        "crossings": step.crossings,
-        "iterations": step.iterations,
-        "settled": step.settled,
-        "opening": is_opening,
-    }
-    if newtons is not None:
-        row["load_low_newton"] = newtons.newtons_per_load * step.load_low
-        row["load_high_newton"] = newtons.newtons_per_load * step.load_high
-        row["newton_factor"] = newtons.underestimate_factor(step.stretching)
-    return row
-
-
-def press_rows(pressed: Pressed, newtons: NewtonConversion | None = None) -> list[dict[str, Cell]]:
-    """Rows of the table: as the plates close, then as they open."""
-    closing = [press_row(step, False, pressed, newtons) for step in pressed.steps]
-    return closing + [press_row(step, True, pressed, newtons) for step in pressed.released]

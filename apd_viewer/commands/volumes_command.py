@@ -26,7 +26,7 @@ from apd_viewer.presentation.volume_text import DEFAULT_BAG, TextWithRange, Volu
 from apd_viewer.session.quantities.bulk_density import bulk_density, object_count
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
-from apd_viewer.session.quantities.wall_mass import parse_density, parse_thickness
+from apd_viewer.session.quantities.wall import WallText, wall_from
 
 
 def volumes_parser() -> Parser:
@@ -44,12 +44,11 @@ def volumes_parser() -> Parser:
     parser.add_argument(
         "--bag", metavar="LITRES", help=tr("count the objects in a bag of this size; default: 45")
     )
-    parser.add_argument(
-        "--thickness", metavar="LENGTH", help=tr("of the wall, such as 0.3mm, for the material volume")
-    )
-    parser.add_argument(
-        "--density", metavar="D", help=tr("of the material, such as 1.38 (g/cm³), for the bulk density")
-    )
+    for option, metavar, what in (
+        ("--thickness", "LENGTH", tr("of the wall, such as 0.3mm, for the material volume")),
+        ("--density", "D", tr("of the material, such as 1.38 (g/cm³), for the bulk density")),
+    ):
+        parser.add_argument(option, metavar=metavar, default="", help=what)
     parser.add_argument("--json", metavar="V.json", type=Path, help=tr("write the readings as JSON"))
     parser.set_defaults(run=_volumes)
     return parser
@@ -60,19 +59,18 @@ def _volumes(options: argparse.Namespace) -> None:
     mesh = open_mesh(options.mesh)
     unit = Unit(options.unit or mesh.unit)
     litres = _bag(options.bag, unit)
-    if options.density is not None and options.thickness is None:
+    if options.density and not options.thickness:
         raise InputError(tr("A bulk density needs the wall as well; add --thickness."))
-    thickness = None if options.thickness is None else parse_thickness(options.thickness, unit)
-    heavy = None if options.density is None else parse_density(options.density)
+    wall = wall_from(WallText(options.thickness, options.density), unit)
     before = None if options.rest is None else open_mesh(options.rest)
-    now = mesh_volumes(mesh, thickness)
-    rest = None if before is None else mesh_volumes(before, thickness)
+    now = mesh_volumes(mesh, wall.thickness)
+    rest = None if before is None else mesh_volumes(before, wall.thickness)
     if options.json is not None:
         names = mesh.name, None if before is None else before.name
-        report = volumes_report(names, now, rest, unit, heavy, litres)
+        report = volumes_report(names, now, rest, unit, wall.density, litres)
         with replacing_file(options.json) as scratch:
             scratch.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    rows = tuple(volume_rows(rest or now, now, unit, heavy, litres))
+    rows = tuple(volume_rows(rest or now, now, unit, wall.density, litres))
     print(volume_lines(mesh.name, rows, rest is not None))
     for each, found in ((mesh, now), (before, rest)):
         if each is None or found is None:

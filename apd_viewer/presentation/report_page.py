@@ -40,7 +40,7 @@ from apd_viewer.session.model.status_text import (
     self_passing_warnings,
 )
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_mass import Wall, wall_density, wall_mass, wall_thickness
+from apd_viewer.session.quantities.wall import WallText, typed_mass
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class ReportSubject:
     ----------
     state : State
     unit : Unit
-    wall : Wall
+    wall : WallText
     shape_check, rest_check : ShapeCheck
         Of the shape, and of the mesh at rest.
     requested_at : datetime
@@ -61,7 +61,7 @@ class ReportSubject:
 
     state: State
     unit: Unit
-    wall: Wall
+    wall: WallText
     shape_check: ShapeCheck
     rest_check: ShapeCheck
     requested_at: datetime
@@ -158,7 +158,7 @@ def _size(subject: ReportSubject) -> Iterator[PageBlock]:
     packed = readings.box_volume(found.packed, rest.packed, unit)
     try:
         grams, problem = (
-            wall_mass(subject.wall, state.frame.area, unit, readings.material_volume(state)),
+            typed_mass(subject.wall, state.frame.area, unit, readings.material_volume(state)),
             readings.double_wall(state, unit),
         )
     except InputError as error:
@@ -220,19 +220,21 @@ def _findings(subject: ReportSubject) -> Iterator[PageBlock]:
         yield PageNote(tr("No issues"))
 
 
-def volumes_block(state: State, unit: Unit, wall: Wall, checks: tuple[ShapeCheck, ShapeCheck]) -> PageBlock:
+def volumes_block(
+    state: State, unit: Unit, wall: WallText, checks: tuple[ShapeCheck, ShapeCheck]
+) -> PageBlock:
     """Table of the volumes at rest and now; ``checks`` are those of both shapes."""
     at_rest, found = checks
     if math.isnan(found.packed) or math.isnan(at_rest.packed):  # the process that measures has died
         return PageNote(tr("Not measured; create the report again."))
     now, then = readings.volumes(state.frame, state.inspection)
     wall_found = state.inspection.double_wall
-    thickness, openings = wall_thickness(wall, unit), state.inspection.openings
+    thickness, openings = wall.usable_thickness(unit), state.inspection.openings
     rows = volume_rows(
         VolumeReadings.of(state.inspection.area, then, openings, at_rest.hull, thickness, wall_found),
         VolumeReadings.of(state.frame.area, now, openings, found.hull, thickness, wall_found),
         unit,
-        wall_density(wall),
+        wall.usable_density(),
     )
     none = (("", tr("none found")),)
     head = tr("Quantity"), tr("At rest"), tr("Now"), tr("Change"), tr("Published")

@@ -36,13 +36,12 @@ from apd_viewer.session.model.status_text import (
     about_session,
 )
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
-from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.saved_work import SavedDocument, SavedWork
 from apd_viewer.session.state_store import StateStore
 from apd_viewer.session.storage.changed_file import ChangedFileError, save_if_unchanged
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.session.studies.deck_setup import deck_of
+from apd_viewer.session.studies.deck_setup import deck_of, deck_wall
 
 
 class FileJobs:
@@ -163,7 +162,7 @@ class FileJobs:
 
         def write() -> str:
             size, unit = diagonal(document.mesh.V), Unit(view.unit)
-            deck = deck_of(document, deck_wall(DeckWallText(view.wall), unit, size))
+            deck = deck_of(document, deck_wall(view.wall, unit, size))
             write_deck(path, deck)
             return about_deck(path.name, deck)
 

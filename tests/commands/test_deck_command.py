@@ -12,7 +12,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import resource_path
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.session.model.view import View
-from apd_viewer.session.quantities.wall_mass import Wall
+from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 _SIX_DIGITS = 1e-5  # of the largest number in a result of CalculiX
@@ -94,7 +94,7 @@ def test_deck_command_writes_a_session_with_its_wall_and_its_pose(deck, tmp_path
     state = painted_state(read, read_selection_file(mesh[2], read))
     state = state.updated(state.document.with_pose(0, matrix))
     session = tmp_path / "bar.apd"
-    save_session(session, state, View(unit="mm", wall=Wall("0.3", "1.2")))
+    save_session(session, state, View(unit="mm", wall=WallText("0.3", "1.2")))
     status, said, out = deck(session)
     assert status == 0, said
     assert "out.inp" in said

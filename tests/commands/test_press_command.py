@@ -208,7 +208,7 @@ def test_press_command_without_stiffness_says_no_excess_but_that_loads_mean_litt
     assert "loads mean little" in said
 
 
-def test_newtons_per_load_of_a_shape_that_has_to_stretch_say_by_how_much_they_may_be_too_low(
+def test_newton_conversion_of_a_shape_that_has_to_stretch_says_how_much_too_low_they_may_be(
     smooth_ball, press, tmp_path
 ):
     """A ball resists by the root of D E t: by the root of how much stiffer it was pressed than it is."""
@@ -227,7 +227,7 @@ def test_newtons_per_load_of_a_shape_that_has_to_stretch_say_by_how_much_they_ma
 
 
 @pytest.mark.night
-def test_newtons_per_load_of_a_tube_pressed_flat_need_no_factor_and_along_its_axis_they_do(press, tmp_path):
+def test_newton_conversion_of_a_tube_pressed_flat_needs_no_factor_and_along_its_axis_does(press, tmp_path):
     V, F = tube(24, 10, height=1.5)
     save_mesh(Mesh(V, F), V, tmp_path / "tube.off")
     report = tmp_path / "r.json"
@@ -243,7 +243,7 @@ def test_newtons_per_load_of_a_tube_pressed_flat_need_no_factor_and_along_its_ax
     assert "times too low" in said
 
 
-def test_newtons_per_load_are_not_said_where_they_are_not_known(ball, press, tmp_path):
+def test_newton_conversion_is_not_said_where_it_is_not_known(ball, press, tmp_path):
     curve, report = tmp_path / "c.csv", tmp_path / "r.json"
     for words in ((), ("--unit", "cm", "--thickness", "0.3mm"), ("--unit", "cm", "--material", "fabric")):
         status, said, _, _ = press(ball, *QUICK, *words, "--curve", curve, "--report", report)

@@ -17,11 +17,11 @@ from apd_viewer.presentation import readings
 from apd_viewer.presentation.report_settings import handle_rows
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.posing.motion import MOTIONS
-from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.studies.deck_setup import deck_of
+from apd_viewer.session.studies.deck_setup import deck_of, deck_wall
 from apd_viewer.session.studies.session_replay import replay_session
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
@@ -199,7 +199,7 @@ def test_relative_to_rest_takes_studies_of_a_painted_shape_along_the_whole_motio
     np.testing.assert_allclose(steps[0].frame.U[top], V(twisted)[top], atol=1e-12)
     np.testing.assert_allclose(steps[3].frame.U[top], twisted.U[top], atol=1e-9)
 
-    deck = deck_of(document(twisted), deck_wall(DeckWallText(), Unit.NONE, 1.0), 2)
+    deck = deck_of(document(twisted), deck_wall(WallText(), Unit.NONE, 1.0), 2)
     at_top = next(k for k, part in enumerate(deck.held_sets) if part.name == "HANDLE")
     np.testing.assert_allclose(deck.V[top] + deck.steps[-1][at_top], twisted.U[top], atol=1e-9)
     halfway = deck.V[top] + deck.steps[0][at_top]

@@ -236,8 +236,9 @@ def deform(
 
 def _stops(path: np.ndarray, shifts: np.ndarray | None) -> Iterator[PathStop]:
     """Stops of a path (s, k, 3), with equal parts of the shifts of obstacles."""
+    whole = None if shifts is None else checked_floats(shifts, tr("Shifts"))
     for number, targets in enumerate(path, start=1):
-        yield PathStop(targets, None, None if shifts is None else number / len(path) * np.asarray(shifts))
+        yield PathStop(targets, None, None if whole is None else number / len(path) * whole)
 
 
 def _turns(

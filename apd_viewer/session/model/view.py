@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from apd_viewer.session.model.up_axis import UpAxis
-from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
+from apd_viewer.session.quantities.wall import NO_WALL, WallText
 
 SESSION_SUFFIX = ".apd"  # of a session file
 
@@ -42,7 +42,7 @@ class View:
     unit : str
         Value of a :class:`apd_viewer.session.quantities.units.Unit`: its symbol, with a question mark
         where it is a guess.
-    wall : Wall
+    wall : WallText
         What the surface is made of, as it was typed.
     overlay : str or None
         What the colours show, by the value of a :class:`Measure`; empty where they show
@@ -53,6 +53,6 @@ class View:
 
     camera: CameraPose | None = None
     unit: str = ""
-    wall: Wall = NO_WALL
+    wall: WallText = NO_WALL
     overlay: str | None = None
     up_axis: UpAxis | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import Enum
 
 from apd_viewer.errors import InputError
@@ -87,6 +88,12 @@ class Unit(Enum):
             factor *= (_DECIMETRES[unit.value] / _DECIMETRES[larger.value]) ** power
             unit = larger
         return unit.as_guess if self.is_guess else unit, factor
+
+    @property
+    def metres(self) -> float | None:
+        """Its length in metres; None without a unit."""
+        litres = self.to_litres(1.0)
+        return None if litres is None else 0.1 * math.cbrt(litres)
 
     def to_litres(self, volume: float) -> float | None:
         """A volume in cubic mesh units as litres; None without a unit."""

@@ -29,7 +29,7 @@ from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import CameraPose, Point3, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
-from apd_viewer.session.quantities.wall_mass import Wall
+from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.storage.measurements_json import measurements_from_json, measurements_to_json
 from apd_viewer.session.storage.obstacle_json import obstacle_from_json, obstacle_to_json, vectors_from_json
 from apd_viewer.session.storage.part_json import (
@@ -46,6 +46,7 @@ from apd_viewer.session.storage.part_json import (
 )
 
 _POINTS = ("position", "focal", "up")
+_WALL = ("thickness", "density")
 _AXES = "xyz"
 _NO_OVERLAY = "none"
 
@@ -186,7 +187,7 @@ def view_to_json(view: View) -> dict[str, Any]:
     said: dict[str, Any] = {
         "camera": camera,
         "unit": Unit(view.unit).symbol or None,
-        "wall": {name: text or None for name, text in view.wall._asdict().items()},
+        "wall": {name: getattr(view.wall, name) or None for name in _WALL},
         "overlay": view.overlay if view.overlay is None else view.overlay or _NO_OVERLAY,
     }
     if Unit(view.unit).is_guess:
@@ -197,7 +198,7 @@ def view_to_json(view: View) -> dict[str, Any]:
 def view_from_json(fields: JsonFields) -> View:
     """The view again."""
     unit = _unit(fields)
-    wall = _wall(fields.nested_fields("wall")) if fields.has_value("wall") else Wall()
+    wall = _wall(fields.nested_fields("wall")) if fields.has_value("wall") else WallText()
     overlay = fields.text("overlay") if fields.has_value("overlay") else None
     overlay = "" if overlay == _NO_OVERLAY else overlay
     up_axis = _up_axis(fields.text("up_axis")) if fields.has_value("up_axis") else None
@@ -226,12 +227,13 @@ def _up_axis(name: str) -> UpAxis:
     return UpAxis(name)
 
 
-def _wall(fields: JsonFields) -> Wall:
+def _wall(fields: JsonFields) -> WallText:
     """The wall as typed; null fields are empty."""
-    typed = [fields.text(name) if fields.has_value(name) else "" for name in Wall._fields]
+    typed = [fields.text(name) if fields.has_value(name) else "" for name in _WALL]
     if any(len(text) > MOST_CHARACTERS for text in typed):
         raise ValueError(tr("its “wall” is damaged"))
-    return Wall(*typed)
+    thickness, density = typed
+    return WallText(thickness, density)
 
 
 def _point(numbers: np.ndarray) -> Point3:

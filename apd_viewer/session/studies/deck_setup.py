@@ -1,4 +1,4 @@
-"""FE deck of a document: its elements, its sets and the ways of its handles."""
+"""FE deck of a document: elements, sets, the ways of its handles, and its wall."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handle_paths import document_at, handle_paths
 from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths, total_turn
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import WallText, wall_from
+from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON
 
 MOST_STEPS = 1000
 # Radians: the chord of so much of a turn stays within 3.4 % of the radius of its arc.
@@ -22,6 +25,14 @@ _TURN = math.radians(30.0)
 _ROUNDED = 1e-9
 # Of the square of the longest edge: a triangle with less area has no Jacobian to compute with.
 _NO_AREA = 1e-10
+_DEFAULT_THICKNESS = 1e-3  # in diagonals of the mesh
+_DEFAULT_YOUNG = 1.0
+_KILOGRAMS = 1e3  # in a cubic metre of 1 g/cm³
+# Spelt out for those who do not multiply in their heads.
+_KNOWN = {
+    Unit.MILLIMETRE: "stress and Young's modulus MPa, mass tonne, density tonne/mm3",
+    Unit.METRE: "stress and Young's modulus Pa, mass kg, density kg/m3",
+}
 
 
 def deck_of(
@@ -109,3 +120,52 @@ def _regions(document: Document, used: np.ndarray) -> list[DeckRegion]:
         DeckRegion(region.name, used[whole & (inside[:, 0] == number)])
         for number, region in enumerate(document.regions, start=1)
     ]
+
+
+def deck_wall(text: WallText, unit: Unit, size: float) -> DeckWall:
+    """Wall in the units of a deck, with comments on what nobody gave.
+
+    They are consistent: the mesh unit, newtons and seconds.
+
+    Parameters
+    ----------
+    text : WallText
+    unit : Unit
+        Of the mesh.
+    size : float
+        Diagonal of the bounding box of the mesh, for the default of the thickness.
+
+    Raises
+    ------
+    InputError
+        If something is no quantity, or needs the unit of the mesh.
+    """
+    metre = unit.metres
+    if metre is None and (text.young or text.density.strip() or text.material):
+        raise InputError(tr("A material needs the unit of the mesh; choose it, or add --unit mm."))
+    wall, notes = wall_from(text, unit), [_about(unit)]
+    thickness, young, heavy = wall.thickness, _DEFAULT_YOUNG, None
+    if thickness is None:
+        thickness = _DEFAULT_THICKNESS * size
+        notes.append("No thickness was given: it is a thousandth of the diagonal of the mesh.")
+    if wall.young is not None and metre is not None:
+        young = wall.young * metre**2
+    else:
+        notes.append("No Young's modulus was given: it is 1. Shapes do not depend on it; stresses do.")
+    if wall.density is not None and metre is not None:
+        heavy = wall.density * (_KILOGRAMS * metre**4)
+    else:
+        notes.append("No density was given: none is needed for this step.")
+    if wall.poisson is None:
+        notes.append(f"No Poisson's ratio was given: it is {DEFAULT_POISSON}.")
+    return DeckWall(thickness, young, wall.nu, heavy, tuple(notes))
+
+
+def _about(unit: Unit) -> str:
+    """Comment on the units of the deck."""
+    if unit is Unit.NONE:
+        return "Lengths are in the unit of the mesh, which is not known. Keep the others consistent with it."
+    own = unit.symbol
+    usual = f"stress and Young's modulus N/{own}2, mass N s2/{own}, density N s2/{own}4"
+    guess = " The unit of length is a guess that nobody confirmed." if unit.is_guess else ""
+    return f"Units: length {own}, force N, time s; so {_KNOWN.get(unit.as_confirmed, usual)}.{guess}"

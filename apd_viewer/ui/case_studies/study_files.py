@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -150,7 +149,7 @@ def document_with_values(state: State, unit: Unit, handle: int, values: Mapping[
         name: SETTING_COLUMNS[name].parse(text) for name, text in values.items() if name in SETTING_COLUMNS
     }
     part = float(settings.pop(SHARE_COLUMN, 1.0))
-    document = replace(state.document.relative_to_rest, **settings)  # type: ignore[arg-type]
+    document = state.document.relative_to_rest.with_settings(**settings)
     words = [f"{name} {text}" for name, text in values.items() if name not in SETTING_COLUMNS]
     if words:
         steps = motion_steps(state, f"handle {handle + 1}: " + "; ".join(words), unit)

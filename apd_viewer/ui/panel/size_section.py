@@ -14,7 +14,7 @@ from apd_viewer.presentation import readings
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, wall_mass
+from apd_viewer.session.quantities.wall import NO_WALL, WallText, typed_mass
 from apd_viewer.ui.widgets.fields import TextField, return_focus
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 
@@ -28,7 +28,7 @@ class SizeSection(Section):
 
     Attributes
     ----------
-    wall_entered : Signal(Wall)
+    wall_entered : Signal(WallText)
     extent, box, packed, compact, mass : QLabel
     thickness, density : QLineEdit
     two_walls : QLabel
@@ -120,11 +120,11 @@ class SizeSection(Section):
         return field
 
     @property
-    def wall(self) -> Wall:
+    def wall(self) -> WallText:
         """Wall as typed."""
-        return Wall(self.thickness.text(), self.density.text())
+        return WallText(self.thickness.text(), self.density.text())
 
-    def show_wall(self, wall: Wall) -> None:
+    def show_wall(self, wall: WallText) -> None:
         """Show the wall of another mesh."""
         self.thickness.setText(wall.thickness)
         self.density.setText(wall.density)
@@ -172,8 +172,9 @@ class SizeSection(Section):
 
     def _show_mass(self) -> None:
         try:
-            wall = Wall(*map(unambiguous_text, self._typed))
-            grams, problem = wall_mass(wall, self._area, self._unit, self._material), ""
+            thickness, density = map(unambiguous_text, (self._typed.thickness, self._typed.density))
+            wall = WallText(thickness, density)
+            grams, problem = typed_mass(wall, self._area, self._unit, self._material), ""
         except InputError as error:
             grams, problem = None, str(error)
         self.mass.setText(readings.mass(grams, self._unit))

@@ -14,7 +14,7 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
 from apd_viewer.session.model.view import View
-from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, wall_thickness
+from apd_viewer.session.quantities.wall import NO_WALL, WallText
 from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
 from apd_viewer.ui.overlays.findings_controller import FindingsController
@@ -52,7 +52,7 @@ class VolumeController(QObject):
         self._memory = preferences
         self._heat = overlay
         self._session = session
-        self._walls: WeakKeyDictionary[Mesh, Wall] = WeakKeyDictionary()
+        self._walls: WeakKeyDictionary[Mesh, WallText] = WeakKeyDictionary()
         self._texts: dict[float | None, str] = {}
         panel.measures.wall_entered.connect(self._type)
         panel.measures.wall_entered.connect(self.update_wall_distance)
@@ -94,7 +94,7 @@ class VolumeController(QObject):
         ):
             self.show_check()
         thickness, wall = new.document.settings.thickness, self._panel.measures.wall
-        is_typed = thickness == wall_thickness(wall, self._session.store.unit)
+        is_typed = thickness == wall.usable_thickness(self._session.store.unit)
         if new.document.settings.contact and thickness != old.document.settings.thickness and not is_typed:
             bare = "" if thickness is None else format_editable(thickness, 12)
             wall = wall._replace(thickness=self._texts.get(thickness, bare))
@@ -117,7 +117,7 @@ class VolumeController(QObject):
         overlay = "" if measure is None else measure.value
         return replace(view, wall=self._panel.measures.wall, overlay=overlay)
 
-    def _type(self, wall: Wall) -> None:
+    def _type(self, wall: WallText) -> None:
         if (state := self._session.store.state) is None:
             return
         mesh = state.document.mesh
@@ -129,7 +129,7 @@ class VolumeController(QObject):
     def update_wall_distance(self) -> None:
         """Keep walls apart by another thickness or in another unit, if contact is on."""
         state = self._session.store.state
-        thickness = wall_thickness(self._panel.measures.wall, self._session.store.unit)
+        thickness = self._panel.measures.wall.usable_thickness(self._session.store.unit)
         if (
             state is not None
             and state.document.settings.contact
@@ -139,12 +139,12 @@ class VolumeController(QObject):
 
     def wall_thickness(self) -> float | None:
         """Thickness of the walls as typed, mesh units; None without."""
-        return wall_thickness(self._panel.measures.wall, self._session.store.unit)
+        return self._panel.measures.wall.usable_thickness(self._session.store.unit)
 
     def _keep_apart(self, on: bool) -> None:
         """Keep walls apart by their thickness, or let them pass."""
         wall, unit = self._panel.measures.wall, self._session.store.unit
-        thickness = wall_thickness(wall, unit)
+        thickness = wall.usable_thickness(unit)
         self._texts[thickness] = wall.thickness
         self._session.settings.set_contact(on, thickness)
         self._panel.method.show_settings(self._session.store.required_state().document)

@@ -16,7 +16,7 @@ from apd_viewer.files.storage.atomic_file import resolved_path
 from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import UNITS, Unit
-from apd_viewer.session.quantities.wall_mass import Wall
+from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
 
 if TYPE_CHECKING:
@@ -148,20 +148,20 @@ class Preferences:
         self._settings.setValue("up_axes", lines[:MOST_REMEMBERED])
 
     @property
-    def walls(self) -> dict[Path, Wall]:
+    def walls(self) -> dict[Path, WallText]:
         """Walls by file, latest first."""
         walls = {}
         for line in self._lines("walls"):
             with contextlib.suppress(ValueError, TypeError):  # the settings have been edited by hand
                 path, thickness, density = json.loads(line)
-                walls[Path(path)] = Wall(str(thickness), str(density))
+                walls[Path(path)] = WallText(str(thickness), str(density))
         return walls
 
-    def remember_wall(self, path: Path, wall: Wall) -> None:
+    def remember_wall(self, path: Path, wall: WallText) -> None:
         """Put the wall of the file at ``path`` first."""
         path = resolved_path(path)
         walls = {path: wall, **{other: old for other, old in self.walls.items() if other != path}}
-        lines = [json.dumps([str(other), *wall]) for other, wall in walls.items()]
+        lines = [json.dumps([str(other), wall.thickness, wall.density]) for other, wall in walls.items()]
         self._settings.setValue("walls", lines[:MOST_REMEMBERED])
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,6 @@ from apd_viewer.session.model import memo
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
-from apd_viewer.session.quantities.elastic_wall import metres_per_unit
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.preferences.preferences import Preferences
@@ -132,13 +131,10 @@ class PressDialog(RunDialog):
         """Say the expected excess of loads and the wall's own stiffness."""
         material = self._material
         said = [obstacle_readings.excess_phrase(load_excess(material, self._cells))]
-        try:
-            elastic = self.wall.elastic
-        except InputError:
-            elastic = None
-        metre = metres_per_unit(self._unit)
-        if elastic is not None and metre is not None and material.bending > 0.0:
-            own = elastic.model_stiffness(self._state.inspection.area, metre, material.young)
+        own = None
+        with suppress(InputError):
+            own = self.wall.value.model_stiffness(self._state.inspection.area, material.young)
+        if own is not None and material.bending > 0.0:
             said.append(tr("this wall has {own:.1g}").format(own=own))
         self.hint.setText("; ".join(said))
 
@@ -177,8 +173,9 @@ class PressDialog(RunDialog):
         """Start the press with the options chosen."""
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
-            check_yield_radius(self.wall.radius.value, self.stiffness.value())
-            plate_travel(self._points, axis, self._distance, self.wall.thickness.value)
+            wall = self.wall.value
+            check_yield_radius(wall.yield_radius, self.stiffness.value())
+            plate_travel(self._points, axis, self._distance, wall.thickness)
             options = self._options | self._targets | self.wall.options
         except InputError as error:
             self.run.show_failure(str(error))
@@ -208,7 +205,7 @@ class PressDialog(RunDialog):
     @property
     def _targets(self) -> dict[str, str]:
         """Options of the command for the targets that the method keeps."""
-        area, volume, *_ = kept_percentages(replace(self._document, method=self.method.currentData()))
+        area, volume, *_ = kept_percentages(self._document.with_settings(method=self.method.currentData()))
         said = {"--area": area, "--volume": volume}
         return {option: f"{value!r}%" for option, value in said.items() if value is not None}
 

@@ -11,17 +11,9 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable, format_short
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
-from apd_viewer.session.quantities.elastic_wall import (
-    DEFAULT_POISSON,
-    ElasticWall,
-    metres_per_unit,
-    parse_poisson_ratio,
-    parse_young_modulus,
-)
-from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_mass import parse_density
-from apd_viewer.session.quantities.wall_materials import WALL_MATERIALS, yield_radius
+from apd_viewer.session.quantities.wall import Wall, WallText, wall_from
+from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON, WALL_MATERIALS
 from apd_viewer.ui.studies.run_dialog import widget_row
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
 
@@ -55,11 +47,11 @@ class WallFields(QObject):
         tip = tr(
             "Thickness of the wall, and distance that walls keep: 0.3mm, or a number in the unit of the mesh"
         )
-        self.thickness = LengthField(
-            tr("Wall thickness"), tip, unit.format_length(format_short(default_thickness)), unit, thickness
-        )
+        usual = unit.format_length(format_short(default_thickness))
+        self.thickness = _entry(tr("Wall thickness"), tip, usual)
+        self.thickness.setText("" if thickness is None else format_editable(thickness, 12))
         tip = tr("Walls bent to a smaller radius keep a crease: 6mm, or a number in the unit of the mesh")
-        self.radius = LengthField(tr("Yield radius"), tip, tr("no creases"), unit)
+        self.radius = _entry(tr("Yield radius"), tip, tr("no creases"))
         self.release = CheckBox(tr("open the plates again, to see what remains"))
         self.air = CheckBox(tr("air that cannot leave, an atmosphere of it"))
         self.air.setToolTip(tr("Openings are capped; needs the wall in newtons"))
@@ -95,37 +87,36 @@ class WallFields(QObject):
             field.textChanged.connect(lambda _: callback())
 
     @property
-    def elastic(self) -> ElasticWall | None:
-        """The wall in newtons and metres, None where it is not known; raises InputError."""
-        metre, thickness = metres_per_unit(self._unit), self.thickness.value
-        if not self.young.text().strip():
-            return None
-        young = parse_young_modulus(unambiguous_text(self.young.text()))
-        if thickness is None:
+    def value(self) -> Wall:
+        """Wall as typed; raises InputError."""
+        fields = (self.thickness, self.density, self.young, self.poisson, self.radius)
+        thickness, density, young, poisson, radius = (
+            unambiguous_text(field.text().strip()) for field in fields
+        )
+        text = WallText(thickness, density, young, poisson if young else "", radius)
+        wall = wall_from(text, self._unit)
+        if young and wall.thickness is None:
             raise InputError(tr("Newtons need the thickness of the wall as well; enter one such as 0.3mm."))
-        if metre is None:
+        if young and self._unit is Unit.NONE:
             raise InputError(tr("Newtons need the unit of the mesh; choose it next to the area."))
-        typed = unambiguous_text(self.poisson.text().strip())
-        return ElasticWall(thickness * metre, young, parse_poisson_ratio(typed) if typed else DEFAULT_POISSON)
+        return wall
 
     @property
     def options(self) -> dict[str, str]:
         """Options of the command; raises InputError."""
-        elastic, thickness, radius = self.elastic, self.thickness.value, self.radius.value
-        if self.air.isChecked() and elastic is None:
+        wall, young = self.value, self.young.text().strip()
+        if self.air.isChecked() and not young:
             raise InputError(
                 tr("Air inside needs the wall in newtons; choose a material or type its modulus.")
             )
         said = {
             "--unit": self._unit.symbol,
-            "--thickness": "" if thickness is None else repr(thickness),
-            "--yield-radius": "" if radius is None else repr(radius),
-            "--young": self.young.text().strip() if elastic else "",
-            "--poisson": self.poisson.text().strip() if elastic else "",
+            "--thickness": _number_text(wall.thickness),
+            "--yield-radius": _number_text(wall.yield_radius),
+            "--young": young,
+            "--poisson": self.poisson.text().strip() if young else "",
             "--gas": _AIR if self.air.isChecked() else "",
-            "--density": repr(parse_density(unambiguous_text(self.density.text())))
-            if self.density.text().strip()
-            else "",
+            "--density": _number_text(wall.density),
             "--material": getattr(self.material.currentData(), "name", ""),
         }
         return {option: text for option, text in said.items() if text}
@@ -136,13 +127,9 @@ class WallFields(QObject):
         self.source.setText(_OWN if material is None else material.source)
         if material is None:
             return
-        strain = material.yield_strain
+        radius = material.yield_radius(material.thickness)
         self.thickness.setText(f"{format_editable(material.thickness)}mm")
-        self.radius.setText(
-            ""
-            if strain is None
-            else f"{format_editable(yield_radius(material.thickness, strain), _DIGITS)}mm"
-        )
+        self.radius.setText("" if radius is None else f"{format_editable(radius, _DIGITS)}mm")
         self.young.setText("" if material.young is None else f"{format_editable(material.young)}GPa")
         self.poisson.setText("" if material.poisson is None else format_editable(material.poisson))
         self.density.setText("" if material.density is None else f"{format_editable(material.density)} g/cm³")
@@ -151,37 +138,12 @@ class WallFields(QObject):
         self.material.setCurrentIndex(0)
 
 
+def _number_text(number: float | None) -> str:
+    return "" if number is None else repr(number)
+
+
 def _entry(name: str, tip: str, usual: str) -> TextField:
     field = TextField(toolTip=tip, placeholderText=usual)
     field.setAccessibleName(name)
     field.setMaximumWidth(110)
     return field
-
-
-class LengthField(TextField):
-    """Length as typed; an empty field stands for the usual one, or for none.
-
-    Parameters
-    ----------
-    name, tip, placeholder : str
-        Its accessible name, its tip, and the words of an empty field.
-    unit : Unit
-        Of the mesh.
-    length : float or None
-        At first, mesh units.
-    """
-
-    def __init__(
-        self, name: str, tip: str, placeholder: str, unit: Unit, length: float | None = None
-    ) -> None:
-        super().__init__(toolTip=tip, placeholderText=placeholder)
-        self._unit = unit
-        self.setAccessibleName(name)
-        self.setMaximumWidth(110)
-        self.setText("" if length is None else format_editable(length, 12))
-
-    @property
-    def value(self) -> float | None:
-        """Length in mesh units, None where nothing was typed; raises InputError."""
-        text = self.text()
-        return parse_length(unambiguous_text(text), self._unit, {}) if text.strip() else None

@@ -15,7 +15,7 @@ from apd_viewer.__main__ import main
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.session.model.view import CameraPose, View
-from apd_viewer.session.quantities.wall_mass import Wall
+from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.studies.session_replay import replay_session
 
@@ -60,7 +60,7 @@ def test_open_session_reads_all_that_an_old_session_said():
     assert weights == (0.002, 5.0, 0.5)
     assert (document.settings.area, document.settings.volume) == (102.0, 97.0)
     camera = CameraPose((6.0, -14.0, 5.0), (0.75, 0.5, 3.0), (0.0, 0.0, 1.0), 0.5)
-    assert view == View(camera, "mm", Wall("1.2", "1.04 g/cm3"), overlay="bending")
+    assert view == View(camera, "mm", WallText("1.2", "1.04 g/cm3"), overlay="bending")
 
 
 def test_open_session_measures_the_shape_of_an_old_session_as_it_was():

@@ -16,15 +16,14 @@ from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.session.model.document_parts import with_selection
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion_text import motion_steps
-from apd_viewer.session.quantities.deck_wall import DeckWallText, deck_wall
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_mass import Wall
-from apd_viewer.session.quantities.wall_materials import wall_material
-from apd_viewer.session.studies.deck_setup import deck_of
+from apd_viewer.session.quantities.wall import WallText
+from apd_viewer.session.quantities.wall_material import wall_material
+from apd_viewer.session.studies.deck_setup import deck_of, deck_wall
 
 V, F = box(2, 2, 6)
 BASE, TOP = ends(V)
-BARE = deck_wall(DeckWallText(), Unit.NONE, 1.0)
+BARE = deck_wall(WallText(), Unit.NONE, 1.0)
 
 
 def painted(V=V, F=F, second=None, name="a\n*STEP.obj"):
@@ -145,7 +144,7 @@ MM_PET = {"thickness": 0.3, "young": 3400.0, "density": 1.36e-9, "poisson": 0.38
 )
 def test_deck_wall_is_in_consistent_units(unit, factor, says, written):
     """Of one material: N/mm² times mm² and N s²/mm⁴ times mm⁴ in every other unit of length."""
-    wall = deck_wall(DeckWallText(material=wall_material("pet-bottle")), unit, 1.0)
+    wall = deck_wall(WallText(material=wall_material("pet-bottle")), unit, 1.0)
     deck = written(painted().document, wall)
     assert deck.values["SHELL SECTION"] == pytest.approx([0.3 * factor])
     assert deck.values["ELASTIC"] == pytest.approx([3400.0 / factor**2, 0.38])
@@ -155,7 +154,7 @@ def test_deck_wall_is_in_consistent_units(unit, factor, says, written):
 
 
 def test_deck_wall_takes_what_is_typed_before_the_material(written):
-    words = DeckWallText(Wall("0.5mm", "1 g/cm3"), "2GPa", "0.3", wall_material("pet-bottle"))
+    words = WallText("0.5mm", "1 g/cm3", "2GPa", "0.3", material=wall_material("pet-bottle"))
     deck = written(painted().document, deck_wall(words, Unit.METRE, 1.0))
     assert deck.values["SHELL SECTION"] == pytest.approx([0.5e-3])
     assert deck.values["ELASTIC"] == pytest.approx([2e9, 0.3])
@@ -163,7 +162,7 @@ def test_deck_wall_takes_what_is_typed_before_the_material(written):
 
 
 def test_deck_wall_says_of_defaults_that_they_are_defaults(written):
-    deck = written(painted().document, deck_wall(DeckWallText(), Unit.NONE, 7.0))
+    deck = written(painted().document, deck_wall(WallText(), Unit.NONE, 7.0))
     assert deck.values["SHELL SECTION"] == [0.007]
     assert deck.values["ELASTIC"] == [1.0, 0.4]
     assert "DENSITY" not in deck.values
@@ -206,9 +205,9 @@ def test_deck_of_refuses_in_a_sentence_what_cannot_be_a_deck(tmp_path):
     with pytest.raises(InputError, match="1 to 1000 steps"):
         deck_of(state.document, BARE, 0)
     for words in (
-        DeckWallText(young="2GPa"),
-        DeckWallText(Wall("1", "1.3")),
-        DeckWallText(material=wall_material("hdpe")),
+        WallText(young="2GPa"),
+        WallText("1", "1.3"),
+        WallText(material=wall_material("hdpe")),
     ):
         with pytest.raises(InputError, match="needs the unit of the mesh"):
             deck_wall(words, Unit.NONE, 1.0)

@@ -20,7 +20,7 @@ from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
+from apd_viewer.session.quantities.wall import NO_WALL, WallText
 from apd_viewer.ui.preferences.preferences import Preferences
 
 CM = Unit.CENTIMETRE
@@ -239,7 +239,7 @@ def test_volume_controller_remembers_the_wall_with_the_file_and_keeps_it_in_sess
     paths = [tmp_path / f"part, {name}.obj" for name in "ab"]
     for path in paths:
         save_mesh(Mesh(*meshes.sphere(2)), meshes.sphere(2)[0], path)
-    room, wall = window.panel.measures, Wall("0.3mm", "1.38 g/cm³")
+    room, wall = window.panel.measures, WallText("0.3mm", "1.38 g/cm³")
 
     def open_(path):
         window.files.open_path(path)
@@ -265,7 +265,7 @@ def test_volume_controller_remembers_the_wall_with_the_file_and_keeps_it_in_sess
 
 def test_preferences_read_no_walls_from_settings_that_somebody_has_broken(settings):
     settings.setValue("walls", ["nonsense", "[1]", '["/a.obj", "1mm", "2"]'])
-    assert list(Preferences(settings).walls.values()) == [Wall("1mm", "2")]
+    assert list(Preferences(settings).walls.values()) == [WallText("1mm", "2")]
 
 
 def test_size_section_is_folded_away_at_first(bottle):

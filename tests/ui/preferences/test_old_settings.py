@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import QSettings, Qt
 
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_mass import Wall
+from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME
 from apd_viewer.ui.shell import Shell
@@ -31,8 +31,8 @@ def test_preferences_read_all_that_version_0_1_0_kept(memory):
     assert memory.compared_methods == ["exact", "local"]
     assert memory.units == {PARTS / "Büste 2.ply": Unit.NONE, PARTS / "bar.obj": Unit.CENTIMETRE}
     assert memory.walls == {
-        PARTS / "a, b.apd": Wall("", "1.2"),
-        PARTS / "bar.obj": Wall("0.3mm", "1380 kg/m3"),
+        PARTS / "a, b.apd": WallText("", "1.2"),
+        PARTS / "bar.obj": WallText("0.3mm", "1380 kg/m3"),
     }
     assert memory.shortcuts == {"undo": "Ctrl+U", "paint": "Shift+P, Q", "open": ""}
     assert memory.display_options == {"overlay": "bending", "ghost": "on", "edges": "off", "area": "40 0"}

@@ -6,35 +6,31 @@ from meshes import tube
 
 from apd_viewer import press
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.session.quantities.elastic_wall import (
-    ElasticWall,
-    metres_per_unit,
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.solver.settings import Settings
+from apd_viewer.session.quantities.newton_conversion import NewtonConversion, newton_conversion
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import Wall
+from apd_viewer.session.quantities.wall_material import (
+    WALL_MATERIALS,
     parse_poisson_ratio,
     parse_young_modulus,
-    underestimate_factor,
+    wall_material,
 )
-from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_materials import WALL_MATERIALS, wall_material, yield_radius
 
 STIFFNESS = 0.001
 
 
-def newtons_per_millimetre(around, unit, radius, wall):
+def newtons_per_millimetre(around, radius, wall):
     """Of a ring as wide as its radius, pressed a hundredth of it from each side."""
     V, F = tube(around, round(around / (2.0 * np.pi) / 0.75**0.5), height=1.0)
     V = V * radius
     across = np.array([1.0, 0.0, 0.0])
     extent = np.ptp(V @ across)
     last = press(V, F, across, extent - 0.02 * radius, 1, method="arap", stiffness=STIFFNESS).steps[-1]
-    deflection = (extent - np.ptp(last.U @ across)) * metres_per_unit(unit)
-    load = 0.5 * (last.load_low + last.load_high)
-    return (
-        1e-3
-        * load
-        * wall.newtons_per_load(STIFFNESS, face_areas(V, F).sum(), metres_per_unit(unit))
-        / deflection
-    )
+    slope = 0.5 * (last.load_low + last.load_high) / (extent - np.ptp(last.U @ across))
+    newtons = newton_conversion(wall, Settings("arap", STIFFNESS).material, RestMesh(V, F))
+    return slope * newtons.newtons_per_millimetre
 
 
 def test_newton_conversion_of_a_ring_of_plastic_are_what_the_formula_says():
@@ -43,17 +39,16 @@ def test_newton_conversion_of_a_ring_of_plastic_are_what_the_formula_says():
     Cells resist bending in proportion to the square of the edges: two resolutions are extrapolated to none.
     The ring of the model stretches by a fiftieth of its deflection, which the formula does not know.
     """
-    wall, R = ElasticWall(thickness=0.3e-3, young=2.8e9, poisson=0.4), 0.03
-    coarse, fine = (newtons_per_millimetre(n, Unit.CENTIMETRE, 100.0 * R, wall) for n in (36, 72))
+    wall, R = Wall(Unit.CENTIMETRE, thickness=0.03, young=2.8e9, poisson=0.4), 0.03
+    coarse, fine = (newtons_per_millimetre(n, 100.0 * R, wall) for n in (36, 72))
     rigidity = 2.8e9 * 0.3e-3**3 / (12.0 * (1.0 - 0.4**2))
     known = 1e-3 * rigidity * R / ((np.pi / 4 - 2 / np.pi) * R**3)
     assert fine + (fine - coarse) / 3.0 == pytest.approx(known, rel=0.08)
 
 
 def test_newton_conversion_do_not_depend_on_the_unit_of_the_mesh():
-    wall = ElasticWall(0.3e-3, 2.8e9)
     found = [
-        newtons_per_millimetre(24, unit, 0.03 / metres_per_unit(unit), wall)
+        newtons_per_millimetre(24, 0.03 / unit.metres, Wall(unit, 0.3e-3 / unit.metres, young=2.8e9))
         for unit in (Unit.MILLIMETRE, Unit.METRE, Unit.INCH)
     ]
     assert found == pytest.approx([found[0]] * 3, rel=1e-3)
@@ -62,19 +57,24 @@ def test_newton_conversion_do_not_depend_on_the_unit_of_the_mesh():
 @pytest.mark.parametrize(
     ("unit", "known"), [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("ft", 0.3048)]
 )
-def test_metres_per_unit_says_how_long_a_unit_is(unit, known):
-    assert metres_per_unit(Unit(unit)) == pytest.approx(known, rel=1e-12)
-    assert metres_per_unit(Unit.NONE) is None
+def test_metres_says_how_long_a_unit_is(unit, known):
+    assert Unit(unit).metres == pytest.approx(known, rel=1e-12)
+    assert Unit.NONE.metres is None
 
 
 @pytest.mark.parametrize("young", [4.0, 1.18])
 def test_model_stiffness_of_a_wall_is_that_of_its_rigidities(young):
     """In the model bending has D = 2 s A and stretching a Young's modulus: D over E t alike."""
-    wall, area = ElasticWall(0.3e-3, 2.8e9, 0.4), 430.0
-    own = wall.model_stiffness(area, 0.01, young)
+    wall, area = Wall(Unit.CENTIMETRE, 0.03, young=2.8e9, poisson=0.4), 430.0
+    own = wall.model_stiffness(area, young)
     model = 2.0 * own * area * 0.01**2 / young
-    assert model == pytest.approx(wall.rigidity / (wall.young * wall.thickness))
+    assert model == pytest.approx(wall.rigidity / (wall.young * 0.3e-3))
     assert 1e-7 < own < 1e-6
+
+
+def underestimate_factor(ratio, stretching, curvature):
+    """Of a wall, pressed at its stiffness times a ratio."""
+    return NewtonConversion(1.0, 1.0, 1.0, ratio, curvature).underestimate_factor(stretching)
 
 
 def test_underestimate_factor_is_what_a_thinner_wall_resists_stretching_more():
@@ -131,4 +131,5 @@ def test_wall_materials_have_each_a_name_of_its_own_a_source_and_sound_numbers()
 
 def test_yield_radius_of_a_sheet_is_where_its_fibres_yield():
     """0.3 mm bent to 6 mm strain their outside by 0.15 / 6."""
-    assert yield_radius(0.3, 0.025) == pytest.approx(6.0)
+    sheet = wall_material("pet-bottle")._replace(yield_strain=0.025)
+    assert sheet.yield_radius(0.3) == pytest.approx(6.0)

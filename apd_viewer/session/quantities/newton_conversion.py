@@ -1,0 +1,91 @@
+"""Newtons of the model's loads, for a wall that bends and hardly stretches.
+
+The model's energy of bending is ``stiffness * area * integral(k1² + k2²)``, that of a wall with the bending
+rigidity ``D = 2 stiffness area`` (a squared length) and no Poisson's ratio; the wall's own is
+``D = E t³ / (12 (1 - nu²))``. Where a wall bends and hardly stretches, shapes under given plates do not
+depend on D, and loads are in proportion to it:
+
+    load in newtons = load of the model * D of the wall / (D of the model * metres in a mesh unit).
+
+A shape that cannot bend without stretching resists by both, and its load is in proportion to
+``D^(1 - p) (E t)^p``, where p is the share of the energy in stretching (the derivative of the least energy by
+the logarithm of a modulus is the energy that the modulus has). A wall that is thinner than that of the model
+resists stretching more, against bending, so that the newtons above are too low; see
+:meth:`NewtonConversion.underestimate_factor`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from apd_viewer.geometry.analysis.total_curvature import total_curvature
+from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.session.quantities.wall import Wall
+
+# Of 4 pi of a sphere: a mesh on a tube has up to 1, with vertices off by a hundredth of the radius.
+_CURVED = 1.5
+# Shares of the energy in stretching: spheres and bottles between plates have 0.2 to 0.5, shallow bends less.
+_STRETCHED, _ROOT = 0.05, 0.5
+
+
+@dataclass(frozen=True)
+class NewtonConversion:
+    """Conversion of the model's loads into newtons.
+
+    Attributes
+    ----------
+    newtons_per_load : float
+        Newtons of a load of 1.
+    metres_per_unit : float
+        Metres in a mesh unit.
+    stiffness, pressed_stiffness : float
+        That of the wall, and the one that it is pressed with.
+    curvature : float
+        Total curvature at rest: what can be unrolled can also bend without stretching.
+    """
+
+    newtons_per_load: float
+    metres_per_unit: float
+    stiffness: float
+    pressed_stiffness: float
+    curvature: float
+
+    def underestimate_factor(self, stretching: float) -> float:
+        """Largest factor by which newtons may be too low; less than 1 if too high.
+
+        It is 1 where a shape need not stretch. Where it has to, loads are in proportion to the root of
+        ``D E t`` or so: that of a sphere is [Reissner 1946]; sharp folds stretch less, and a tube along its
+        axis, while it is straight, more. So the power of the ratio of the two stiffnesses is a half, or the
+        share ``stretching`` of the energy, at the stiffness of the model, if that is more.
+        """
+        forced = self.curvature > _CURVED and stretching > _STRETCHED
+        if not (forced or stretching > _ROOT):
+            return 1.0
+        return (self.pressed_stiffness / self.stiffness) ** max(_ROOT, stretching)
+
+    @property
+    def joules_per_work(self) -> float:
+        """Joules of a work of 1."""
+        return self.newtons_per_load * self.metres_per_unit
+
+    @property
+    def newtons_per_millimetre(self) -> float:
+        """N/mm of an apparent stiffness of 1."""
+        return 1e-3 * self.newtons_per_load / self.metres_per_unit
+
+    def gas_amount(self, pascals: float, rest: RestMesh) -> float:
+        """Pressure times volume of a gas at rest in mesh units, in areas of the surface."""
+        volume = (rest.volume if rest.caps is None else rest.volume_capped) or 0.0
+        return pascals * self.metres_per_unit**2 / self.newtons_per_load * abs(volume) / rest.area
+
+
+def newton_conversion(wall: Wall, material: Material, rest: RestMesh) -> NewtonConversion | None:
+    """Conversion of the loads of a model of a material; None if newtons are not known."""
+    metre, rigidity, stiffness = wall.unit.metres, wall.rigidity, material.bending
+    own = wall.model_stiffness(rest.area, material.young)
+    if metre is None or rigidity is None or own is None or not stiffness > 0.0:
+        return None
+    per_load = rigidity / (2.0 * stiffness * rest.area * metre)
+    curvature = total_curvature(rest.solve_mesh.V, rest.solve_mesh.F)
+    return NewtonConversion(per_load, metre, own, stiffness, curvature)

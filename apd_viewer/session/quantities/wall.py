@@ -1,0 +1,213 @@
+"""Wall of a mesh: as typed, and in numbers, with its mass and its stiffness."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import comma_separated, tr
+from apd_viewer.session.quantities.expressions import parse_length, parse_number
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall_material import (
+    DEFAULT_POISSON,
+    GPA,
+    WallMaterial,
+    parse_density,
+    parse_poisson_ratio,
+    parse_young_modulus,
+)
+
+_GRAMS = 1e6  # in a cubic metre of 1 g/cm³
+
+
+class WallText(NamedTuple):
+    """Wall as typed, and its material.
+
+    The texts are kept as they were typed: 0.3mm stay 0.3 mm when the mesh is said to be in centimetres.
+
+    Attributes
+    ----------
+    thickness : str
+        A length, such as ``0.3mm``; a bare number is in mesh units.
+    density : str
+        Such as ``1380 kg/m3``; a bare number is in g/cm³.
+    young : str
+        Young's modulus, such as ``2.8GPa``; a bare number is in GPa.
+    poisson : str
+        Poisson's ratio.
+    yield_radius : str
+        A length, as the thickness.
+    material : WallMaterial or None
+        What is left empty follows from it.
+    """
+
+    thickness: str = ""
+    density: str = ""
+    young: str = ""
+    poisson: str = ""
+    yield_radius: str = ""
+    material: WallMaterial | None = None
+
+    def text(self, unit: Unit) -> str:
+        """Thickness and density, a bare number with the unit that it is in; empty if none."""
+        thickness, density = self.thickness.strip(), self.density.strip()
+        thickness = unit.format_length(thickness) if _is_bare(thickness) else thickness
+        density = f"{density}\u00a0g/cm³" if _is_bare(density) else density
+        return comma_separated(filter(None, (thickness, density)))
+
+    def usable_thickness(self, unit: Unit) -> float | None:
+        """Thickness in mesh units; None where no usable one was typed."""
+        with suppress(InputError):
+            return parse_thickness(self.thickness, unit)
+        return None
+
+    def usable_density(self) -> float | None:
+        """Density in g/cm³; None where no usable one was typed."""
+        with suppress(InputError):
+            return parse_density(self.density)
+        return None
+
+
+NO_WALL = WallText()
+
+
+@dataclass(frozen=True)
+class Wall:
+    """Wall of a mesh in numbers; None where they are not known.
+
+    Attributes
+    ----------
+    unit : Unit
+        Of the mesh.
+    thickness : float or None
+        Mesh units.
+    density : float or None
+        g/cm³.
+    young : float or None
+        Young's modulus, Pa.
+    poisson : float or None
+    yield_radius : float or None
+        Walls that are bent to less keep a crease, mesh units.
+    material : WallMaterial or None
+    """
+
+    unit: Unit = Unit.NONE
+    thickness: float | None = None
+    density: float | None = None
+    young: float | None = None
+    poisson: float | None = None
+    yield_radius: float | None = None
+    material: WallMaterial | None = None
+
+    def grams(self, area: float, material_volume: float | None = None) -> float | None:
+        """Mass of an area in square mesh units; None if it is not known.
+
+        Of a double wall the ``material_volume`` between its surfaces counts, cubic mesh units, and no
+        thickness.
+        """
+        metre = self.unit.metres
+        if metre is None or self.density is None:
+            return None
+        if material_volume is not None:
+            return _GRAMS * self.density * material_volume * metre**3
+        return None if self.thickness is None else _GRAMS * self.density * self.thickness * area * metre**3
+
+    @property
+    def nu(self) -> float:
+        """Poisson's ratio, the usual one where it is not known."""
+        return DEFAULT_POISSON if self.poisson is None else self.poisson
+
+    @property
+    def rigidity(self) -> float | None:
+        """Bending rigidity ``D = E t³ / (12 (1 - nu²))``, N m; None if it is not known."""
+        thickness = self._metres
+        if thickness is None or self.young is None:
+            return None
+        return self.young * thickness**3 / (12.0 * (1.0 - self.nu**2))
+
+    def model_stiffness(self, area: float, young: float) -> float | None:
+        """Stiffness of the model with this wall's proportion of bending to stretch.
+
+        ``D / (E t)`` is ``2 stiffness area / young`` in the model, and ``t² / (12 (1 - nu²))`` of the wall.
+        None if newtons are not known.
+
+        Parameters
+        ----------
+        area : float
+            At rest, square mesh units.
+        young : float
+            Young's modulus times thickness of the model; see :class:`Material`.
+        """
+        thickness, metre = self._metres, self.unit.metres
+        if thickness is None or metre is None or self.young is None:
+            return None
+        return young * thickness**2 / (24.0 * (1.0 - self.nu**2) * area * metre**2)
+
+    @property
+    def _metres(self) -> float | None:
+        """Thickness, metres."""
+        metre = self.unit.metres
+        return None if metre is None or self.thickness is None else self.thickness * metre
+
+
+def wall_from(text: WallText, unit: Unit) -> Wall:
+    """Wall of a text, for a mesh in a unit; raises InputError."""
+    known = text.material
+    thickness = _parsed(text.thickness, lambda typed: parse_thickness(typed, unit))
+    if known and thickness is None:
+        thickness = parse_length(f"{known.thickness} mm", unit, {})
+    density = _parsed(text.density, parse_density)
+    young = _parsed(text.young, parse_young_modulus)
+    poisson = _parsed(text.poisson, parse_poisson_ratio)
+    radius = _parsed(text.yield_radius, lambda typed: parse_length(typed, unit, {}))
+    if known:
+        density = known.density if density is None else density
+        young = GPA * known.young if young is None and known.young is not None else young
+        poisson = known.poisson if poisson is None else poisson
+        radius = known.yield_radius(thickness) if radius is None and thickness is not None else radius
+    return Wall(unit, thickness, density, young, poisson, radius, known)
+
+
+def typed_mass(text: WallText, area: float, unit: Unit, material_volume: float | None = None) -> float | None:
+    """Mass of a typed wall, grams, as :meth:`Wall.grams`; None if nothing was typed.
+
+    Raises
+    ------
+    InputError
+        If one of the two is missing or makes no sense, or the unit of the mesh is not known.
+    """
+    if not (text.thickness.strip() or text.density.strip()):
+        return None
+    if unit is Unit.NONE:
+        raise InputError(tr("The mass needs the unit of the mesh; choose it next to the area."))
+    if material_volume is not None:
+        text = text._replace(thickness="")
+    elif not text.thickness.strip():
+        raise InputError(tr("The mass needs a wall thickness; enter one such as 0.3mm."))
+    grams = wall_from(text, unit).grams(area, material_volume)
+    if grams is None:
+        raise InputError(tr("The mass needs a density; enter one such as 1.38 g/cm³."))
+    return grams
+
+
+def parse_thickness(text: str, unit: Unit) -> float:
+    """Thickness in mesh units from a text; raises InputError."""
+    thickness = parse_length(text, unit, {})
+    if not thickness > 0.0:
+        raise InputError(tr("Enter a wall thickness greater than 0, such as 0.3mm."))
+    return thickness
+
+
+def _parsed(text: str, parse: Callable[[str], float]) -> float | None:
+    """Number of a text, None of an empty one."""
+    return parse(text) if text.strip() else None
+
+
+def _is_bare(text: str) -> bool:
+    with suppress(InputError):
+        parse_number(text, {})
+        return True
+    return False
