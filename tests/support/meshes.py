@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import runpy
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -160,6 +161,12 @@ def moved(X: np.ndarray, R=None, shift=(0.0, 0.0, 0.0)) -> np.ndarray:
 
 def sample_bottle(edge: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The sample bottle with edges so many times as long, and its labels."""
+    V, F, labels = _made_bottle(edge)
+    return V.copy(), F.copy(), labels.copy()
+
+
+@cache
+def _made_bottle(edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     script = runpy.run_path(str(Path(__file__).parents[2] / "resources" / "make_samples.py"))
     sizes = script["bottle"].__globals__
     sizes["BOTTLE_EDGE"] *= edge
