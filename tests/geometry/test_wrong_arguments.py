@@ -4,6 +4,7 @@ A table says which values are sound for which argument; all others must raise In
 """
 
 import inspect
+from functools import cache
 
 import numpy as np
 import pytest
@@ -105,6 +106,11 @@ def set_tolerance(tolerance):
     apd_viewer.Deformation(**HELD).tolerance = tolerance
 
 
+@cache
+def hull_readings():
+    return apd_viewer.volume_readings(V, F).hull
+
+
 CALLS = {
     "Deformation": (apd_viewer.Deformation, HELD),
     "in contact": (apd_viewer.Deformation, TOUCHING),
@@ -127,8 +133,11 @@ CALLS = {
     ),
     "Mesh": (apd_viewer.Mesh, {"V": V, "F": F}),
     "volume_readings": (apd_viewer.volume_readings, {"U": V, "F": F}),
-    "bulk": (apd_viewer.volume_readings(V, F).hull.bulk, {}),
-    "count_in": (apd_viewer.volume_readings(V, F).hull.count_in, {"container": 10.0}),
+    "bulk": (lambda **said: hull_readings().bulk(**said), apd_viewer.HullReadings.bulk),
+    "count_in": (
+        lambda **said: hull_readings().count_in(**{"container": 10.0} | said),
+        apd_viewer.HullReadings.count_in,
+    ),
     "sphere": (apd_viewer.sphere, {"centre": (0, 0, 0), "radius": 1.0}),
     "capsule": (apd_viewer.capsule, {"a": (0, 0, 0), "b": (1, 0, 0), "radius": 1.0}),
     "plate": (apd_viewer.plate, {"point": (0, 0, 0), "normal": (1, 0, 0), "size": 1.0}),

@@ -5,10 +5,13 @@ import itertools
 import numpy as np
 import pytest
 import pyvista
-import vtk
 from mesh_contents import bent
 from meshes import sphere
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkBitArray
+from vtkmodules.vtkIOCore import vtkLZ4DataCompressor
+from vtkmodules.vtkIOLegacy import vtkPolyDataWriter, vtkUnstructuredGridWriter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
@@ -42,7 +45,7 @@ def surface(kind):
 
 
 def bits():
-    array = vtk.vtkBitArray()
+    array = vtkBitArray()
     array.SetName("bits")
     for k in range(11):
         array.InsertNextValue(k % 3 == 0)
@@ -50,7 +53,7 @@ def bits():
 
 
 def written(path, kind, mode, compression, header, order):
-    writer = vtk.vtkXMLPolyDataWriter() if kind == "vtp" else vtk.vtkXMLUnstructuredGridWriter()
+    writer = vtkXMLPolyDataWriter() if kind == "vtp" else vtkXMLUnstructuredGridWriter()
     writer.SetFileName(str(path))
     writer.SetInputData(surface(kind))
     name, coded = _MODES[mode]
@@ -98,7 +101,7 @@ def test_vtk_legacy_file_is_read_as_vtk_reads_it_and_written_back_with_all_else_
     kind, binary, version, tmp_path
 ):
     path = tmp_path / "in.vtk"
-    writer = vtk.vtkPolyDataWriter() if kind == "vtp" else vtk.vtkUnstructuredGridWriter()
+    writer = vtkPolyDataWriter() if kind == "vtp" else vtkUnstructuredGridWriter()
     writer.SetFileName(str(path))
     ball = surface(kind)
     ball.field_data["notes"] = ["", *(size * "a b\n%" for size in (1, 20, 5_000))]
@@ -127,6 +130,6 @@ def test_vtk_xml_file_declares_the_range_of_its_points(tmp_path):
 @pytest.mark.parametrize("period", [1, 10_000])
 def test_lz4_block_of_what_repeats_is_unpacked_in_the_room_that_it_takes(period):
     data = np.random.default_rng(0).bytes(period) * (300_000 // period)
-    block = vtk.vtkLZ4DataCompressor().Compress(data, len(data))
+    block = vtkLZ4DataCompressor().Compress(data, len(data))
     assert block.GetNumberOfValues() < 0.1 * len(data)
     assert decompressed_block(vtk_to_numpy(block).tobytes(), len(data)) == data
