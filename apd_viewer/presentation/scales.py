@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -128,6 +129,7 @@ def measures_of(mesh: Mesh, target: TargetShape | None) -> tuple[Measure, ...]:
     return tuple(measure for measure in Measure if measure not in missing)
 
 
+@cache
 def _words() -> dict[Measure, MeasureTraits]:
     return {
         Measure.AREA: MeasureTraits(
