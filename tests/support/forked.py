@@ -26,6 +26,11 @@ import os, signal, socket, sys, traceback
 sys.path[:] = sys.argv[2:]
 from apd_viewer.session.processes import factor_main, geodesic_main, shape_check_main, solver_main
 from apd_viewer.session.processes.compilation import Compilation
+from apd_viewer.geometry.warmup import kernel_of, kernel_table
+for section in ("drag", "contact", "factor", "methods"):
+    for kernel, types in map(kernel_of, kernel_table()[section]):
+        if not kernel.targetoptions.get("parallel"):  # those begin threads, which a fork does not have
+            kernel.compile(types)
 Compilation.run = lambda *_: None
 line = socket.socket(fileno=int(sys.argv[1]))
 
