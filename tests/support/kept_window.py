@@ -1,7 +1,11 @@
 """A window that tests use one after the other, each as if it had just been opened."""
 
+from contextlib import contextmanager
+
+import pytest
 from driving import Mouse, idle, settle, show
 from meshes import box
+from PySide6.QtCore import QSettings
 from PySide6.QtGui import QAction, QGuiApplication
 from PySide6.QtWidgets import QAbstractButton, QApplication
 from shiboken6 import isValid
@@ -12,10 +16,12 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.history import History
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.state_store import Activity
+from apd_viewer.ui.filing import unsaved_question
+from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.brush_size import DEFAULT_RADIUS
-from apd_viewer.ui.tools.toolbox import FIRST_TOOL
+from apd_viewer.ui.tools.toolbox import FIRST_MODE, FIRST_TOOL
 from apd_viewer.ui.workbench import Workbench
 
 # Smaller than that of the first start: pictures drawn by the processor cost tests a third of their time.
@@ -32,10 +38,15 @@ def open_window(qtbot, settings):
 
 
 def activate(qtbot, window):
-    """Have the keys go to a window, though another one may be open."""
-    if not window.shell.isActiveWindow():
+    """Have the keys go to a window, though another one may be open, or one of another process was."""
+
+    def is_active():
+        # Once more: X refuses a first time that is older than the last window that had the keys.
         window.shell.activateWindow()
-        qtbot.waitUntil(window.shell.isActiveWindow)
+        return window.shell.isActiveWindow()
+
+    if not window.shell.isActiveWindow():
+        qtbot.waitUntil(is_active)
 
 
 def widened(qtbot, window):
@@ -54,8 +65,13 @@ def close_window(qtbot, window):
 def bottle_in(qtbot, window, painted):
     """The window with a painted mesh, read anew: a window tells meshes by their identity."""
     mesh, labels = painted.document.mesh, painted.document.labels
-    window.shell.setUpdatesEnabled(False)  # it is drawn once
-    window.session.files.open_result("bottle", lambda: initial_state(open_mesh(mesh.path), labels))
+    return opened_in(qtbot, window, lambda: initial_state(open_mesh(mesh.path), labels))
+
+
+def opened_in(qtbot, window, state):
+    """The window with what ``state()`` is, drawn once."""
+    window.shell.setUpdatesEnabled(False)
+    window.session.files.open_result("bottle", state)
     idle(qtbot, window)
     window.shell.setUpdatesEnabled(True)
     return at_rest(qtbot, window)
@@ -134,9 +150,11 @@ class KeptWindow:
         gestures.history = History()
         gestures.history.entries_dropped = window.session.saved_work.forget_unreachable
         window.session.saved_work.forget_unreachable()
+        window.motion_preview.ghost.hide()  # of what was typed in a field without the keys
         window.next_step.has_moved = False
         window.invitation.show_text("")
         window.measurements.choose_kind(MeasurementKind.DISTANCE)
+        window.tools.set_mode(FIRST_MODE)
         window.tools.choose_tool(FIRST_TOOL)
         window.signals.status_changed.emit()
 
@@ -170,3 +188,18 @@ class KeptWindow:
         if self._window is not None:
             self._window.shell.close()
             self._window.shell.deleteLater()
+
+
+def settings_in(folder):
+    """Settings of a window, in a file in a folder."""
+    return QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)
+
+
+@contextmanager
+def lasting_window(settings):
+    """Context with a window to be kept, which is closed without a question."""
+    kept = KeptWindow(settings)
+    with pytest.MonkeyPatch.context() as patch:
+        yield kept
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+        kept.close()

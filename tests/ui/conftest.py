@@ -9,9 +9,8 @@ import trimesh
 from choosing import Theatre
 from driving import Mouse, grey, idle, settle, show
 from in_thread import LateSolver, ServedInThread
-from kept_window import KeptWindow, at_rest, bottle_in, close_window, open_window
+from kept_window import at_rest, bottle_in, close_window, lasting_window, open_window, opened_in, settings_in
 from meshes import sample_bottle
-from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QMainWindow
 from shiboken6 import isValid
 
@@ -102,10 +101,10 @@ def surface(qtbot, view, ball):
     return surface
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def stored(tmp_path_factory):
-    """The settings of all windows of a file of tests."""
-    return QSettings(str(tmp_path_factory.mktemp("settings") / "settings.ini"), QSettings.Format.IniFormat)
+    """The settings of all windows."""
+    return settings_in(tmp_path_factory.mktemp("settings"))
 
 
 @pytest.fixture
@@ -121,14 +120,19 @@ def unasked(monkeypatch):
     monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def kept(qapp, stored):
-    """The window of a file of tests."""
-    kept = KeptWindow(stored)
-    with pytest.MonkeyPatch.context() as patch:
+    """The window of all files of tests: to open one takes half a second of the processor."""
+    with lasting_window(stored) as kept:
         yield kept
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
-        kept.close()
+
+
+@pytest.fixture(scope="module")
+def unused(qapp, stored):
+    """A window that no other file of tests has used."""
+    with lasting_window(stored) as kept:
+        yield kept
+    stored.clear()
 
 
 @pytest.fixture
@@ -141,7 +145,7 @@ def window(qtbot, settings, unasked):
 
 @pytest.fixture
 def kept_window(qtbot, kept, unasked):
-    """The window of all tests of a file, as it was opened, for one that opens a mesh."""
+    """The window of all tests, as it was opened, for one that opens a mesh."""
     yield kept.opened(qtbot)
     kept.reset(qtbot)
 
@@ -157,18 +161,15 @@ def painted_bottle(tmp_path_factory):
 
 @pytest.fixture
 def bottle(qtbot, kept_window, painted_bottle):
-    """The window of all tests of a file on the bottle, painted, as if it had just been opened."""
+    """The window of all tests on the bottle, painted, as if it had just been opened."""
     return bottle_in(qtbot, kept_window, painted_bottle)
 
 
 @pytest.fixture
 def coarse(qtbot, kept_window):
-    """The window of all tests of a file on a bottle of half as many vertices, painted, for long ways."""
+    """The window of all tests on a bottle of half as many vertices, painted, for long ways."""
     V, F, labels = sample_bottle(edge=3.0)
-    kept_window.session.files.open_result(
-        "bottle", lambda: initial_state(Mesh(V, F), labels.astype(np.uint8))
-    )
-    return at_rest(qtbot, kept_window)
+    return opened_in(qtbot, kept_window, lambda: initial_state(Mesh(V, F), labels.astype(np.uint8)))
 
 
 @pytest.fixture
@@ -179,7 +180,7 @@ def new_bottle(qtbot, window, painted_bottle):
 
 @pytest.fixture
 def sample(qtbot, kept_window):
-    """The window of all tests of a file on the sample bottle itself, painted."""
+    """The window of all tests on the sample bottle itself, painted."""
     kept_window.session.files.open_sample("bottle")
     return at_rest(qtbot, kept_window)
 

@@ -219,6 +219,12 @@ def at_first():
     gc.unfreeze()
 
 
+@pytest.fixture(scope="module")
+def kept(unused):
+    """What is found out at first is of a window as it was opened."""
+    return unused
+
+
 @pytest.fixture
 def fresh(qtbot, kept, unasked, painted_bottle, at_first):
     """The window on the bottle: each test leaves it so to the next."""

@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from driving import LEFT, NONE, Mouse, centre, document, idle
-from kept_window import KeptWindow
+from kept_window import lasting_window, settings_in
 from meshes import box, ends, rotation
-from PySide6.QtCore import QSettings, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
 import apd_viewer
@@ -21,8 +21,7 @@ from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.presentation.method_readings import reading_columns
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.compare.method_table import MethodTable
-from apd_viewer.ui.filing import file_dialogs, unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_dialogs
 
 CTRL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
 SETTLED = 30_000
@@ -85,12 +84,8 @@ def side(qtbot, bar):
 @pytest.fixture(scope="module")
 def another(qapp, tmp_path_factory):
     """A second window, with settings of its own."""
-    place = tmp_path_factory.mktemp("settings") / "settings.ini"
-    kept = KeptWindow(QSettings(str(place), QSettings.Format.IniFormat))
-    with pytest.MonkeyPatch.context() as patch:
+    with lasting_window(settings_in(tmp_path_factory.mktemp("settings"))) as kept:
         yield kept
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
-        kept.close()
 
 
 @pytest.fixture

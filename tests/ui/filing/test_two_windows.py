@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from answering import Person
 from driving import idle, work_off
-from kept_window import KeptWindow
+from kept_window import lasting_window, settings_in
 from meshes import box, ends
-from PySide6.QtCore import QSettings, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from apd_viewer.files.mesh_writing import save_mesh
@@ -60,14 +60,9 @@ def path(tmp_path, bar):
 @pytest.fixture(scope="module")
 def pair(qapp, tmp_path_factory):
     """Two windows with settings of their own, for all tests of this file."""
-    folder = tmp_path_factory.mktemp("settings")
-    places = [str(folder / f"{k}.ini") for k in range(2)]
-    pair = [KeptWindow(QSettings(place, QSettings.Format.IniFormat)) for place in places]
-    with pytest.MonkeyPatch.context() as patch:
-        yield pair
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
-        for kept in pair:
-            kept.close()
+    stored = [settings_in(tmp_path_factory.mktemp("settings")) for _ in range(2)]
+    with lasting_window(stored[0]) as first, lasting_window(stored[1]) as second:
+        yield first, second
 
 
 @pytest.fixture

@@ -20,6 +20,12 @@ from apd_viewer.ui.workbench import Workbench
 SHIFT = Qt.KeyboardModifier.ShiftModifier
 
 
+@pytest.fixture(scope="module")
+def kept(unused):
+    """What other windows were used for has been made in them."""
+    return unused
+
+
 @pytest.fixture
 def window(kept_window):
     """The window of all tests of the file."""

@@ -14,6 +14,12 @@ from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import shape_checker
 
 
+@pytest.fixture(scope="module")
+def kept(unused):
+    """Another window may still wait for its first check."""
+    return unused
+
+
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
     monkeypatch.setattr(shape_checker, "FIRST_PAUSE", 0.0)

@@ -32,6 +32,12 @@ def window(kept_window):
     return kept_window
 
 
+@pytest.fixture(scope="module")
+def kept(unused):
+    """Another window may still wait for its first check."""
+    return unused
+
+
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
     monkeypatch.setattr(shape_checker, "FIRST_PAUSE", 0.0)

@@ -40,6 +40,12 @@ def write(qtbot, window, path):
     return PageParts(path.read_text(encoding="utf-8"))
 
 
+@pytest.fixture(scope="module")
+def kept(unused):
+    """Another window may still wait for its first check."""
+    return unused
+
+
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
     monkeypatch.setattr(shape_checker, "FIRST_PAUSE", 0.0)
