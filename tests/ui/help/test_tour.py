@@ -6,11 +6,13 @@ import meshes
 import numpy as np
 import pytest
 from driving import LEFT, Mouse, arrow_grip, document, drag, idle, ring_grip, show, work_off
-from kept_window import widened
+from kept_window import opened_in, widened
 from PySide6.QtCore import QPoint, QRect, QSize, Qt
 
+from apd_viewer.files.samples import resource_path
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import Convergence
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.ui.application import build_workbench
 from apd_viewer.ui.help.tour_card import card_placement
 from apd_viewer.ui.shell import Shell
@@ -18,9 +20,11 @@ from apd_viewer.ui.tools.toolbox import Tool
 
 
 @pytest.fixture
-def bottle(sample):
-    """The sample itself: the tour is about no other mesh."""
-    return sample
+def bottle(qtbot, kept_window, painted_bottle):
+    """A coarser one in the place of the sample: the tour is about no other mesh."""
+    mesh, labels = painted_bottle.document.mesh, painted_bottle.document.labels
+    there = resource_path("bottle.obj")
+    return opened_in(qtbot, kept_window, lambda: initial_state(Mesh(mesh.V, mesh.F, there), labels))
 
 
 @pytest.fixture
