@@ -13,7 +13,6 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
-    QProgressBar,
     QPushButton,
     QSizePolicy,
     QVBoxLayout,
@@ -36,8 +35,8 @@ from apd_viewer.ui.plots.chart import Chart, ColorBar, Dots
 from apd_viewer.ui.plots.scatter_view import ScatterView
 from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
 from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.thin_bar import ThinBar
 
-_SCALE = 1000
 _SMALLEST, _NARROWEST = QSize(320, 160), 72  # px, of it and of the name of a study
 # Of the window, at first: the mesh is more important.
 _WIDTH, _SHARE, _LOWEST, _HIGHEST = 960, 0.3, 210, 420
@@ -89,7 +88,7 @@ class ResultsPanel(QWidget):
         self._follow_status()
 
     def _lay_out(self) -> None:
-        self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
+        self.bar = ThinBar()
         self.name = ElidedLabel(objectName="heading", margin=8, minimumWidth=_NARROWEST)
         self.words = ElidedLabel(objectName="quiet")
         self.words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
@@ -148,8 +147,7 @@ class ResultsPanel(QWidget):
     def _follow_status(self) -> None:
         status = self.status
         self.words.setText(status.text)
-        self.bar.setMaximum(0 if status.share is None else _SCALE)  # of unknown length
-        self.bar.setValue(round(_SCALE * (status.share or 0.0)))
+        self.bar.show_share(status.share)
         self.bar.setVisible(status.is_unfinished)
         self.go_on.setVisible(status.may_continue)
         self.retry.setVisible(status.may_retry)

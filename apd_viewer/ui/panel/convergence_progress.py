@@ -6,10 +6,11 @@ import time
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.time_left import TimeLeftEstimate, time_left_text
+from apd_viewer.ui.widgets.thin_bar import ThinBar
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 # What converges sooner needs no progress; and while a handle is dragged the solver begins anew all the time.
 _PATIENCE = 2.0  # s
 _TICK = 500  # ms; the time goes on while no frame comes
-_SCALE = 1000
 _WIDTH = 88
 _UNKNOWN, _SEARCHING = tr("estimating the time left…"), tr("looking for a lower energy…")
 
@@ -43,7 +43,7 @@ class ConvergenceProgress(QWidget):
         self._forecast: TimeLeftEstimate | None = None
         self._frame: Frame | None = None
         self._iteration = 0
-        self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
+        self.bar = ThinBar()
         self.bar.setFixedWidth(_WIDTH)
         self.words = QLabel()
         row = QHBoxLayout(self, spacing=0)
@@ -78,6 +78,6 @@ class ConvergenceProgress(QWidget):
         assert self._frame is not None
         gap, left = self._frame.gap, forecast.seconds_left(now)
         rests = self._iteration > 0 and gap is not None and gap <= 1.0
-        self.bar.setValue(_SCALE if rests else round(_SCALE * forecast.share_passed(now)))
+        self.bar.show_share(1.0 if rests else forecast.share_passed(now))
         self.words.setText(_SEARCHING if rests else _UNKNOWN if left is None else time_left_text(left))
         self.setVisible(now - forecast.start_moment >= _PATIENCE and not self._waits())

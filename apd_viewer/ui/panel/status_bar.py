@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QPainter, QPaintEvent
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QToolButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
 
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation.number_format import format_short
 from apd_viewer.ui.panel.convergence_progress import ConvergenceProgress
+from apd_viewer.ui.widgets.thin_bar import ThinBar
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
@@ -178,7 +179,7 @@ class CompilingProgress(QWidget):
 
     def __init__(self) -> None:
         super().__init__(toolTip=tr("The first shapes may wait for it; at later starts nothing does."))
-        self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
+        self.bar = ThinBar()
         self.bar.setFixedWidth(_WIDTH)
         row = QHBoxLayout(self, spacing=0)
         row.setContentsMargins(8, 0, 0, 0)
@@ -190,4 +191,4 @@ class CompilingProgress(QWidget):
         """Show the share of the kernels compiled so far, if that is known, until it is 1."""
         self.setVisible(share is not None and share < 1.0)
         if share is not None:
-            self.bar.setValue(round(_SCALE * share))
+            self.bar.show_share(share)

@@ -14,7 +14,6 @@ from PySide6.QtWidgets import (
     QFileDialog,
     QHBoxLayout,
     QLabel,
-    QProgressBar,
     QPushButton,
     QVBoxLayout,
     QWidget,
@@ -26,8 +25,7 @@ from apd_viewer.session.jobs.background_job import Job, JobOutcome
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.command_process import CommandProcess
 from apd_viewer.ui.widgets.help_button import HelpButton
-
-_SCALE = 1000
+from apd_viewer.ui.widgets.thin_bar import ThinBar
 
 
 class RunBar(QWidget):
@@ -87,7 +85,7 @@ class RunBar(QWidget):
     def _lay_out(self, start: str) -> None:
         self.words = QLabel(objectName="quiet", wordWrap=True)
         self.words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
+        self.bar = ThinBar()
         tip = tr("Closes the dialog and opens the saved mesh in the window; undo returns to the mesh before")
         self.open_mesh = QPushButton(tr("Open mesh"), toolTip=tip, clicked=self._ask_for_mesh)
         self.open = QPushButton(tr("Open folder"), clicked=self._open)
@@ -143,7 +141,7 @@ class RunBar(QWidget):
         start = partial(self.command.start, scratch=scratch)
         self._job = Job(tr("Preparing"), work, start, self._delivered.emit)
         self.words.setText(tr("preparing"))
-        self.bar.setMaximum(0)  # of unknown length
+        self.bar.show_share(None)
         self._show_busy(True)
 
     def stop(self) -> None:
@@ -180,8 +178,7 @@ class RunBar(QWidget):
             outcome.job.on_done(outcome.value)
 
     def _show_progress(self, done: float, doing: str) -> None:
-        self.bar.setMaximum(_SCALE)
-        self.bar.setValue(round(_SCALE * done))
+        self.bar.show_share(done)
         self.words.setText(f"{100 * done:.0f} %  {doing}")
 
     def _end(self, said: str) -> None:

@@ -1,0 +1,40 @@
+"""Thin progress bar."""
+
+from __future__ import annotations
+
+import time
+
+from PySide6.QtCore import QEvent
+from PySide6.QtWidgets import QApplication, QProgressBar
+
+_SCALE = 1000
+_PAUSE = 0.2  # s; between two draws of a bar of unknown length, where the processor draws
+
+
+class ThinBar(QProgressBar):
+    """Thin progress bar without text.
+
+    A bar of unknown length moves, and the whole window is composed for each of its draws. Qt goes on with
+    that while the bar is empty, though its length is known by then.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(maximum=_SCALE, textVisible=False, objectName="thin")
+        self._drawn = 0.0
+
+    def show_share(self, share: float | None) -> None:
+        """Show a share of the work; None is an unknown one."""
+        self.setMaximum(0 if share is None else _SCALE)
+        self.setValue(round(_SCALE * (share or 0.0)))
+
+    def event(self, event: QEvent) -> bool:
+        """Stop moving once the length is known; move seldom where no cursor blinks."""
+        if event.type() == QEvent.Type.StyleAnimationUpdate:
+            if self.maximum():
+                event.ignore()
+                return True
+            if not QApplication.cursorFlashTime() and time.monotonic() - self._drawn < _PAUSE:
+                event.accept()
+                return True
+            self._drawn = time.monotonic()
+        return super().event(event)

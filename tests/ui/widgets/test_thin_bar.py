@@ -1,0 +1,62 @@
+"""A bar of progress: what it shows, and how often the window is composed for it."""
+
+import pytest
+from PySide6.QtCore import QEvent, QObject
+from PySide6.QtWidgets import QApplication, QMainWindow
+
+from apd_viewer.ui.widgets.thin_bar import ThinBar
+
+
+class Paints(QObject):
+    """Counts how often a widget is drawn."""
+
+    def __init__(self, widget):
+        super().__init__(widget)
+        self.count = 0
+        widget.installEventFilter(self)
+
+    def eventFilter(self, _widget, event):
+        self.count += event.type() == QEvent.Type.Paint
+        return False
+
+
+@pytest.fixture
+def bar(qtbot):
+    """A bar, where cursors blink."""
+    before, window, bar = QApplication.cursorFlashTime(), QMainWindow(), ThinBar()
+    QApplication.setCursorFlashTime(1000)
+    window.setCentralWidget(bar)
+    window.show()
+    qtbot.waitExposed(window)
+    yield bar
+    QApplication.setCursorFlashTime(before)
+    window.close()
+    window.deleteLater()
+
+
+def test_thin_bar_shows_a_share_of_the_work(bar):
+    for share in (0.0, 0.25, None, 0.75, 1.0):
+        bar.show_share(share)
+        assert bar.maximum() == (0 if share is None else 1000)
+        assert bar.value() == round(1000 * (share or 0.0))
+
+
+def test_thin_bar_moves_until_its_length_is_known(qtbot, bar):
+    paints = Paints(bar)
+    bar.show_share(None)
+    qtbot.waitUntil(lambda: paints.count > 3)
+    bar.show_share(0.0)
+    qtbot.wait(100)
+    known = paints.count
+    qtbot.wait(200)
+    assert paints.count == known
+    bar.show_share(None)
+    qtbot.waitUntil(lambda: paints.count > known + 3)
+
+
+def test_thin_bar_moves_seldom_where_no_cursor_blinks(qtbot, bar):
+    QApplication.setCursorFlashTime(0)
+    paints = Paints(bar)
+    bar.show_share(None)
+    qtbot.wait(500)
+    assert 1 <= paints.count <= 4
