@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from structure import called
 
+import apd_viewer
+
 ROOT = Path(__file__).parents[1]
 PACKAGE = "apd_viewer"
 
@@ -420,46 +422,50 @@ def test_architecture_loads_no_qt_or_vtk_by_importing_or_working_without_a_windo
 
 
 FIRST_PICTURE = """
-    import sys
-    import apd_viewer.__main__
-    assert "numpy" not in sys.modules, "the command line reads its words"
-    import apd_viewer.ui.application
-    import apd_viewer.ui.shell
-    loaded = {name.partition(".")[0] for name in sys.modules}
-    assert "pyvistaqt" in loaded, "the test is blind"
-    assert not loaded & {"numba", "llvmlite", "scipy", "cholespy", "trimesh", "ipctk"}, loaded
-    import apd_viewer
-    assert "Deformation" in dir(apd_viewer)
-    assert apd_viewer.Deformation.__name__ == "Deformation"
-    assert not hasattr(apd_viewer, "nonsense")
+import sys
+import apd_viewer.__main__
+print(*sys.modules)
+import apd_viewer.ui.application
+import apd_viewer.ui.shell
+print(*sys.modules)
 """
 
 
-def test_architecture_lets_a_first_picture_wait_for_nothing_that_only_work_needs():
+@pytest.fixture(scope="module")
+def loaded():
+    """The modules that the command line loads to read its words, and then those of a first picture."""
     done = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(FIRST_PICTURE)],
+        [sys.executable, "-c", FIRST_PICTURE],
         cwd=ROOT,
         capture_output=True,
         text=True,
-        check=False,
+        check=True,
         timeout=60,
     )
-    assert done.returncode == 0, done.stderr
+    return [set(line.split()) for line in done.stdout.splitlines()]
+
+
+def test_architecture_lets_a_first_picture_wait_for_nothing_that_only_work_needs(loaded):
+    words, picture = loaded
+    assert "numpy" not in words
+    libraries = {name.partition(".")[0] for name in picture}
+    assert "pyvistaqt" in libraries, "the test is blind"
+    assert libraries & {"numba", "llvmlite", "scipy", "cholespy", "trimesh", "ipctk"} == set()
+
+
+def test_package_names_are_there_before_they_are_imported():
+    assert "Deformation" in dir(apd_viewer)
+    assert apd_viewer.Deformation.__name__ == "Deformation"
+    assert not hasattr(apd_viewer, "nonsense")
 
 
 # Each would load much for a type that is seldom needed: the API, matplotlib, the solver for a mesh check.
 TYPES_ALONE = {"apd_viewer", "apd_viewer.figures.press_curves", "apd_viewer.files.report"}
 
 
-def test_architecture_imports_for_types_alone_only_where_the_first_picture_waits():
-    script = (
-        "import sys, apd_viewer.__main__, apd_viewer.ui.application, apd_viewer.ui.shell; print(*sys.modules)"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True, timeout=60
-    )
+def test_architecture_imports_for_types_alone_only_where_the_first_picture_waits(loaded):
     alone = {
         name for name, path in modules(ROOT).items() if "\nif TYPE_CHECKING:\n" in path.read_text("utf-8")
     }
     assert len(alone) > 50, "the test is blind"
-    assert alone - (set(done.stdout.split()) - TYPES_ALONE) == TYPES_ALONE
+    assert alone - (loaded[1] - TYPES_ALONE) == TYPES_ALONE

@@ -220,7 +220,8 @@ def _write_bar(folder):
     F = [(8 * k + i, 8 * k + 8 + i, 8 * k + (i + 1) % 8) for k in range(5) for i in range(8)]
     F += [(8 * k + 8 + i, 8 * k + 8 + (i + 1) % 8, 8 * k + (i + 1) % 8) for k in range(5) for i in range(8)]
     F += [(48, i, (i + 1) % 8) for i in range(8)] + [(49, 40 + (i + 1) % 8, 40 + i) for i in range(8)]
-    save_mesh(Mesh(np.array(V), np.array(F)), np.array(V), folder / "bar.obj")
+    lines = [*(f"v {x} {y} {z}" for x, y, z in V), *(f"f {a + 1} {b + 1} {c + 1}" for a, b, c in F)]
+    (folder / "bar.obj").write_text("\n".join(lines), encoding="utf-8")  # save_mesh would load trimesh
     (folder / "bar.sel").write_text("0\n" * 8 + "1\n" * 32 + "2\n" * 8 + "0\n2\n")
 
 
