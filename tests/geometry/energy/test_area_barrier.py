@@ -71,6 +71,7 @@ def test_elastic_surface_iterate_reduces_the_energy_without_the_area_barrier(ben
     assert (np.diff(energies) <= 1e-12 * energies[0]).all()
 
 
+@pytest.mark.night
 def test_deform_lets_no_triangle_collapse_where_sharp_folds_meet():
     """Without the penalty 30 triangles fell below a fifth of their area."""
     V, F = tube(48, 100, height=10.0)

@@ -85,7 +85,7 @@ def settle(solver, targets, most=1500, area_too=True, **more):
         {"method": "local", "area": 100.0},
         pytest.param({"method": "arap", "area": 100.0}, marks=pytest.mark.night),
         pytest.param({"stiffness": 0.001}, marks=pytest.mark.night),
-        {"volume": 80.0},
+        pytest.param({"volume": 80.0}, marks=pytest.mark.night),
         pytest.param({"regions": [Region("label", np.arange(300, 700), 100.0)]}, marks=pytest.mark.night),
     ],
     ids=lambda asked: " ".join(asked) or "exact",

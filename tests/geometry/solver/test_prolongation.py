@@ -51,6 +51,7 @@ def test_prolongation_interpolates_and_gathers_by_transposed_weights(prolongatio
     assert np.abs(ones - 1.0).max() <= 1e-6
 
 
+@pytest.mark.night
 def test_prolongation_gives_previews_of_a_stiff_surface_no_dents(monkeypatch):
     """Rotations blended from the four nearest coarse vertices made it 5 times as rough as at rest."""
     ball, faces = sphere(6)
