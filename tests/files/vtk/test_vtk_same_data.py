@@ -1,6 +1,7 @@
 """Files that VTK writes: read as VTK reads them, and written back with all else as it was."""
 
 import itertools
+from functools import cache
 
 import numpy as np
 import pytest
@@ -30,6 +31,12 @@ LEGACY = list(itertools.product(("vtp", "vtu"), (False, True), (42, 51)))
 
 
 def surface(kind):
+    """A copy of quads with triangles, lines and a vertex, with data of all kinds."""
+    return _surface(kind).copy()
+
+
+@cache
+def _surface(kind):
     """Quads with triangles, lines and a vertex, with data of all kinds, repeated values among them."""
     ball = pyvista.PolyData.from_regular_faces(*sphere(2))
     ball = ball.append_polydata(pyvista.Cube(center=(3, 0, 0), clean=True))

@@ -88,7 +88,7 @@ def test_calm_parts_change_nothing_where_nothing_is_calm():
     assert np.array_equal(*shapes)
 
 
-@pytest.mark.parametrize("most", [14, pytest.param(42, marks=pytest.mark.night)])
+@pytest.mark.parametrize("most", [10, pytest.param(42, marks=pytest.mark.night)])
 def test_calm_parts_let_steps_of_two_degrees_move_no_vertex_by_a_jump(most):
     steps = {}
     for calm in (True, False):
