@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
 from llvmlite import binding as llvm
 from numba import njit
 
@@ -28,9 +29,10 @@ for k in range(1, times + 1):
 """
 
 
-def test_shared_shape_buffer_hands_shapes_over_whole():
+@pytest.mark.parametrize("times", [5_000, pytest.param(20_000, marks=pytest.mark.night)])
+def test_shared_shape_buffer_hands_shapes_over_whole(times):
     """The litmus test of message passing, both ways: no torn shape, no message but the counters."""
-    n, times = 50, 20_000
+    n = 50
     tray = SharedShapeBuffer(n)
     command = [sys.executable, "-c", WRITER, tray.name, str(n), str(times)]
     with subprocess.Popen(command) as writer:

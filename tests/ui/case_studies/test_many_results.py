@@ -102,7 +102,14 @@ def test_results_panel_reads_in_a_time_that_grows_no_faster_than_the_rows(panels
     assert many < MOST * few
 
 
-@pytest.mark.parametrize("act", [choose_scattered, sort_scattered, choose_all, other_axis])
+@pytest.mark.parametrize(
+    "act",
+    [
+        choose_scattered,
+        choose_all,
+        *(pytest.param(act, marks=pytest.mark.night) for act in (sort_scattered, other_axis)),
+    ],
+)
 def test_results_panel_takes_less_than_half_of_reading_for_what_a_hand_does(panels, act):
     """Reading is linear, and on a thread; an index for each chosen cell takes five times as long."""
     panel = panels[MANY]

@@ -266,7 +266,7 @@ def test_preferences_bound_the_memory_of_units_and_overlook_what_they_cannot_rea
     assert list(remembered.units.values()) == [M]
 
 
-@pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
+@pytest.mark.parametrize("size", [(800, 640), pytest.param((1280, 800), marks=pytest.mark.night)])
 @pytest.mark.parametrize("scheme", [Qt.ColorScheme.Light, Qt.ColorScheme.Dark])
 def test_unit_button_stands_beside_the_area_whatever_its_size(qtbot, window, size, scheme):
     window.shell.resize(*size)
