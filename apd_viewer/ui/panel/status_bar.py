@@ -170,7 +170,6 @@ def _extent(state: State, unit: Unit) -> str:
     )
 
 
-_SCALE = 1000
 _WIDTH = 88
 
 
