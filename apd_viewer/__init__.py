@@ -58,7 +58,7 @@ def __getattr__(name: str) -> Any:
     """Import public names on first use, so that a window appears sooner."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    # Here: the api loads numba and scipy, and a window opens without them.
+    # Imported here: the api loads numba and scipy, and a window opens without them.
     from apd_viewer import api
 
     return getattr(api, name)
@@ -92,7 +92,7 @@ def view(mesh: Any = None) -> None:
 def show_window(mesh: Any, shows_errors: bool = False) -> None:
     """Open the window, which with ``shows_errors`` reports files it cannot use."""
     try:
-        # Here: Qt and VTK are imported for a window alone; one of their system libraries may be missing.
+        # Imported here: only a window needs Qt and VTK, and one of their system libraries may be missing.
         from apd_viewer import log
         from apd_viewer.ui.application import run
 

@@ -96,14 +96,14 @@ def _of_the_system() -> list[str]:
     """Languages set in Windows or macOS, without environment variables."""
     try:
         if sys.platform == "win32":
-            # Here: only Windows needs them, and each is loaded before the first words.
+            # Imported here: only Windows needs them, and each is loaded before the first words.
             import ctypes
             import locale
 
             number = ctypes.windll.kernel32.GetUserDefaultUILanguage()
             return [locale.windows_locale[number]] if number in locale.windows_locale else []
         if sys.platform == "darwin":
-            # Here: only macOS needs it.
+            # Imported here: only macOS needs it.
             import plistlib
 
             with _MAC.expanduser().open("rb") as stream:
@@ -132,7 +132,7 @@ LANGUAGE, CATALOGUE = catalogue(CATALOGUE_FOLDER, preferred_languages(os.environ
 
 
 def languages() -> list[str]:
-    """Names of the languages that there are, English first."""
+    """Names of the available languages, English first."""
     found = sorted(
         path.parents[1].name for path in CATALOGUE_FOLDER.glob(f"*/LC_MESSAGES/{GETTEXT_DOMAIN}.mo")
     )

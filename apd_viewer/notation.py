@@ -11,7 +11,7 @@ _LIKE_THOUSANDS = re.compile(r"[-+−]?[1-9]\d{0,2},\d{3}")
 
 
 class Notation(NamedTuple):
-    """Signs of shown numbers.
+    """Decimal and group separators of displayed numbers.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ def use_notation(chosen: Notation) -> None:
 
 
 def notation() -> Notation:
-    """The notation in use."""
+    """Decimal and group separators in use."""
     return _in_use
 
 

@@ -14,7 +14,7 @@ _PATH = re.compile(
 
 
 def redacted_text(text: str) -> str:
-    """Reduce the paths in a text to their last names, those of modules to their place."""
+    """Shorten paths in a text to file names, and those of modules to import paths."""
     home = str(Path.home())
     if len(home) > len(Path.home().anchor):
         for spelling in (home.replace("\\", "\\\\"), home):

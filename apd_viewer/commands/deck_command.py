@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from apd_viewer.commands.motion_options import add_input_options, input_from
+from apd_viewer.commands.motion_options import add_input_options, read_input
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.weld_option import naming_unit_option
@@ -54,7 +54,7 @@ def _add_wall_options(parser: Parser) -> None:
 @naming_unit_option()
 def _deck(options: argparse.Namespace) -> None:
     output = check_deck(options.output)
-    state, view, motion = input_from(options)
+    state, view, motion = read_input(options)
     unit = Unit(options.unit or view.unit)
     text = WallText(
         options.thickness or view.wall.thickness,

@@ -70,8 +70,8 @@ def painted_state(mesh: Mesh, selection: Selection) -> State:
     return state.updated(with_selection(state.document, selection))
 
 
-def input_from(options: argparse.Namespace, weld: bool = False) -> tuple[State, View, tuple[MotionStep, ...]]:
-    """Painted state, view, and the motion instead of its poses; none without any.
+def read_input(options: argparse.Namespace, weld: bool = False) -> tuple[State, View, tuple[MotionStep, ...]]:
+    """Painted state, view and motion given by the options; the motion may be empty.
 
     With ``weld`` the seams of the mesh are welded.
 

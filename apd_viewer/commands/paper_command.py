@@ -13,7 +13,7 @@ from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.rendered_pictures import Picture, draw_shapes, no_pictures_reason
 from apd_viewer.files.samples import open_sample
-from apd_viewer.files.storage.atomic_folder import filling_folder
+from apd_viewer.files.storage.atomic_folder import staging_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.deformation_result import Result
 from apd_viewer.geometry.solver.methods import METHODS
@@ -44,7 +44,7 @@ def _paper(options: argparse.Namespace) -> None:
     progress = Progress(options.progress_lines)
     drawn = True
     with ExitStack() as stack:
-        folder = stack.enter_context(filling_folder(options.output)) if options.output else None
+        folder = stack.enter_context(staging_folder(options.output)) if options.output else None
         share = _TABLES if folder else 1.0
         table = list(paper_tables.table_rows(lambda done, doing: progress.show(share * done, doing)))
         if folder is not None:
@@ -61,7 +61,7 @@ def _paper(options: argparse.Namespace) -> None:
 
 
 def _write_curves(folder: Path, progress: Progress) -> None:
-    # Here: matplotlib is slow to import, and this function alone needs it.
+    # Imported here: matplotlib is slow to import, and this function alone needs it.
     from apd_viewer.figures.paper_figures import draw_handle_curves, draw_loss_curves
 
     document = initial_state(*open_sample("bottle")).document

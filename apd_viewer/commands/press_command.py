@@ -20,7 +20,7 @@ from apd_viewer.commands.terminal.weld_option import add_weld_option, naming_uni
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
 from apd_viewer.files.storage.atomic_file import replacing_file
-from apd_viewer.files.storage.atomic_folder import filling_folder
+from apd_viewer.files.storage.atomic_folder import staging_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked_direction
@@ -181,10 +181,10 @@ def _press(options: argparse.Namespace) -> None:
             table = beside.enter_context(replacing_file(options.curve))
             write_table(table, list(rows[0]), [list(row.values()) for row in rows])
         if options.figure:
-            # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
+            # Imported here: matplotlib is slow to import, and must not delay the parsing of a command line.
             from apd_viewer.figures.press_curves import draw_press_curves
 
-            folder = beside.enter_context(filling_folder(options.figure.parent))
+            folder = beside.enter_context(staging_folder(options.figure.parent))
             force = (
                 (newtons.newtons_per_load, newtons.underestimate_factor(found.stretching))
                 if newtons

@@ -35,7 +35,7 @@ def write_result(
     target: TargetShape | None = None,
     more_fields: Mapping[str, object] = MappingProxyType({}),
 ) -> WrittenMesh:
-    """Write the mesh, and the report beside it, with more fields, if one is asked for."""
+    """Write the mesh, and a report with ``more_fields`` if requested."""
     if report:
         write_report(stack.enter_context(replacing_file(report)), mesh, result, target, more_fields)
     return save_mesh(mesh, result.U, output)

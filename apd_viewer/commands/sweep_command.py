@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from apd_viewer.commands.motion_options import add_input_options, input_from
+from apd_viewer.commands.motion_options import add_input_options, read_input
 from apd_viewer.commands.sweep_output import (
     SWEPT_SHARE,
     mesh_path,
@@ -27,7 +27,7 @@ from apd_viewer.commands.terminal.weld_option import add_weld_option
 from apd_viewer.figures.rendered_pictures import no_pictures_reason, write_shape
 from apd_viewer.files.animations.animation_files import replacing_series, write_animation
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
-from apd_viewer.files.storage.atomic_folder import filling_folder
+from apd_viewer.files.storage.atomic_folder import staging_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS, passing_walls_warning
 from apd_viewer.language import tr
@@ -81,7 +81,7 @@ def sweep_parser() -> Parser:
 
 def _sweep(options: argparse.Namespace) -> None:
     methods = [word.strip() for word in options.methods.split(",") if word.strip()]
-    state, view, motion = input_from(options, options.weld)
+    state, view, motion = read_input(options, options.weld)
     document = state.document
     if options.contact is not None:
         document = document.with_settings(contact=options.contact)
@@ -89,13 +89,13 @@ def _sweep(options: argparse.Namespace) -> None:
     animations = AnimationTargets(options, sweep.methods)
     progress = Progress(options.progress_lines)
     with replacing_series(animations.all_files()), ExitStack() as stack:
-        folder = stack.enter_context(filling_folder(options.output))
+        folder = stack.enter_context(staging_folder(options.output))
         kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="apd-viewer-")))
         steps = _run(sweep, progress, folder if options.meshes else None, kept if animations else None)
         lines = [sweep_row(step, sweep) for step in steps]
         write_table(folder / "sweep.csv", list(lines[0]), [list(line.values()) for line in lines])
 
-        # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
+        # Imported here: matplotlib is slow to import, and must not delay the parsing of a command line.
         from apd_viewer.figures.sweep_curves import draw_sweep_curves
 
         draw_sweep_curves(steps, sweep.abscissa, folder, obstacles=[each.name for each in sweep.obstacles])

@@ -69,7 +69,7 @@ def sweep_animation(
     shape_folder: Path,
     on_read: Callable[[int], object],
 ) -> Animation:
-    """Shapes of a method on the way, as they were kept on disk."""
+    """Animation of a method's sweep, from the shapes kept on disk."""
     document, own = sweep.document, [step for step in steps if step.method == method]
     files = [shape_path(shape_folder, step) for step in own]
     parts = [step.share for step in own]
@@ -86,7 +86,7 @@ def write_sweep_films(
     progress: Progress,
 ) -> bool:
     """Draw the shapes of all methods side by side as films; False without OpenGL."""
-    # Here: Pillow is slow to import, and a film alone needs it.
+    # Imported here: Pillow is slow to import, and a film alone needs it.
     from apd_viewer.figures.films import write_film
 
     count, methods = len(sweep.shares), sweep.methods

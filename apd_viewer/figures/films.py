@@ -33,7 +33,7 @@ def check_film(path: Path, other_suffixes: Sequence[str] = ()) -> None:
         )
     if path.suffix.lower() == ".mp4":
         try:
-            # Here: an optional library, needed for MP4 alone.
+            # Imported here: an optional library, needed for MP4 alone.
             import imageio_ffmpeg
 
             imageio_ffmpeg.get_ffmpeg_exe()
@@ -73,7 +73,7 @@ def _write_gif(pictures: list[Path], seconds: list[float], path: Path) -> None:
 
 
 def _write_mp4(pictures: list[Path], seconds: list[float], path: Path) -> None:
-    # Here: an optional library, needed for MP4 alone.
+    # Imported here: an optional library, needed for MP4 alone.
     import imageio_ffmpeg
 
     rate = 25

@@ -66,7 +66,7 @@ def _content(path: Path) -> str | None:
 
 
 def file_stamp(path: Path) -> tuple[int, ...] | None:
-    """Marks of a regular file; unchanged, they spare reading it.
+    """Metadata of a regular file, for detecting changes without reading it.
 
     The time of the last change of its entry, which no tool can set, is among them.
     """

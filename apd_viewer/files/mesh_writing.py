@@ -27,7 +27,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
-_TEXTS = ".obj", ".stl", ".off"  # take any shape: not tried, which takes seconds for a million vertices
+# They can hold any shape; a trial write would take seconds for a million vertices.
+_TEXTS = ".obj", ".stl", ".off"
 _ROUNDING = 1e-4  # of the written shape, relative to its size: beyond it the shape is different
 
 

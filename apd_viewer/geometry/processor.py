@@ -21,7 +21,7 @@ def compile_for_level() -> None:
     chosen = {"NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"} & os.environ.keys()
     if chosen or "numba" in sys.modules or platform.machine() not in ("x86_64", "AMD64"):
         return
-    # Here: other processors do without it. Numba brings it.
+    # Imported here: needed only on x86-64, and installed with Numba.
     from llvmlite import binding
 
     there = binding.get_host_cpu_features()

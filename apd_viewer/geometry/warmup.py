@@ -95,8 +95,8 @@ class _Ends(event.Listener):
         self._call = call
 
     def on_start(self, _: event.Event) -> None:
-        """Wait for the end."""
+        """Do nothing; only the end of a compilation is reported."""
 
     def on_end(self, _: event.Event) -> None:
-        """Tell of a kernel."""
+        """Report the end of a compilation."""
         self._call()

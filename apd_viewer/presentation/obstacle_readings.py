@@ -100,7 +100,7 @@ def motion_text(state: State, k: int, unit: Unit) -> str:
 
 
 def coordinates_text(x: np.ndarray, size: float = 1.0, digits: int = _DIGITS) -> str:
-    """Three numbers as they are typed; rounding errors of a ``size`` become zero."""
+    """Three coordinates as editable text, with rounding errors as 0."""
     between = "; " if notation().point == "," else ", "
     said = (
         format_editable(c, significant_digits(c, size, digits)) if abs(c) > 10.0**-digits * size else "0"

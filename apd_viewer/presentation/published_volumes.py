@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 
 
 class VolumeName(Enum):
-    """A volume, or what is read from it; its value is its name in reports."""
+    """Volume or derived quantity; its value is its name in reports."""
 
     ENCLOSED = "enclosed_volume"
     HULL = "hull_volume"
@@ -51,7 +51,7 @@ _ISRI = tr("ISRI Scrap Specifications Circular, 2022, P-2022")
 _AMCOR = tr("Amcor, in Packaging Insights, 17 November 2021; read here as the middle side")
 _COLA = tr("Coca-Cola Japan, press release on I LOHAS, 23 April 2009")
 
-# Of the other quantities no figure was found that names them.
+# No published figures were found for the other quantities.
 PUBLISHED_FIGURES: dict[VolumeName, tuple[PublishedFigure, ...]] = {
     VolumeName.SIDES: (
         PublishedFigure(

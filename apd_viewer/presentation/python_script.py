@@ -31,7 +31,7 @@ result = apd_viewer.deform(
     mesh.V, mesh.F, fixed, targets(poses), handle=handles, {settings}{shifts}
 )
 """
-# A pose tells a turn up to 180 degrees; larger ones need the way.
+# A pose determines rotations only up to 180 degrees; larger ones need the path.
 _IN_STEPS = """
 solver = apd_viewer.Deformation(
     mesh.V, mesh.F, fixed, handle=handles, {settings}

@@ -128,7 +128,7 @@ def volume(state: State, unit: Unit) -> VolumeReadingText:
         )
     change = format_signed(100 * (now / rest - 1), 2)
     said = tr("unchanged") if change == format_signed(0.0, 2) else f"{change} %"
-    lines = [caps_phrase(inspection.openings)] if capped else []  # never without a word
+    lines = [caps_phrase(inspection.openings)] if capped else []  # always mention capped openings
     litres, at_rest = unit.to_litres(now), unit.to_litres(rest)
     if litres is not None and at_rest is not None:
         symbol, factor = unit.capacity_unit(at_rest)
@@ -242,7 +242,7 @@ def motion(state: State, k: int, unit: Unit) -> str:
     size, reached = float(max(state.inspection.size)), None
     asked = _amounts(document, k, unit, size)
     if frame.share_reached < 1.0:
-        # Here: SciPy comes with it, as below.
+        # Imported here: SciPy comes with it, as below.
         from apd_viewer.session.posing.regripping import reached_handle
 
         reached = _amounts(document.with_handle(k, reached_handle(document, k, frame)), k, unit, size)

@@ -269,7 +269,7 @@ class Scale:
         return self.measure.colors.colors(positions)
 
     def displayed_changes(self, values: np.ndarray) -> np.ndarray:
-        """Displayed changes of values: of ratios 0.1 for 10 %."""
+        """Changes as displayed: log ratios as relative changes, others unchanged."""
         return np.expm1(values) if self.measure.traits.kind is ScaleKind.RATIO else values
 
     def largest_change(self, span: tuple[float, float]) -> float:

@@ -44,7 +44,7 @@ def shape_picture(
     view_direction: tuple[float, float, float] = VIEW_DIRECTION,
     up: tuple[float, float, float] = (0.0, 1.0, 0.0),
 ) -> np.ndarray:
-    """Picture of shapes side by side at one scale, on nothing.
+    """Picture of shapes side by side at one scale, on a transparent background.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def nearest_triangles(X: np.ndarray, F: np.ndarray, width: int, height: int) -> 
 
 
 def _every(X: np.ndarray, F: np.ndarray, most: int) -> int:
-    """Step through the triangles for about ``most`` pixels to be drawn."""
+    """Triangle stride for drawing about ``most`` pixels."""
     total = 0.0
     for part in _portions(np.ones(len(F), dtype=int)):
         a, b, c = X[F[part], :2].transpose(1, 0, 2)

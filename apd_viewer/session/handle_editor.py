@@ -56,7 +56,7 @@ class HandleEditor(DocumentEditor):
             self._store.solve(with_pair_moved(state.document, k, pose))
 
     def end_drag(self, k: int = 0) -> None:
-        """End the drag of a handle; the shape of a winding path is solved anew along it.
+        """End the drag of a handle; solve along its path after half a turn or more.
 
         The hand came there at its own pace, and a shape with many minima would tell.
         """

@@ -109,7 +109,7 @@ class MeasurementReadings:
         self._listener.measurements_changed()
 
     def close(self) -> None:
-        """Stop looking."""
+        """Stop the search for geodesics."""
         self._finder.close()
 
     def _begin(self, state: State) -> None:

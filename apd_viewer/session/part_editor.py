@@ -92,7 +92,7 @@ class PartEditor(DocumentEditor):
         self._flag(part, tr("Lock") if on else tr("Unlock"), locked=on)
 
     def hide(self, part: PaintedPart, on: bool) -> None:
-        """Draw a part in its colour no longer, or again."""
+        """Hide or show the colour of a part."""
         self._flag(part, tr("Hide") if on else tr("Show"), hidden=on)
 
     def _flag(self, part: PaintedPart, gesture: str, **on: bool) -> None:

@@ -57,7 +57,7 @@ class SavedWork:
         self._seen = threading.Event()
 
     def mark_saved(self, saved: SavedDocument) -> None:
-        """Note a document as safe."""
+        """Mark a document as saved."""
         self.forget_unreachable()
         self._saved = [*(each for each in self._saved if _F(each) is not _F(saved)), saved]
 
@@ -113,7 +113,7 @@ class SavedWork:
             self._looking.start()
 
     def check_file_now(self) -> None:
-        """Look, and wait for the disk, but not for long."""
+        """Check the file now, waiting only briefly for the disk."""
         self.check_file()
         self.close()
 

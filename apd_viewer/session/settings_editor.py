@@ -19,7 +19,7 @@ class SettingsEditor(DocumentEditor):
     """Changes the settings of the document."""
 
     def change(self, **settings: Any) -> None:
-        """Change settings by their names as one gesture; refuse a missing volume."""
+        """Change settings by name as one gesture; refuse a target for a missing volume."""
         why = self._store.required_state().inspection.missing_volume_phrase
         if settings.get("volume") is not None and why:
             self._listener.failed(

@@ -86,7 +86,7 @@ class ShapeChecks:
         return self._last[1] if self._last is not None and _alike(shape, self._last[0]) else None
 
     def _ask(self, shape: ShapeQuery | None) -> None:
-        """Check a shape, or nothing; the mesh at rest comes first, for comparison."""
+        """Request a check of a shape, after the rest shape; None cancels."""
         self._wanted = shape
         if shape is None or self._mesh is None:
             self._checker.cancel()

@@ -105,7 +105,7 @@ class StateStore:
         self._listener.changed(old, state)
 
     def jump_to(self, state: State, from_grip: bool = False) -> None:
-        """Go to ``state``; frames of the time before are no longer wanted.
+        """Go to ``state`` and discard any frames still to come for the previous one.
 
         What is left to iterate begins with its shape, or ``from_grip`` with that at the grip.
         """
@@ -130,7 +130,7 @@ class StateStore:
         self._ask_and_show(state.as_unsettled() if iterate else state, iterate)
 
     def solve_from_grip(self, document: Document) -> None:
-        """Replace the document and solve it from the grip, along the paths of its handles."""
+        """Replace the document and solve from its grip shape, along the handles' paths."""
         self.jump_to(self.required_state().updated(document).as_unsettled(), from_grip=True)
 
     def pause_or_resume(self) -> None:

@@ -11,7 +11,7 @@ from apd_viewer.session.state_store import StateStore
 
 
 class TypedValues:
-    """Reads texts; each method raises InputError with a sentence.
+    """Parser of typed values on the open document; methods raise InputError.
 
     Parameters
     ----------

@@ -90,7 +90,7 @@ def case_from_bytes(content: bytes, with_shape: bool = True) -> CaseResult:
     try:
         said = json.loads(bytes(body[:text]))
         return _checked(CaseResult(**said, U=_shape(body[text:]) if with_shape and array else None))
-    except (ValueError, TypeError, RecursionError) as error:  # made by somebody else
+    except (ValueError, TypeError, RecursionError) as error:  # not written by this program
         raise ValueError(tr("it is damaged")) from error
 
 

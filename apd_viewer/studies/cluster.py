@@ -1,4 +1,4 @@
-"""Engine of Dask workers behind a scheduler started by somebody.
+"""Engine of Dask workers behind a scheduler already running.
 
 Tasks travel as pickles, which are programs: a scheduler is for people who trust each other.
 """
@@ -46,7 +46,7 @@ class Cluster:
         self._gone_since: float | None = None
 
     def free_slots(self) -> int:
-        """Number of cases to be started now, one more for each running one."""
+        """Number of cases to submit now, keeping one queued per running case."""
         now = time.monotonic()
         if now - self._looked > _LOOK:
             self._looked = now
@@ -149,7 +149,7 @@ def connected_cluster(
 
 def _distributed() -> Any:
     try:
-        # Here: it takes half a second, and is there only where the user has installed it.
+        # Imported here: it takes half a second, and is there only where the user has installed it.
         import distributed
     except ImportError as error:
         if is_packaged():

@@ -103,7 +103,7 @@ def _check_tables(connection: sqlite3.Connection) -> None:
 def is_damage(error: Exception, folder: Path) -> bool:
     """True unless the database is in use, the disk is full or the like."""
     said = str(error)
-    if "readonly" in said:  # or it has been moved away
+    if "readonly" in said:  # SQLite also says so of a database moved away
         return os.access(folder, os.W_OK) and (
             not (folder / DATABASE_NAME).exists() or os.access(folder / DATABASE_NAME, os.W_OK)
         )

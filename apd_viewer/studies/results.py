@@ -173,7 +173,7 @@ def _cells(row: ResultRow) -> list[Cell]:
 
 def _write_parquet(folder: Path, columns: list[str], rows: list[list[Cell]], plan: int) -> None:
     try:
-        # Here: it is slow to import, and there only where the user has installed it.
+        # Imported here: it is slow to import, and there only where the user has installed it.
         import pyarrow
         from pyarrow import parquet
     except ImportError:

@@ -121,7 +121,7 @@ class Study:
         return self.finish()
 
     def finish(self) -> ResultTable:
-        """Write all tables, and return the results; damaged cases are left."""
+        """Write all tables and return the results, without damaged cases."""
         curves = self._store.curves(self._done)
         self._done &= curves.keys()
         table = self.write_table()

@@ -18,7 +18,7 @@ from apd_viewer.studies.plans.plan import Plan
 
 
 class StudyForecast(NamedTuple):
-    """Work left of a study.
+    """Remaining work of a study.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ def _known(folder: Path) -> dict[str, CaseRow]:
 
 
 def _sound(folder: Path, key: str, size: int, known: dict[str, CaseRow]) -> bool:
-    """True if a file is as the database knows it, or whole."""
+    """True if a file matches its database record or can be read in full."""
     if key in known and known[key].size == size:
         return True
     try:

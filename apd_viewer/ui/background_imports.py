@@ -66,7 +66,7 @@ class BackgroundImports(QObject):
 
     def _compile_beside(self) -> None:
         """Have the kernels of a first drag compiled too, as nothing is cached yet."""
-        # Imported by the thread, behind the first picture.
+        # Imported on the thread, after the first frame.
         from apd_viewer.session.processes.compilation import CompilerProcesses
 
         if self._compilers is None:

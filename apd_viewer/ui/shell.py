@@ -146,7 +146,7 @@ class Shell(QMainWindow):
             ignore_wheel(cast(QTabBar, event.child()))
 
     def changeEvent(self, event: QEvent) -> None:
-        """Follow the platform from light to dark; announce the user."""
+        """Follow the platform's colour scheme; announce the window's activation."""
         follows = self.preferences.values[COLOR_SCHEME] is Qt.ColorScheme.Unknown
         if event.type() == QEvent.Type.ThemeChange and follows:
             QTimer.singleShot(0, self, self._apply_theme)

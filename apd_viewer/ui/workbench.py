@@ -75,7 +75,7 @@ class Workbench(QObject):
         self.session = Session(self.signals.listener())
         self.parts = ActiveParts(self.session, self)
         self.tools = ToolChoice(self.canvas)
-        self._agreed = False  # to being closed
+        self._agreed = False  # True once the user has agreed to close the window
         self._make_overlays()
         self._make_controllers(recovery)
         self._make_actions()

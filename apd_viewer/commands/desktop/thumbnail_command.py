@@ -64,7 +64,7 @@ def _of_session(path: Path, size: int) -> np.ndarray:
         except ValueError as error:
             raise InputError(f"{path.name}: {error}.") from error
     _check_size(path)
-    # Here: what a document needs takes longer to load than a picture to be taken out of it.
+    # Imported here: the document code takes longer to load than the stored picture.
     from apd_viewer.session.storage.session_file import open_session
 
     state, view = open_session(path)

@@ -11,7 +11,7 @@ from apd_viewer.commands.terminal.output_files import check_names
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, check_animation
 from apd_viewer.files.storage.atomic_file import resolved_path
-from apd_viewer.files.storage.atomic_folder import filling_folder
+from apd_viewer.files.storage.atomic_folder import staging_folder
 from apd_viewer.language import tr
 
 
@@ -64,7 +64,7 @@ class AnimationTargets:
         self._check()
 
     def _check(self) -> None:
-        # Here: Pillow is slow to import, and films alone need it.
+        # Imported here: Pillow is slow to import, and films alone need it.
         from apd_viewer.figures.films import check_film
 
         for path in filter(is_film, self._asked):
@@ -109,4 +109,4 @@ class AnimationTargets:
 
 def scratch_path_beside(path: Path, stack: ExitStack) -> Path:
     """Scratch path of an animation, moved to ``path`` when ``stack`` closes."""
-    return stack.enter_context(filling_folder(path.parent)) / path.name
+    return stack.enter_context(staging_folder(path.parent)) / path.name

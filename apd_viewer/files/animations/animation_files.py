@@ -80,7 +80,7 @@ def write_animation(animation: Animation, path: Path) -> None:
     """
     kind = path.suffix.lower()
     if kind == _SERIES:
-        # Here: VTK is slow to import, and no other format needs it.
+        # Imported here: VTK is slow to import, and no other format needs it.
         from apd_viewer.files.animations.paraview_series import write_series
 
         write_series(animation, path)

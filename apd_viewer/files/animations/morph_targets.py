@@ -26,7 +26,7 @@ _FLOAT, _UINT = 5126, 5125  # component types of four bytes each
 _VERTICES, _INDICES = 34962, 34963  # targets of buffer views
 _WIDTH = {"SCALAR": 1, "VEC3": 3}
 LARGEST_FILE = 2**32 - 1  # bytes; the format counts no farther
-_SECONDS, _FASTEST = 3.0, 24.0  # for all shapes, and at most so many a second
+_SECONDS, _FASTEST = 3.0, 24.0  # length of the animation in seconds; largest number of shapes a second
 _LOOK = {
     "pbrMetallicRoughness": {
         "baseColorFactor": [0.8, 0.8, 0.8, 1.0],

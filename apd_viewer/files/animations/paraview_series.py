@@ -18,7 +18,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.files.storage.atomic_file import replacing_file
-from apd_viewer.files.storage.atomic_folder import filling_folder
+from apd_viewer.files.storage.atomic_folder import staging_folder
 from apd_viewer.geometry.analysis.scalars import shape_scalars
 
 _HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
@@ -40,7 +40,7 @@ def write_series(animation: Animation, path: Path) -> None:
     folder, digits = path.with_suffix(""), len(str(len(animation) - 1))
     names = [f"{path.stem}-{number:0{digits}d}.vtu" for number in range(len(animation))]
     cells = _cells(animation.mesh.F)
-    with filling_folder(folder) as scratch:
+    with staging_folder(folder) as scratch:
         for U, name in zip(animation, names, strict=True):
             _write(_grid(animation, U, cells), scratch / name)
     rows = [

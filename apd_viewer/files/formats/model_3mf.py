@@ -96,7 +96,7 @@ class Model:
         self.unit = "millimeter"
         self.objects: dict[str, ModelObject] = {}
         self.build_items: list[ObjectUse] = []
-        self._object = ModelObject()  # takes what is outside of any
+        self._object = ModelObject()  # receives elements outside any object
         self._spaces: dict[str, str] = {}
         read_xml(content, self._begin, self._declare)
 

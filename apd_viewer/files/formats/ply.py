@@ -107,7 +107,7 @@ class PlyFile:
 
     @property
     def _scalars(self) -> dict[str, str]:
-        """Types of the properties of vertices but lists, by name."""
+        """Types of the scalar vertex properties, by name."""
         return {name: kind for name, length, kind in self.elements[self._at].properties if not length}
 
     def _put(self, body: bytearray, name: str, values: np.ndarray, which: np.ndarray) -> None:

@@ -24,8 +24,8 @@ _PREFIX, _PART, _LOCK = ".apd-viewer-", ".part", ".lock"
 
 
 @contextmanager
-def filling_folder(folder: Path) -> Iterator[Path]:
-    """Scratch folder; its files move to ``folder`` at the end.
+def staging_folder(folder: Path) -> Iterator[Path]:
+    """Scratch folder as a context; its files move to ``folder`` on exit.
 
     Until then ``folder`` stays as it is, or is not there. Files in it that are not written anew are kept.
 

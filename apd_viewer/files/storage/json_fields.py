@@ -79,7 +79,7 @@ class JsonFields:
         return self._counted(key, self._said.get(key))
 
     def counts(self, key: str, most: int) -> tuple[int, ...]:
-        """A list of at most so many whole numbers of at least zero."""
+        """List of at most ``most`` non-negative integers."""
         return tuple(self._counted(key, each) for each in self._list(key, most))
 
     def number(self, key: str, least: float = -_LARGEST, most: float = _LARGEST) -> float:
@@ -97,7 +97,7 @@ class JsonFields:
         return np.array(said, dtype=np.float64)
 
     def grids(self, key: str, most: int, *shape: int) -> list[np.ndarray]:
-        """Grids of numbers, at most so many; none where the field is missing."""
+        """At most ``most`` arrays of a given shape; none if the field is missing."""
         if not self.has_value(key):
             return []
         grids = self._list(key, most)

@@ -72,7 +72,7 @@ def open_regular(path: str | Path, flags: int = 0) -> BinaryIO:
 
 
 def read_bytes(path: str | Path) -> bytes:
-    """Content of a regular file as long as it is now; raises OSError."""
+    """Content of a regular file up to its current size; raises OSError."""
     with open_regular(path) as stream:
         # Files of the kernel are regular, 0 bytes long, and may wait or go on for ever.
         return stream.read(os.fstat(stream.fileno()).st_size)

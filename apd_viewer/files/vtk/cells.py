@@ -23,7 +23,7 @@ def point_positions(values: np.ndarray) -> np.ndarray:
 
 
 def cells_to_polygons(corner: np.ndarray, start: np.ndarray, points: int) -> Polygons:
-    """Cells between the places ``start`` (p + 1,) of ``corner`` (c,), checked.
+    """Polygons from checked connectivity ``corner`` (c,) and offsets ``start``.
 
     Raises
     ------

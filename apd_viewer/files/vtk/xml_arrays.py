@@ -66,7 +66,7 @@ class _Coded:
             raise ValueError(tr("one of its arrays is not valid base64")) from None
 
     def said(self, data: bytes) -> bytes:
-        """Bytes as they are written."""
+        """Data encoded as in the file."""
         return base64.b64encode(data) if self.in_base64 else data
 
 

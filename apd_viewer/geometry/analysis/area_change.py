@@ -22,7 +22,7 @@ from apd_viewer.geometry.mesh.weighted_areas import SLIVER
 _STEPS = 64
 _LOWEST, _HIGHEST = -40, 10
 _BINS = (_HIGHEST - _LOWEST) * _STEPS
-# The leading bits of a float, down to those of the bin in its octave, number the bins with an offset.
+# Exponent and leading mantissa bits of a float make the bin number, plus an offset.
 _BELOW_STEPS = 52 - int(math.log2(_STEPS))
 _BEFORE = (1023 + _LOWEST) * _STEPS - 1
 _AT_ONCE = 512  # triangles

@@ -24,7 +24,7 @@ def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
     No algorithm for it is exact and quick. The search is the same every time, and never worse than the box
     along the axes.
     """
-    # Here: few runs of the program come this way, and the first picture does not wait for scipy.
+    # Imported here: few runs of the program come this way, and the first picture does not wait for scipy.
     from scipy.optimize import minimize
     from scipy.spatial.transform import Rotation
 
@@ -51,7 +51,7 @@ def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
 
 def _principal(corners: np.ndarray) -> np.ndarray:
     """Rotation vector from the principal axes of ``corners`` (3, k) to x, y, z."""
-    # Here, as above.
+    # Imported here: scipy is slow to load, and few commands need it.
     from scipy.spatial.transform import Rotation
 
     axes = np.linalg.eigh(corners @ corners.T)[1].T

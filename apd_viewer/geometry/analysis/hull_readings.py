@@ -101,7 +101,7 @@ class ConvexHull(NamedTuple):
 
 def convex_hull(points: np.ndarray) -> ConvexHull | None:
     """Convex hull of ``points`` (k, 3); None if they are flat."""
-    # Here: few runs of the program come this way, and the first picture does not wait for scipy.
+    # Imported here: few runs of the program come this way, and the first picture does not wait for scipy.
     from scipy.spatial import ConvexHull as Qhull
     from scipy.spatial import QhullError
 

@@ -68,7 +68,7 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     Some are there twice, in either order. See :func:`crossings`.
     """
     try:
-        import ipctk  # Here: few runs of the program need it.
+        import ipctk  # Imported here: few runs of the program need it.
     except ImportError:
         return None
     proper = np.flatnonzero((F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0]))
@@ -152,7 +152,7 @@ def _overlapping(X: np.ndarray, S: np.ndarray, T: np.ndarray) -> np.ndarray:
 def use_one_core_for_search() -> None:
     """Have the library that finds near edges use one core, where it is installed."""
     try:
-        import ipctk  # Here: few runs of the program need it.
+        import ipctk  # Imported here: few runs of the program need it.
     except ImportError:
         return
     ipctk.set_num_threads(1)

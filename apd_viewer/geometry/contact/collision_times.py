@@ -15,7 +15,7 @@ from apd_viewer.geometry.contact.gap_energy import gap_energy
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel, total
 
-# Part of a gap that is left at least.
+# Smallest fraction of a gap that a step leaves.
 LEAST_GAP_SHARE = 0.1
 # Of the way that is known to be free, a step takes so much; and a shorter one is none.
 _TAKEN = 0.9

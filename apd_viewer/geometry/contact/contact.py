@@ -21,7 +21,7 @@ _STIFFNESS = 1.0
 _FIRMEST = 15.0
 # The same between surface and obstacles: they hold what slides along them, too.
 _FIRMEST_OF_OBSTACLES = 1.0
-# Of the share that is free, a vertex takes so much; the shares of neighbours differ by so much at most.
+# Fraction of its collision-free share that a vertex moves; largest difference between neighbours' shares.
 _TAKEN = 0.9
 _RISE = 0.25
 _SWEEPS = 8
@@ -151,7 +151,7 @@ class Contact:
         self._energy = self._energy_ahead = self._energy_found
 
     def accept_shape(self, U: np.ndarray) -> None:
-        """Stand at ``U``: where the last free way ended or began."""
+        """Accept ``U`` as the current shape: an end of the last collision-free step."""
         if self._is_ahead and U is self._ahead:
             for pairs in self._all:
                 pairs.accept_step()
@@ -216,7 +216,7 @@ class Contact:
         return True
 
     def energy_at(self, U: np.ndarray) -> float:
-        """Energy at an end of the last free way, in units of the elastic energy."""
+        """Energy at an end of the last collision-free step, in elastic energy units."""
         return 4.0 * self._stiffness * (self._energy_ahead if U is self._ahead else self._energy)
 
     def gradient(self, U: np.ndarray) -> np.ndarray:
@@ -259,7 +259,7 @@ class Contact:
         return sp.coo_array((entries, (rows, columns)), shape=(size, size)).tocsr()[:n]
 
     def aim_obstacles(self, shifts: np.ndarray) -> None:
-        """Let obstacles go to ``shifts`` (o, 3) from their first places on the next way."""
+        """Set the obstacles' offsets (o, 3) from their initial places for the next step."""
         for pairs, shift in zip(self.obstacles, shifts, strict=True):
             pairs.aim_at(shift)
 
@@ -344,7 +344,7 @@ class Followers(Protocol):
 
     @property
     def exempt_groups(self) -> np.ndarray:
-        """Rows (z, n) of groups that nothing keeps apart; see :class:`PairSearch`."""
+        """Vertex groups (z, n) exempt from contact; see :class:`PairSearch`."""
 
     def with_followers(self, U: np.ndarray) -> np.ndarray:
         """``U`` (n, 3) with the followers where they follow to."""

@@ -74,7 +74,7 @@ def vertex_triangle(X: np.ndarray, p: int, a: int, b: int, c: int) -> tuple[floa
 
 @njit(cache=True, nogil=True)
 def edge_edge(X: np.ndarray, a: int, b: int, c: int, d: int) -> tuple[float, float, float]:
-    """Squared distance of two edges, and the places on them, each 0 to 1."""
+    """Squared distance of two edges, and parameters 0 to 1 of the closest points."""
     ux, uy, uz = X[b, 0] - X[a, 0], X[b, 1] - X[a, 1], X[b, 2] - X[a, 2]
     vx, vy, vz = X[d, 0] - X[c, 0], X[d, 1] - X[c, 1], X[d, 2] - X[c, 2]
     rx, ry, rz = X[c, 0] - X[a, 0], X[c, 1] - X[a, 1], X[c, 2] - X[a, 2]

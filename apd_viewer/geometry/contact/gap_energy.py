@@ -15,7 +15,7 @@ import numpy as np
 from apd_viewer.geometry.contact.distances import gap
 from apd_viewer.geometry.linalg.kernels import njit
 
-_CLOSED = 1e-12  # of a gap that is no longer told from none
+_CLOSED = 1e-12  # smallest ratio of gap to range; anything less counts as this
 
 
 @njit(cache=True, nogil=True)

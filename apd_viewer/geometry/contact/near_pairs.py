@@ -104,7 +104,7 @@ class NearPairs:
         self.accept_step()
 
     def find_free_shares(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
-        """Free shares (n,) of the way from ``U`` to ``W``; None if all is free.
+        """Collision-free shares (n,) of the step from ``U`` to ``W``; None if all is free.
 
         ``U`` is the shape of the last :meth:`rebuild_at` or :meth:`accept_step`.
         """
@@ -129,7 +129,7 @@ class NearPairs:
 
     @property
     def energy_ahead(self) -> float:
-        """Energy per stiffness at the end of the free way found last."""
+        """Energy per stiffness at the end of the last collision-free step found."""
         return self._energy_after
 
     def accept_step(self) -> None:

@@ -14,7 +14,7 @@ from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 _LISTED_WITHIN = 6.0
 # No step goes below this part of the range.
 _FLOOR = 5e-3
-# Nor below this part of the gap that an obstacle was put at.
+# No step goes below this fraction of an obstacle's initial gap.
 _LEFT = 0.5
 # Bounds that come so near to the range, in ranges, are made exact.
 _MARGIN = 0.5

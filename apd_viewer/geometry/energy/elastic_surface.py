@@ -166,7 +166,7 @@ class ElasticSurface:
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
         self.U = U
-        self._q = None  # nobody may ask for long
+        self._q = None  # computed on demand, often much later
         if self.membrane is not None:
             self.membrane.local_step(U)
 

@@ -38,7 +38,7 @@ class OverallRotation:
         self._per_moment = np.linalg.pinv(np.trace(second) * _AXES - second)
 
     def without_rotation(self, step: np.ndarray) -> np.ndarray:
-        """``step`` (n, 3), or the shape itself, less its turn."""
+        """``step`` (n, 3), or the shape itself, without its overall rotation."""
         turn = self._per_moment @ _moment(self._first, step)
         return step - self._away @ _turned_by(turn)
 

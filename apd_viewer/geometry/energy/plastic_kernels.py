@@ -60,7 +60,7 @@ def _target(
     c: int,
     b: int,
 ) -> tuple[float, float, float]:
-    """Column ``b`` of ``P_t - mean_i P`` and of creases; mean is that of ``n n^T``."""
+    """Column ``b`` of ``mean_i(n n^T) - n_t n_t^T``, adjusted for creases."""
     n = normals[t, b]
     x, y, z = mean[i, 0, b], mean[i, 1, b], mean[i, 2, b]
     x, y, z = x - n * normals[t, 0], y - n * normals[t, 1], z - n * normals[t, 2]

@@ -41,7 +41,7 @@ _STEPS = 10
 def calm_levels(
     solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
 ) -> np.ndarray:
-    """Weights of the vertices in each level of calmness with an area to keep.
+    """Vertex weights (g, n) of the calmness levels with area goals.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def _counts(solve_mesh: SolveMesh, level: np.ndarray) -> bool:
 
 
 def calmness(mesh: Mesh, labels: np.ndarray, soft: SoftConstraints) -> np.ndarray:
-    """Calmness (n,) of the vertices of a painted mesh, to be shown.
+    """Calmness (n,) of vertices for display: 0 near the gesture, 1 far from it.
 
     It is 0 in the gesture and 1 beyond the last level; held vertices and loose parts have none, NaN.
 
@@ -103,7 +103,7 @@ def calmness(mesh: Mesh, labels: np.ndarray, soft: SoftConstraints) -> np.ndarra
 
 
 def calm_share(x: np.ndarray) -> np.ndarray:
-    """Calmness by :func:`gesture_flux`: 0 in the gesture, 1 beyond the last level."""
+    """Calmness by :func:`gesture_flux`: 0 near the gesture, 1 past the last level."""
     return np.clip((CALM_LEVELS[0] - x) / (CALM_LEVELS[0] - CALM_LEVELS[-1]), 0.0, 1.0)
 
 

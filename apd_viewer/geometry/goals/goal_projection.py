@@ -102,7 +102,7 @@ class GoalProjection:
         self.values = self._measures.values_and_gradients(U, self.g)
 
     def refresh_directions(self, U: np.ndarray) -> None:
-        """The same with directions computed there."""
+        """Evaluate the goals at ``U`` (n, 3) and recompute their step directions."""
         self.evaluate(U)
         free = self._elastic.free
         for y, g in zip(self._y, self.g, strict=True):

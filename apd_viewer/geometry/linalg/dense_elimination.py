@@ -97,7 +97,7 @@ def _subtract_four(out: np.ndarray, factor: np.ndarray, rows: np.ndarray) -> Non
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def condense_by_blocks(front: np.ndarray, inverse: np.ndarray) -> None:
-    """The same by products of matrices."""
+    """Condense a front as :func:`condense` does, by matrix products."""
     k, b = len(inverse), len(front) - len(inverse)
     for i in range(k):
         for j in range(i, k):

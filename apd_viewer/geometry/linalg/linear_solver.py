@@ -106,7 +106,7 @@ class LinearSolver:
     def from_rows(
         cls, start: np.ndarray, column: np.ndarray, entry: np.ndarray, V: np.ndarray | None = None
     ) -> LinearSolver:
-        """The same, of the matrix with these :func:`csr_rows`."""
+        """Linear solver of the matrix with the given :func:`csr_rows`."""
         solver = cls.__new__(cls)
         solver._factorize(start, column, entry, V)
         return solver

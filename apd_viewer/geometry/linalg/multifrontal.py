@@ -11,7 +11,7 @@ import numpy as np
 from apd_viewer.geometry.linalg.dense_elimination import condense, condense_by_blocks
 from apd_viewer.geometry.linalg.kernels import njit
 
-# From so many unknowns of a group on, calls of BLAS pay.
+# Smallest number of unknowns in a group for which BLAS calls pay off.
 _WIDE = 36
 
 

@@ -17,7 +17,7 @@ _SHIFT = 1e-9
 
 
 def solve(A: csr_array, B: np.ndarray, P: csr_array, steps: int) -> np.ndarray:
-    """``A^-1 B`` but for what ``steps`` conjugate gradient steps leave.
+    """Approximate ``A^-1 B`` by ``steps`` preconditioned conjugate gradient steps.
 
     Parameters
     ----------

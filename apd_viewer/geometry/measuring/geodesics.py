@@ -153,8 +153,8 @@ def _within_reach(V: np.ndarray, F: np.ndarray, ends: np.ndarray, most: float) -
 def _straightened(
     V: np.ndarray, F: np.ndarray, old: np.ndarray, first: np.ndarray, ids: Sequence[int]
 ) -> np.ndarray:
-    """The geodesic on the side of obstacles of the path through vertices ``first``."""
-    import potpourri3d  # Here: few runs of the program need it.
+    """Geodesic homotopic to the path through the vertices ``first``."""
+    import potpourri3d  # Imported here: few runs of the program need it.
 
     # Of a vertex where pieces touch no more is known than its place: the path may take any way past it.
     copies = np.bincount(old, minlength=int(old.max()) + 1)

@@ -65,7 +65,7 @@ class Caps:
         return float(np.einsum("ij,ij->", apex, np.cross(p, q))) / 6.0
 
     def volume_and_gradient(self, U: np.ndarray, origin: np.ndarray, g: np.ndarray) -> float:
-        """The same; the gradient with the origin held is added to ``g`` (n, 3)."""
+        """Volume under the caps; adds its gradient at a fixed origin to ``g`` (n, 3)."""
         p, q = U[self.ends[:, 0]] - origin, U[self.ends[:, 1]] - origin
         size = np.diff(self.start, append=len(p))
         apex = np.repeat(np.add.reduceat(p, self.start) / size[:, None], size, axis=0)

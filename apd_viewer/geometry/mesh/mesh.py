@@ -229,7 +229,7 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class DerivedOrigin:
-    """Origin made of another one, with the contents of that.
+    """Origin derived from another one, with the same contents.
 
     Attributes
     ----------

@@ -54,7 +54,7 @@ class Seams(NamedTuple):
 
     @property
     def weldable_sentence(self) -> str | None:
-        """Sentence about the edges, if there are any."""
+        """Sentence about the weldable boundary edges; None if there are none."""
         if not len(self.edges):
             return None
         said = trn(

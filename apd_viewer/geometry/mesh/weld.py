@@ -70,7 +70,7 @@ class Weld:
         return cls.from_maps(V, first, inverse)
 
     def with_seams(self, V: np.ndarray, F: np.ndarray) -> Weld:
-        """The weld with borders joined within :data:`SEAM` too."""
+        """The weld with boundaries joined within :data:`SEAM_TOLERANCE`, too."""
         return Weld.from_representatives(V, _cracks_closed(V, F, self.representative, SEAM_TOLERANCE))
 
     @classmethod

@@ -28,7 +28,7 @@ class PreviewSurface:
     def drape(
         self, U: np.ndarray, origin: np.ndarray, points: np.ndarray, normals: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Write the renderer's arrays for the shape ``U``; see ``RenderMesh.drape``."""
+        """Write the renderer's arrays for the shape ``U``, as ``RenderMesh`` does."""
         corners = U[self.F]
         points[:] = U - origin
         normals[:] = vertex_normals(U, self.F)

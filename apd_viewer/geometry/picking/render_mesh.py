@@ -153,7 +153,7 @@ def _split(F: np.ndarray, group: np.ndarray, n: int) -> tuple[np.ndarray, np.nda
     """Render triangles, repeated vertices, and the render vertex leading each group."""
     split, copied = np.empty_like(F), np.empty(F.size, dtype=np.int32)
     lead = np.full(F.size, -1, dtype=np.int32)
-    # The render vertices of a vertex, as a list: its first one is itself.
+    # Linked list of the render vertices of each vertex, beginning with itself.
     owner, following = np.full(n + F.size, -1, dtype=np.int32), np.full(n + F.size, -1, dtype=np.int32)
     count = 0
     for t in range(len(F)):

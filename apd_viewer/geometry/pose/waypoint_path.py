@@ -136,7 +136,7 @@ class WaypointPath(NamedTuple):
     angle: float
 
     def pose_at(self, share: float) -> np.ndarray:
-        """Pose (4, 4) at ``share`` of the path; each piece takes a part by its rotation."""
+        """Pose (4, 4) at ``share`` of the path, its pieces weighted by their rotations."""
         weights = np.cumsum([max(piece.angle, _LEAST_WEIGHT) for piece in self.segments])
         ends = weights / weights[-1]
         k = min(int(np.searchsorted(ends, share)), len(self.segments) - 1)

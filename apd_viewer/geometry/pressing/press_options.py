@@ -75,7 +75,7 @@ def start_positions(rest: RestMesh, start: np.ndarray | None) -> np.ndarray:
 
 
 def press_material(method: Method, options: PressOptions) -> Material:
-    """Material with what yields; raises InputError on numbers that cannot be."""
+    """Material with its yield curvature; raises InputError on impossible values."""
     stiffness, radius = options.stiffness, options.yield_radius
     material = method_material(method, stiffness, options.area_stiffness, options.shear_stiffness)
     check_yield_radius(radius, material.bending)
@@ -83,7 +83,7 @@ def press_material(method: Method, options: PressOptions) -> Material:
 
 
 def check_yield_radius(radius: float | None, stiffness: float) -> None:
-    """Raise InputError unless walls can yield at a radius; None is none."""
+    """Raise InputError unless walls can yield at a radius; None means no yielding."""
     if radius is None:
         return
     check_argument("yield_radius", radius)

@@ -189,7 +189,7 @@ class PressSolver:
         return self._descent.load_imbalance
 
     def aim(self, share: float) -> None:
-        """Let the obstacles go to a share of their way; creases up to here last."""
+        """Start moving the obstacles to a share of their path; commit creases so far."""
         self._elastic.commit_creases()
         self._from = self.share
         self._to, self.iterations = share, 0

@@ -26,7 +26,7 @@ from apd_viewer.geometry.mesh.decimation import with_held_vertices
 from apd_viewer.geometry.solver.iterative_solver import LevelSolver
 from apd_viewer.geometry.solver.prolongation import Prolongation
 
-# The pace is the median of the last ones: other work beside it may stop any of them.
+# Iterations timed: the pace is their median, since other processes may delay any one of them.
 _PACES = 5
 # Width of the collar that previews are smoothed in, coarse edges: 1.9, 1.7, 1.6 of the angles for 2, 3, 4.
 _COLLAR = 3.0

@@ -46,7 +46,8 @@ LATE_TOLERANCE = 1e-3
 # Steps by the Hessian have arrived, to 1e-5 of the energy, once so many of them reduce it by at most so many
 # tolerances. Fewer may gain as little at a saddle, and thousands of times that beyond it.
 _HESSIAN_WINDOW, _HESSIAN_GAIN = 40, 40.0
-# A descent to no lower tolerance ends before that pays; coarse levels so led start the finer ones worse.
+# Descents to this tolerance or a coarser one end before Hessian steps pay off; on coarse levels such steps
+# also give the finer ones a worse start.
 _FINE = 1e-4
 _NO_ENERGY = 1e-300  # of a rigid motion, to divide by
 
@@ -183,7 +184,7 @@ class ConstrainedDescent:
         self._lag = 0
         if self._metric.is_hessian:
             self._metric.reset()
-            self._age = 0  # the directions of the goals are those of the Hessian
+            self._age = 0  # recompute the goal directions, last found with the Hessian
 
     def step(self) -> None:
         """Reduce the energy while the goals stay met; until they are, a plain iteration.

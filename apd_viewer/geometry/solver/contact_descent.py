@@ -181,7 +181,7 @@ class ContactDescent:
 
     @property
     def energy(self) -> float | None:
-        """Energy of the shape to show without that of gaps; None if it is not known."""
+        """Elastic energy of the displayed shape, without contact; None if unknown."""
         return self.elastic.energy if self._touching else self._inner.energy
 
     @property

@@ -81,7 +81,7 @@ def step_ratio(steps: Sequence[float], tolerance: float) -> float | None:
 
 
 class StepConvergence:
-    """Lengths of the last iterations, in diagonals of the bounding box."""
+    """Convergence by the lengths of recent steps, in bounding-box diagonals."""
 
     def __init__(self) -> None:
         self._steps: deque[float] = deque(maxlen=MEMORY + 1)
@@ -105,6 +105,6 @@ class StepConvergence:
         return step_ratio(self._steps, convergence.step_tolerance)
 
     def has_converged(self, convergence: Convergence) -> bool:
-        """True if those to come would change nothing that counts."""
+        """True if further iterations would change nothing significant."""
         gap = self.convergence_ratio(convergence)
         return self.is_rounding or (gap is not None and gap <= 1.0)

@@ -132,7 +132,7 @@ class GoalSet:
         self._dropped, self.goals = self.goals, tuple(goal for goal in self.goals if not goal.is_smooth)
 
     def restore_calm_goals(self) -> bool:
-        """Ask for what was dropped, for another pose; False if nothing was."""
+        """Restore the dropped goals for another pose; False if none was dropped."""
         self._retries = 1
         if not self._dropped:
             return False

@@ -93,7 +93,7 @@ class LevelSolver(IterativeSolver, Protocol):
         """True if further steps would gain next to nothing, or nothing."""
 
     def shapes(self) -> list[np.ndarray]:
-        """Iterated shape, then those of the coarser levels."""
+        """Shapes of all levels, from the finest to the coarsest."""
 
     def restore(self, shapes: list[np.ndarray]) -> None:
         """Continue from the result of an earlier :meth:`shapes`."""

@@ -66,7 +66,7 @@ class LiHui:
 
     @property
     def energy(self) -> float:
-        """Energy of ``U``, a shape beside its minimiser."""
+        """Energy of the current shape ``U``, near its minimiser."""
         return self.elastic.energy_at(self.U)
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:

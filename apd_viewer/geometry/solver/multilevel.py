@@ -21,7 +21,7 @@ from apd_viewer.geometry.solver.iterative_solver import LevelSolver, SolverProgr
 _ALONE = 4 * FEWEST_COARSE_VERTICES
 # Convergence tolerance of a coarse level: what it leaves, the finer one reduces faster.
 _COARSE_TOLERANCE = 1e-4
-# Iterations of the coarsest level for one of the next, which takes as long as they.
+# Iterations of the coarsest level for each one of the next; both take equally long.
 _COARSEST_ITERATIONS = 16
 # Rotations of a coarser level leave a stiff surface rough: up to 8 times as at rest, 3.3 times after three
 # iterations without them, and 2.7 times after six. Fabric gets three: after six a preview of a bent bar

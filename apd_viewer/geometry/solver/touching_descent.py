@@ -111,7 +111,7 @@ class TouchingDescent:
 
     @property
     def is_on_its_way(self) -> bool:
-        """True if the held vertices go on."""
+        """True while the held vertices have part of their path ahead."""
         return self.share < 1.0 and not self.is_stopped
 
     @property
@@ -148,7 +148,7 @@ class TouchingDescent:
         return float(E[0] - E[-1]) / (self.tolerance * float(E[-1])) if len(E) > _WINDOW else None
 
     def follow_path(self, path: HeldPath, share: float) -> None:
-        """Walk ``path`` from a share of it on, where the held vertices are."""
+        """Follow ``path`` from ``share``, the present place of the held vertices."""
         self._path, self.share = path, share
         part = self._size / max(path.length, _NONE * self._size)
         self._part, self._longest, self._no_part = _FIRST * part, _LONGEST * part, _NONE * part
@@ -161,7 +161,7 @@ class TouchingDescent:
         self._at_minimum, self._unbalanced = False, 0
 
     def step(self) -> None:
-        """Walk the next part if it is time, or reduce the energy."""
+        """Advance the held vertices if due, or reduce the energy."""
         if self.is_on_its_way and self._has_followed:
             self._walk()
             return

@@ -112,7 +112,7 @@ class TouchingSurface:
         return row_ops.gathered_rows(self.without_rotation(carried, (carried == W).all(axis=1)), self.free)
 
     def renew_springs(self) -> bool:
-        """Renew the springs of what touches, if due; False if nothing changed."""
+        """Update the contact springs if due; False if nothing changed."""
         self._age += 1
         if self._age <= _RENEWED:
             return False
@@ -120,7 +120,7 @@ class TouchingSurface:
             was, self.metric, self._to_held = self.metric, self.elastic.factor, None
             return was is not self.metric
         springs = self.contact.springs(self.elastic.U)[self.free]
-        # What touches is near now, and was not at rest.
+        # Order the unknowns by current positions: touching parts may be far apart at rest.
         matrix = self.elastic.factored_matrix + springs[:, self.free]
         self.metric = LinearSolver(matrix.tocsr(), self.elastic.U[self.free])
         others = np.concatenate([self.elastic.fixed, np.arange(len(self.U), springs.shape[1])])

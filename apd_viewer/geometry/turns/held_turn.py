@@ -46,7 +46,7 @@ class HeldTurn(NamedTuple):
 
     @property
     def degrees(self) -> tuple[float, float | None]:
-        """Asked and held in degrees, without the rounding of radians."""
+        """Requested and held angles in degrees, free of rounding from radians."""
         asked, held = (None if angle is None else round(math.degrees(angle), 9) + 0.0 for angle in self)
         return asked or 0.0, held
 

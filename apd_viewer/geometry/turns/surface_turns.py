@@ -137,7 +137,7 @@ class SurfaceTurns:
     def _ways(
         self, label: int, axis: np.ndarray, last: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Sums (a,) of turns and jumps on the clearest ways to a part, with their arms."""
+        """Turns and jumps (a,) summed along the cheapest paths to a part, and their arms."""
         pairs, start, ends = self._pairs, self._ends(BASE), self._ends(label)
         own = self._inside(label)
         step, clear = pairs.turns_about(axis)
@@ -256,7 +256,7 @@ class TriangleTurns(NamedTuple):
 
 
 def _hinge(frames: TriangleAxes, s: np.ndarray, c: np.ndarray, t: np.ndarray, same: np.ndarray) -> np.ndarray:
-    """Angle at the edge ``c`` (k,) from triangle ``s`` to ``t``, turned round or not."""
+    """Dihedral angle at edge ``c`` (k,) from ``s`` to ``t``, flipped where ``same``."""
     n, other = frames.normal[s], np.where(same[:, None], -1.0, 1.0) * frames.normal[t]
     angle: np.ndarray = np.arctan2(_dots(frames.edge(s, c), np.cross(n, other)), _dots(n, other))
     return angle

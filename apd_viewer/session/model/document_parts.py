@@ -43,7 +43,7 @@ def obstacle_shifts(document: Document) -> np.ndarray:
 
 
 def with_handles_reset(document: Document, *numbers: int) -> Document:
-    """The document with handles back at rest; once none is moved, with all of it."""
+    """Document with handles reset; once none is moved, the whole shape is at rest."""
     document = document.relative_to_rest
     handles = list(document.handles)
     for k in numbers:
@@ -80,7 +80,7 @@ def _without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
 
 
 def selection_of(document: Document) -> Selection:
-    """The paint, with the names of its parts."""
+    """Selection of a document: its labels and regions, with names."""
     names = [handle.name for handle in document.handles], [region.name for region in document.regions]
     areas = [region.area for region in document.regions]
     return Selection.with_default_names(document.labels, document.member, *names, areas)

@@ -155,7 +155,7 @@ def _carried(point: np.ndarray | None, pose: np.ndarray) -> np.ndarray | None:
 
 
 class HandlePlacement(NamedTuple):
-    """Place of a handle.
+    """Pose of a named handle, and the waypoints on the way to it.
 
     Attributes
     ----------

@@ -64,7 +64,7 @@ def label_centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
 
 @memoised
 def in_place_tolerance(V: np.ndarray, weld: Weld) -> float:
-    """Tolerance of held vertices in place, mesh units."""
+    """Tolerated distance of held vertices from rest, mesh units."""
     return weld.in_place_tolerance(diagonal(V))
 
 

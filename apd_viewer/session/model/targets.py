@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Targets(NamedTuple):
-    """Arguments of :meth:`Deformation.keep`."""
+    """Area and volume targets, as arguments of :meth:`Deformation.keep`."""
 
     area: float | str | None
     volume: float | str | None
@@ -38,7 +38,7 @@ def kept_percentages(document: Document) -> tuple[float | None, ...]:
 
 def targets_of(document: Document) -> Targets:
     """Targets passed to the method, with the vertices of the regions."""
-    # Here: it loads scipy and numba, and the panel of the first picture needs the percentages alone.
+    # Imported here: it loads scipy and numba, and the panel of the first picture needs the percentages alone.
     from apd_viewer.geometry.goals.goals import Region
 
     area, volume, *areas = map(percentage_text, kept_percentages(document))

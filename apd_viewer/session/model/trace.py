@@ -105,7 +105,7 @@ class Trace:
             self._begin(coming)
         # Undisplayed frames are not measured, but their iterations count.
         more = frame.iteration if self._total is None else frame.total - self._total
-        self._iteration += more if more >= 0 else frame.total  # of another solver
+        self._iteration += more if more >= 0 else frame.total  # a new solver counts from zero
         self._total = frame.total
         self._keep([self._clock() - self._start.moment, self._iteration, *_readings(document, frame)])
 

@@ -171,7 +171,7 @@ def _path(document: Document, k: int, steps: tuple[MotionStep, ...]) -> HandlePa
 
 
 def total_turn(path: HandlePath | MotionPath) -> float:
-    """Sum of the angles of a path whatever their signs, radians: it turns by no more."""
+    """Sum of a path's absolute angles, radians; an upper bound of its turn."""
     if isinstance(path, MotionPath):
         return sum(abs(step.angle) for step in path.steps)
     return abs(path.angle)

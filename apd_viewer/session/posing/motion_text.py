@@ -57,7 +57,7 @@ class MotionTextStep:
     def parse_amounts(
         self, unit: Unit, names: Mapping[str, float] = ANY_LENGTHS, rest: MotionReference | None = None
     ) -> tuple[float, ...]:
-        """Amounts on a mesh, or on any; raises InputError if one has no meaning."""
+        """Amounts for one mesh or any mesh; raises InputError on meaningless ones."""
         amount = self.motion.kind.amount
         found = tuple(amount.parse(each, unit, names, rest) for each in self.amounts)
         if amount is AmountKind.FACTOR and not min(found) > 0.0:
@@ -65,7 +65,7 @@ class MotionTextStep:
         return found
 
     def on(self, document: Document, unit: Unit, names: Mapping[str, float]) -> MotionStep:
-        """The step with its amounts on a document, whose handles are from rest."""
+        """Motion step with its amounts resolved on a document, relative to rest."""
         k, kind, axis = self.handle, self.motion.kind, self.motion.axis
         if k >= len(document.handles):
             raise InputError(

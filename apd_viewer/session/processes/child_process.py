@@ -31,8 +31,8 @@ main(replies)
 """
 # Large arrays come and go: glibc would return their memory each time and have it cleared again.
 _KEEP_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(1 << 30), "MALLOC_TRIM_THRESHOLD_": str(1 << 31)}
-_LINES, _LINE_LENGTH = 40, 300  # of the last words, at most
-_GRACE = 1.0  # s; for what is about to end by itself
+_LINES, _LINE_LENGTH = 40, 300  # largest part of the final output that is kept
+_GRACE = 1.0  # s; time for a process to end by itself
 _FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, and there only
 
 

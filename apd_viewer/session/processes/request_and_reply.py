@@ -116,7 +116,7 @@ class RequestStage(Enum):
 
 
 class RequestProgress(NamedTuple):
-    """The stage that a request has reached; None is a request that need not be named."""
+    """Stage reached by a request; None stands for the current request."""
 
     stage: RequestStage
     request: Request | None = None

@@ -141,7 +141,7 @@ class SolverProcess:
         return self._tray[1]
 
     def _with_first_start(self, request: Request) -> Request:
-        """Return the request with the start shape of the first of its kind.
+        """Request with the start shape of the first of its kind, sent only once.
 
         The process goes on from where it is, and needs it only if it has seen none of them. So it travels
         once, and not with every pose.

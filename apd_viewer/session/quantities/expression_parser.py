@@ -182,7 +182,7 @@ def call_function(name: str, values: list[Quantity]) -> Quantity:
     first = values[0]
     if name in VARIADIC_FUNCTIONS:
         for value in values:
-            first = first.in_kind_of(value)
+            first = first.with_dimension_of(value)
         return replace(first, value=VARIADIC_FUNCTIONS[name](value.value for value in values))
     if len(values) != 1:
         raise InputError(

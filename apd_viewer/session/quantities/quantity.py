@@ -32,7 +32,7 @@ class Quantity:
 
     @property
     def powers(self) -> tuple[float, float]:
-        """The powers of length and angle: thrice a third is one."""
+        """Exponents of length and angle, rounded so that thirds add up to one."""
         return round(self.length, 9), round(self.angle, 9)
 
     @property
@@ -40,8 +40,8 @@ class Quantity:
         """Its kind, in words."""
         return _KINDS.get(self.powers, tr("a product of lengths and angles"))
 
-    def in_kind_of(self, other: Quantity) -> Quantity:
-        """Itself in the kind of ``other``, if it is a bare number."""
+    def with_dimension_of(self, other: Quantity) -> Quantity:
+        """Quantity with the dimension of ``other``, if it is a bare number."""
         if self.powers == DIMENSIONLESS:
             return replace(other, value=self.value)
         if other.powers in (DIMENSIONLESS, self.powers):
@@ -53,7 +53,7 @@ class Quantity:
         )
 
     def __add__(self, other: Quantity) -> Quantity:
-        return replace(self.in_kind_of(other), value=self.value + other.value)
+        return replace(self.with_dimension_of(other), value=self.value + other.value)
 
     def __mul__(self, other: Quantity) -> Quantity:
         return Quantity(self.value * other.value, self.length + other.length, self.angle + other.angle)

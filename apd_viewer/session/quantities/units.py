@@ -109,7 +109,7 @@ class Unit(Enum):
         return symbol + self._mark, factor
 
     def mass_unit(self, grams: float) -> tuple[str, float]:
-        """The unit of mass for so many grams, and how many of it are a gram."""
+        """Mass unit suited to an amount in grams, and the factor from grams to it."""
         symbol, factor = _largest(_GRAMS_OF_INCHES if self._is_of_inches else _GRAMS, grams)
         return symbol + self._mark, factor
 

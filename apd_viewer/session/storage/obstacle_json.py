@@ -34,7 +34,7 @@ def obstacle_to_json(obstacle: NamedObstacle) -> dict[str, Any]:
 
 
 def obstacle_from_json(fields: JsonFields, name: str = "") -> NamedObstacle:
-    """The obstacle again; ``name`` is for one without.
+    """Obstacle restored from JSON; ``name`` is the default name.
 
     Fields that its kind does not have may be missing, and so may ``shift``.
     """

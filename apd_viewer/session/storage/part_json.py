@@ -19,7 +19,7 @@ from apd_viewer.session.model.handles_and_regions import (
 )
 
 LARGEST_NUMBER = 1e9  # of a weight or a percentage
-LEAST_POSITIVE = 1e-12  # of what is more than zero
+LEAST_POSITIVE = 1e-12  # smallest number accepted as positive
 _MOST_WAYPOINTS = 10_000  # of a handle
 _MOTIONLESS = [0.0, 0.0, 0.0, 1.0]  # the last row of a motion's matrix
 

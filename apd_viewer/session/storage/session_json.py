@@ -153,7 +153,7 @@ def _of_obstacles(frame: Frame) -> dict[str, Any]:
 
 
 def frame_from_json(fields: JsonFields, state: State, U: np.ndarray) -> Frame:
-    """The frame of a state again, measured anew on its shape ``U`` (n, 3)."""
+    """Frame restored from JSON, with its shape ``U`` (n, 3) measured anew."""
     frame = shape_frame(state.document.mesh, state.inspection, U)
     settled, count = fields.flag("settled"), len(state.document.obstacles)
     return replace(

@@ -153,7 +153,7 @@ class Sweep:
     def _frames(self, solver: Deformation, tick: Callable[[int, int], object]) -> Iterator[Frame]:
         """Frame of each step, continued from the one before or beside a walk."""
         documents = [self.document_at(part).with_settings(method=solver.method) for part in self.shares]
-        # Obstacles press against shapes at rest, as it is their loads that matter.
+        # With obstacles each step is solved until it settles, since the loads matter.
         if solver.contact is not None and not documents[0].has_active_obstacles:
             end = self.shares[-1]
             documents[-1] = document_along(documents[-1], self.paths, end)

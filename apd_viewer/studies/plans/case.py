@@ -97,7 +97,7 @@ class StudyCase:
 
     @property
     def contact_by_default(self) -> bool:
-        """True if contact depends on the number of vertices."""
+        """True if the plan leaves contact to the default by vertex count."""
         return not isinstance(dict(self.settings).get("contact", False), bool)
 
     @property

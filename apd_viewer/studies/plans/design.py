@@ -55,7 +55,7 @@ class DesignVariable:
 
     @property
     def is_whole(self) -> bool:
-        """True for a range of counts, such as that of steps."""
+        """True for a range of integers, such as numbers of steps."""
         return self.name in COUNT_COLUMNS and self.low.is_integer() and self.high.is_integer()
 
     @property
@@ -219,11 +219,11 @@ def _combinations(
 
 def _shares(count: int, design: str, samples: int, seed: int) -> np.ndarray:
     """Points in the unit cube, (samples, count)."""
-    # Here: it is slow to import, and few plans are designed.
+    # Imported here: it is slow to import, and few plans are designed.
     from scipy.stats import qmc
 
     if design == SOBOL:
-        # More than are asked for are drawn, as it is balanced in powers of 2 only.
+        # Sobol sequences are balanced only at powers of 2: draw that many, and keep the first.
         points = qmc.Sobol(count, rng=seed).random_base2(math.ceil(math.log2(samples)))[:samples]
     else:
         points = qmc.LatinHypercube(count, rng=seed).random(samples)

@@ -42,7 +42,7 @@ class InputFiles:
         return self._once("mesh", path, self._read_mesh)
 
     def selection(self, path: Path) -> InputFile:
-        """A selection; raises InputError."""
+        """Read a selection file once; raises InputError."""
         return self._once("selection", path, lambda there: self._kept(read_content(there), there))
 
     def _once(self, kind: str, path: Path, read: Callable[[Path], InputFile]) -> InputFile:

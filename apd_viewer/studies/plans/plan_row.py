@@ -32,7 +32,7 @@ _READERS: dict[str, Callable[[str], CaseSetting]] = {
 # always written down, since new work and plans without that column differ.
 _USUAL = asdict(DEFAULT_SETTINGS)
 _OLD = {"contact": False}
-# A session says its own unit; which, is of no account for what can be said in one.
+# Stand-in for the unit of a session, which is read later; no cell is accepted or refused because of it.
 _SOME = Unit.MILLIMETRE
 
 

@@ -45,7 +45,7 @@ class ActionMaker:
         action.triggered.connect(lambda _checked=False: command())
         return self.adopt(name, action, image, tip, key)
 
-    def make_switch(
+    def make_checkable(
         self,
         name: str,
         title: str,
@@ -55,7 +55,7 @@ class ActionMaker:
         command: Callable[[bool], object],
         on: bool = False,
     ) -> QAction:
-        """Make an action with a state, on or off, for a command."""
+        """Make a checkable action for a command."""
         action = QAction(title, self._window, checkable=True, checked=on)
         action.toggled.connect(lambda on: command(on))
         return self.adopt(name, action, image, tip, key)

@@ -129,7 +129,7 @@ class Actions:
     def set_available(self, is_open: bool, is_at_rest: bool) -> None:
         """Enable the actions allowed by an open mesh, at rest or not."""
         studies = [self.pose.compare, self.pose.sweep, self.pose.study, self.pose.press]
-        own = [*self.file.needing_mesh, *studies, self.pose.symmetric, *self.obstacles.needing_mesh]
+        own = [*self.file.mesh_actions, *studies, self.pose.symmetric, *self.obstacles.mesh_actions]
         for action in (*own, *self.select.files, *self.select.changes):
             action.setEnabled(is_open)
         for action in (self.reset, self.bake):

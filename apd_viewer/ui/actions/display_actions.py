@@ -38,7 +38,7 @@ class DisplayActions:
     def __init__(self, maker: ActionMaker, display_options: DisplayOptions) -> None:
         self._looks = display_options
         self._make_measures(maker)
-        self._make_switches(maker)
+        self._make_checkablees(maker)
         self._follow()
 
     def _make_measures(self, maker: ActionMaker) -> None:
@@ -77,7 +77,7 @@ class DisplayActions:
             ),
         ]
 
-    def _make_switches(self, maker: ActionMaker) -> None:
+    def _make_checkablees(self, maker: ActionMaker) -> None:
         looks = self._looks
         ghost = tr("Show the rest shape as a transparent ghost")
         compare = tr("Drag a slider to see the path from the rest shape")
@@ -85,7 +85,7 @@ class DisplayActions:
         ground = tr("Show the axes and a ground grid in the unit of length")
         turntable = tr("Rotate the camera around the mesh until you use the mouse")
         self.switches = {
-            name: maker.make_switch(name, title, name, tip, key, command, on)
+            name: maker.make_checkable(name, title, name, tip, key, command, on)
             for name, title, tip, key, command, on in (
                 ("ghost", tr("&Rest shape"), ghost, "A", looks.show_ghost, looks.ghost.visible),
                 (

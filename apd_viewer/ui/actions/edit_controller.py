@@ -69,7 +69,7 @@ class EditController:
         """Cancel the drag or sweep under way; True if there was one."""
         return self._canvas.viewport.mouse.cancel() or self._panel.cancel_slider_drag()
 
-    # Going back
+    # Undo, redo and reset
 
     def undo(self) -> None:
         """Undo the last step."""

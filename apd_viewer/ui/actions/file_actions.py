@@ -189,7 +189,7 @@ class FileActions:
         self.recent.setEnabled(bool(paths))
 
     @property
-    def needing_mesh(self) -> list[QAction]:
+    def mesh_actions(self) -> list[QAction]:
         """Actions available only for an open mesh."""
         made = self.report, self.picture, self.copy_picture, self.copy_python
         exports = self.export, self.scalars, self.animation, self.deck

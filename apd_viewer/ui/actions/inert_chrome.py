@@ -23,7 +23,7 @@ _NEED_A_MESH = "export", "undo", "redo", "reset"
 
 
 class InertChrome:
-    """Commands without a session; all others are disabled or loading.
+    """Window actions before a session exists; those needing one are disabled.
 
     Parameters
     ----------

@@ -82,8 +82,8 @@ class ObstacleActions:
         obstacles.availability_changed.connect(self.set_available)
 
     @property
-    def needing_mesh(self) -> list[QAction]:
-        """Those that need an open mesh."""
+    def mesh_actions(self) -> list[QAction]:
+        """Obstacle actions available only with an open mesh."""
         return [*self.kinds.values(), self.floor, *self.side_plates]
 
     def fill(self, menu: QMenu) -> None:

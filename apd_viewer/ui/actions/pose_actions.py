@@ -89,7 +89,7 @@ class PoseActions:
             "Shift+M",
             editing.reset_handle,
         )
-        self.symmetric = maker.make_switch(
+        self.symmetric = maker.make_checkable(
             "symmetric",
             tr("Sy&mmetric"),
             "mirror",
@@ -215,7 +215,7 @@ class PoseActions:
         self.symmetric.blockSignals(False)
 
     def fill(self, menu: QMenu, obstacles: ObstacleActions) -> None:
-        """Put all of them into a menu, and those of the obstacles."""
+        """Add the pose and obstacle actions to a menu."""
         menu.addActions(self.part_actions)
         menu.addSeparator()
         menu.addActions([self.enter_motion, self.reset_handle, self.symmetric, *self.pivots])

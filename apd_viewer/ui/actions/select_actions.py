@@ -97,7 +97,7 @@ class SelectActions:
             name, words, command = f"way:{way.name}", way.words, partial(commands.choose_mode, way)
             self.modes[way] = maker.make(name, words.title, words.icon, words.tip, words.key, command)
         maker.make_exclusive(self.modes.values())
-        self.select_hidden = maker.make_switch(
+        self.select_hidden = maker.make_checkable(
             "through",
             tr("&X-ray (select hidden)"),
             "through",

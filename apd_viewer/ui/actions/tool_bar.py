@@ -13,7 +13,7 @@ from apd_viewer.ui.widgets.icons import ICON_SIZE
 
 
 def add_tool_bar(window: QMainWindow, groups: Sequence[Sequence[QAction]]) -> QToolBar:
-    """Add groups of actions, with lines between them, at the left of a window."""
+    """Add a tool bar at the left of a window, with separators between the groups."""
     bar = QToolBar(tr("Tools"), window, objectName="tools", movable=False)
     bar.setIconSize(ICON_SIZE)
     bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)

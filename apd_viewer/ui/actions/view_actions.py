@@ -63,7 +63,7 @@ class ViewActions:
         self.camera = CameraActions(maker, canvas)
         commands.comparison.set_shortcuts(self.camera.directions, self.frame)
         tip = tr("Show the triangle edges")
-        self.edges = maker.make_switch("edges", tr("&Edges"), "edges", tip, "W", self._show_edges)
+        self.edges = maker.make_checkable("edges", tr("&Edges"), "edges", tip, "W", self._show_edges)
         self.shadings = {}
         for name, title, tip, shading in _SHADINGS:
             self.shadings[shading] = maker.make(
@@ -147,7 +147,9 @@ class CameraActions:
             self.directions[axis] = maker.make(f"look:{axis}", title, "view", tip, key, command)
         tip = tr("View the mesh without perspective")
         project = canvas.viewport.camera_controller.set_orthographic
-        self.orthographic = maker.make_switch("orthographic", tr("Ortho&graphic"), "view", tip, "5", project)
+        self.orthographic = maker.make_checkable(
+            "orthographic", tr("Ortho&graphic"), "view", tip, "5", project
+        )
         self.up_axes = {}
         for up_axis in UpAxis:
             name, tip = up_axis.value, tr("Show the mesh with {axis} up").format(axis=up_axis.value)

@@ -17,7 +17,7 @@ from apd_viewer.ui.case_studies.column_choice import ColumnChoice
 from apd_viewer.ui.case_studies.result_columns import ResultColumn, reading_words
 from apd_viewer.ui.case_studies.result_model import ResultModel
 from apd_viewer.ui.plots.chart import Chart, Curve
-from apd_viewer.ui.plots.plots import ChartView, ChartWords
+from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 
 _ABSCISSA = "part"
 _OFFERED = (
@@ -62,7 +62,7 @@ class CaseCurves(QWidget):
         ]
         self.reading.set_columns(offered, offered)
         self.reading.chosen.connect(self._redraw)
-        self.view = ChartView(ChartWords(tr("Curves of the chosen cases"), ""), self._chart)
+        self.view = ChartView(ChartTexts(tr("Curves of the chosen cases"), ""), self._chart)
         self.view.setMinimumSize(_LOWEST)
         head = QHBoxLayout(spacing=6)
         head.setContentsMargins(8, 4, 8, 0)

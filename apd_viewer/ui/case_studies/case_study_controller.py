@@ -175,7 +175,7 @@ class CaseStudyController(QObject):
         if self.run.running:
             self.panel.show_running(True, stopping=True)
 
-    # Following
+    # Progress and end of a run
 
     def _report(self, said: object) -> None:
         if self.run.folder == self.panel.folder and isinstance(said, dict):
@@ -229,7 +229,7 @@ class CaseStudyController(QObject):
             event.ignore()
 
     def close(self) -> None:
-        """End the run and the reading."""
+        """End the run, and stop loading results."""
         if self.dialog is not None:
             self.dialog.close()
         self.run.kill()

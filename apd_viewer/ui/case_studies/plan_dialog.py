@@ -197,7 +197,7 @@ class PlanDialog(QDialog):
         row.addWidget(self.start)
         return row
 
-    # Choosing
+    # Choice of design, methods and ranges
 
     def _choose_design(self) -> None:
         grid = self.design.currentData() == GRID
@@ -238,7 +238,7 @@ class PlanDialog(QDialog):
     # Beginning
 
     def begin(self) -> None:
-        """Begin the study as soon as there is somebody to run it."""
+        """Start the study as soon as its engine is available."""
         self._preview.hide()
         try:
             self._asked = self._designed()

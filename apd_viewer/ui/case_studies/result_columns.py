@@ -218,7 +218,7 @@ def _amounts(name: str, title: str, tip: str, cells: Sequence[str]) -> ResultCol
 
 
 def _motions(cells: Sequence[str]) -> list[ResultColumn]:
-    """A column for each amount; the texts if a row has the same motion twice."""
+    """Columns of the motion amounts; one of text if a row repeats a motion."""
     tip = tr("Motion of the plan")
     nothing = np.full(len(cells), np.nan)
     as_text = [ResultColumn(MOTION_COLUMN, tr("Motion"), tip, nothing, tuple(cells), "", True)]

@@ -76,7 +76,7 @@ class ResultModel(QAbstractTableModel):
 
     @property
     def numeric_columns(self) -> list[ResultColumn]:
-        """Columns with numbers, but for the line."""
+        """Numeric columns, except the line number."""
         return [column for column in self.columns[1:] if column.is_numeric]
 
     def _arrange(self) -> None:

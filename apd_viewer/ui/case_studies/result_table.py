@@ -115,7 +115,7 @@ class ResultsView(QTableView):
             super().keyPressEvent(event)
 
     def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
-        """Announce other rows."""
+        """Announce a change of the selected rows."""
         super().selectionChanged(selected, deselected)
         self.choice_changed.emit()
 
@@ -129,7 +129,7 @@ class ResultsView(QTableView):
         return [int(k) for first, end in places for k in order[first:end]]
 
     def choose(self, rows: Sequence[int]) -> None:
-        """Choose rows of the plan; show the last."""
+        """Select rows of the plan, and show the last."""
         self._select(rows, _SELECTION.ClearAndSelect)
         self._show(rows[-1:])
 

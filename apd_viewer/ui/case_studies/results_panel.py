@@ -180,7 +180,7 @@ class ResultsPanel(QWidget):
         if self.folder is not None:
             QDesktopServices.openUrl(QUrl.fromLocalFile(str(self.folder)))
 
-    # Looks
+    # Theme and colours
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw in the colours of a theme."""

@@ -135,5 +135,5 @@ def scheduler_option(options: Sequence[str]) -> str:
 
 
 def may_continue(folder: Path) -> bool:
-    """True if the plan of a study lies in its folder."""
+    """True if the folder holds the plan of a study."""
     return (folder / PLAN_FILE).is_file()

@@ -61,7 +61,7 @@ class StudyStatus:
         )
 
     def set_results(self, table: ResultTable) -> None:
-        """Note the results so far, unless the command tells more."""
+        """Update the counts from the results, unless a run reports them itself."""
         states = [row.status for row in table.rows if row.status in (DONE, FAILED, WAITING)]
         self._wrong = sum(row.status == WRONG for row in table.rows)
         done, failed = len(states) - states.count(WAITING), states.count(FAILED)
@@ -104,7 +104,7 @@ class StudyStatus:
 
     @property
     def may_continue(self) -> bool:
-        """True if the rest could be computed here."""
+        """True if the remaining cases can be computed on this machine."""
         counts = self._counts
         return counts is not None and counts.done < counts.cases and self._may_run
 

@@ -25,7 +25,7 @@ TITLE_COLUMN_WIDTH = 140  # px, of the column of titles with its gap
 
 
 class VariedRow:
-    """A quantity: whether it varies, and from where to where."""
+    """Row of a quantity: check box to vary it, and the ends of its range."""
 
     def __init__(self, quantity: VariedQuantity) -> None:
         self.quantity = quantity

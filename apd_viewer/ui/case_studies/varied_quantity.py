@@ -22,7 +22,7 @@ _DIGITS = 10  # of a number in a plan
 
 
 class VariedQuantity(NamedTuple):
-    """VariedQuantity that a study can vary.
+    """Quantity to be varied by a study.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ def quantity_range(quantity: VariedQuantity, low: str, high: str, state: State, 
         last = _end(quantity, unambiguous_text(high), state, unit) if high.strip() else None
         if last is not None and first.endswith(PERCENT) != last.endswith(PERCENT):
             raise InputError(tr("Give both ends in percent, or both as lengths."))
-        if not quantity.is_motion:  # what a plan would refuse in each of its rows
+        if not quantity.is_motion:  # refuse here what every row of the plan would refuse
             for end in filter(None, (first, last)):
                 SETTING_COLUMNS[quantity.name].parse(end)
         last = None if last == first else last

@@ -23,7 +23,7 @@ _AT_REST = tr("All methods agree on a mesh at rest; move a handle first, then co
 
 
 class CompareController:
-    """The single comparison window, on the document at its opening.
+    """Opens the single comparison window on the current document.
 
     Parameters
     ----------

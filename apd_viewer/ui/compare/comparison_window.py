@@ -149,7 +149,7 @@ class ComparisonWindow(QWidget):
         return [method for method, check in self.checks.items() if check.isChecked()]
 
     def compare(self, state: State, unit: Unit) -> None:
-        """Begin with a document, from its rest shape."""
+        """Start comparing the methods on a document, from its rest shape."""
         if self.comparison is not None:
             self.comparison.stop()
         name = state.document.mesh.name

@@ -67,7 +67,7 @@ class LinkedViews(QWidget):
             view.show_rest_shape(state)
 
     def set_camera(self, state: State, camera: Camera) -> None:
-        """Use another camera, with all shapes so far in view."""
+        """Set the camera, moved to show the rest and the current shape."""
         look = self._first.viewport.camera_controller
         own = look.camera
         look.camera = replace(

@@ -22,7 +22,7 @@ HEAD_HEIGHT = 32  # px
 
 
 class MethodView(QWidget):
-    """A viewport with a line over it.
+    """Viewport of one method's shape, captioned with its name and readings.
 
     Parameters
     ----------

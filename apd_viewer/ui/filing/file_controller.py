@@ -80,7 +80,7 @@ class FileController:
         self.run_unless_unsaved(lambda: self._session.files.open_mesh(mesh))
 
     def export_mesh(self, on_done: Callable[[], object] = lambda: None) -> None:
-        """Choose a target for the deformed mesh; ``on_done()`` follows once it is written."""
+        """Ask for a path, export the deformed mesh, and call ``on_done()``."""
         if (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_where_to_put_mesh(self._window, self._memory.last_folder, state.document.mesh)
@@ -117,7 +117,7 @@ class FileController:
             self._save(last.file.path, last.embeds_mesh, on_done)
 
     def save_as(self, on_done: Callable[[], object] = lambda: None) -> None:
-        """Choose a target for the session, with or without the mesh."""
+        """Ask for a path, and save the session with or without the mesh."""
         if (state := self._session.store.state) is None:
             return
         mesh = state.document.mesh
@@ -179,7 +179,8 @@ class FileController:
             "session": window_title_text(session.name if session else ""),
         }
         self._window.setWindowTitle(title.format(**names))
-        if self._window.isWindowModified() != unsaved:  # Qt tells the screen again what it knows
+        # setWindowModified notifies the platform even if nothing changed.
+        if self._window.isWindowModified() != unsaved:
             self._window.setWindowModified(unsaved)
 
     def run_unless_unsaved(self, action: Callable[[], object], closes: bool = False) -> None:
@@ -209,7 +210,7 @@ class FileController:
 
 
 class ChangedFileAnswer(Enum):
-    """An answer to the question."""
+    """Answer to the question about a file changed on disk."""
 
     SAVE_AS = tr("Save &as…")
     OVERWRITE = tr("&Overwrite")

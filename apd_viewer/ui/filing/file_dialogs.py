@@ -56,7 +56,7 @@ def ask_for_selection(parent: QWidget, folder: Path) -> Path | None:
 
 
 def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
-    """Choose a target for the selection."""
+    """Ask for the path of a selection file to write."""
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
     path, chosen = QFileDialog.getSaveFileName(
         parent,
@@ -154,7 +154,7 @@ def ask_where_to_put_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path 
 
 
 def ask_where_to_save(parent: QWidget, title: str, proposed: Path) -> Path | None:
-    """Choose a target of the kind of ``proposed``; None if cancelled."""
+    """Ask for a path with the suffix of ``proposed``; None if cancelled."""
     suffix = proposed.suffix
     path, _ = QFileDialog.getSaveFileName(parent, title, str(proposed), f"{suffix[1:].upper()} (*{suffix})")
     if not path or path.lower().endswith(suffix):

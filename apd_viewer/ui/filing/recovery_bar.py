@@ -95,7 +95,7 @@ class RecoveryBar(QFrame):
         self._show(0)
 
     def follow(self, session: Session) -> None:
-        """Go once the offer has been taken; while a file is being opened nothing can be."""
+        """Hide once the offer is accepted; disable the buttons while a job runs."""
         for button in self._buttons:
             button.setEnabled(session.jobs.current is None)
         if self._waiting and self._waiting[self._at].is_restored:

@@ -53,7 +53,7 @@ class ContextHelp(QObject):
         HelpButton.explain_widget = staticmethod(explain_widget)
 
     def explain_target(self) -> None:
-        """Open the manual at the meant place."""
+        """Open the manual at the place of the current target."""
         show_manual(self.target_place)
 
     @property
@@ -89,7 +89,7 @@ class ContextHelp(QObject):
     # Events
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Explain instead of doing: on the key, also in a menu, and on a click."""
+        """Show the manual instead of acting, on the help key or a What's This click."""
         kind = event.type()
         if watched is self._action:
             return kind == QEvent.Type.Shortcut and self._done(self.explain_target)

@@ -194,7 +194,7 @@ class TourCard(QFrame):
             super().keyPressEvent(event)
 
     def event(self, event: QEvent) -> bool:
-        """Take the tip along when the card goes."""
+        """Hide the pointer together with the card."""
         if event.type() == QEvent.Type.Hide:
             self.tip.hide()
         return super().event(event)

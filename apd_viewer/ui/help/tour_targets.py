@@ -36,7 +36,7 @@ class TourTargets:
         self._panel = panel
 
     def mesh(self) -> QRect | None:
-        """The mesh."""
+        """Rectangle of the mesh in the window."""
         U = self._canvas.surface.U
         return self._around(
             self._canvas.viewport.camera_controller.camera.project(U[:: 1 + len(U) // _MOST_POINTS])
@@ -51,7 +51,7 @@ class TourTargets:
         return self._gizmo(lambda frame, axis: np.vstack([frame.ring(axis)[0], frame.arrow(axis)]))
 
     def area(self) -> QRect | None:
-        """The reading of the area."""
+        """Rectangle of the area reading in the window."""
         area = self._panel.area
         return self._of([area.percent, area.verdict, area.area])
 

@@ -184,7 +184,7 @@ class MeasureView(MouseTool):
         self._viewport.tool_layer.update()
 
     def show_readings(self, readings: Sequence[MeasurementReading], unit: Unit, chosen: int) -> None:
-        """Draw other measurements, or others of the same."""
+        """Draw other measurements, or new readings of the same ones."""
         self._readings, self._unit, self._chosen = readings, unit, chosen
         self._viewport.tool_layer.update()
 

@@ -57,7 +57,7 @@ class MeasureTool(MouseTool, QObject):
 
     @property
     def enabled(self) -> bool:
-        """True while the tool is in the hand."""
+        """True while the tool is active."""
         return self._enabled
 
     @enabled.setter

@@ -145,7 +145,7 @@ class ObstacleController(QObject):
             self._parts.remove_obstacle(k)
 
     def reset(self) -> None:
-        """Move the obstacle in the hand back to where it was put."""
+        """Move the active obstacle back to its initial place."""
         if self._may_begin() and self._parts.obstacle is not None:
             self._session.obstacles.reset(self._parts.obstacle)
 

@@ -184,7 +184,7 @@ def _positive(length: float) -> float:
 
 
 class TypedField(TextField):
-    """Entry that shows a value, and tells of another one on Enter and when it is left.
+    """Line edit for a value; emits a new one on Enter or loss of focus.
 
     Attributes
     ----------

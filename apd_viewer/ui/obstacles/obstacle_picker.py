@@ -55,7 +55,7 @@ class ObstaclePicker(MouseTool, QObject):
         self._pressed: tuple[int, QPointF] | None = None
 
     def set_obstacles(self, obstacles: Sequence[DrawnObstacle], extent: ShapeExtent) -> None:
-        """Look for these obstacles."""
+        """Set the obstacles to pick from."""
         self._shown, self._extent = obstacles, extent
         if self._hot is not None and self._hot >= len(obstacles):
             self._hover(None)

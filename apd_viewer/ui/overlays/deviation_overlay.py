@@ -247,7 +247,7 @@ class DeviationOverlay(QObject):
         self.reading.schedule_update()
 
     def _measure_soon(self) -> None:
-        """Measure what is on screen then, unless something is being measured."""
+        """Schedule a measurement of the displayed shape, unless one is in progress."""
         if not self._task.busy and not self.rest_timer.isActive():
             self.rest_timer.start()
 

@@ -34,7 +34,7 @@ class DocumentMeasures(NamedTuple):
 
 
 def _calmness(document: Document) -> np.ndarray:
-    # Here: the window is shown before the solver is loaded.
+    # Imported here: the window is shown before the solver is loaded.
     from apd_viewer.geometry.goals.calm_parts import calmness
 
     return calmness(document.mesh, document.labels, document.soft_constraints)
@@ -45,7 +45,7 @@ def _pressure(document: Document, keeps_apart: bool) -> Callable[[np.ndarray], n
     made: list[ContactPressure] = []
 
     def pressure(U: np.ndarray) -> np.ndarray:
-        # Here: the window is shown before the solver is loaded.
+        # Imported here: the window is shown before the solver is loaded.
         from apd_viewer.geometry.contact.contact_pressure import ContactPressure
 
         if not keeps_apart or document.paint_problem:

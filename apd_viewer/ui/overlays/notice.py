@@ -151,7 +151,7 @@ class Notice(QFrame):
         canvas = self._canvas
         room = max(120, min(_WIDEST, canvas.width() - 2 * _MARGIN - 80))
         width = min(room, self._text.fontMetrics().horizontalAdvance(self._text.text()) + 4)
-        # The height for a width is never less than the smallest height, which the last text has set.
+        # heightForWidth() is never below the minimum height set for the previous text.
         self._text.setMinimumSize(0, 0)
         self._text.setMaximumSize(_UNBOUNDED, _UNBOUNDED)
         self._text.setFixedSize(width, self._text.heightForWidth(width))

@@ -16,7 +16,7 @@ _TALL, _SPAN, _TICK = 14, 3, 7  # px: of the colours, of the line below them, of
 
 
 class ScaleBar(QWidget):
-    """The colours, their ends and their zero in figures, and a tick at a value.
+    """Colour bar, labelled at its ends and zero, with a tick at a value.
 
     A line below the colours spans the values that the shape has, as far as the scale reaches.
 

@@ -239,7 +239,7 @@ class TextEntryCard(QFrame):
 
     def _place(self) -> None:
         self.setFixedWidth(min(_WIDTH, self._canvas.width() - 2 * _MARGIN))
-        # The height for a width is never less than the smallest height, which the last words have set.
+        # heightForWidth() is never below the minimum height set for the previous text.
         self.message_label.setMinimumHeight(0)
         edges = self._column.contentsMargins()
         self.message_label.setFixedHeight(

@@ -74,7 +74,7 @@ class PaintSection(Section):
         self.column.addWidget(self.clear_all)
 
     def show_settings(self, document: Document) -> None:
-        """Count the labels."""
+        """Show the vertex counts of base, handles and free."""
         counts = document.label_counts
         for field, count in zip(
             self._counts, (counts[BASE], counts[HANDLE:].sum(), counts[FREE]), strict=True
@@ -167,7 +167,7 @@ class Panel(QScrollArea):
             QTimer.singleShot(0, self, self.updateGeometry)
 
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
-        """Show the differences between two states, and the active parts."""
+        """Refresh the readings changed between two states, and the active parts."""
         asked_anew = old is None or old.document is not new.document
         if asked_anew:
             self.area.show_settings(new)

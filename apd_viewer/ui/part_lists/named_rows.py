@@ -130,7 +130,7 @@ class NamedRow(QFrame):
         self.remove.setIcon(icon("remove", theme))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Ask to be the active one."""
+        """Request to become the active row."""
         if event.button() == Qt.MouseButton.LeftButton:
             self.chosen.emit()
 

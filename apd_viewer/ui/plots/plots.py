@@ -42,24 +42,24 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 _SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
 _LOWEST = 140  # pixels, of a chart below another one
-_WIDE = 560  # pixels, for all that chooses in a row
+_WIDE = 560  # pixels needed for the choosers in one row
 _AGAIN = 100  # ms
 _HISTOGRAM = "ratio_from", "ratio_to", "share_of_rest_area"
 _FINE = 2.0 ** np.linspace(-2.0, 2.0, 161)  # ratios of areas between which a file tells the shares
 
 
-class ChartWords(NamedTuple):
-    """Texts of a chart in the menu."""
+class ChartTexts(NamedTuple):
+    """Title and tooltip of a chart in the menu."""
 
     title: str
     tip: str
 
 
 _CHARTS = {
-    "error": ChartWords(tr("Area error"), tr("Deviation of the area from its target, by iteration")),
-    "energy": ChartWords(tr("Energy"), tr("Energy of the deformation along the gesture")),
-    "area": ChartWords(tr("Area and volume"), tr("Their changes from rest along the gesture")),
-    "local": ChartWords(
+    "error": ChartTexts(tr("Area error"), tr("Deviation of the area from its target, by iteration")),
+    "energy": ChartTexts(tr("Energy"), tr("Energy of the deformation along the gesture")),
+    "area": ChartTexts(tr("Area and volume"), tr("Their changes from rest along the gesture")),
+    "local": ChartTexts(
         tr("Local change"),
         tr("Share of the surface by local area change, with the mean, the 99th percentile and the maximum"),
     ),
@@ -305,7 +305,7 @@ class ChartView(QWidget):
 
     Parameters
     ----------
-    words : ChartWords
+    words : ChartTexts
     chart : callable
         What to draw, asked for at every drawing.
 
@@ -315,7 +315,7 @@ class ChartView(QWidget):
         Of the last drawing.
     """
 
-    def __init__(self, words: ChartWords, chart: Callable[[], Chart]) -> None:
+    def __init__(self, words: ChartTexts, chart: Callable[[], Chart]) -> None:
         super().__init__(accessibleName=words.title, toolTip=words.tip)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)  # or all that is below is drawn each time
         self.chart = chart

@@ -31,7 +31,7 @@ from apd_viewer.ui.plots.chart import Bars, Chart, Curve, ReferenceLine
 
 _ROUNDING = 1e-15  # less of an error is nothing but rounding
 _DEEPEST = 1e-4
-_ROUGHLY = 1e-2  # where nothing is asked of the area
+_ROUGHLY = 1e-2  # where the area has no target
 _BINS = 41  # odd: unchanged is one of them
 # How far a histogram reaches, in ratios of areas.
 _REACHES = (1.001, 1.002, 1.005, 1.01, 1.02, 1.05, 1.1, 1.2, 1.5, 2.0, 4.0, 16.0, 256.0, 1024.0)

@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.plots.chart import Chart
 from apd_viewer.ui.plots.chart_drawing import draw_chart
 from apd_viewer.ui.plots.dots_drawing import draw_rings
-from apd_viewer.ui.plots.plots import ChartView, ChartWords
+from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 
 _NEAR = 10.0  # px
 _LOWEST = QSize(200, 120)
@@ -39,7 +39,7 @@ class ScatterView(ChartView):
     dot_picked = Signal(int, bool)
 
     def __init__(self, chart: Callable[[], Chart], dot_text: Callable[[int], str]) -> None:
-        super().__init__(ChartWords(tr("Scatter plot"), ""), chart)
+        super().__init__(ChartTexts(tr("Scatter plot"), ""), chart)
         self._about = dot_text
         self.rings: Mapping[int, str] = {}
         self._drawn: tuple[tuple[object, ...], QPixmap] | None = None

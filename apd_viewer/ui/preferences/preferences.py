@@ -98,7 +98,7 @@ class Preferences:
 
     @property
     def storage_problem(self) -> str:
-        """Sentence on settings impossible to keep, or nothing."""
+        """Sentence about unwritable settings; empty if they can be stored."""
         if self._settings.isWritable():
             return ""
         return tr(

@@ -66,7 +66,7 @@ class ShortcutEditor(QAbstractButton):
         return self._waits
 
     def set_recording(self, on: bool) -> None:
-        """Take the next keys as new ones, or do so no more."""
+        """Start or stop recording a new shortcut."""
         if on != self._waits:
             self._waits = on
             self.recording_changed.emit(on)
@@ -79,7 +79,7 @@ class ShortcutEditor(QAbstractButton):
         return QSize(int(max(caps, prompt)) + 2 * _PADDING, _HEIGHT)
 
     def minimumSizeHint(self) -> QSize:
-        """Room for all caps, but not for the question."""
+        """Size of all key caps, without the prompt for new keys."""
         caps = sum(width for _, width, _ in self._pieces())
         return QSize(int(caps) + 2 * _PADDING, _HEIGHT)
 

@@ -22,7 +22,7 @@ _WALKS = "Left", "Right", "Up", "Down", "Home", "End", "PgUp", "PgDown"
 
 
 def split_keys(keys: str) -> list[str]:
-    """The single keys of an action."""
+    """Separate key sequences of an action."""
     return [key for key in keys.split(_SEVERAL) if key]
 
 

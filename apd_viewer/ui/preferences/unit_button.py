@@ -128,7 +128,7 @@ class Units:
         return self._chosen[mesh]
 
     def choose(self, mesh: Mesh, unit: Unit) -> None:
-        """Have a mesh measured in ``unit``, now and when its file is opened again."""
+        """Set the unit of a mesh, and remember it for its file."""
         self._chosen[mesh] = unit
         path = user_file(mesh)
         if path is not None and not unit.is_guess:

@@ -14,7 +14,7 @@ from apd_viewer.ui.scene.viewport import Viewport
 
 
 class Ghost(RestActor):
-    """The rest shape of a mesh.
+    """Translucent drawing of the rest shape of a mesh.
 
     Parameters
     ----------

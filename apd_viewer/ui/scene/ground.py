@@ -78,7 +78,7 @@ class Ground(MouseTool, RestActor):
 
     @property
     def _level(self) -> tuple[int, int]:
-        """Coordinates along the two level axes."""
+        """Indices of the two horizontal axes."""
         first, second = (axis for axis in range(3) if axis != self._up_axis.index)
         return first, second
 

@@ -131,7 +131,7 @@ class ReportController:
             self.write_report(path)
 
     def ask_for_picture(self) -> None:
-        """Choose a picture's settings and target, and write it."""
+        """Ask for a picture's settings and path, and write it."""
         if (state := self._session.store.state) is None:
             return
         pictures = self.pictures

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from apd_viewer.files.storage.atomic_folder import filling_folder, remove_scratch_of, unused_folder
+from apd_viewer.files.storage.atomic_folder import remove_scratch_of, staging_folder, unused_folder
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.background_job import Job, JobOutcome
 from apd_viewer.ui.preferences.preferences import Preferences
@@ -211,7 +211,7 @@ class RunBar(QWidget):
         results, target = self.results_folder, unused_folder(folder, self._name)
 
         def work() -> Path:
-            with filling_folder(target) as scratch:
+            with staging_folder(target) as scratch:
                 shutil.copytree(results, scratch, dirs_exist_ok=True)
             return target
 

@@ -92,7 +92,7 @@ class RunController(QObject):
         return found
 
     def open_press(self) -> None:
-        """Press the mesh that is open between two plates; nothing need be painted."""
+        """Open the dialog to press the mesh between two plates; no paint is needed."""
         found = self._opened()
         if found is not None:
             state, _, view = found
@@ -114,7 +114,7 @@ class RunController(QObject):
         self._session.files.open(path)
 
     def open_paper(self) -> None:
-        """Re-run the paper's tables."""
+        """Open the dialog to recompute the paper's tables."""
         self._show("paper", lambda: PaperDialog(self._window, self._memory))
 
     def close_all(self) -> None:

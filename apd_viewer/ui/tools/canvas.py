@@ -210,7 +210,7 @@ class Canvas(QObject):
                 self.surface.set_points(new.frame.U)
             self.coloring.follow(document)
         if old is not None and old.document.grip is not document.grip:
-            self.gizmo.cancel()  # what it held is no longer what is there
+            self.gizmo.cancel()  # the drag refers to the previous grip shape
         if old is None or old.document is not document:
             self._show_tool()
 

@@ -92,7 +92,7 @@ class GizmoFrame:
         return float(self.camera.depth(self.centre)) > 1e-6 * self.camera.distance
 
     def is_usable(self, handle: str) -> bool:
-        """True if there is the handle, and it can be dragged from this side."""
+        """True if the handle is offered and can be dragged from this side."""
         if handle not in self.offered_handles:
             return False
         if handle in ARROWS:

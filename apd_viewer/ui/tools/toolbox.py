@@ -1,4 +1,4 @@
-"""Mouse tools and their words."""
+"""Mouse tools and their texts."""
 
 from __future__ import annotations
 

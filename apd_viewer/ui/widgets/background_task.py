@@ -42,7 +42,7 @@ class BackgroundTask(QObject):
             self._start(work)
 
     def cancel(self) -> None:
-        """Want nothing any more."""
+        """Discard the pending work, and the result of a running one."""
         self._wanted = None
 
     def close(self) -> None:

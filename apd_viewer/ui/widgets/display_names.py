@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def menu_text(name: str) -> str:
-    """Name in the text of an action or a button; ``&`` is a sign of Qt there."""
+    """Name for an action or button, with ``&`` escaped from being a mnemonic."""
     return name.replace("&", "&&")
 
 

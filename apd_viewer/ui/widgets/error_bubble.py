@@ -1,4 +1,4 @@
-"""The error in a field, said beneath it."""
+"""Error message beneath a field."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _AFTER_LEAVING = 6_000  # ms
 
 
 class ErrorBubble(QLabel):
-    """A sentence beneath a field, above all else, so that nothing moves.
+    """Error message floating beneath a field, without moving the layout.
 
     Parameters
     ----------

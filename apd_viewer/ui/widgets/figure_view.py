@@ -42,7 +42,7 @@ class FigureView(QWidget):
         return not self._picture.isNull()
 
     def shrink_by(self, pixels: int) -> None:
-        """Ask for so much less height than the picture would fill."""
+        """Reduce the preferred height of the figure by ``pixels``."""
         self._less = pixels
         self.updateGeometry()
 

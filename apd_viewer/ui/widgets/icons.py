@@ -13,7 +13,7 @@ from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS, REGION_CO
 from apd_viewer.ui.widgets.theme import Theme
 
 ICON_SIZE = QSize(20, 20)
-# In the drawings, besides ``currentColor``.
+# Colour names used in the SVG icons besides ``currentColor``.
 _PARTS = {"baseColor": BASE_COLOR, "handleColor": HANDLE_COLORS[0], "regionColor": REGION_COLORS[0]}
 
 

@@ -133,7 +133,7 @@ class Slider(QSlider):
             self.neutral_requested.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc gives the sweep up."""
+        """Cancel the drag on Esc."""
         if event.key() == Qt.Key.Key_Escape and self.cancel_drag():
             return
         super().keyPressEvent(event)

@@ -28,7 +28,7 @@ class ThinBar(QProgressBar):
         self.setValue(round(_SCALE * (share or 0.0)))
 
     def event(self, event: QEvent) -> bool:
-        """Stop moving once the length is known; move seldom where no cursor blinks."""
+        """Stop the busy animation once progress is known; slow it if cursors are steady."""
         if event.type() == QEvent.Type.StyleAnimationUpdate:
             if self.maximum():
                 event.ignore()

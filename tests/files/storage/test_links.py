@@ -6,7 +6,7 @@ from symbolic_links import needs_links
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import is_circular_link, replacing_file, resolved_path
-from apd_viewer.files.storage.atomic_folder import filling_folder
+from apd_viewer.files.storage.atomic_folder import staging_folder
 
 pytestmark = needs_links
 
@@ -43,8 +43,8 @@ def test_replacing_file_replaces_no_circle_by_a_file(circle):
 
 
 @pytest.mark.parametrize("below", ["", "folder", "folder/below"])
-def test_filling_folder_replaces_no_circle_by_a_folder(circle, below):
-    with pytest.raises(InputError, match="Too many levels of symbolic links"), filling_folder(circle / below):
+def test_staging_folder_replaces_no_circle_by_a_folder(circle, below):
+    with pytest.raises(InputError, match="Too many levels of symbolic links"), staging_folder(circle / below):
         pytest.fail("what takes long comes after the check")
 
 

@@ -17,7 +17,7 @@ from apd_viewer import Mesh, save_mesh
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing_file
-from apd_viewer.files.storage.atomic_folder import filling_folder
+from apd_viewer.files.storage.atomic_folder import staging_folder
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="streams of Unix")
 
@@ -115,9 +115,9 @@ def test_replacing_file_refuses_what_takes_no_content_before_any_work(tmp_path, 
     assert sorted(each.name for each in tmp_path.iterdir()) == ["a.obj", "loop.obj"]
 
 
-def test_filling_folder_fills_a_folder_around_a_pipe_never_over_it(tmp_path):
+def test_staging_folder_fills_a_folder_around_a_pipe_never_over_it(tmp_path):
     os.mkfifo(tmp_path / "b.txt")
-    with pytest.raises(InputError, match="no regular file"), filling_folder(tmp_path) as scratch:
+    with pytest.raises(InputError, match="no regular file"), staging_folder(tmp_path) as scratch:
         (scratch / "b.txt").write_text("new")
     assert kind(tmp_path / "b.txt") == stat.S_IFIFO
 
