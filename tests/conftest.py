@@ -12,6 +12,7 @@ os.environ.setdefault("LP_NUM_THREADS", "0")  # pictures drawn by the processor:
 import pytest
 from hypothesis import settings
 from in_thread import InThread
+from new_threads import note_threads
 
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.processes import shape_checker, solver_process
@@ -49,6 +50,12 @@ def pytest_collection_modifyitems(config, items):
         files = [list(tests) for _, tests in groupby(items, lambda item: item.path)]
         chance.shuffle(files)
         items[:] = [test for tests in files for test in chance.sample(tests, len(tests))]
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup():
+    """Tell threads of the test from those of the window that tests share."""
+    note_threads()
 
 
 def pytest_collection_finish():

@@ -9,6 +9,7 @@ import in_thread
 import numpy as np
 import pytest
 from meshes import box, ends, rotation
+from new_threads import new_threads
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
@@ -120,7 +121,7 @@ def bar() -> Mesh:
 
 
 def solver_threads() -> list[threading.Thread]:
-    return [thread for thread in threading.enumerate() if thread.name == in_thread.NAME and thread.ident]
+    return new_threads(in_thread.NAME)
 
 
 def ready(session: Driven) -> None:

@@ -3,13 +3,13 @@
 import os
 import signal
 import sys
-import threading
 import time
 
 import forked
 import numpy as np
 import pytest
 from driven_session import pose
+from new_threads import new_threads
 
 from apd_viewer.session.jobs.silence_watch import SilenceWatch
 from apd_viewer.session.processes import solver_process
@@ -136,7 +136,7 @@ def test_silence_watch_rests_while_nothing_is_awaited(heard):
     _, watch = heard
     watch.expect_answer(1, 1)
     watch.note_message(answer=1)
-    (thread,) = (thread for thread in threading.enumerate() if thread.name == "silence")
+    (thread,) = new_threads("silence")
     clock = time.pthread_getcpuclockid(thread.ident)
 
     def rests(seconds):
