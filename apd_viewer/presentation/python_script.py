@@ -202,9 +202,8 @@ def obstacle_lines(document: Document) -> Iterator[str]:
 
 def settings_arguments(document: Document) -> str:
     """Arguments for method, settings and targets."""
-    settings, targets = document.settings, targets_of(document)
-    # Contact keeps a distance only while it is on, and "local" keeps the total area only if told to.
-    idle = {"hold_area", *(() if settings.uses_contact else ("thickness",))}
+    settings, targets = document.settings.in_effect, targets_of(document)
+    idle = {"hold_area"}  # "local" keeps the total area only if told to, by a target
     if settings.convergence == DEFAULT_SETTINGS.convergence:
         idle.add("convergence")
     given = {**vars(settings), **targets._asdict()}

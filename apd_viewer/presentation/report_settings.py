@@ -32,7 +32,7 @@ _RIGID = 1e-9  # of a pose's matrix: a smaller scale is rounding
 
 def settings_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
     """Blocks on the method and all settings."""
-    document, settings = state.document, state.document.settings
+    document, settings = state.document, state.document.settings.in_effect
     area, volume, *_ = kept_percentages(document)
     values = {**vars(settings), "area": area, "volume": volume}
     rows = [
@@ -63,8 +63,11 @@ def _setting_rows(
             yield setting.title, tr("free") if value is None else f"{format_exact(value)} %", ""
         case SettingKind.SWITCH:
             yield setting.title, tr("yes") if value else tr("no"), ""
+        case SettingKind.AMOUNT:
+            if value is not None:
+                yield setting.title, format_exact(value), ""
         case SettingKind.LENGTH:
-            if value is not None and settings.uses_contact:
+            if value is not None:
                 yield setting.title, unit.format_length(format_significant(value, 4)), ""
         case SettingKind.CONVERGENCE:
             yield tr("Most iterations"), format_grouped(value.most_iterations, 0), ""

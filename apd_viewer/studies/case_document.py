@@ -25,6 +25,7 @@ from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.studies.sweep import Sweep
 from apd_viewer.session.studies.sweep_setup import sweep_of
 from apd_viewer.studies.plans.case import InputFile, StudyCase
+from apd_viewer.studies.plans.plan_columns import LENGTH_COLUMNS
 
 T = TypeVar("T")
 # Opened meshes that a worker keeps, the last used ones, have at most so many vertices together.
@@ -100,8 +101,8 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
         said.pop(name, None)
     if case.contact_by_default:
         said["contact"] = len(state.document.mesh.V) <= int(said["contact"])
-    if "thickness" in said:
-        said["thickness"] = parse_length(str(said["thickness"]), unit, state.named_lengths)
+    for name in LENGTH_COLUMNS & said.keys():
+        said[name] = parse_length(str(said[name]), unit, state.named_lengths)
     if said.get("volume") is not None and state.inspection.missing_volume_phrase:
         raise InputError(
             tr("There is no volume to keep: {why}; leave the volume free.").format(

@@ -37,6 +37,8 @@ def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[
                 default = None  # as the method has it
             case SettingKind.LENGTH:
                 more |= {"metavar": "LENGTH", "type": float, "help": words}
+            case SettingKind.AMOUNT:
+                more |= {"metavar": "A", "type": float, "help": words}
             case SettingKind.SWITCH:
                 more |= {"action": argparse.BooleanOptionalAction, "help": words}
             case SettingKind.CONVERGENCE:

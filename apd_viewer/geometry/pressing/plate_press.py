@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.contact.contact_obstacles import Obstacle, plate
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle, plate, shifted_obstacles
 from apd_viewer.geometry.contact.mesh_contact import contact_thickness
+from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
+from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.checked_arguments import check_argument, is_whole_number
 from apd_viewer.geometry.pressing.plate_travel import plate_travel
-from apd_viewer.geometry.pressing.press_options import DEFAULT_OPTIONS, PressOptions
-from apd_viewer.geometry.pressing.press_solver import PressSolver
 from apd_viewer.geometry.pressing.press_step import PressStep
+from apd_viewer.geometry.solver.contact_descent import ContactDescent
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.held_vertices import checked_start
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, method_named
 from apd_viewer.language import tr
 
 DEFAULT_STEPS, MOST_STEPS = 20, 1000
@@ -27,6 +32,8 @@ DEFAULT_ITERATIONS = 10_000
 _RETRIES = 5
 # Plates that open touch while they carry this part of what they carried.
 _TOUCHES = 1e-9
+# Of the area: less energy is rounding, strains of a millionth.
+_NO_ENERGY = 1e-12
 
 
 class PlatePress:
@@ -43,12 +50,17 @@ class PlatePress:
         Their distance in the end, mesh units; less than the extent of the mesh.
     steps, iterations : int
         Number of steps, and at most so many iterations for each.
-    options : PressOptions
+    fixed : (k,) ints
+        Vertices that are held where they are at rest; none need be.
+    start : (n, 3) float array or None
+        Shape to begin from, such as a twisted one; None for the shape at rest.
+    settings
+        Other arguments of :class:`Deformation`.
 
     Attributes
     ----------
     travel : PlateTravel
-    solver : PressSolver
+    solver : Deformation
 
     Raises
     ------
@@ -63,31 +75,67 @@ class PlatePress:
         to: float,
         steps: int = DEFAULT_STEPS,
         iterations: int = DEFAULT_ITERATIONS,
-        options: PressOptions = DEFAULT_OPTIONS,
+        *,
+        fixed: Sequence[int] | np.ndarray = (),
+        start: np.ndarray | None = None,
+        **settings: Any,
     ) -> None:
         _check_count(steps, MOST_STEPS, tr("The number of steps must be a whole number from 1 to {most:,}."))
         check_argument("iterations", iterations)
-        self._rest, self._asked = rest, (axis, to, contact_thickness(rest.diagonal, options.thickness))
+        if not method_named(settings.get("method", DEFAULT_METHOD)).may_use_contact:
+            raise InputError(tr("Only the methods Exact, Local and ARAP press; choose one of them."))
+        apart = contact_thickness(rest.diagonal, settings.get("thickness"))
+        self._rest, self._asked = rest, (axis, to, apart)
         self._count, self._iterations = steps, iterations
-        self._relaxes = options.start is not None
-        if self._relaxes:
-            self.solver = PressSolver(rest, (), np.zeros((0, 3)), options)
-            self._plates_around(self.solver.solve_positions)
-        else:
-            self.solver = PressSolver(rest, *self._plates_around(rest.solve_mesh.V), options)
+        self._relaxes = start is not None
+        U = rest.solve_mesh.V if start is None else checked_start(start, rest)[rest.weld.first]
+        # A shape to begin from springs back first; until then the plates stand aside.
+        plates = self._plates_around(U, aside=rest.diagonal if self._relaxes else 0.0)
+        settings |= {"rest": rest, "contact": True, "calm": False, "obstacles": plates}
+        self.solver = Deformation(rest.V, rest.F, fixed, **settings)
+        self._targets = (rest.V if start is None else start)[self.solver.fixed]
+        self._from = self._to = 0.0
+        if start is None:
+            self._contact.restart(U)
+            return
+        if not self._contact.contact.can_start_at(U):
+            raise InputError(tr("The shape to begin from crosses itself; deform it with walls kept apart."))
+        self.solver.aim(self._targets, start)
 
-    def _plates_around(self, U: np.ndarray) -> tuple[list[Obstacle], np.ndarray]:
-        """Plates at a local shape ``U`` (k, 3) of the solve, and their ways (2, 3)."""
+    def _plates_around(self, U: np.ndarray, aside: float = 0.0) -> list[Obstacle]:
+        """Plates at a local shape ``U`` (k, 3) of the solve, or ``aside`` of it."""
         X = U[np.unique(self._rest.solve_mesh.F)]
         self.travel = way = plate_travel(X, *self._asked)
         # The middle of the bounding box: plates need a place across their axis, too.
         middle, size = 0.5 * (X.min(axis=0) + X.max(axis=0)), diagonal(X)
         middle = middle - (middle @ way.axis) * way.axis
+        self._shifts = 0.5 * way.length * np.array([way.axis, -way.axis])
         plates = [
-            plate(middle + way.low * way.axis, way.axis, size),
-            plate(middle + way.high * way.axis, -way.axis, size),
+            plate(middle + (way.low - aside) * way.axis, way.axis, size),
+            plate(middle + (way.high + aside) * way.axis, -way.axis, size),
         ]
-        return plates, 0.5 * way.length * np.array([way.axis, -way.axis])
+        return list(shifted_obstacles(plates, self._rest.centre))
+
+    @property
+    def _contact(self) -> ContactDescent:
+        assert self.solver.contact is not None
+        return self.solver.contact
+
+    @property
+    def share(self) -> float:
+        """Share of their way that the plates have gone."""
+        return self._from + self._contact.share * (self._to - self._from)
+
+    @property
+    def is_stopped(self) -> bool:
+        """True if the plates can go no farther."""
+        return self._contact.is_stopped
+
+    @property
+    def load_excess(self) -> float | None:
+        """Expected excess of the loads, see :func:`load_excess`."""
+        shape = self._rest.solve_mesh
+        return load_excess(self._contact.elastic.material, cell_stiffness(shape.V, shape.F))
 
     def steps(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
         """Press: the shapes at rest, from the first touch on.
@@ -102,16 +150,18 @@ class PlatePress:
         """
         if self._relaxes:
             self.settle_at(0.0, partial(_tick_at, tick, 0, self._count))
-            if not self.solver.has_met_goals:
+            if not self._contact.progress.has_met_goals:
                 raise InputError(
                     tr("The shape to begin from has another area or volume; deform it with the same targets.")
                 )
-            self.solver.replace_obstacles(*self._plates_around(self.solver.solve_positions))
+            U = self._contact.progress.U
+            self.solver.replace_obstacles(self._plates_around(U))
+            self._contact.restart(U)
         yield self._step(settled=True)
         for k in range(self._count):
             self.settle_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))
             yield self._step(self.solver.settled)
-            if self.solver.is_stopped:
+            if self.is_stopped:
                 return
 
     def release(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
@@ -122,56 +172,78 @@ class PlatePress:
         tick : callable
             As of :meth:`steps`.
         """
-        share, k = self.solver.share, 0
-        touching = _TOUCHES * np.abs(self.solver.loads).max()
-        while share > 0.0 and np.abs(self.solver.loads).max() > touching:
+        share, k = self.share, 0
+        touching = _TOUCHES * self._largest_load
+        while share > 0.0 and self._largest_load > touching:
             share = max(0.0, share - 1.0 / self._count)
             self.settle_at(share, partial(_tick_at, tick, k, self._count))
             k += 1
             yield self._step(self.solver.settled)
 
-    def settle_at(self, share: float, tick: Callable[[float], object]) -> None:
+    @property
+    def _largest_load(self) -> float:
+        return float(np.abs(self.solver.frame().loads).max())
+
+    def settle_at(self, share: float, tick: Callable[[float], object] = lambda _: None) -> None:
         """Go to a share of the way, and come to rest there, as far as iterations suffice.
 
         Walls in the way of the plates may give way once they have come to rest.
         """
         self._go_to(share, tick)
         for _ in range(_RETRIES):
-            if not self.solver.is_stopped:
+            if not self.is_stopped:
                 return
-            self._go_to(self.solver.share, tick)
+            self._go_to(self.share, tick)
             self._go_to(share, tick)
 
+    def aim(self, share: float) -> None:
+        """Let the plates go to a share of their way with the next iterations."""
+        self._from, self._to = self.share, share
+        self.solver.aim(self._targets, shifts=share * self._shifts)
+
     def _go_to(self, share: float, tick: Callable[[float], object]) -> None:
-        pressing = self.solver
-        pressing.aim(share)
-        while not pressing.settled and pressing.iterations < self._iterations and not pressing.is_stopped:
-            pressing.iterate()
-            tick(pressing.iterations / (pressing.iterations + 200.0))
+        self.aim(share)
+        solver, count = self.solver, 0
+        while not solver.settled and count < self._iterations and not self.is_stopped:
+            solver.iterate()
+            count += 1
+            tick(count / (count + 200.0))
 
     def _step(self, settled: bool) -> PressStep:
-        pressing, rest = self.solver, self._rest
-        found, crossed = (
-            rest.measure(pressing.solve_positions),
-            crossings(pressing.solve_positions, rest.solve_mesh.F),
-        )
-        low, high = pressing.loads @ self.travel.axis
-        gone = pressing.share * self.travel.length
+        frame, rest = self.solver.frame(), self._rest
+        crossed = crossings(self._contact.progress.U, rest.solve_mesh.F)
+        low, high = frame.loads @ self.travel.axis
+        gone = self.share * self.travel.length
         return PressStep(
-            U=frozen(pressing.U),
+            U=frame.U,
             distance=self.travel.first_distance - gone,
             deflection=gone,
             load_low=float(-low),
             load_high=float(high),
-            stretching=pressing.stretching,
-            energy=pressing.energy,
-            volume=found.volume,
-            volume_capped=found.volume_capped,
-            area_error=found.area / rest.area - 1.0,
+            stretching=self._stretching,
+            energy=self._contact.energy_in_contact,
+            volume=frame.volume,
+            volume_capped=frame.volume_capped,
+            area_error=frame.area_error,
             crossings=None if crossed is None else len(crossed),
             settled=settled,
-            iterations=pressing.iterations,
+            iterations=frame.iteration,
         )
+
+    @property
+    def _stretching(self) -> float:
+        """Share of the wall's energy in its stretching, 0 to 1."""
+        elastic = self._contact.elastic
+        if elastic.energy <= _NO_ENERGY * self._rest.area:
+            return 0.0
+        self._membrane.local_step(elastic.U)
+        return min(1.0, self._membrane.energy / elastic.energy)
+
+    @cached_property
+    def _membrane(self) -> Membrane:
+        """Stretching alone: cells without bending are triangles of a membrane."""
+        shape, material = self._rest.solve_mesh, self._contact.elastic.material
+        return Membrane(shape.V, shape.all_triangles, 2.0 * material.rigidity + material.shear, material.area)
 
 
 def _tick_at(tick: Callable[[float], object], step: int, count: int, done: float) -> None:

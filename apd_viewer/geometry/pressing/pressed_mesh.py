@@ -15,7 +15,6 @@ import numpy as np
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.checked_arguments import checked
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
-from apd_viewer.geometry.pressing.press_options import PressOptions
 from apd_viewer.geometry.pressing.press_step import PressStep
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
@@ -149,9 +148,24 @@ def press(
     >>> [f"{step.distance:.2f}" for step in pressed.steps[1:]]  # the first is at the touch
     ['1.90', '1.80']
     """
-    moduli = stiffness, area_stiffness, shear_stiffness
-    options = PressOptions(fixed, method, *moduli, area, volume, thickness, yield_radius, start, gas)
-    plates = PlatePress(RestMesh.from_arrays(V, F, weld), np.asarray(axis), to, steps, iterations, options)
+    plates = PlatePress(
+        RestMesh.from_arrays(V, F, weld),
+        np.asarray(axis),
+        to,
+        steps,
+        iterations,
+        fixed=fixed,
+        start=start,
+        method=method,
+        stiffness=stiffness,
+        area_stiffness=area_stiffness,
+        shear_stiffness=shear_stiffness,
+        area=area,
+        volume=volume,
+        thickness=thickness,
+        yield_radius=yield_radius,
+        gas=gas,
+    )
     return press_between(plates, release, progress)
 
 
@@ -161,9 +175,9 @@ def press_between(
     """Press with plates that are in place; see :func:`press`."""
     part = _PRESSING if release else 1.0
     steps = list(plates.steps(lambda done: progress(part * done)))
-    stopped = plates.solver.is_stopped
+    stopped = plates.is_stopped
     released = list(plates.release(lambda done: progress(part + (1.0 - part) * done))) if release else []
-    return pressed_mesh(steps, released, stopped, plates.solver.load_excess)
+    return pressed_mesh(steps, released, stopped, plates.load_excess)
 
 
 def pressed_mesh(

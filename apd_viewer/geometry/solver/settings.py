@@ -7,7 +7,7 @@ scripts all follow from the table.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from enum import Enum, auto
 from operator import attrgetter
 from typing import Any
@@ -38,6 +38,7 @@ class SettingKind(Enum):
     PERCENTAGE = auto()
     SWITCH = auto()
     LENGTH = auto()
+    AMOUNT = auto()
     CONVERGENCE = auto()
 
 
@@ -107,6 +108,11 @@ class Settings:
         Whether walls are kept from passing through each other, by methods that can.
     thickness : float or None
         Distance that walls in contact keep, mesh units; None is a thousandth of the size of the mesh.
+    yield_radius : float or None
+        Walls in contact that are bent to a smaller radius keep a crease, mesh units, if they are stiff; None
+        for none.
+    gas : float or None
+        Pressure times volume of the gas enclosed in contact, in areas of the surface; None for none.
     convergence : Convergence
         What ends the iterations.
     """
@@ -192,6 +198,25 @@ class Settings:
         tr("Change distance of walls"),
         applies=attrgetter("may_use_contact"),
     )
+    yield_radius: float | None = _setting(
+        None,
+        SettingKind.LENGTH,
+        tr("Yield radius"),
+        tr("walls in contact bent to less than this radius keep a crease, in mesh units; default: none do"),
+        tr("Change yield radius"),
+        applies=attrgetter("may_use_contact"),
+    )
+    gas: float | None = _setting(
+        None,
+        SettingKind.AMOUNT,
+        tr("Enclosed gas"),
+        tr(
+            "gas enclosed by walls in contact, openings capped: pressure times volume in areas of the "
+            "surface; default: it leaves freely"
+        ),
+        tr("Change enclosed gas"),
+        applies=attrgetter("may_use_contact"),
+    )
     convergence: Convergence = _setting(  # noqa: RUF009 (a field)
         DEFAULT_CONVERGENCE,
         SettingKind.CONVERGENCE,
@@ -207,13 +232,26 @@ class Settings:
 
     @property
     def material(self) -> Material:
-        """Weights of the method's energy; raises InputError on invalid stiffness."""
-        return method_material(self.traits, self.stiffness, self.area_stiffness, self.shear_stiffness)
+        """Weights of the method's energy; raises InputError on impossible values."""
+        moduli = self.stiffness, self.area_stiffness, self.shear_stiffness
+        return method_material(self.traits, *moduli, self.yield_radius)
 
     @property
     def uses_contact(self) -> bool:
         """True if walls are kept apart, by a method that can."""
         return self.contact and self.traits.may_use_contact
+
+    @property
+    def in_effect(self) -> Settings:
+        """The settings without those that need contact or stiffness where there is none."""
+        contact = self.uses_contact
+        return replace(
+            self,
+            contact=contact,
+            thickness=self.thickness if contact else None,
+            yield_radius=self.yield_radius if contact and self.stiffness else None,
+            gas=self.gas if contact else None,
+        )
 
 
 SETTINGS: Mapping[str, Setting] = {each.name: each.metadata["setting"] for each in fields(Settings)}

@@ -218,4 +218,4 @@ def _alike(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
 def load_excess_of(document: Document) -> float | None:
     """Expected excess of loads on the obstacles; None without stiffness."""
     cells = memo.cell_stiffness(document.mesh.V, document.mesh.joined_F)
-    return load_excess(document.settings.material, cells)
+    return load_excess(document.settings.in_effect.material, cells)

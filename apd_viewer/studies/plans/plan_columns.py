@@ -114,7 +114,7 @@ def _parser(setting: Setting) -> Callable[[str], CaseSetting]:
     match setting.kind:
         case SettingKind.METHOD:
             return _method
-        case SettingKind.NUMBER | SettingKind.TOLERANCE:
+        case SettingKind.NUMBER | SettingKind.TOLERANCE | SettingKind.AMOUNT:
             return _number(setting.least, setting.most)
         case SettingKind.PERCENTAGE:
             return _percent
@@ -162,6 +162,7 @@ SETTING_COLUMNS = {
     "iterations": PlanColumn(_count(MOST_ITERATIONS), tr("at most so many a step; default: as sweep")),
 }
 COLUMNS = (*CASE_COLUMNS, *SETTING_COLUMNS)
+LENGTH_COLUMNS = {name for name, setting in SETTINGS.items() if setting.kind is SettingKind.LENGTH}
 COUNT_COLUMNS = ("steps", "iterations")  # whole numbers
 
 

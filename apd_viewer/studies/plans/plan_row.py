@@ -18,7 +18,7 @@ from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import NoUnitError, Unit
 from apd_viewer.studies.plans.case import CaseSetting, StudyCase
 from apd_viewer.studies.plans.input_files import InputFiles
-from apd_viewer.studies.plans.plan_columns import SETTING_COLUMNS, parse_steps, parse_unit
+from apd_viewer.studies.plans.plan_columns import LENGTH_COLUMNS, SETTING_COLUMNS, parse_steps, parse_unit
 
 T = TypeVar("T")
 
@@ -70,8 +70,8 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
     motion = (
         _in_column("motion", lambda text: _motion(text, typed), cells["motion"]) if "motion" in cells else ()
     )
-    if "thickness" in cells:
-        _in_column("thickness", lambda text: _thickness(text, typed), cells["thickness"])
+    for column in LENGTH_COLUMNS & cells.keys():
+        _in_column(column, lambda text: _length(text, typed), cells[column])
     mesh = sources.mesh(folder / name)
     if not whole:
         own = {name: value for name, value in settings.items() if name in _OLD or value != _USUAL.get(name)}
@@ -105,7 +105,7 @@ def _motion(text: str, unit: Unit) -> tuple[str, ...]:
     return tuple(step.text for step in steps)
 
 
-def _thickness(text: str, unit: Unit) -> float:
+def _length(text: str, unit: Unit) -> float:
     value = parse_length(text, unit, ANY_LENGTHS)
     if not value > 0.0:
         raise InputError(tr("A distance must be greater than 0; enter another one."))

@@ -16,7 +16,6 @@ from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS
 from apd_viewer.geometry.pressing.plate_travel import plate_travel
-from apd_viewer.geometry.pressing.press_options import check_yield_radius
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format, obstacle_readings
@@ -129,7 +128,7 @@ class PressDialog(RunDialog):
 
     def _show_stiffness(self) -> None:
         """Say the expected excess of loads and the wall's own stiffness."""
-        material = self._material
+        material = self._material()
         said = [obstacle_readings.excess_phrase(load_excess(material, self._cells))]
         own = None
         with suppress(InputError):
@@ -138,15 +137,15 @@ class PressDialog(RunDialog):
             said.append(tr("this wall has {own:.1g}").format(own=own))
         self.hint.setText("; ".join(said))
 
-    @property
-    def _material(self) -> Material:
-        """Material of the fields."""
+    def _material(self, yield_radius: float | None = None) -> Material:
+        """Material of the fields; raises InputError on creases without stiffness."""
         method, document = METHODS[self.method.currentData()], self._document
         return method_material(
             method,
             self.stiffness.value(),
             document.settings.area_stiffness,
             document.settings.shear_stiffness,
+            yield_radius,
         )
 
     def _make_start(self) -> QHBoxLayout:
@@ -174,7 +173,7 @@ class PressDialog(RunDialog):
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
             wall = self.wall.value
-            check_yield_radius(wall.yield_radius, self.stiffness.value())
+            self._material(wall.yield_radius)
             plate_travel(self._points, axis, self._distance, wall.thickness)
             options = self._options | self._targets | self.wall.options
         except InputError as error:

@@ -13,11 +13,11 @@ from apd_viewer.geometry.contact.contact_obstacles import capsule, plate
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.operators import vertex_areas
 from apd_viewer.geometry.pressing.plate_press import PlatePress
-from apd_viewer.geometry.pressing.press_options import PressOptions
-from apd_viewer.geometry.pressing.press_solver import PressSolver
+from apd_viewer.geometry.solver.deformation import Deformation
 
 X, Y, Z = np.eye(3)
-STIFF = PressOptions(stiffness=0.001)
+STIFF = {"stiffness": 0.001}
+IN_CONTACT = {"contact": True, "calm": False, **STIFF}
 
 
 @cache
@@ -25,47 +25,53 @@ def ball():
     return RestMesh(*sphere(2))
 
 
-def to_rest(pressing, share):
-    pressing.aim(share)
-    while not pressing.settled:
-        pressing.iterate()
-        assert pressing.iterations < 4000
+def settled(solver, most=4000):
+    """Frame of the shape at rest."""
+    for _ in range(most):
+        if solver.settled:
+            return solver.frame()
+        solver.iterate()
+    raise AssertionError(f"not settled in {most} iterations")
 
 
-def test_press_solver_crosses_nothing_on_the_way_and_keeps_the_area():
+def pressed_to(plates, share):
+    plates.aim(share)
+    return settled(plates.solver)
+
+
+def test_plate_press_crosses_nothing_on_the_way_and_keeps_the_area():
     """Every frame of a sphere pressed to a fifth of its height, free between the plates."""
     rest = ball()
-    plates, crosses = PlatePress(rest, Z, 0.4, 4, options=STIFF), CrossingCheck(rest.V, rest.F)
-    pressing, frames, least = plates.solver, 0, []
+    plates, crosses = PlatePress(rest, Z, 0.4, 4, **STIFF), CrossingCheck(rest.V, rest.F)
+    solver, frames, least = plates.solver, 0, []
     for share in (0.25, 0.5, 0.75, 1.0):
-        pressing.aim(share)
-        while not pressing.settled:
-            pressing.iterate()
+        plates.aim(share)
+        while not solver.settled:
+            solver.iterate()
             frames += 1
             if frames % 5:
                 continue
-            U, reach = pressing.U, pressing.share * (plates.travel.first_distance - 0.4) / 2
+            U, reach = solver.frame().U, plates.share * (plates.travel.first_distance - 0.4) / 2
             assert not crosses.crosses(U)
             assert abs(rest.measure(U).area / rest.area - 1.0) <= 1e-9
             assert U[:, 2].min() > -plates.travel.first_distance / 2 + reach
             assert U[:, 2].max() < plates.travel.first_distance / 2 - reach
-        least.append(np.ptp(pressing.U[:, 2]))
+        least.append(np.ptp(solver.frame().U[:, 2]))
     assert least[-1] < 0.4
-    assert pressing.share == 1.0
+    assert plates.share == 1.0
 
 
-def test_press_solver_loads_of_both_plates_are_the_slope_of_the_energy():
+def test_plate_press_loads_of_both_plates_are_the_slope_of_the_energy():
     """At rest, by differences of the energy of plates a little nearer and farther."""
-    plates = PlatePress(ball(), Z, 1.5, 2, options=STIFF)
-    pressing, way, h = plates.solver, plates.travel.first_distance - 1.5, 2e-3
+    plates = PlatePress(ball(), Z, 1.5, 2, **STIFF)
+    way, h = plates.travel.first_distance - 1.5, 2e-3
     for share in (0.5, 1.0 - h):
-        to_rest(pressing, share)
-        low, high = pressing.loads @ Z
+        low, high = pressed_to(plates, share).loads @ Z
         assert high == pytest.approx(-low, rel=0.01)
         energies = []
         for side in (-h, h):
-            to_rest(pressing, share + side)
-            energies.append(pressing.energy)
+            pressed_to(plates, share + side)
+            energies.append(plates.solver.contact.energy_in_contact)
         slope = (energies[1] - energies[0]) / (2 * h * way)
         assert 0.5 * (high - low) == pytest.approx(slope, rel=0.01)
 
@@ -97,17 +103,17 @@ def test_press_lets_a_tall_tube_yield_and_not_topple():
     assert all(step.settled and step.crossings == 0 for step in found.steps)
 
 
-def test_press_solver_does_not_turn_what_lies_askew_however_it_is_pushed_along():
+def test_plate_press_does_not_turn_what_lies_askew_however_it_is_pushed_along():
     """A tilted egg, whose plates turn it: otherwise loads would not be the slope of the energy."""
     V, F = sphere(2)
     V = V * (0.6, 0.6, 1.2) @ rotation(Y, np.radians(60.0)).T
-    plates = PlatePress(RestMesh(V, F), Z, 0.9, 2, options=STIFF)
+    plates = PlatePress(RestMesh(V, F), Z, 0.9, 2, **STIFF)
     m = vertex_areas(V, F)
     away, moments = V - m @ V / m.sum(), []
     for share in (0.5, 1.0):
-        to_rest(plates.solver, share)
-        moments.append(np.cross(away, m[:, None] * plates.solver.U).sum(axis=0))
-    low, high = plates.solver.loads
+        frame = pressed_to(plates, share)
+        moments.append(np.cross(away, m[:, None] * frame.U).sum(axis=0))
+    low, high = frame.loads
     assert low[2] < -1.0
     assert high[2] > 1.0
     assert np.abs(moments).max() <= 1e-9 * m.sum()
@@ -134,19 +140,20 @@ def test_press_lets_contact_stop_no_plates_that_have_room():
     assert all(step.settled for step in found.steps)
 
 
-def test_press_solver_lets_a_held_base_take_what_the_plates_do_not_balance():
+def test_deformation_lets_a_held_base_take_what_the_plates_do_not_balance():
     V, F = sphere(3)
     base = np.flatnonzero(V[:, 2] < -0.8)
     rest = RestMesh(V, F)
     lid = plate([0, 0, 1.0 + 1e-3 * rest.diagonal], -Z, rest.diagonal)
-    pressing = PressSolver(rest, [lid], np.array([[0, 0, -0.5]]), PressOptions(fixed=base, stiffness=0.001))
-    to_rest(pressing, 1.0)
-    assert np.array_equal(pressing.U[base], V[base])
-    assert pressing.loads[0] @ Z > 0.0
-    assert pressing.U[:, 2].max() < 0.5 + 2e-3 * rest.diagonal
+    solver = Deformation(V, F, base, obstacles=[lid], **IN_CONTACT)
+    solver.aim(V[base], shifts=[[0, 0, -0.5]])
+    frame = settled(solver)
+    assert np.array_equal(frame.U[base], V[base])
+    assert frame.loads[0] @ Z > 0.0
+    assert frame.U[:, 2].max() < 0.5 + 2e-3 * rest.diagonal
 
 
-def test_press_solver_closes_five_fingers_on_a_tube():
+def test_deformation_closes_five_fingers_on_a_tube():
     """A fist: four capsules and a thumb; no vertex inside of them, no wall through a wall, in any frame."""
     V, F = tube(32, 30)
     rest, r = RestMesh(V, F), 0.25
@@ -159,22 +166,21 @@ def test_press_solver_closes_five_fingers_on_a_tube():
     ways = [-across] * 4 + [across]
     fingers = [capsule(middle + p - 3.0 * side, middle + p + 3.0 * side, r) for p in places]
     shifts = 0.35 * np.array(ways)
-    pressing, crosses = PressSolver(rest, fingers, shifts, STIFF), CrossingCheck(rest.V, rest.F)
-    pressing.aim(1.0)
+    solver, crosses = Deformation(V, F, [], obstacles=fingers, **IN_CONTACT), CrossingCheck(V, F)
+    solver.aim(np.zeros((0, 3)), shifts=shifts)
     count = 0
-    while not pressing.settled and pressing.iterations < 1500:
-        pressing.iterate()
+    while not solver.settled and count < 1500:
+        solver.iterate()
         count += 1
         if count % 10 == 0:
-            U = pressing.U
+            frame = solver.frame()
+            U = frame.U
             assert not crosses.crosses(U)
-            for finger, shift in zip(fingers, shifts, strict=True):
-                assert (
-                    finger.distances_and_directions(finger.points + pressing.share * shift, U)[0].min() > 0.0
-                )
-    assert pressing.share == 1.0
-    assert pressing.load_imbalance < 0.01
-    assert all(load @ way < 0.0 for load, way in zip(pressing.loads, ways, strict=True))
+            for finger, shift in zip(fingers, frame.shifts, strict=True):
+                assert finger.distances_and_directions(finger.points + shift, U)[0].min() > 0.0
+    assert solver.share_reached == 1.0
+    assert solver.contact.load_imbalance < 0.01
+    assert all(load @ way < 0.0 for load, way in zip(solver.frame().loads, ways, strict=True))
 
 
 @pytest.mark.parametrize(
