@@ -156,7 +156,7 @@ def fist(V: np.ndarray, F: np.ndarray, settings: dict[str, float], most: int) ->
         for share in (k / _CLOSINGS, (k - _NEAR) / _CLOSINGS):
             solver.aim(np.zeros((0, 3)), shifts=share * ways)
             frame = solver.step()
-            while not frame.settled and frame.iteration < most and not solver.is_stopped:
+            while not frame.settled and frame.iteration < most and not contact.is_stopped:
                 frame = solver.step()
                 crossed[0] += 1
                 crossed[1] += check.crosses(frame.U)

@@ -253,11 +253,6 @@ class ElasticSurface:
         if self.creases:
             self.creases.commit_flow(self.U, self.q)
 
-    def forget_creases(self) -> None:
-        """Make the surface free of creases, as before the first commit."""
-        if self.creases:
-            self.creases.forget_flow()
-
     def _follow_creases(self) -> None:
         if self.creases:
             self.creases.update_flow(self.U, self.q)

@@ -293,18 +293,20 @@ class Deformation(Uncopyable):
         begin = shifts if begin is None else checked_shifts(begin, count)
         with cores_for(len(self.rest.solve_mesh.V)):
             self._held.set_targets(targets)
-            if self.solver.elastic.creases and (self.settled or self.is_stopped):
-                self.solver.elastic.commit_creases()
+            elastic = self.solver.elastic
+            if self.contact is not None and (self.contact.is_stopped or self.settled):
+                elastic.commit_creases()
             if self._kept.restore_calm_goals():
                 self.solver.set_goals(self._kept.goals)
             if self.contact is not None:
                 self.contact.target_shifts, self.contact.start_shifts = shifts, begin
             if U is not None:
-                self.solver.elastic.forget_creases()
+                if elastic.creases:
+                    elastic.creases.forget_flow()
                 self.solver.restart(
                     self.loose.with_loose_at_rest(np.ascontiguousarray(U[self.rest.weld.first]))
                 )
-                self.solver.elastic.commit_creases()
+                elastic.commit_creases()
             drawn = checked_soft_targets(soft_targets, self.rest, self._soft, *self._drawn)
             asked = self._held.targets
             self.solver.aim(np.concatenate([asked, drawn]) if len(drawn) else asked)
@@ -388,11 +390,6 @@ class Deformation(Uncopyable):
         return 1.0 if self.contact is None else self.contact.share_reached
 
     @property
-    def is_stopped(self) -> bool:
-        """True if contact lets the held vertices go no farther."""
-        return self.contact is not None and self.contact.is_stopped
-
-    @property
     def is_on_its_way(self) -> bool:
         """True if the held vertices have not come as far as they can."""
         return self.contact is not None and self.contact.is_on_its_way
@@ -431,7 +428,7 @@ class Deformation(Uncopyable):
         return self._kept.missed_goals_sentence(self.solver.progress.goal_values)
 
     def _unreached(self, progress: SolverProgress) -> str | None:
-        stopped = self.is_stopped
+        stopped = self.contact is not None and self.contact.is_stopped
         if stopped and progress.has_met_goals:  # otherwise it is the goals that let it go no farther
             return stop_sentence(self.share_reached, self.contact)
         return self._kept.out_of_reach_sentence(progress.goal_values if stopped or progress.stuck else None)

@@ -92,8 +92,11 @@ def _settings(cells: Mapping[str, str]) -> dict[str, CaseSetting]:
     method = str(found.get("method", DEFAULT_METHOD))
     if found.get("contact") is True and not METHODS[method].may_use_contact:
         raise InputError(tr("“{method}” knows no contact; choose another method.").format(method=method))
-    if "thickness" in found and not found.get("contact", "session" in cells):
-        raise InputError(tr("“thickness” is the distance of walls in contact; set “contact” to yes."))
+    for name in ("thickness", "yield_radius", "gas"):
+        if name in found and not found.get("contact", "session" in cells):
+            raise InputError(tr("“{name}” is for walls in contact; set “contact” to yes.").format(name=name))
+    if "yield_radius" in found and not found.get("stiffness", "session" in cells):
+        raise InputError(tr("Walls without bending stiffness keep no creases; enter a stiffness, too."))
     return found
 
 

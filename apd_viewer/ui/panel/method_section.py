@@ -15,7 +15,7 @@ from apd_viewer.geometry.solver.convergence import (
     Convergence,
 )
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
-from apd_viewer.geometry.solver.settings import SETTINGS
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.folding_section import Heading, Section, quiet_label
@@ -25,6 +25,8 @@ from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
+
+_IN_CONTACT = ("yield_radius", "gas")
 
 
 class MethodSection(Section):
@@ -99,6 +101,20 @@ class MethodSection(Section):
             label, DECADES, field, tr("Stiffness"), ends=(tr("cloth"), tr("sheet metal"))
         )
         self.column.addWidget(self.stiffness)
+        self.yield_radius = self._modulus(
+            "yield_radius",
+            tr(
+                "Walls bent to a smaller radius keep a crease, if they have a stiffness: in the unit of the "
+                "mesh; 0 for none"
+            ),
+        )
+        self.gas = self._modulus(
+            "gas",
+            tr(
+                "Gas that cannot leave, openings capped: its pressure times volume in areas of the surface; "
+                "0 for none"
+            ),
+        )
         self.convergence = ConvergenceFields()
         self.column.addWidget(self.convergence)
 
@@ -114,7 +130,8 @@ class MethodSection(Section):
             brief=True, accessibleName=title, toolTip=tip, minimum=0.0, maximum=10_000.0, decimals=4
         )
         field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
-        field.valueChanged.connect(partial(self.changed.emit, name))
+        default = getattr(DEFAULT_SETTINGS, name)
+        field.valueChanged.connect(lambda value: self.changed.emit(name, value or default))
         self._add_row(name, field_row(title, field))
         return field
 
@@ -129,7 +146,10 @@ class MethodSection(Section):
         self.method.setCurrentIndex(self.method.findData(settings.method))
         self._describe(settings.traits)
         for name, row in self._rows.items():
-            row.setVisible(SETTINGS[name].applies(settings.traits))
+            inside = settings.uses_contact or name not in _IN_CONTACT
+            row.setVisible(inside and SETTINGS[name].applies(settings.traits))
+        self.yield_radius.show_value(settings.yield_radius or 0.0)
+        self.gas.show_value(settings.gas or 0.0)
         self.calm.setChecked(settings.calm)
         self.contact.setChecked(settings.contact)
         self.tolerance.show_value(100.0 * settings.tolerance)

@@ -401,6 +401,22 @@ def test_area_section_lets_local_keep_the_total_too_where_that_is_asked(qtbot, b
     assert (settings.area_stiffness, settings.shear_stiffness) == (30.0, 0.2)
 
 
+def test_method_section_has_creases_and_gas_in_contact_alone(qtbot, bottle):
+    section = bottle.panel.method
+    for on in (False, True):
+        if section.contact.isChecked() != on:
+            section.contact.click()
+        assert section.yield_radius.isVisibleTo(bottle.shell) == section.gas.isVisibleTo(bottle.shell) == on
+    section.stiffness.field.setValue(0.01)
+    section.yield_radius.setValue(1.5)
+    section.gas.setValue(0.25)
+    assert (document(bottle).settings.yield_radius, document(bottle).settings.gas) == (1.5, 0.25)
+    section.gas.setValue(0.0)
+    assert document(bottle).settings.gas is None
+    bottle.session.gestures.undo()
+    assert section.gas.value() == 0.25
+
+
 def test_volume_section_keeps_a_volume_or_says_the_reason_why_not(qtbot, bottle):
     volume = bottle.panel.volume
     volume.keep.click()
