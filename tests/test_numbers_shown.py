@@ -18,8 +18,8 @@ FOR_PROGRAMS = {
     "presentation/color_maps.py",
     "presentation/legend_svg.py",
     "ui/appearance/shading.py",
-    "ui/case_studies/varied_quantity.py",
-    "ui/case_studies/engine_fields.py",
+    "ui/studies/varied_quantity.py",
+    "ui/studies/engine_fields.py",
     "ui/overlays/display_options.py",
     "ui/preferences/preference.py",
 }

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
+from apd_viewer.cases.paper_curves import HandleCurvePoint, LossCurvePoint, handle_curve, loss_curve
 from apd_viewer.commands import paper_tables
 from apd_viewer.commands.paper_tables import PaperTableRow
 from apd_viewer.commands.terminal.parser import Parser
@@ -20,7 +21,6 @@ from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.studies.paper_curves import HandleCurvePoint, LossCurvePoint, handle_curve, loss_curve
 
 # Size in pixels, and direction of view.
 _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (0.25, 0.25, 1.0))}

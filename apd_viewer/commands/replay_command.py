@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from apd_viewer.cases.session_replay import replay_session
 from apd_viewer.commands.result_output import result_summary, show_progress_line, write_result
 from apd_viewer.commands.scalar_output import (
     add_scalar_options,
@@ -44,7 +45,6 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.status_text import about_missing_target
 from apd_viewer.session.model.view import SESSION_SUFFIX
-from apd_viewer.session.studies.session_replay import replay_session
 
 # Shapes of an animation: ten seconds of them.
 _MOST = 240

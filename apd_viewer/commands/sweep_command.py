@@ -9,6 +9,9 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from apd_viewer.cases.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS, Sweep
+from apd_viewer.cases.sweep_setup import sweep_of
+from apd_viewer.cases.sweep_step import SweepStep
 from apd_viewer.commands.motion_options import add_input_options, read_input
 from apd_viewer.commands.sweep_output import (
     SWEPT_SHARE,
@@ -32,9 +35,6 @@ from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS, passing_walls_warning
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS, Sweep
-from apd_viewer.session.studies.sweep_setup import sweep_of
-from apd_viewer.session.studies.sweep_step import SweepStep
 
 
 def sweep_parser() -> Parser:

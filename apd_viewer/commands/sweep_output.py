@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from apd_viewer.cases.sweep import Sweep
+from apd_viewer.cases.sweep_step import SweepStep
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.columns import format_signed
 from apd_viewer.commands.terminal.progress import Progress
@@ -15,8 +17,6 @@ from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
 from apd_viewer.session.model.view import CameraPose
-from apd_viewer.session.studies.sweep import Sweep
-from apd_viewer.session.studies.sweep_step import SweepStep
 
 SWEPT_SHARE = 0.9  # of the work; the rest is drawing
 _FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape

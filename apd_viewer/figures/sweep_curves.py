@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from apd_viewer.cases.sweep_step import SweepStep
 from apd_viewer.figures.style import METHOD_STYLES, draw_figure, zero_line
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
-from apd_viewer.session.studies.sweep_step import SweepStep
 
 _SIZE = (11.0, 3.9)
 _DENSE = 40  # steps; with more, markers would hide the curve
@@ -34,7 +34,7 @@ def draw_sweep_curves(
     ----------
     steps : sequence of SweepStep
     abscissa : str
-        What tells the steps apart: see :attr:`apd_viewer.session.studies.sweep.Sweep.abscissa`.
+        What tells the steps apart: see :attr:`apd_viewer.cases.sweep.Sweep.abscissa`.
     folder : Path
     name : str
         Of the files, without ending.

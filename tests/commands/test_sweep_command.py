@@ -15,6 +15,7 @@ from painted_meshes import write_bar
 from PIL import Image
 
 from apd_viewer.__main__ import main
+from apd_viewer.cases.sweep import Sweep
 from apd_viewer.commands import sweep_command
 from apd_viewer.figures.films import write_film
 from apd_viewer.files.meshes import open_mesh
@@ -23,7 +24,6 @@ from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.sweep import Sweep
 
 BENT = rotation_about([1, 1, 0], [1, 0, 0], 0.6)
 

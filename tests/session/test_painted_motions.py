@@ -9,21 +9,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from meshes import tube
 
+from apd_viewer.cases.session_replay import replay_session
+from apd_viewer.cases.sweep_setup import sweep_of
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import rotation_about, translation
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.report_settings import handle_rows
+from apd_viewer.session.deck_setup import deck_of, deck_wall
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.studies.deck_setup import deck_of, deck_wall
-from apd_viewer.session.studies.session_replay import replay_session
-from apd_viewer.session.studies.sweep_setup import sweep_of
 
 
 @pytest.fixture

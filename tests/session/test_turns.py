@@ -5,6 +5,8 @@ import pytest
 from driven_session import Driven
 from meshes import tube
 
+from apd_viewer.cases.session_replay import replay_session
+from apd_viewer.cases.sweep_setup import sweep_of
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import twist
@@ -13,8 +15,6 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.studies.session_replay import replay_session
-from apd_viewer.session.studies.sweep_setup import sweep_of
 
 
 @pytest.fixture(params=["tube", pytest.param("bottle", marks=pytest.mark.night)])

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QWidget
 
+from apd_viewer.cases.sweep import DEFAULT_ITERATIONS
+from apd_viewer.cases.sweep_setup import MOST_STEPS, sweep_of
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS
@@ -16,8 +18,6 @@ from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
-from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.animation_dialog import format_choice
 from apd_viewer.ui.studies.run_bar import RunBar

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from meshes import box, ends
 
+from apd_viewer.cases.sweep_setup import sweep_of
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.gesture_motion import gesture_motion
-from apd_viewer.session.studies.sweep_setup import sweep_of
 
 V, F = box(2, 2, 5)
 AXIS = [0.0, 0.0, 1.0]

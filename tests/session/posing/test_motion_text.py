@@ -7,6 +7,7 @@ import pytest
 from meshes import box, ends, rotation
 from motions import IN_WORDS, in_words
 
+from apd_viewer.cases.sweep_setup import sweep_of
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
@@ -14,7 +15,6 @@ from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths
 from apd_viewer.session.posing.motion_text import motion_steps, parse_motion
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.studies.sweep_setup import sweep_of
 
 
 @pytest.fixture(scope="module")
