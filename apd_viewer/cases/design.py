@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from apd_viewer.cases.plan import parse_cell
 from apd_viewer.cases.plan_columns import COLUMNS, COUNT_COLUMNS, NOTE_PREFIX
-from apd_viewer.cases.plan_row import parse_cell
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.posing.motion import MOTION_KINDS

@@ -9,8 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from apd_viewer.cases.case_file import DONE, FAILED, Curves
-from apd_viewer.cases.database import DATABASE_NAME, read_error, reading_database
-from apd_viewer.cases.database_rows import checked_value, readings_from_json, value_from_json
+from apd_viewer.cases.database import (
+    DATABASE_NAME,
+    checked_value,
+    read_error,
+    reading_database,
+    readings_from_json,
+    value_from_json,
+)
 from apd_viewer.cases.run_case import FINAL_READINGS
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.files.tables import Cell, write_table

@@ -12,18 +12,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from apd_viewer.cases.case_document import INPUTS_FOLDER
 from apd_viewer.cases.case_file import FAILED
 from apd_viewer.cases.case_runner import Engine
-from apd_viewer.cases.case_session import INPUTS_FOLDER
 from apd_viewer.cases.cluster import connected_cluster
-from apd_viewer.cases.input_files import InputFiles
 from apd_viewer.cases.local_pool import LocalPool, core_count
 from apd_viewer.cases.plan import Plan, read_plan
 from apd_viewer.cases.plan_columns import CASE_COLUMNS, SETTING_COLUMNS
-from apd_viewer.cases.progress_meter import CaseCounts
 from apd_viewer.cases.results import ResultTable, status_text
 from apd_viewer.cases.study import Study
-from apd_viewer.cases.study_forecast import StudyForecast, study_forecast
+from apd_viewer.cases.study_case import InputFiles
+from apd_viewer.cases.study_progress import CaseCounts, StudyForecast, study_forecast
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError

@@ -5,8 +5,8 @@ import csv
 import pytest
 from painted_meshes import write_bar
 
-from apd_viewer.cases.input_files import InputFiles
 from apd_viewer.cases.plan import read_plan
+from apd_viewer.cases.study_case import InputFiles
 
 
 @pytest.fixture

@@ -2,8 +2,8 @@
 
 import pytest
 
-from apd_viewer.cases.input_files import InputFiles
 from apd_viewer.cases.plan import read_plan
+from apd_viewer.cases.study_case import InputFiles
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.transforms import rotation_about

@@ -6,9 +6,8 @@ import trimesh
 from meshes import ends, tube
 
 from apd_viewer.cases import run_case as module
-from apd_viewer.cases.case_document import CaseDocuments
+from apd_viewer.cases.case_document import CaseDocuments, case_session
 from apd_viewer.cases.case_file import case_path, case_to_bytes, write_case
-from apd_viewer.cases.case_session import case_session
 from apd_viewer.cases.run_case import run_case
 from apd_viewer.cases.sweep_setup import sweep_of
 from apd_viewer.files.meshes import open_mesh

@@ -14,9 +14,8 @@ from apd_viewer.cases.case_file import case_path, case_to_bytes
 from apd_viewer.cases.case_worker import CaseAnswer
 from apd_viewer.cases.results import READINGS, read_results
 from apd_viewer.cases.run_case import failed_result
-from apd_viewer.cases.study import Study
-from apd_viewer.cases.study_forecast import study_forecast
-from apd_viewer.cases.study_store import StudyStore
+from apd_viewer.cases.study import Study, StudyStore
+from apd_viewer.cases.study_progress import study_forecast
 from apd_viewer.errors import InputError
 
 ROWS = [{"motion": f"twist {angle}deg"} for angle in (10, 20, 30, 40)]

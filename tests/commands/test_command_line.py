@@ -15,8 +15,8 @@ from meshes import box, ends, grid, rotation, sphere, tube
 
 import apd_viewer
 from apd_viewer.__main__ import main
-from apd_viewer.cases.session_replay import replay_session
 from apd_viewer.commands import deform_command
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect

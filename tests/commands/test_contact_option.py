@@ -12,7 +12,7 @@ from meshes import ends, rotation, tube
 
 import apd_viewer
 from apd_viewer.__main__ import main
-from apd_viewer.cases.session_replay import replay_session
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.geometry.solver import methods
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View

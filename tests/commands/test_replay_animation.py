@@ -10,8 +10,8 @@ from animated import read_pc2
 from painted_meshes import write_bar
 
 from apd_viewer.__main__ import main
-from apd_viewer.cases.session_replay import replay_session
 from apd_viewer.commands import replay_command
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.state import initial_state

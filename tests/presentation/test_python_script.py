@@ -7,7 +7,7 @@ import pytest
 from driven_session import Driven, bar, pose
 from meshes import ends
 
-from apd_viewer.cases.session_replay import replay_session
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh

@@ -5,8 +5,8 @@ import pytest
 from driven_session import Driven
 from meshes import tube
 
-from apd_viewer.cases.session_replay import replay_session
 from apd_viewer.cases.sweep_setup import sweep_of
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import twist

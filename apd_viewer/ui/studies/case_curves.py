@@ -17,7 +17,7 @@ from apd_viewer.ui.plots.chart import Chart, Curve
 from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 from apd_viewer.ui.studies.column_choice import ColumnChoice
 from apd_viewer.ui.studies.result_columns import ResultColumn, reading_words
-from apd_viewer.ui.studies.result_model import ResultModel
+from apd_viewer.ui.studies.result_table import ResultModel
 
 _ABSCISSA = "part"
 _OFFERED = (

@@ -11,8 +11,8 @@ from PySide6.QtCore import QObject
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QDockWidget, QFileDialog, QMessageBox, QWidget
 
+from apd_viewer.cases.case_document import case_session
 from apd_viewer.cases.case_file import DONE
-from apd_viewer.cases.case_session import case_session
 from apd_viewer.cases.database import DATABASE_NAME
 from apd_viewer.cases.results import status_text
 from apd_viewer.errors import InputError

@@ -30,8 +30,7 @@ from apd_viewer.ui.studies.case_curves import CaseCurves
 from apd_viewer.ui.studies.column_choice import ColumnChoice
 from apd_viewer.ui.studies.folder_watch import ReadResults
 from apd_viewer.ui.studies.result_columns import ResultColumn
-from apd_viewer.ui.studies.result_model import ResultModel
-from apd_viewer.ui.studies.result_table import ResultsView
+from apd_viewer.ui.studies.result_table import ResultModel, ResultsView
 from apd_viewer.ui.studies.study_status import StudyStatus
 from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
 from apd_viewer.ui.widgets.theme import Theme

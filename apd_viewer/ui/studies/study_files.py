@@ -20,7 +20,7 @@ from apd_viewer.session.posing.motion_path import document_along, motion_paths
 from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.ui.studies.varied_quantity import SHARE_COLUMN, QuantityRange
+from apd_viewer.ui.studies.varied_fields import SHARE_COLUMN, QuantityRange
 
 PLAN_FILE, SESSION_FILE = "plan.csv", "session.apd"
 PlanRows = tuple[list[str], list[list[str]]]

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from apd_viewer.cases.case_file import DONE, FAILED
-from apd_viewer.cases.progress_meter import CaseCounts, ProgressMeter
 from apd_viewer.cases.results import WAITING, WRONG, ResultTable
+from apd_viewer.cases.study_progress import CaseCounts, ProgressMeter
 from apd_viewer.language import comma_separated, tr, trn
 from apd_viewer.presentation.time_left import duration_text
 from apd_viewer.ui.studies.study_run import may_continue

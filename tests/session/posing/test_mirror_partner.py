@@ -5,7 +5,7 @@ import pytest
 from driven_session import VIEW, Driven
 from meshes import box, sphere
 
-from apd_viewer.cases.session_replay import replay_session
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE

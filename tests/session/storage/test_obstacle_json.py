@@ -8,7 +8,7 @@ import pytest
 from driven_session import check_equal
 from meshes import tube
 
-from apd_viewer.cases.session_replay import replay_session
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.storage.json_fields import JsonFields

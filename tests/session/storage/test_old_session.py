@@ -12,7 +12,7 @@ import pytest
 from driven_session import check_equal, check_same_array
 
 from apd_viewer.__main__ import main
-from apd_viewer.cases.session_replay import replay_session
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.session.model.view import CameraPose, View

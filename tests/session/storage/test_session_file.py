@@ -14,7 +14,7 @@ import trimesh
 from driven_session import BENT, VIEW, Driven, check_equal, check_same_array, pose
 from meshes import box, ends, rotation, soup
 
-from apd_viewer.cases.session_replay import replay_session
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_location import mesh_location_to_json
 from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh

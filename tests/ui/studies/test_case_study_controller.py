@@ -18,7 +18,7 @@ from study_driving import click, finished, press_row, tick
 
 from apd_viewer.cases.case_file import read_case
 from apd_viewer.cases.database import DATABASE_NAME
-from apd_viewer.cases.study_store import StudyStore
+from apd_viewer.cases.study import StudyStore
 from apd_viewer.session.model.handle_paths import handle_paths
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer

@@ -11,7 +11,7 @@ from apd_viewer.session.posing.motion import MOTION_KINDS
 from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.studies.study_files import document_with_values
-from apd_viewer.ui.studies.varied_quantity import quantity_range, varied_quantities
+from apd_viewer.ui.studies.varied_fields import quantity_range, varied_quantities
 
 
 def painted_box():
