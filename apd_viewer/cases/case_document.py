@@ -9,11 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
+from apd_viewer.cases.case import Case, case_of
 from apd_viewer.cases.case_file import damaged_case_error, read_case
 from apd_viewer.cases.plan import parse_cell
 from apd_viewer.cases.study_case import InputFile, StudyCase
-from apd_viewer.cases.sweep import Sweep
-from apd_viewer.cases.sweep_setup import sweep_of
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import read_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
@@ -24,7 +23,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_selection
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
-from apd_viewer.session.posing.motion_path import MotionStep, document_along
+from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import Unit
@@ -118,15 +117,14 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
     return state, view, motion
 
 
-def case_sweep(case: StudyCase, document: Document, motion: tuple[MotionStep, ...]) -> Sweep:
-    """Sweep of a case; raises InputError if nothing moves."""
+def case_to_run(case: StudyCase, document: Document, motion: tuple[MotionStep, ...]) -> Case:
+    """The computation of a study's case; raises InputError if nothing moves."""
     iterations = dict(case.settings).get("iterations")
     most = None if iterations is None else int(iterations)
-    return sweep_of(document, case.steps, motion_share(case), (document.settings.method,), most, motion)
+    return case_of(document, case.steps, _last_share(case), most, motion)
 
 
-def motion_share(case: StudyCase) -> float:
-    """Part of the motion at the last step of a case."""
+def _last_share(case: StudyCase) -> float:
     return float(dict(case.settings).get("to", 1.0))
 
 
@@ -167,9 +165,6 @@ def case_session(folder: Path, key: str) -> tuple[State, View]:
                 folder=folder / INPUTS_FOLDER
             )
         ) from error
-    document, part = state.document, motion_share(case)
-    if motion or part != 1.0:
-        sweep = case_sweep(case, document, motion)
-        document = document_along(sweep.document_at(part), sweep.paths, part)
-    state = state.updated(document)
+    if motion or _last_share(case) != 1.0:
+        state = state.updated(case_to_run(case, state.document, motion).end_document)
     return state.updated(frame=frame_from_json(JsonFields(result.frame, "frame"), state, result.U)), view

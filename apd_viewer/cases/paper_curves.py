@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.cases.sweep_setup import sweep_of
+from apd_viewer.cases.case import case_of, run
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import translation
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -22,7 +22,7 @@ _TWIST = MotionStep(0, Motion(TWIST), (np.radians(_WIDEST),))
 _PUSH, _PULL = 0.2, 0.4  # of the height
 _STEPS_OF_A_PULL = 4
 
-ProgressCallback = Callable[[float, str], object]
+ProgressCallback = Callable[[float], object]
 
 
 class LossCurvePoint(NamedTuple):
@@ -60,48 +60,48 @@ class HandleCurvePoint(NamedTuple):
 
 
 def loss_curve(
-    document: Document, steps: int = 18, tick: ProgressCallback = lambda *_: None
+    document: Document, steps: int = 18, tick: ProgressCallback = lambda _: None
 ) -> list[LossCurvePoint]:
     """ARAP's area change for twists of 0 to 180 degrees, in ``steps`` steps."""
     found = []
-    document = document.with_settings(contact=False)  # of which the paper knows nothing
+    document = document.with_settings(method="arap", contact=False)  # of which the paper knows nothing
     held = document.constraints()
     mesh = document.mesh
     solver = Deformation(mesh.V, mesh.F, held.fixed, method="arap", handle=held.handles, plain=True)
-    sweep = sweep_of(document, steps, methods=["arap"], motion=[_TWIST])
-    for number, part in enumerate(sweep.shares):
-        tick(0.1 * number / steps, "ARAP")
-        solver.aim(sweep.document_at(part).constraints().targets, mesh.V)
+    case = case_of(document, steps, motion=[_TWIST])
+    for number, part in enumerate(case.shares):
+        tick(0.1 * number / steps)
+        solver.aim(case.document_at(part).constraints().targets, mesh.V)
         for iteration in range(1, max(LOSS_ITERATIONS) + 1):
             solver.iterate()
             if iteration in LOSS_ITERATIONS:
                 found.append(LossCurvePoint(_WIDEST * part, iteration, solver.frame().area_error))
-    for step in sweep.steps(lambda done, method: tick(0.1 + 0.9 * done, method)):
+    for step in run(case, lambda done: tick(0.1 + 0.9 * done)):
         found.append(LossCurvePoint(step.degrees, 0, step.frame.area_error))
     return found
 
 
 def handle_curve(
-    document: Document, steps: int = 12, tick: ProgressCallback = lambda *_: None
+    document: Document, steps: int = 12, tick: ProgressCallback = lambda _: None
 ) -> list[HandleCurvePoint]:
     """Handle drift of the paper's method in twists up to 180 degrees, pulls, pushes."""
     found = []
     height = float(np.linalg.norm(_line(document)))
-    twist = sweep_of(document, steps, methods=["paper"], motion=[_TWIST])
-    for step in twist.steps(lambda done, method: tick(0.6 * done, method)):
+    document = document.with_settings(method="paper")
+    for step in run(case_of(document, steps, motion=[_TWIST]), lambda done: tick(0.6 * done)):
         found.append(HandleCurvePoint("twist", step.degrees, step.frame.handle_drift / height))
     ways = [
-        *_pulls(document, -_PUSH, lambda done, method: tick(0.6 + 0.2 * done, method)),
-        *_pulls(document, _PULL, lambda done, method: tick(0.8 + 0.2 * done, method)),
+        *_pulls(document, -_PUSH, lambda done: tick(0.6 + 0.2 * done)),
+        *_pulls(document, _PULL, lambda done: tick(0.8 + 0.2 * done)),
     ]
     return found + sorted(set(ways), key=lambda held: held.asked)
 
 
 def _pulls(document: Document, share: float, tick: ProgressCallback) -> Iterator[HandleCurvePoint]:
     line = _line(document)
-    sweep = sweep_of(document.with_pose(0, translation(share * line)), _STEPS_OF_A_PULL, methods=["paper"])
+    case = case_of(document.with_pose(0, translation(share * line)), _STEPS_OF_A_PULL)
     handle = document.labels == HANDLE
-    for step in sweep.steps(tick):
+    for step in run(case, tick):
         away = (step.frame.U[handle] - document.grip[handle]).mean(axis=0)
         got = float(away @ line / (line @ line))
         yield HandleCurvePoint("pull", share * step.share + 0.0, round(got, 12) + 0.0)

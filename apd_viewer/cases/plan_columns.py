@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from apd_viewer.cases.case import MOST_STEPS
 from apd_viewer.cases.study_case import CaseSetting
-from apd_viewer.cases.sweep_setup import MOST_STEPS
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA
 from apd_viewer.geometry.goals.percentage import PERCENT_SIGN, check_no_factor

@@ -9,14 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from apd_viewer.cases.case_document import CaseDocuments, MissingInputError, case_state, case_sweep
+from apd_viewer.cases.case import Case, CaseStep, run
+from apd_viewer.cases.case_document import CaseDocuments, MissingInputError, case_state, case_to_run
 from apd_viewer.cases.case_file import DONE, FAILED, CaseResult
 from apd_viewer.cases.study_case import StudyCase
-from apd_viewer.cases.sweep import Sweep
-from apd_viewer.cases.sweep_step import SweepStep
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.shape_check import check_shape
-from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import passing_walls_warning
 from apd_viewer.language import tr
 from apd_viewer.session.storage.session_json import frame_to_json
@@ -39,6 +37,7 @@ FINAL_READINGS = (
     "turned",
     "turned_held",
 )
+_OF_ITERATIONS = "iterations", "settled"  # readings of a step that are no curves
 
 
 class _OutOfTimeError(Exception):
@@ -68,11 +67,10 @@ def run_case(case: StudyCase, documents: CaseDocuments, limit: float | None = No
 
     try:
         state, _, motion = case_state(case, documents)
-        mesh = state.document.mesh
-        sweep = case_sweep(case, state.document, motion)
+        computed = case_to_run(case, state.document, motion)
         # A divergence is found in what it has done to the shape, and said in a sentence.
         with np.errstate(all="ignore"):
-            return _result(case, mesh, sweep, list(_checked_steps(sweep, tick)), started)
+            return _result(case, computed, list(_checked_steps(computed, tick)), started)
     except _OutOfTimeError:
         return failed_result(case, tr("It took longer than {limit:g} s.").format(limit=limit))
     except InputError as error:
@@ -91,21 +89,26 @@ def failed_result(case: StudyCase, sentence: str) -> CaseResult:
     return CaseResult(case.key, case.to_json, FAILED, sentence)
 
 
-def _checked_steps(sweep: Sweep, tick: Callable[..., object]) -> Iterator[SweepStep]:
-    for step in sweep.steps(tick):
+def _checked_steps(case: Case, tick: Callable[..., object]) -> Iterator[CaseStep]:
+    for step in run(case, tick):
         if not np.isfinite(step.frame.U).all():
             raise InputError(tr("It diverged in step {number}.").format(number=step.number))
         # Shapes on the way need not be kept in memory.
-        last = step.number == len(sweep.shares) - 1
-        yield step if last else step._replace(frame=replace(step.frame, U=sweep.document.mesh.V[:0]))
+        last = step.number == len(case.shares) - 1
+        yield step if last else step._replace(frame=replace(step.frame, U=case.document.mesh.V[:0]))
 
 
-def _result(case: StudyCase, mesh: Mesh, sweep: Sweep, steps: list[SweepStep], started: float) -> CaseResult:
+def _result(case: StudyCase, computed: Case, steps: list[CaseStep], started: float) -> CaseResult:
     last = steps[-1]
     frame = last.frame
-    room = check_shape(frame.U, mesh.joined_F)
+    room = check_shape(frame.U, computed.document.mesh.joined_F)
+    curves = {
+        name: [_number(step.readings[name]) for step in steps]
+        for name in last.readings
+        if name not in _OF_ITERATIONS
+    }
     readings = {
-        **{name: values[-1] for name, values in _curves(steps).items()},
+        **{name: values[-1] for name, values in curves.items()},
         "area_rest": frame.area / (1.0 + frame.area_error),
         "volume_rest": last.volume_rest,
         "least_gap": None if frame.contact is None else frame.contact.least_gap,
@@ -117,55 +120,30 @@ def _result(case: StudyCase, mesh: Mesh, sweep: Sweep, steps: list[SweepStep], s
         "unsettled_steps": sum(not step.frame.settled for step in steps),
         "seconds": round(time.perf_counter() - started, 3),
     }
-    told = _sentence(case, steps, sweep), _plain(readings), _curves(steps), frame_to_json(frame)
-    return CaseResult(case.key, case.to_json, DONE, *told, frame.U)
-
-
-def _curves(steps: list[SweepStep]) -> dict[str, list[float | None]]:
-    """Readings of all steps by their names."""
-    curves: dict[str, list[float | None]] = {
-        "part": [step.share for step in steps],
-        "degrees": [step.degrees for step in steps],
-        "way": [step.displacement for step in steps],
-        "area": [step.frame.area for step in steps],
-        "area_error": [step.frame.area_error for step in steps],
-        "volume": [step.frame.volume for step in steps],
-        "volume_capped": [step.frame.volume_capped for step in steps],
-        "volume_error": [step.volume_error for step in steps],
-        "energy": [step.energy for step in steps],
-        "local_change": [step.frame.local_change for step in steps],
-        "handle_drift": [step.frame.handle_drift for step in steps],
-        "share_reached": [step.frame.share_reached for step in steps],
-        "turned": [step.turn_degrees[0] for step in steps],
-        "turned_held": [step.turn_degrees[1] for step in steps],
-    }
-    return {name: [_number(value) for value in values] for name, values in curves.items()}
-
-
-def _plain(readings: dict[str, Any]) -> dict[str, float | None]:
-    """Numbers for JSON, whole ones as integers; None for those that are not finite."""
-    return {name: _number(value) for name, value in readings.items()}
+    told = _sentence(case, computed, steps), {name: _number(value) for name, value in readings.items()}
+    return CaseResult(case.key, case.to_json, DONE, *told, curves, frame_to_json(frame), frame.U)
 
 
 def _number(value: Any) -> float | None:
+    """Number for JSON, a whole one as an integer; None if it is not finite."""
     if value is None or not np.isfinite(value):
         return None
     return value if isinstance(value, int) else float(value)
 
 
-def _sentence(case: StudyCase, steps: list[SweepStep], sweep: Sweep) -> str:
+def _sentence(case: StudyCase, computed: Case, steps: list[CaseStep]) -> str:
     """Sentence for the user; empty without anything to say."""
     last = steps[-1]
-    said = list(sweep.warnings_of(last))
+    said = list(computed.warnings_of(last))
     unsettled = sum(not step.frame.settled for step in steps)
     if unsettled and not last.frame.unreached and last.frame.share_reached == 1.0:
         said.append(
             tr("{count} of {steps} shapes did not converge within {most} iterations.").format(
-                count=unsettled, steps=len(steps), most=sweep.iterations
+                count=unsettled, steps=len(steps), most=computed.iterations
             )
         )
     if case.contact_by_default:
         said.append(
-            passing_walls_warning(last.method, len(sweep.document.mesh.V), tr("“contact” in the plan"))
+            passing_walls_warning(last.method, len(computed.document.mesh.V), tr("“contact” in the plan"))
         )
     return " ".join(filter(None, said))

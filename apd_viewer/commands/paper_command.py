@@ -69,14 +69,14 @@ def _write_curves(folder: Path, progress: Progress) -> None:
 
     document = initial_state(*open_sample("bottle")).document
     doing = tr("area loss by angle")
-    lost = loss_curve(document, tick=lambda done, _: progress.show(_TABLES + _LOSSES * done, doing))
+    lost = loss_curve(document, tick=lambda done: progress.show(_TABLES + _LOSSES * done, doing))
     said = [(60.0, "bottle-twist-60"), (120.0, "bottle-twist-120")]
     cases = [(degrees, PAPER_CASES[name]) for degrees, name in said if name in PAPER_CASES]
     draw_loss_curves(lost, [(degrees, case.arap / case.rest - 1) for degrees, case in cases], folder)
     write_table(folder / "loss-against-angle.csv", LossCurvePoint._fields, lost)
     where = tr("handle drift with Eq. 8")
     before = _TABLES + _LOSSES
-    held = handle_curve(document, tick=lambda done, _: progress.show(before + _HOLDS * done, where))
+    held = handle_curve(document, tick=lambda done: progress.show(before + _HOLDS * done, where))
     draw_handle_curves(held, folder)
     write_table(folder / "handle.csv", HandleCurvePoint._fields, held)
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from apd_viewer.cases.sweep import document_turns
+from apd_viewer.cases.case import document_turns
 from apd_viewer.commands.result_output import (
     add_scalar_options,
     check_scalar_options,

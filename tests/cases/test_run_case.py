@@ -6,10 +6,11 @@ import trimesh
 from meshes import ends, tube
 
 from apd_viewer.cases import run_case as module
+from apd_viewer.cases.case import case_of
+from apd_viewer.cases.case import run as steps_of
 from apd_viewer.cases.case_document import CaseDocuments, case_session
 from apd_viewer.cases.case_file import case_path, case_to_bytes, write_case
 from apd_viewer.cases.run_case import run_case
-from apd_viewer.cases.sweep_setup import sweep_of
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.geometry.analysis.self_intersections import crossings
@@ -46,7 +47,7 @@ def test_run_case_is_a_sweep_bit_for_bit(run, document, contact):
     # New documents are in contact, and plans that do not say it are not.
     document = document.with_settings(contact=document.settings.contact and contact in ("auto", "yes"))
     twist = MotionStep(0, MOTIONS["TWIST"], (np.radians(200.0),))
-    steps = list(sweep_of(document, 3, 1.0, ["exact"], 40, [twist]).steps())
+    steps = list(steps_of(case_of(document, 3, 1.0, 40, [twist])))
     assert np.array_equal(result.U, steps[-1].frame.U)
     for name, values in {
         "area": [step.frame.area for step in steps],

@@ -15,7 +15,6 @@ from painted_meshes import write_bar
 from PIL import Image
 
 from apd_viewer.__main__ import main
-from apd_viewer.cases.sweep import Sweep
 from apd_viewer.commands import sweep_command
 from apd_viewer.figures.films import write_film
 from apd_viewer.files.meshes import open_mesh
@@ -286,7 +285,7 @@ def test_sweep_command_says_what_is_wrong_in_a_line_and_writes_nothing(case, bar
 def test_sweep_command_says_before_work_what_is_in_the_way_in_the_output(
     name, said, session, sweep, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(Sweep, "steps", lambda *_: pytest.fail("it has begun"))
+    monkeypatch.setattr(sweep_command, "run", lambda *_: pytest.fail("it has begun"))
     (tmp_path / "out" / "b.gif").mkdir(parents=True)
     (tmp_path / "out" / "a").write_text("mine")
     status, _, err, _ = sweep(session, "--methods", "exact", "--animation", tmp_path / "out" / name)

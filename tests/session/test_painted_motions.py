@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from meshes import tube
 
-from apd_viewer.cases.sweep_setup import sweep_of
+from apd_viewer.cases.case import case_of, run
 from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -191,9 +191,9 @@ def test_open_session_refuses_a_damaged_way(twisted, tmp_path, said):
 def test_relative_to_rest_takes_studies_of_a_painted_shape_along_the_whole_motion(twisted, tmp_path):
     a_base_stroke(twisted)
     twist(twisted, 10)
-    sweep = sweep_of(document(twisted), 3, methods=["arap"])
-    steps = list(sweep.steps())
-    assert sweep.abscissa == "degrees"
+    case = case_of(document(twisted).with_settings(method="arap"), 3)
+    steps = list(run(case))
+    assert case.abscissa == "degrees"
     assert [step.degrees for step in steps] == pytest.approx([0, 10, 20, 30])
     top = document(twisted).labels == HANDLE
     np.testing.assert_allclose(steps[0].frame.U[top], V(twisted)[top], atol=1e-12)

@@ -19,8 +19,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from apd_viewer.cases.case import MOST_STEPS
 from apd_viewer.cases.design import GRID, LATIN, MOST_SAMPLES, SOBOL
-from apd_viewer.cases.sweep_setup import MOST_STEPS
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_folder import unused_folder
 from apd_viewer.geometry.solver.methods import METHODS
