@@ -21,7 +21,6 @@ ROOMS = [
     "top",
     "commands",
     "commands/desktop",
-    "commands/studies",
     "commands/terminal",
     "figures",
     "ui",
@@ -29,7 +28,6 @@ ROOMS = [
     "ui/actions",
     "ui/compare",
     "ui/sharing",
-    "ui/case_studies",
     "ui/studies",
     "ui/settings_page",
     "ui/plots",
@@ -47,10 +45,8 @@ ROOMS = [
     "ui/widgets",
     "presentation/notebooks",
     "presentation",
-    "studies",
-    "studies/plans",
+    "cases",
     "session",
-    "session/studies",
     "session/processes",
     "session/storage",
     "session/selecting",
@@ -96,7 +92,7 @@ LIBRARIES = {
     "figures": {"numpy", "matplotlib", "PIL", "imageio_ffmpeg", "pyvista"},
     "ui": SCREEN | {"numpy"},
     "presentation": {"numpy"},
-    "studies": {"numpy", "scipy", "distributed", "pyarrow", "threadpoolctl"},
+    "cases": {"numpy", "scipy", "distributed", "pyarrow", "threadpoolctl"},
     "session": {"numpy"},
     "files": {"numpy", "trimesh", "PIL", "vtkmodules"},
     "geometry": {
@@ -144,9 +140,9 @@ CONFINED = {
     "pyvistaqt": DRAWS,
     "vtk": DRAWS,
     "vtkmodules": DRAWS | {"files/animations/paraview_series.py"},  # which writes without a picture
-    "distributed": {"studies/cluster.py"},
-    "pyarrow": {"studies/results.py"},
-    "threadpoolctl": {"geometry/linalg/threads.py", "studies/case_worker.py"},
+    "distributed": {"cases/cluster.py"},
+    "pyarrow": {"cases/results.py"},
+    "threadpoolctl": {"geometry/linalg/threads.py", "cases/case_worker.py"},
     "qtpy": set(),  # the binding that pyvistaqt chooses is its own affair
 }
 MEANINGLESS = {"utils", "util", "common", "helpers", "helper", "manager", "base", "misc", "core"}

@@ -11,11 +11,11 @@ from apd_viewer.commands.terminal.weld_option import naming_unit_option
 from apd_viewer.files.fe_deck import check_deck, write_deck
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
+from apd_viewer.session.deck_setup import deck_of, deck_wall
 from apd_viewer.session.model.status_text import about_deck
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, wall_material
-from apd_viewer.session.studies.deck_setup import deck_of, deck_wall
 
 
 def deck_parser() -> Parser:

@@ -12,11 +12,14 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.commands.motion_options import add_motion_options, motion_from, painted_state, waypoint_poses
-from apd_viewer.commands.result_output import result_lines, result_summary, show_progress_line, write_result
-from apd_viewer.commands.scalar_output import (
+from apd_viewer.commands.result_output import (
     add_scalar_options,
     check_scalar_options,
+    result_lines,
+    result_summary,
     scalar_files,
+    show_progress_line,
+    write_result,
     write_scalar_files,
 )
 from apd_viewer.commands.terminal.output_files import check_files

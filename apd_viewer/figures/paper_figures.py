@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from apd_viewer.cases.paper_curves import HandleCurvePoint, LossCurvePoint
 from apd_viewer.figures.style import BLUE, INK, ORANGE, QUIET, VERMILION, draw_figure, zero_line
 from apd_viewer.language import tr
-from apd_viewer.session.studies.paper_curves import HandleCurvePoint, LossCurvePoint
 
 _LOSS_SIZE, _HANDLE_SIZE = (9.0, 4.4), (9.0, 3.9)
 # From few iterations to many: one hue, increasingly dark.

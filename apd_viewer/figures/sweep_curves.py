@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from apd_viewer.cases.case import CaseStep
 from apd_viewer.figures.style import METHOD_STYLES, draw_figure, zero_line
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
-from apd_viewer.session.studies.sweep_step import SweepStep
 
 _SIZE = (11.0, 3.9)
 _DENSE = 40  # steps; with more, markers would hide the curve
@@ -22,22 +22,19 @@ _FLAT = 1e-3  # percent: a curve within this is a straight line, and not its rou
 
 
 def draw_sweep_curves(
-    steps: Sequence[SweepStep],
+    steps: Sequence[CaseStep],
     abscissa: str,
     folder: Path,
-    name: str = "sweep",
     obstacles: Sequence[str] = (),
 ) -> None:
     """Draw the curves of a sweep; without volume where nothing is enclosed.
 
     Parameters
     ----------
-    steps : sequence of SweepStep
+    steps : sequence of CaseStep
     abscissa : str
-        What tells the steps apart: see :attr:`apd_viewer.session.studies.sweep.Sweep.abscissa`.
+        What tells the steps apart: see :attr:`apd_viewer.cases.case.Case.abscissa`.
     folder : Path
-    name : str
-        Of the files, without ending.
     obstacles : sequence of str
         Names of the obstacles; each has a curve of its load.
     """
@@ -71,12 +68,12 @@ def draw_sweep_curves(
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=len(labels), handlelength=3.2)
 
-    draw_figure(fill, (_SIZE[0], rows * _SIZE[1]), folder, name)
+    draw_figure(fill, (_SIZE[0], rows * _SIZE[1]), folder, "sweep")
 
 
-def _curves(axes: Axes, steps: Sequence[SweepStep], abscissa: str, values: np.ndarray) -> None:
+def _curves(axes: Axes, steps: Sequence[CaseStep], abscissa: str, values: np.ndarray) -> None:
     methods = np.array([step.method for step in steps])
-    x = _places(steps, abscissa)
+    x = np.array([step.readings[abscissa] for step in steps]) * (100 if abscissa == "part" else 1)
     axes.set_xlabel(_axis(abscissa))
     axes.margins(x=0.02)
     for method in dict.fromkeys(methods.tolist()):
@@ -90,14 +87,6 @@ def _curves(axes: Axes, steps: Sequence[SweepStep], abscissa: str, values: np.nd
     if abscissa == "degrees":
         span = float(np.ptp(x))
         axes.xaxis.set_major_locator(MultipleLocator(next((d for d in _TICKS if span <= 7 * d), span / 4)))
-
-
-def _places(steps: Sequence[SweepStep], abscissa: str) -> np.ndarray:
-    if abscissa == "degrees":
-        return np.array([step.degrees for step in steps])
-    if abscissa == "way":
-        return np.array([step.displacement for step in steps])
-    return np.array([100 * step.share for step in steps])
 
 
 def _axis(abscissa: str) -> str:

@@ -20,6 +20,7 @@ from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import passing_walls_warning
 from apd_viewer.language import tr
+from apd_viewer.session.deck_setup import deck_of, deck_wall
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.jobs.background_job import Jobs
 from apd_viewer.session.listener import Listener
@@ -41,7 +42,6 @@ from apd_viewer.session.saved_work import SavedDocument, SavedWork
 from apd_viewer.session.state_store import StateStore
 from apd_viewer.session.storage.changed_file import ChangedFileError, save_if_unchanged
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.session.studies.deck_setup import deck_of, deck_wall
 
 
 class FileJobs:

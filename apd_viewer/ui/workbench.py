@@ -18,7 +18,6 @@ from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.edit_controller import EditController
 from apd_viewer.ui.actions.part_controller import PartController
-from apd_viewer.ui.case_studies.case_study_controller import CaseStudyController
 from apd_viewer.ui.compare.compare_controller import CompareController
 from apd_viewer.ui.connections import connect_canvas, connect_parts, connect_settings, connect_wheel
 from apd_viewer.ui.filing import file_dialogs
@@ -50,6 +49,7 @@ from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, UNIT
 from apd_viewer.ui.settings_page.settings_dialog import SettingsPage
 from apd_viewer.ui.sharing.report_controller import ReportController
 from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.studies.case_study_controller import CaseStudyController
 from apd_viewer.ui.studies.run_controller import RunController
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.tool_choice import ToolChoice

@@ -11,6 +11,9 @@ import numpy as np
 import sample_files
 from gallery_states import shaped, state_after
 
+from apd_viewer.cases.case_document import case_session
+from apd_viewer.cases.plan import read_plan
+from apd_viewer.cases.study_case import InputFiles
 from apd_viewer.commands.motion_options import painted_state
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
@@ -18,9 +21,6 @@ from apd_viewer.session.model.baking import baked_state
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.studies.case_session import case_session
-from apd_viewer.studies.plans.input_files import InputFiles
-from apd_viewer.studies.plans.plan import read_plan
 
 Names = dict[str, Any]
 _BOTTLE = "bottle.obj --selection bottle.sel"

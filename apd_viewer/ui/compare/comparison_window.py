@@ -10,6 +10,7 @@ from PySide6.QtCore import QSize, Qt, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
+from apd_viewer.cases.comparison import Comparison, MethodOutcome
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -20,7 +21,6 @@ from apd_viewer.presentation.method_readings import method_readings, reading_col
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.studies.comparison import Comparison, MethodOutcome
 from apd_viewer.ui.compare.comparison_picture import PIXEL_RATIO, ComparisonShape, write_comparison
 from apd_viewer.ui.compare.linked_views import LinkedViews
 from apd_viewer.ui.compare.method_table import MethodTable

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
+from apd_viewer.cases.case import MOST_STEPS, case_of
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import check_animation
 from apd_viewer.language import tr
@@ -14,7 +15,6 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
 from apd_viewer.ui.filing.file_dialogs import ask_where_to_save
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_bar import RunBar
@@ -83,7 +83,7 @@ class AnimationDialog(RunDialog):
         """Ask for the file, and start."""
         document, steps = self.motion.currentData(), round(self.steps.value())
         try:
-            sweep_of(document, steps, methods=[document.settings.method])
+            case_of(document, steps)
             path = self._ask()
         except InputError as error:
             self.run.show_failure(str(error))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QWidget
 
+from apd_viewer.cases.case import DEFAULT_ITERATIONS, MOST_STEPS, case_of, cases_by_method
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS
@@ -16,8 +17,6 @@ from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
-from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.animation_dialog import format_choice
 from apd_viewer.ui.studies.run_bar import RunBar
@@ -125,11 +124,12 @@ class SweepDialog(RunDialog):
                 typed = f"handle {self._handle + 1}: twist {self.twist.text()}"
                 motion = motion_steps(self._state, typed, Unit.NONE)
                 words = ["--handle", str(self._handle + 1), f"--twist={self.twist.text()}"]
-            sweep_of(document, round(self.steps.value()), self.to.value() / 100.0, methods, motion=motion)
+            steps, last_share = round(self.steps.value()), self.to.value() / 100.0
+            cases_by_method(case_of(document, steps, last_share, motion=motion), methods)
         except InputError as error:
             self.run.show_failure(str(error))
             return
-        words += ["--steps", str(round(self.steps.value())), "--to", repr(self.to.value() / 100.0)]
+        words += ["--steps", str(steps), "--to", repr(last_share)]
         words += ["--methods", ",".join(methods), "--iterations", str(round(self.iterations.value()))]
         words += ["--meshes"] if self.meshes.isChecked() else []
         ending = self.format.currentData() if self.animation.isChecked() else ""
