@@ -10,8 +10,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES, transform
 from apd_viewer.language import tr
-from apd_viewer.session.document_editor import DocumentEditor
-from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.gestures import DocumentEditor, Gestures
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import next_name
@@ -28,7 +27,7 @@ from apd_viewer.session.posing.motion_path import (
     motion_title_between,
     moved_handle_names,
 )
-from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
+from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.selecting.part_operations import PartOperation, members_after
 from apd_viewer.session.state_store import StateStore
 
