@@ -62,7 +62,7 @@ def _paper(options: argparse.Namespace) -> None:
 
 def _write_curves(folder: Path, progress: Progress) -> None:
     # Imported here: matplotlib is slow to import, and this function alone needs it.
-    from apd_viewer.figures.paper_figures import draw_handle_curves, draw_loss_curves
+    from apd_viewer.figures.curves import draw_handle_curves, draw_loss_curves
 
     document = initial_state(*open_sample("bottle")).document
     doing = tr("area loss by angle")

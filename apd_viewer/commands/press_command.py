@@ -182,7 +182,7 @@ def _press(options: argparse.Namespace) -> None:
             write_table(table, list(rows[0]), [list(row.values()) for row in rows])
         if options.figure:
             # Imported here: matplotlib is slow to import, and must not delay the parsing of a command line.
-            from apd_viewer.figures.press_curves import draw_press_curves
+            from apd_viewer.figures.curves import draw_press_curves
 
             folder = beside.enter_context(staging_folder(options.figure.parent))
             force = (

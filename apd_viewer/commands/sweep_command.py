@@ -96,7 +96,7 @@ def _sweep(options: argparse.Namespace) -> None:
         write_table(folder / "sweep.csv", list(lines[0]), [list(line.values()) for line in lines])
 
         # Imported here: matplotlib is slow to import, and must not delay the parsing of a command line.
-        from apd_viewer.figures.sweep_curves import draw_sweep_curves
+        from apd_viewer.figures.curves import draw_sweep_curves
 
         draw_sweep_curves(steps, sweep.abscissa, folder, obstacles=[each.name for each in sweep.obstacles])
         for method in sweep.methods:
