@@ -12,6 +12,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.gestures import DocumentEditor
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import (
+    PaintedPart,
     has_region_targets,
     next_name,
     unique_name,
@@ -21,7 +22,6 @@ from apd_viewer.session.model.document_parts import (
     without_region,
 )
 from apd_viewer.session.model.handles_and_regions import Handle
-from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.posing.named_poses import with_handle_renamed
 from apd_viewer.session.selecting.part_operations import PartOperation, members_after

@@ -11,7 +11,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.posing.gesture_motion import gesture_motion
+from apd_viewer.session.posing.regripping import gesture_motion
 from apd_viewer.session.studies.sweep_setup import sweep_of
 
 V, F = box(2, 2, 5)
