@@ -13,7 +13,7 @@ from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.rendered_pictures import Picture, draw_shapes, no_pictures_reason
 from apd_viewer.files.samples import open_sample
-from apd_viewer.files.storage.atomic_folder import staging_folder
+from apd_viewer.files.storage.atomic_file import staging_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.deformation_result import Result
 from apd_viewer.geometry.solver.methods import METHODS

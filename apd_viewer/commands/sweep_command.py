@@ -27,7 +27,7 @@ from apd_viewer.commands.terminal.weld_option import add_weld_option
 from apd_viewer.figures.rendered_pictures import no_pictures_reason, write_shape
 from apd_viewer.files.animations.animation_files import replacing_series, write_animation
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
-from apd_viewer.files.storage.atomic_folder import staging_folder
+from apd_viewer.files.storage.atomic_file import staging_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS, passing_walls_warning
 from apd_viewer.language import tr

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_folder import folder_write_error
+from apd_viewer.files.storage.atomic_file import folder_write_error
 from apd_viewer.studies.case_file import FAILED, case_sizes, read_case
 from apd_viewer.studies.database import reading_database
 from apd_viewer.studies.database_rows import CaseRow, case_rows

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_folder import folder_write_error
+from apd_viewer.files.storage.atomic_file import folder_write_error
 from apd_viewer.files.storage.lock import FileLock, acquire_lock
 from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.language import tr

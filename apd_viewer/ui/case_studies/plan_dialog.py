@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_folder import unused_folder
+from apd_viewer.files.storage.atomic_file import unused_folder
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
