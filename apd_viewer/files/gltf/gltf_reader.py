@@ -9,7 +9,7 @@ import json
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,9 +39,6 @@ from apd_viewer.files.gltf.scene import (
 )
 from apd_viewer.files.storage.regular_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 MOST_VERTICES = LARGEST_FILE // 24  # vertices: a position is three doubles
 

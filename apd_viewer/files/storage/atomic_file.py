@@ -13,18 +13,14 @@ import shutil
 import stat
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.lock import FileLock, acquire_lock
 from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 _PART = ".part"
 _MOST_OF_A_NAME = 40  # a scratch file's name must not be too long where its target's is not

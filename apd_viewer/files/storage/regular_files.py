@@ -14,17 +14,15 @@ import os
 import re
 import stat
 import warnings
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _LONGEST = 160  # characters of an error message
 # Neither waits for a writer of what has taken the place of a file, nor becomes a terminal's process.

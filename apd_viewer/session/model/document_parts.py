@@ -13,11 +13,10 @@ from apd_viewer.files.selections.selection import Selection, default_name
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
-from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle, NamedRegion
+from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle, NamedRegion, PartFlags
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.handles_and_regions import Handle, NamedRegion, PartFlags
 
 
 def with_next_region(document: Document) -> Document:
