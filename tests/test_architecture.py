@@ -76,7 +76,6 @@ ROOMS = [
     "geometry/linalg",
     "geometry/signals",
     "log",
-    "redaction",
     "installation",
     "language",
     "notation",
@@ -107,7 +106,6 @@ LIBRARIES = {
         "potpourri3d",
     },
     "log": {"platformdirs"},
-    "redaction": set(),
     "installation": {"platformdirs"},
     "errors": set(),
     "language": {"platformdirs"},
@@ -455,8 +453,8 @@ def test_package_names_are_there_before_they_are_imported():
     assert not hasattr(apd_viewer, "nonsense")
 
 
-# Each would load much for a type that is seldom needed: the API, matplotlib, the solver for a mesh check.
-TYPES_ALONE = {"apd_viewer", "apd_viewer.figures.press_curves", "apd_viewer.files.report"}
+# Each would load much for a type that is seldom needed: the API, the solver for a mesh check.
+TYPES_ALONE = {"apd_viewer", "apd_viewer.files.report"}
 
 
 def test_architecture_imports_for_types_alone_only_where_the_first_picture_waits(loaded):

@@ -13,7 +13,7 @@ import pytest
 
 from apd_viewer import log
 from apd_viewer.__main__ import main
-from apd_viewer.redaction import redacted_text
+from apd_viewer.log import redacted_text
 
 ROOT = Path(__file__).parents[1]
 LOGGER = logging.getLogger("apd_viewer.test")

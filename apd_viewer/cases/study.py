@@ -44,7 +44,7 @@ from apd_viewer.cases.results import ResultTable, read_result_table, write_curve
 from apd_viewer.cases.study_case import InputFiles, StudyCase
 from apd_viewer.cases.study_progress import CaseCounts, ProgressMeter
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_folder import folder_write_error
+from apd_viewer.files.storage.atomic_file import folder_write_error
 from apd_viewer.files.storage.lock import FileLock, acquire_lock
 from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.language import tr

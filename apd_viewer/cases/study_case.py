@@ -13,8 +13,7 @@ from typing import Any
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
-from apd_viewer.files.storage.atomic_file import replacing_file
-from apd_viewer.files.storage.atomic_folder import make_folder
+from apd_viewer.files.storage.atomic_file import make_folder, replacing_file
 from apd_viewer.files.storage.regular_files import read_bytes, read_content
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SESSION_SUFFIX

@@ -15,7 +15,7 @@ from apd_viewer.cases.database import CaseRow, case_rows, reading_database
 from apd_viewer.cases.plan import Plan
 from apd_viewer.cases.study_case import StudyCase
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_folder import folder_write_error
+from apd_viewer.files.storage.atomic_file import folder_write_error
 
 _WINDOW = 600.0  # s over which the rate is measured
 _LEAST = 2  # cases, of which one may have had to compile

@@ -50,7 +50,7 @@ from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
 from apd_viewer.session.model.named_obstacle import geometric_obstacles
-from apd_viewer.session.storage.obstacle_json import read_obstacles
+from apd_viewer.session.storage.part_json import read_obstacles
 
 # "local" keeps the total area where a target is given, and contact is by default on or off by the mesh.
 _SETTINGS = [name for name in SETTINGS if name not in ("hold_area", "contact")]

@@ -15,7 +15,7 @@ from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.rendered_pictures import Picture, draw_shapes, no_pictures_reason
 from apd_viewer.files.samples import open_sample, resource_path
 from apd_viewer.files.selections.survey_formats import read_transform
-from apd_viewer.files.storage.atomic_folder import staging_folder
+from apd_viewer.files.storage.atomic_file import staging_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.pose.constraints import constraints
 from apd_viewer.geometry.pose.frame import Frame
@@ -65,7 +65,7 @@ def _paper(options: argparse.Namespace) -> None:
 
 def _write_curves(folder: Path, progress: Progress) -> None:
     # Imported here: matplotlib is slow to import, and this function alone needs it.
-    from apd_viewer.figures.paper_figures import draw_handle_curves, draw_loss_curves
+    from apd_viewer.figures.curves import draw_handle_curves, draw_loss_curves
 
     document = initial_state(*open_sample("bottle")).document
     doing = tr("area loss by angle")

@@ -19,8 +19,7 @@ from apd_viewer.commands.terminal.setting_options import add_setting_options
 from apd_viewer.commands.terminal.weld_option import add_weld_option, naming_unit_option, open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
-from apd_viewer.files.storage.atomic_file import replacing_file
-from apd_viewer.files.storage.atomic_folder import staging_folder
+from apd_viewer.files.storage.atomic_file import replacing_file, staging_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked_direction
@@ -184,7 +183,7 @@ def _press(options: argparse.Namespace) -> None:
             write_table(table, list(rows[0]), [list(row.values()) for row in rows])
         if options.figure:
             # Imported here: matplotlib is slow to import, and must not delay the parsing of a command line.
-            from apd_viewer.figures.press_curves import draw_press_curves
+            from apd_viewer.figures.curves import draw_press_curves
 
             folder = beside.enter_context(staging_folder(options.figure.parent))
             force = (

@@ -31,7 +31,7 @@ from apd_viewer.figures.rendered_pictures import Picture, draw_shapes, no_pictur
 from apd_viewer.files.animations.animation_files import replacing_series, write_animation
 from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
-from apd_viewer.files.storage.atomic_folder import staging_folder
+from apd_viewer.files.storage.atomic_file import staging_folder
 from apd_viewer.files.tables import Cell, write_table
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS, passing_walls_warning
 from apd_viewer.language import comma_separated, tr
@@ -103,7 +103,7 @@ def _sweep(options: argparse.Namespace) -> None:
         write_table(folder / "sweep.csv", list(lines[0]), [list(line.values()) for line in lines])
 
         # Imported here: matplotlib is slow to import, and must not delay the parsing of a command line.
-        from apd_viewer.figures.sweep_curves import draw_sweep_curves
+        from apd_viewer.figures.curves import draw_sweep_curves
 
         every = [step for own in steps for step in own]
         draw_sweep_curves(every, case.abscissa, folder, [each.name for each in case.obstacles])

@@ -21,9 +21,15 @@ from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, PACKING
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings, mesh_volumes
 from apd_viewer.language import tr
-from apd_viewer.presentation.published_volumes import PUBLISHED_FIGURES
-from apd_viewer.presentation.volume_text import DEFAULT_BAG, TextWithRange, VolumeRow, volume_rows
-from apd_viewer.session.quantities.bulk_density import bulk_density, object_count
+from apd_viewer.presentation.volume_text import (
+    DEFAULT_BAG,
+    PUBLISHED_FIGURES,
+    TextWithRange,
+    VolumeRow,
+    bulk_density,
+    object_count,
+    volume_rows,
+)
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import WallText, wall_from

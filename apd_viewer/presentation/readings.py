@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.bounding_boxes import compactness
+from apd_viewer.geometry.analysis.hull_readings import compactness
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.pose.frame import TARGET_ACCURACY
 from apd_viewer.geometry.pose.waypoint_path import signed_angle

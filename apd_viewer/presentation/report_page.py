@@ -22,12 +22,16 @@ from apd_viewer.geometry.analysis.area_change import LocalChange
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
 from apd_viewer.language import tr, trn
-from apd_viewer.presentation import measurement_text, readings, report_settings
+from apd_viewer.presentation import measurement_text, readings
 from apd_viewer.presentation.number_format import format_length, format_short
-from apd_viewer.presentation.report_origin import (
+from apd_viewer.presentation.report_blocks import (
     ReportReadings,
+    handle_rows,
     mesh_blocks,
+    obstacle_blocks,
+    region_blocks,
     reproduction_blocks,
+    settings_blocks,
     version_of,
     version_rows,
 )
@@ -82,12 +86,10 @@ def report_page(
         PageSection(tr("Size and mass"), tuple(_size(subject))),
         *_target_shape(state, unit, evidence.target_distances),
         *_measurements(subject),
-        PageSection(tr("Settings and targets"), tuple(report_settings.settings_blocks(state, unit))),
-        PageSection(
-            tr("Handles"), (PageTable(tuple(report_settings.handle_rows(state, unit, subject.shape_check))),)
-        ),
-        PageSection(tr("Obstacles"), tuple(report_settings.obstacle_blocks(state, unit))),
-        PageSection(tr("Regions"), tuple(report_settings.region_blocks(state, unit))),
+        PageSection(tr("Settings and targets"), tuple(settings_blocks(state, unit))),
+        PageSection(tr("Handles"), (PageTable(tuple(handle_rows(state, unit, subject.shape_check))),)),
+        PageSection(tr("Obstacles"), tuple(obstacle_blocks(state, unit))),
+        PageSection(tr("Regions"), tuple(region_blocks(state, unit))),
         PageSection(
             tr("Volume reduction"), (volumes_block(state, unit, subject.wall, checks),), is_wide=True
         ),

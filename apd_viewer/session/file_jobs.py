@@ -40,8 +40,7 @@ from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.saved_work import SavedDocument, SavedWork
 from apd_viewer.session.state_store import StateStore
-from apd_viewer.session.storage.changed_file import ChangedFileError, save_if_unchanged
-from apd_viewer.session.storage.session_file import open_session
+from apd_viewer.session.storage.session_file import ChangedFileError, open_session, save_if_unchanged
 
 
 class FileJobs:

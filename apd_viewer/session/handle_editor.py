@@ -10,16 +10,13 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES, transform
 from apd_viewer.language import tr
-from apd_viewer.session.document_editor import DocumentEditor
-from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.gestures import DocumentEditor, Gestures
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import next_name
+from apd_viewer.session.model.document_parts import PaintedPart, next_name
 from apd_viewer.session.model.handle_paths import with_rounded_poses
 from apd_viewer.session.model.handles_and_regions import Handle
-from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.state import State
-from apd_viewer.session.posing.gesture_motion import has_moved
 from apd_viewer.session.posing.mirror_partner import mirrored_handle, with_pair_moved, with_pair_reset
 from apd_viewer.session.posing.motion import Motion, MotionReference
 from apd_viewer.session.posing.motion_path import (
@@ -28,7 +25,8 @@ from apd_viewer.session.posing.motion_path import (
     motion_title_between,
     moved_handle_names,
 )
-from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
+from apd_viewer.session.posing.regripping import has_moved
+from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.selecting.part_operations import PartOperation, members_after
 from apd_viewer.session.state_store import StateStore
 

@@ -8,9 +8,9 @@ from apd_viewer.geometry.measuring.measurement import Measurement, Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.language import tr
-from apd_viewer.session.document_editor import DocumentEditor
+from apd_viewer.session.gestures import DocumentEditor
 from apd_viewer.session.model.document_parts import next_name, unique_name
-from apd_viewer.session.storage.measurements_json import MOST_MEASUREMENTS
+from apd_viewer.session.storage.part_json import MOST_MEASUREMENTS
 
 
 class MeasurementEditor(DocumentEditor):

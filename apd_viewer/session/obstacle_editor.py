@@ -10,7 +10,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
-from apd_viewer.session.document_editor import DocumentEditor
+from apd_viewer.session.gestures import DocumentEditor
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import next_name, unique_name
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind

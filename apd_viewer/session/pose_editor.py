@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from apd_viewer.language import comma_separated, in_quotes, tr
-from apd_viewer.session.document_editor import DocumentEditor
-from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.gestures import DocumentEditor, Gestures
 from apd_viewer.session.handle_editor import HandleEditor
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document_parts import next_name, unique_name

@@ -18,8 +18,7 @@ from apd_viewer.session.listener import Listener, with_followers
 from apd_viewer.session.measurement_editor import MeasurementEditor
 from apd_viewer.session.measurement_readings import MeasurementReadings
 from apd_viewer.session.obstacle_editor import ObstacleEditor
-from apd_viewer.session.painting import Painting
-from apd_viewer.session.part_editor import PartEditor
+from apd_viewer.session.part_editor import Painting, PartEditor
 from apd_viewer.session.pose_editor import PoseEditor
 from apd_viewer.session.processes.solver_worker import SolverWorker
 from apd_viewer.session.saved_work import SavedWork

@@ -10,7 +10,7 @@ from typing import Any
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import comma_separated, tr
-from apd_viewer.session.document_editor import DocumentEditor
+from apd_viewer.session.gestures import DocumentEditor
 from apd_viewer.session.model.document_parts import have_same_paint
 from apd_viewer.session.posing.obstacle_placement import obstacles_outside_shape
 

@@ -6,14 +6,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.language import tr
-from apd_viewer.session.document_editor import DocumentEditor
-from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.gestures import DocumentEditor, Gestures
 from apd_viewer.session.jobs.background_job import Jobs
 from apd_viewer.session.listener import Listener
-from apd_viewer.session.model.baking import baked_state
 from apd_viewer.session.model.state import State, rest_frame, welded_state
 from apd_viewer.session.model.status_text import about_baking, about_target
 from apd_viewer.session.posing.named_poses import rebased_poses
@@ -110,3 +110,21 @@ def _baked(state: State) -> State:
     """The state with its shape as the rest shape, and its named poses from there."""
     at_rest = baked_state(state)
     return replace(at_rest, document=replace(at_rest.document, poses=rebased_poses(state.document)))
+
+
+def baked_state(state: State) -> State:
+    """The state with its shape as the rest shape; raises InputError if it has no area."""
+    mesh = state.document.mesh.baked(state.frame.U)
+    inspection = inspect(mesh)
+    if inspection.area <= 0.0:
+        raise InputError(tr("The shape has no area and cannot be a rest shape; undo a step first."))
+    # The motions begin from here; pivots are where they were brought.
+    handles = tuple(
+        replace(handle.regripped(), earlier_poses=(), former_twist_axis=None)
+        for handle in state.document.handles
+    )
+    document = replace(state.document, mesh=mesh, handles=handles).at_rest()
+    there = zip(document.obstacles, state.obstacle_shifts, strict=True)
+    document = replace(document, obstacles=tuple(each.with_shift_applied(shift) for each, shift in there))
+    at_rest = State(document, inspection, state.surface_index, rest_frame(mesh, inspection))
+    return at_rest.updated(document, replace(at_rest.frame, regions=document.region_areas(mesh.V)))

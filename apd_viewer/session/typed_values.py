@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
-from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
-from apd_viewer.session.quantities.expressions import parse_length
-from apd_viewer.session.selecting.vertex_expression import parse_point, parse_vector, parse_vertices
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.session.model.state import State
+from apd_viewer.session.quantities.expressions import parse_length, parse_number, unambiguous_text
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.state_store import StateStore
 
 
@@ -37,3 +41,112 @@ class TypedValues:
     def parse_vector(self, text: str) -> np.ndarray:
         """A direction (3,) by three numbers, of any length."""
         return parse_vector(unambiguous_text(text), self._store.required_state())
+
+
+_IDS = re.compile(r"[\d\s,;–-]+")
+_ID = re.compile(r"(\d+)(?:\s*[–-]\s*(\d+))?")
+_COMPARED = re.compile(r"<=|>=|≤|≥|<|>")
+_HOLDS = {"<": np.less, ">": np.greater, "<=": np.less_equal, ">=": np.greater_equal}
+_HOLDS |= {"≤": np.less_equal, "≥": np.greater_equal}
+_SHARE = re.compile(r"[-+−]?[0-9.,]+\s*%")
+_AXES = "x", "y", "z"
+_HOW = tr("enter IDs such as 3, 10-20, or conditions such as y > 80% and x < 0")
+
+
+def parse_vertices(text: str, state: State, unit: Unit) -> np.ndarray:
+    """Vertices selected by a text, ascending ids.
+
+    Either ids and ranges of ids, parted by commas or spaces, or conditions on the coordinates x, y, z of the
+    shape on screen, joined by "and" and "or". A coordinate is compared with another one, with a length, which
+    may be an expression with the names of :attr:`State.named_lengths`, or with a percentage: that share of
+    the way from its least to its greatest value.
+
+    Raises
+    ------
+    InputError
+        With a sentence that says what cannot be read.
+    """
+    text = text.strip()
+    if not text:
+        raise InputError(tr("Nothing was entered; {how}.").format(how=_HOW))
+    if _IDS.fullmatch(text):
+        return _by_ids(text, len(state.frame.U))
+    found = np.zeros(len(state.frame.U), dtype=bool)
+    for way in re.split(r"\bor\b|\|+", text):
+        holds = np.ones(len(found), dtype=bool)
+        for condition in re.split(r"\band\b|&+", way):
+            holds &= _where(condition, state, unit)
+        found |= holds
+    return np.flatnonzero(found)
+
+
+def _by_ids(text: str, n: int) -> np.ndarray:
+    found = np.zeros(n, dtype=bool)
+    rest = _ID.sub("", text).strip(" \t\n,;")
+    if re.search(r"[–-]", rest):
+        raise InputError(tr("“{text}” has an incomplete range; {how}.").format(text=text, how=_HOW))
+    for first, last in _ID.findall(text):
+        low, high = int(first), int(last or first)
+        if max(low, high) >= n:
+            said = tr("There is no vertex {vertex:,}; IDs run from 0 to {last:,}.")
+            raise InputError(said.format(vertex=max(low, high), last=n - 1))
+        if low > high:
+            said = tr("The range {first}-{last} runs backwards; enter the lower ID first.")
+            raise InputError(said.format(first=first, last=last))
+        found[low : high + 1] = True
+    return np.flatnonzero(found)
+
+
+def _where(condition: str, state: State, unit: Unit) -> np.ndarray:
+    """Mask of a comparison such as ``y > 3`` or ``-1 < x < 1``, (n,) bool."""
+    signs, sides = _COMPARED.findall(condition), [side.strip() for side in _COMPARED.split(condition)]
+    if not signs:
+        raise InputError(tr("“{text}” is not a condition; {how}.").format(text=condition.strip(), how=_HOW))
+    if not any(side in _AXES for side in sides):
+        raise InputError(
+            tr("“{text}” does not use x, y or z; {how}.").format(text=condition.strip(), how=_HOW)
+        )
+    holds = np.ones(len(state.frame.U), dtype=bool)
+    for sign, left, right in zip(signs, sides, sides[1:], strict=False):
+        holds &= _HOLDS[sign](_side(left, right, state, unit), _side(right, left, state, unit))
+    return holds
+
+
+def _side(text: str, other: str, state: State, unit: Unit) -> np.ndarray | float:
+    """Value of a side of a comparison; the other one is the axis of a percentage."""
+    if text in _AXES:
+        return _coordinates(text, state)
+    if not _SHARE.fullmatch(text):
+        return parse_length(text, unit, state.named_lengths)
+    if other not in _AXES:
+        raise InputError(
+            tr("{text} is a share of the mesh along an axis; compare it with x, y or z.").format(text=text)
+        )
+    along, part = _coordinates(other, state), parse_number(text, {})
+    return float((1.0 - part) * along.min() + part * along.max())  # exact at 0 % and 100 %
+
+
+def _coordinates(axis: str, state: State) -> np.ndarray:
+    column: np.ndarray = state.frame.U[:, _AXES.index(axis)]
+    return column
+
+
+def parse_point(text: str, state: State, unit: Unit) -> np.ndarray:
+    """Point (3,) from three expressions separated by semicolons or commas."""
+    problem = tr("“{text}” is not a point; enter three coordinates such as 0, 0.5Y, 12mm.")
+    names = state.named_lengths
+    return np.array([parse_length(part, unit, names) for part in _three(text, problem)])
+
+
+def parse_vector(text: str, state: State) -> np.ndarray:
+    """Vector (3,) from three numbers separated by semicolons or commas."""
+    problem = tr("“{text}” is not a direction; enter three numbers such as 0, 1, 0.")
+    names = state.named_lengths
+    return np.array([parse_number(part, names) for part in _three(text, problem)])
+
+
+def _three(text: str, problem: str) -> list[str]:
+    parts = [part for part in text.split(";" if ";" in text else ",") if part.strip()]
+    if len(parts) != 3:
+        raise InputError(problem.format(text=text.strip()))
+    return parts

@@ -7,7 +7,7 @@ from functools import partial
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
-from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.session.session import Session

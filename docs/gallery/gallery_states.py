@@ -22,7 +22,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import NamedRegion
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.posing.motion_path import document_along, motion_paths
-from apd_viewer.session.storage.obstacle_json import read_obstacles
+from apd_viewer.session.storage.part_json import read_obstacles
 
 
 def state_after(words: Sequence[str], U: np.ndarray | None = None) -> State:

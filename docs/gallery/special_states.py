@@ -17,9 +17,9 @@ from apd_viewer.cases.study_case import InputFiles
 from apd_viewer.commands.motion_options import painted_state
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
-from apd_viewer.session.model.baking import baked_state
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import View
+from apd_viewer.session.shape_editor import baked_state
 from apd_viewer.session.storage.session_file import save_session
 
 Names = dict[str, Any]

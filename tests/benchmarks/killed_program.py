@@ -89,7 +89,7 @@ class Hand:
 
     def _note_what_is_kept(self) -> None:
         """What is being written may be found, though the hand has not come to write down that it is done."""
-        from apd_viewer.session.storage.autosave_writer import AutosaveWriter
+        from apd_viewer.session.autosave import AutosaveWriter
 
         put = AutosaveWriter.put
 

@@ -27,4 +27,4 @@ def cases_run_here(monkeypatch):
 @pytest.fixture
 def undrawn_sweeps(monkeypatch):
     """Sweeps without their figures, which take longer than all else."""
-    monkeypatch.setattr("apd_viewer.figures.sweep_curves.draw_sweep_curves", lambda *_, **__: None)
+    monkeypatch.setattr("apd_viewer.figures.curves.draw_sweep_curves", lambda *_, **__: None)

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from apd_viewer.commands.terminal.columns import column_count, padded_text, shortened_text, wrapped_lines
 from apd_viewer.commands.volumes_command import volume_lines
-from apd_viewer.presentation.published_volumes import VolumeName
-from apd_viewer.presentation.volume_text import VolumeRow
+from apd_viewer.presentation.volume_text import VolumeName, VolumeRow
 
 TEXTS = st.text("a1 中文，。（）“”…", max_size=60)
 

@@ -8,8 +8,7 @@ import pytest
 import apd_viewer
 from apd_viewer.__main__ import main
 from apd_viewer.commands.volumes_command import volume_lines
-from apd_viewer.presentation.published_volumes import PUBLISHED_FIGURES, VolumeName
-from apd_viewer.presentation.volume_text import VolumeRow
+from apd_viewer.presentation.volume_text import PUBLISHED_FIGURES, VolumeName, VolumeRow
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ from apd_viewer.__main__ import main
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.presentation.published_volumes import PUBLISHED_FIGURES
+from apd_viewer.presentation.volume_text import PUBLISHED_FIGURES
 
 ROOT = Path(__file__).parents[2]
 CHAPTER = (ROOT / "docs/howto/bottle.md").read_text(encoding="utf-8")

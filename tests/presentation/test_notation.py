@@ -13,8 +13,7 @@ from apd_viewer.language import languages, tr, trn
 from apd_viewer.notation import Notation, notation, use_notation
 from apd_viewer.presentation import number_format
 from apd_viewer.presentation.obstacle_readings import coordinates_text
-from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
-from apd_viewer.session.quantities.expressions import parse_length, parse_number
+from apd_viewer.session.quantities.expressions import parse_length, parse_number, unambiguous_text
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.fields import NumberField, percent_field
 

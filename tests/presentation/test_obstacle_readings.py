@@ -9,7 +9,7 @@ from driven_session import bar
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.presentation import obstacle_readings as readings
-from apd_viewer.presentation.report_settings import obstacle_blocks
+from apd_viewer.presentation.report_blocks import obstacle_blocks
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.quantities.units import Unit

@@ -11,7 +11,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation, twist
 from apd_viewer.presentation.readings import motion
-from apd_viewer.presentation.report_origin import mesh_blocks
+from apd_viewer.presentation.report_blocks import mesh_blocks
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import UNITS, Unit

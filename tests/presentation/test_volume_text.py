@@ -6,8 +6,7 @@ import meshes
 import pytest
 
 import apd_viewer
-from apd_viewer.presentation.published_volumes import PUBLISHED_FIGURES, VolumeName
-from apd_viewer.presentation.volume_text import volume_rows
+from apd_viewer.presentation.volume_text import PUBLISHED_FIGURES, VolumeName, volume_rows
 from apd_viewer.session.quantities.units import Unit
 
 

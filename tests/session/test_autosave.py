@@ -30,8 +30,9 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.storage.lock import acquire_lock
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
+from apd_viewer.session import autosave
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.storage import autosave_writer, recovery_file
+from apd_viewer.session.storage import recovery_file
 from apd_viewer.session.storage.recovery_file import age_text, find_recovery_files, lock_path
 from apd_viewer.session.storage.session_file import open_session, save_session
 
@@ -129,7 +130,7 @@ def test_autosave_has_every_step_in_the_file_soon(session, folder):
 
 def test_autosave_keeps_the_end_of_a_drag_before_its_shape_has_settled(session, folder, monkeypatch):
     written = []
-    monkeypatch.setattr(autosave_writer.AutosaveWriter, "put", lambda _, copy, __: written.append(copy.state))
+    monkeypatch.setattr(autosave.AutosaveWriter, "put", lambda _, copy, __: written.append(copy.state))
     session.drag(*(pose(k / 50) for k in range(1, 30)))
     assert [state.document for state in written] == [session.store.state.document]
     session.settle()
@@ -247,7 +248,7 @@ def test_autosave_has_a_step_safe_once_done_though_the_shape_before_it_is_being_
         return write(*copy, **more)
 
     session.drag(*(pose(k / 50) for k in range(1, 30)))
-    monkeypatch.setattr(autosave_writer, "save_session", unhurried)
+    monkeypatch.setattr(autosave, "save_session", unhurried)
     session.settle()
     assert begun.wait(SLOW), "the settled shape"
     session.parts.rename_handle(0, "Neck")
@@ -256,13 +257,13 @@ def test_autosave_has_a_step_safe_once_done_though_the_shape_before_it_is_being_
 
 def test_autosave_lets_a_key_that_is_held_down_wait_for_no_file(session, folder, monkeypatch):
     check_kept(folder, session)
-    awaited, put = [], autosave_writer.AutosaveWriter.put
+    awaited, put = [], autosave.AutosaveWriter.put
 
     def noted(backup, copy, patience):
         awaited.append(patience > 0.0)
         put(backup, copy, patience)
 
-    monkeypatch.setattr(autosave_writer.AutosaveWriter, "put", noted)
+    monkeypatch.setattr(autosave.AutosaveWriter, "put", noted)
     for k in range(1, 6):
         session.handles.set_pose(pose(k / 50), 0, "Nudge handle", is_repeat=True)
     assert awaited[0]
@@ -282,7 +283,7 @@ def test_autosave_keeps_nobody_waiting_for_a_slow_disk_and_writes_the_newest(ses
         written.append(state.document.handles[0].name)
         return save_session(path, state, view, is_urgent=is_urgent, finish=finish)
 
-    monkeypatch.setattr(autosave_writer, "save_session", slow)
+    monkeypatch.setattr(autosave, "save_session", slow)
     session.parts.rename_handle(0, "first")
     assert entered.wait(SLOW)
     since = time.monotonic()

@@ -16,9 +16,9 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import rotation_about, translation
 from apd_viewer.presentation import readings
-from apd_viewer.presentation.report_settings import handle_rows
+from apd_viewer.presentation.report_blocks import handle_rows
 from apd_viewer.session.deck_setup import deck_of, deck_wall
-from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText

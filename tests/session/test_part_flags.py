@@ -13,9 +13,13 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.model.document_parts import with_next_region, without_handle, without_paint
+from apd_viewer.session.model.document_parts import (
+    PaintedPart,
+    with_next_region,
+    without_handle,
+    without_paint,
+)
 from apd_viewer.session.model.handles_and_regions import Handle, PartFlags
-from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.selecting.part_operations import PartOperation, members_after
 from apd_viewer.session.storage.session_file import open_session, save_session

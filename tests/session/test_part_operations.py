@@ -15,8 +15,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.vertex_sets import RINGS
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.handles_and_regions import NamedRegion
-from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.selecting.part_operations import PartOperation, members_after
 

@@ -12,7 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.selecting.vertex_expression import parse_vertices
+from apd_viewer.session.typed_values import parse_vertices
 
 STATE = initial_state(Mesh(*box(2, 3, 5)))
 V = STATE.document.mesh.V

@@ -10,8 +10,7 @@ from pathlib import Path
 from apd_viewer.commands.terminal.output_files import check_names
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, check_animation
-from apd_viewer.files.storage.atomic_file import resolved_path
-from apd_viewer.files.storage.atomic_folder import staging_folder
+from apd_viewer.files.storage.atomic_file import resolved_path, staging_folder
 from apd_viewer.language import tr
 
 

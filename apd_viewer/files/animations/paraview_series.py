@@ -17,8 +17,7 @@ from vtkmodules.vtkCommonDataModel import (
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from apd_viewer.files.animations.animation_shapes import Animation
-from apd_viewer.files.storage.atomic_file import replacing_file
-from apd_viewer.files.storage.atomic_folder import staging_folder
+from apd_viewer.files.storage.atomic_file import replacing_file, staging_folder
 from apd_viewer.geometry.analysis.scalars import shape_scalars
 
 _HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'

@@ -7,9 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed_mesh import ParsedMesh, trailing_bytes_remark, updated_normals
-from apd_viewer.files.formats.ply_header import PlyElement
-from apd_viewer.files.formats.ply_rows import one_row_a_line
+from apd_viewer.files.formats.parsed_mesh import (
+    ParsedMesh,
+    text_colors_to_uint8,
+    trailing_bytes_remark,
+    updated_normals,
+)
+from apd_viewer.files.formats.ply_elements import PlyElement, one_row_a_line
 from apd_viewer.files.formats.polygons import Polygons
 from apd_viewer.files.formats.text import (
     TextEdits,
@@ -19,7 +23,6 @@ from apd_viewer.files.formats.text import (
     parse_numbers,
     with_line_feeds,
 )
-from apd_viewer.files.formats.vertex_colors import text_colors_to_uint8
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

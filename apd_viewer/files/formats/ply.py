@@ -9,13 +9,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.parsed_mesh import ParsedMesh, trailing_bytes_remark, updated_normals
-from apd_viewer.files.formats.ply_header import AXES, PlyElement, read_header
-from apd_viewer.files.formats.ply_rows import (
+from apd_viewer.files.formats.parsed_mesh import (
+    ParsedMesh,
+    colors_to_uint8,
+    trailing_bytes_remark,
+    updated_normals,
+)
+from apd_viewer.files.formats.ply_elements import (
+    AXES,
     INDEX_PROPERTIES,
     STRUCT_CODES,
+    PlyElement,
     one_row_a_line,
     read_faces,
+    read_header,
     strip_faces,
     text_end,
     text_rows,
@@ -26,7 +33,6 @@ from apd_viewer.files.formats.ply_rows import (
 from apd_viewer.files.formats.polygons import concatenated
 from apd_viewer.files.formats.text import TextEdits, parse_numbers
 from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
-from apd_viewer.files.formats.vertex_colors import colors_to_uint8
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import in_quotes, tr

@@ -128,3 +128,63 @@ class TextEdits:
             pieces += [self._content[last:start], b"%r" % number]
             last = end
         return b"".join([*pieces, self._content[last:]])
+
+
+class Splice(NamedTuple):
+    """A place, and its new content; of a whole number there, what is added to it."""
+
+    start: int
+    end: int
+    new: bytes | int
+
+
+def spliced_content(content: bytes, splices: Iterable[Splice]) -> bytes:
+    """Content with all splices; raises ValueError where two overlap.
+
+    What is added to one number is summed.
+    """
+    sums: dict[tuple[int, int], int] = {}
+    news: dict[tuple[int, int], bytes] = {}
+    for start, end, new in splices:
+        if isinstance(new, bytes):
+            news[start, end] = new
+        else:
+            sums[start, end] = sums.get((start, end), 0) + new
+    for span, by in sums.items():
+        number = content[slice(*span)].strip()
+        if not number.isdigit():
+            raise ValueError(tr("{text} is not a whole number").format(text=excerpt(number)))
+        news[span] = b"%d" % (int(number) + by)
+    pieces, last = [], 0
+    for (start, end), new in sorted(news.items()):
+        if start < last:
+            raise ValueError(tr("two of its arrays are at one place"))
+        pieces += [content[last:start], new]
+        last = end
+    return b"".join([*pieces, content[last:]])
+
+
+_WORD = re.compile(rb"\S+")
+
+
+def text_values(text: bytes, kind: str) -> np.ndarray:
+    """Values (k,) of a type such as ``i4``: whole, or in double precision.
+
+    Raises
+    ------
+    ValueError
+        If a word is no number, or none of its type.
+    """
+    found = parse_numbers(text.split())
+    if kind[0] == "f":
+        return found
+    if not (np.abs(found) < 2.0**53).all() or (found != np.floor(found)).any():
+        raise ValueError(tr("one of its arrays has no whole numbers"))
+    return found.astype(np.int64)
+
+
+def with_replaced_values(text: bytes, old: np.ndarray, new: np.ndarray) -> bytes:
+    """Text with the ``new`` values (k,) where they differ from its ``old`` ones."""
+    edits = TextEdits(text)
+    edits.replace_numbers([word.span() for word in _WORD.finditer(text)], old, new)
+    return edits.edited_content()

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.regular_files import without_library_warnings
-from apd_viewer.files.storage.sibling_files import sibling_content
+from apd_viewer.files.storage.regular_files import sibling_content, without_library_warnings
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr

@@ -8,7 +8,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.gltf.scene import document_entry, whole_number
-from apd_viewer.files.storage.sibling_files import LARGEST_FILE, too_large_error
+from apd_viewer.files.storage.regular_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr
 
 TRIANGLES, STRIP, FAN = 4, 5, 6  # the modes of a primitive

@@ -11,18 +11,18 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.parsed_mesh import updated_normals
-from apd_viewer.files.formats.vertex_colors import linear_to_srgb
+from apd_viewer.files.formats.parsed_mesh import linear_to_srgb, updated_normals
 from apd_viewer.files.gltf.accessors import (
     accessor_array,
     accessor_colors,
     accessor_numbers,
     write_rows,
 )
-from apd_viewer.files.gltf.containers import data_uri, rewritten_glb
 from apd_viewer.files.gltf.primitive_textures import PrimitiveTriangles, primitive_texture
 from apd_viewer.files.gltf.scene import (
+    data_uri,
     matrix_products,
+    rewritten_glb,
     transformed_positions,
 )
 from apd_viewer.geometry.mesh.mesh import Mesh

@@ -9,8 +9,7 @@ import numpy as np
 
 from apd_viewer.files.formats.texture_images import joined_texture, read_image, sibling_image
 from apd_viewer.files.gltf.accessors import accessor_array
-from apd_viewer.files.gltf.containers import data_uri_content
-from apd_viewer.files.gltf.scene import document_entry, whole_number
+from apd_viewer.files.gltf.scene import data_uri_content, document_entry, whole_number
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh

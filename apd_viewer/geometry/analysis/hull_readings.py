@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.analysis.bounding_boxes import smallest_box
 from apd_viewer.geometry.mesh.arrays import local_origin
 from apd_viewer.geometry.mesh.checked_arguments import as_float, checked
 from apd_viewer.language import tr
@@ -176,3 +176,58 @@ def _extents(directions: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, n
         low[k : k + step] = heights.argmin(axis=1)
         extent[k : k + step] = np.ptp(heights, axis=1)
     return extent / np.linalg.norm(directions, axis=1), low
+
+
+# The search for the smallest box starts from this many orientations and refines the best of them.
+_ORIENTATIONS, _BEST = 200, 4
+_NEAR = 0.05  # radians
+
+
+def box_volume(points: np.ndarray) -> float:
+    """Volume of the box along the axes around the ``points`` (k, 3)."""
+    return float(np.prod(np.ptp(points, axis=0)))
+
+
+def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
+    """Sides of the smallest box found around ``corners`` (k, 3), shortest first.
+
+    No algorithm for it is exact and quick. The search is the same every time, and never worse than the box
+    along the axes.
+    """
+    # Imported here: few runs of the program come this way, and the first picture does not wait for scipy.
+    from scipy.optimize import minimize
+    from scipy.spatial.transform import Rotation
+
+    corners = np.ascontiguousarray((corners - corners.mean(axis=0)).T)
+    some = np.ascontiguousarray(corners[:, :: 1 + corners.shape[1] // _ENOUGH])
+
+    def placed(turn: np.ndarray, what: np.ndarray) -> np.ndarray:
+        return (Rotation.from_rotvec(turn).as_matrix() @ what).T
+
+    def turned(turn: np.ndarray) -> float:
+        return box_volume(placed(turn, some))
+
+    spread = Rotation.random(_ORIENTATIONS, rng=0).as_rotvec()
+    best = spread[np.argsort([turned(turn) for turn in spread])[:_BEST]]
+    size, sides = box_volume(corners.T), np.ptp(corners, axis=1)
+    for start in (np.zeros(3), _principal(corners), *best):
+        around = np.vstack([start, start + _NEAR * np.eye(3)])
+        options = {"initial_simplex": around, "xatol": 1e-7, "fatol": 1e-12 * size, "maxiter": 400}
+        found = minimize(turned, start, method="Nelder-Mead", options=options).x
+        sides = min(sides, np.ptp(placed(found, corners), axis=0), key=np.prod)
+    a, b, c = np.sort(sides).tolist()
+    return a, b, c
+
+
+def _principal(corners: np.ndarray) -> np.ndarray:
+    """Rotation vector from the principal axes of ``corners`` (3, k) to x, y, z."""
+    # Imported here: scipy is slow to load, and few commands need it.
+    from scipy.spatial.transform import Rotation
+
+    axes = np.linalg.eigh(corners @ corners.T)[1].T
+    return Rotation.from_matrix(axes * np.linalg.det(axes)).as_rotvec()
+
+
+def compactness(volume: float, area: float) -> float:
+    """Isoperimetric ratio ``36 pi V^2 / A^3``: 1 for a ball, else less."""
+    return 36.0 * math.pi * volume**2 / area**3

@@ -28,10 +28,11 @@ from apd_viewer.geometry.pose.constraints import (
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
-from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
 from apd_viewer.session.model.handles_and_regions import (
+    FACTORED,
     IDENTITY,
     NO_FLAGS,
+    NOT_FACTORED,
     DocumentFlags,
     Handle,
     NamedPose,

@@ -1,9 +1,14 @@
-"""Named parts of a document: handles and regions, with the flags of all parts."""
+"""Named parts of a document: handles and regions, with the flags of all parts.
+
+A factorization that is kept although it depends on what has changed gives a wrong shape without a word. So
+each field of a document and of a handle declares it in its metadata, and the key is made of the declarations.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +16,18 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE, transform
 from apd_viewer.geometry.pose.waypoint_path import extended_waypoints, has_half_turn, rotation_vector
-from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
+
+FACTORED = MappingProxyType({"factored": True})
+NOT_FACTORED = MappingProxyType({"factored": False})
+
+
+def factored_fields(cls: type) -> tuple[str, ...]:
+    """Names of the FACTORED fields; raises TypeError for a field without declaration."""
+    undeclared = [each.name for each in fields(cls) if "factored" not in each.metadata]
+    if undeclared:
+        raise TypeError(f"{cls.__name__}.{undeclared[0]} is neither FACTORED nor NOT_FACTORED")
+    return tuple(each.name for each in fields(cls) if each.metadata["factored"])
+
 
 MOST_POSES = 100
 IDENTITY = frozen(np.eye(4))

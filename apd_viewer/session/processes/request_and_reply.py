@@ -13,8 +13,7 @@ from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.pose.frame import NO_SHIFTS, Frame
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.factor_key import factored_fields
-from apd_viewer.session.model.handles_and_regions import Handle
+from apd_viewer.session.model.handles_and_regions import Handle, factored_fields
 
 
 @dataclass(frozen=True, eq=False)

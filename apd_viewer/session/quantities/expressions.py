@@ -8,13 +8,15 @@ the number before it, and ``10mm/5mm`` is 2; but ``1/2 in`` is half an inch.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import tr
-from apd_viewer.session.quantities.expression_parser import SPELLINGS, ExpressionParser, tokenize
-from apd_viewer.session.quantities.quantity import DIMENSIONLESS
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.language import in_quotes, tr
+from apd_viewer.notation import editable_number, notation
+from apd_viewer.session.quantities.quantity import DIMENSIONLESS, Quantity
+from apd_viewer.session.quantities.units import NoUnitError, Unit
 
 MOST_CHARACTERS = 200
 
@@ -62,3 +64,285 @@ def _parse_value(
     if said.powers not in (DIMENSIONLESS, powers):
         raise InputError(tr("This is {kind}; enter {wanted}.").format(kind=said.kind, wanted=wanted))
     return said.value
+
+
+# Deeper than needed, and far below Python's own limit.
+_MOST_NESTED = 30
+_MICROMETRES = {"mm": 1e3, "cm": 1e4, "m": 1e6, "um": 1.0, "in": 25_400.0, "ft": 304_800.0}
+_DEGREES = {"deg": 1.0, "rad": math.degrees(1.0), "turn": 360.0}
+
+
+class ExpressionParser:
+    """Parser of the tokens by recursive descent."""
+
+    def __init__(self, tokens: list[str], names: Mapping[str, float], unit: Unit | None) -> None:
+        self._left = tokens[::-1]
+        self._names = names
+        self._unit = unit
+        self._nested = 0
+
+    def parsed_quantity(self) -> Quantity:
+        """Value of all tokens."""
+        said = self._sum()
+        if self._token:
+            raise self._misplaced()
+        return said
+
+    @property
+    def _token(self) -> str:
+        """The next token; empty at the end."""
+        return self._left[-1] if self._left else ""
+
+    def _take(self) -> str:
+        return self._left.pop() if self._left else ""
+
+    def _sum(self) -> Quantity:
+        total = self._product()
+        while self._token in ("+", "-"):
+            sign = Quantity(1.0 if self._take() == "+" else -1.0)
+            total += sign * self._product()
+        return total
+
+    def _product(self) -> Quantity:
+        product = self._signed() * self._unit_behind()
+        while self._token in ("*", "/", "(") or self._token[:1].isalpha():
+            divides = self._token == "/"
+            if self._token in ("*", "/"):
+                self._take()
+            factor, unit = self._signed(), self._unit_behind()
+            if not divides:
+                product *= factor * unit
+            elif product.powers == DIMENSIONLESS:
+                product = product / factor * unit
+            else:
+                product /= factor * unit
+        return product
+
+    def _signed(self) -> Quantity:
+        self._nested += 1
+        if self._nested > _MOST_NESTED:
+            raise InputError(tr("Too many nested parentheses; use fewer."))
+        sign = 1.0
+        while self._token in ("+", "-"):
+            sign *= 1.0 if self._take() == "+" else -1.0
+        power = self._raised(self._single())
+        self._nested -= 1
+        return Quantity(sign) * power
+
+    def _raised(self, root: Quantity) -> Quantity:
+        if self._token not in ("^", "**"):
+            return root
+        self._take()
+        return root ** self._signed()
+
+    def _single(self) -> Quantity:
+        if self._token == "(":
+            self._take()
+            value = self._sum()
+            self._close()
+        elif is_number(self._token):
+            value = _number(self._take())
+        elif self._token in FUNCTIONS and self._token not in self._names:
+            value = call_function(self._take(), self._arguments())
+        elif self._token[:1].isalpha():
+            value = self._named(self._take())
+        else:
+            raise self._misplaced()
+        while self._token == "%":
+            self._take()
+            value /= Quantity(100.0)
+        return value
+
+    def _arguments(self) -> list[Quantity]:
+        if self._take() != "(":
+            raise InputError(tr("A function needs parentheses, as in sqrt(2)."))
+        values = [self._sum()]
+        while self._token == ",":
+            self._take()
+            values.append(self._sum())
+        self._close()
+        return values
+
+    def _close(self) -> None:
+        if self._token and self._token != ")":
+            raise self._misplaced()
+        if not self._take():
+            raise InputError(tr("A parenthesis is not closed; close it."))
+
+    def _unit_behind(self) -> Quantity:
+        """The unit behind a number; 1 if there is none."""
+        if self._token in self._names or self._token not in (*_MICROMETRES, *_DEGREES):
+            return Quantity(1.0)
+        return self._raised(self._named(self._take()))
+
+    def _named(self, word: str) -> Quantity:
+        if word in self._names:
+            return Quantity(self._names[word], length=1.0)
+        if word == "pi":
+            return Quantity(math.pi)
+        if word in _DEGREES:
+            return Quantity(_DEGREES[word], angle=1.0)
+        if word in _MICROMETRES:
+            return self._unit_of_length(word)
+        raise InputError(
+            tr(
+                "{text} is unknown; use {names}, a unit such as mm or deg, or a function such as sqrt."
+            ).format(text=quoted_input(word), names=", ".join([*self._names, "pi"]))
+        )
+
+    def _unit_of_length(self, word: str) -> Quantity:
+        if self._unit is None:
+            raise InputError(
+                tr("{text} is a unit of length, which is not allowed here; remove it.").format(
+                    text=quoted_input(word)
+                )
+            )
+        if self._unit is Unit.NONE:
+            raise NoUnitError(word)
+        return Quantity(_MICROMETRES[word] / _MICROMETRES[self._unit.symbol], length=1.0)
+
+    def _misplaced(self) -> InputError:
+        if not self._token:
+            return InputError(tr("The expression is incomplete; complete it."))
+        if is_number(self._token):
+            return InputError(
+                tr("An operator is missing before {text}; enter one such as * or +.").format(
+                    text=quoted_input(self._token)
+                )
+            )
+        return InputError(
+            tr("{text} is not expected here; remove it or complete the expression.").format(
+                text=quoted_input(self._token)
+            )
+        )
+
+
+def _number(token: str) -> Quantity:
+    check_unambiguous(token, ",")
+    return Quantity(float(token.replace(",", ".")))
+
+
+_OF_ANGLES: dict[str, Callable[[float], float]] = {"sin": math.sin, "cos": math.cos, "tan": math.tan}
+_TO_ANGLES: dict[str, Callable[[float], float]] = {"asin": math.asin, "acos": math.acos, "atan": math.atan}
+VARIADIC_FUNCTIONS: dict[str, Callable[..., float]] = {"min": min, "max": max}
+FUNCTIONS = ("sqrt", *_OF_ANGLES, *_TO_ANGLES, "abs", *VARIADIC_FUNCTIONS)
+# Rounding of a cosine at a right angle.
+_NO_COSINE = 1e-15
+
+
+def call_function(name: str, values: list[Quantity]) -> Quantity:
+    """Value of a named function."""
+    first = values[0]
+    if name in VARIADIC_FUNCTIONS:
+        for value in values:
+            first = first.with_dimension_of(value)
+        return replace(first, value=VARIADIC_FUNCTIONS[name](value.value for value in values))
+    if len(values) != 1:
+        raise InputError(
+            tr("{name} takes one value, not {n}, as in {name}(1).").format(name=name, n=len(values))
+        )
+    if name == "abs":
+        return replace(first, value=abs(first.value))
+    if name == "sqrt":
+        return first ** Quantity(0.5)
+    return _of_angle(name, first) if name in _OF_ANGLES else _to_angle(name, first)
+
+
+def _of_angle(name: str, value: Quantity) -> Quantity:
+    if value.powers not in (DIMENSIONLESS, (0.0, 1.0)):
+        raise InputError(
+            tr("{name} does not accept {kind}; enter an angle, as in {name}(30deg).").format(
+                name=name, kind=value.kind
+            )
+        )
+    turn = math.radians(value.value)
+    if name == "tan" and abs(math.cos(turn)) < _NO_COSINE:
+        raise InputError(tr("The tangent of a right angle is infinite; enter another angle."))
+    return Quantity(_OF_ANGLES[name](turn))
+
+
+def _to_angle(name: str, value: Quantity) -> Quantity:
+    if value.powers != DIMENSIONLESS:
+        raise InputError(
+            tr("{name} does not accept {kind}; enter a number, as in {name}(0.5).").format(
+                name=name, kind=value.kind
+            )
+        )
+    if name != "atan" and abs(value.value) > 1.0:
+        raise InputError(
+            tr("{name} accepts only numbers from -1 to 1; enter one of these.").format(name=name)
+        )
+    return Quantity(math.degrees(_TO_ANGLES[name](value.value)), angle=1.0)
+
+
+SPELLINGS = str.maketrans(
+    dict.fromkeys("−–‐‑", "-")
+    | dict.fromkeys("×·⋅∙∗", "*")
+    | dict.fromkeys("÷∕⁄", "/")
+    | dict.fromkeys("µμ", "u")
+    | {"²": "^2 ", "³": "^3 ", "°": " deg ", "π": " pi "}
+)
+_TOKEN = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[^\W\d_]\w*|\*\*|[-+*/^%(),]"
+_AMONG_ARGUMENTS = re.compile(rf"\s*({_TOKEN})")
+_ELSEWHERE = re.compile(rf"\s*([0-9]+,[0-9]+(?:[eE][+-]?[0-9]+)?|{_TOKEN})")
+
+
+def tokenize(text: str) -> list[str]:
+    """Tokens of a text, left to right; raises InputError."""
+    tokens: list[str] = []
+    # For each open parenthesis, whether commas separate arguments; elsewhere they are decimal commas.
+    lists = [False]
+    at = 0
+    while at < len(text):
+        found = (_AMONG_ARGUMENTS if lists[-1] else _ELSEWHERE).match(text, at)
+        if not found:
+            raise InputError(
+                tr("{text} is not allowed here; remove it.").format(text=quoted_input(text[at:].lstrip()[0]))
+            )
+        token, at = found[1], found.end()
+        if token == "(":
+            lists.append(tokens[-1:] != [] and tokens[-1] in VARIADIC_FUNCTIONS)
+        elif token == ")" and len(lists) > 1:
+            lists.pop()
+        tokens.append(token)
+    return tokens
+
+
+def is_number(token: str) -> bool:
+    """True if a token begins like a number."""
+    return token[:1].isdecimal() or token[:1] == "."
+
+
+def quoted_input(text: str) -> str:
+    """Typed text for a sentence: shortened, invisible characters as codes."""
+    short = text if len(text) <= 20 else f"{text[:19]}…"
+    return (
+        in_quotes(short)
+        if short.isprintable()
+        else tr("The character U+{code:04X}").format(code=ord(text[0]))
+    )
+
+
+# One thousand and more in some countries, one and a fraction in others.
+_DOUBTFUL = re.compile(r"(?<![\w.,])[1-9][0-9]{0,2}([.,])[0-9]{3}(?![0-9.,eE])")
+
+
+def check_unambiguous(text: str, signs: str) -> None:
+    """Raise InputError on an ambiguous number with one of the ``signs``."""
+    for found in _DOUBTFUL.finditer(text):
+        if found[1] in signs:
+            said, small = found[0], float(found[0].replace(",", "."))
+            raise InputError(
+                tr("“{text}” can mean {small} or {large}; write {small} or {large}.").format(
+                    text=said, small=editable_number(f"{small:g}"), large=re.sub(r"[.,]", "", said)
+                )
+            )
+
+
+def unambiguous_text(text: str) -> str:
+    """A text from a field, with clear numbers; raises InputError.
+
+    In some languages the window writes a point between groups of digits.
+    """
+    check_unambiguous(text, notation().group if notation().group == "." else "")
+    return text

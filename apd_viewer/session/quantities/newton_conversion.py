@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from apd_viewer.geometry.analysis.total_curvature import total_curvature
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.laplacian import total_curvature
 from apd_viewer.session.quantities.wall import Wall
 
 # Of 4 pi of a sphere: a mesh on a tube has up to 1, with vertices off by a hundredth of the radius.

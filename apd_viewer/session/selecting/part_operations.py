@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.geometry.picking.vertex_sets import grown_set, mirrored_set, shrunk_set, smoothed_set
 from apd_viewer.language import tr
-from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.mirror_partner import mirror_plane
 

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from apd_viewer.errors import InputError
+from apd_viewer.files.selections.selection import default_name
 from apd_viewer.files.storage.json_fields import JsonFields
+from apd_viewer.files.storage.regular_files import read_bytes
+from apd_viewer.geometry.measuring.measurement import Measurement, Plane
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import MOST_HANDLES
 from apd_viewer.language import tr
@@ -17,6 +25,7 @@ from apd_viewer.session.model.handles_and_regions import (
     NamedRegion,
     PartFlags,
 )
+from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
 
 LARGEST_NUMBER = 1e9  # of a weight or a percentage
 LEAST_POSITIVE = 1e-12  # smallest number accepted as positive
@@ -118,3 +127,133 @@ def region_from_json(fields: JsonFields) -> NamedRegion:
 def percent_from_json(fields: JsonFields, key: str) -> float | None:
     """Percentage, or None where the field is missing."""
     return fields.number(key, LEAST_POSITIVE, LARGEST_NUMBER) if fields.has_value(key) else None
+
+
+MOST_MEASUREMENTS = 100
+_ROUNDING = 1e-9
+
+
+def measurements_to_json(measurements: tuple[Measurement, ...]) -> dict[str, Any]:
+    """The measurements as a field of JSON; none where there are none."""
+    return {"measurements": [_measurement_to_json(each) for each in measurements]} if measurements else {}
+
+
+def _measurement_to_json(measurement: Measurement) -> dict[str, Any]:
+    said: dict[str, Any] = {"name": measurement.name, "kind": measurement.kind.value}
+    if measurement.plane is not None:
+        return {
+            **said,
+            "plane": {"normal": list(measurement.plane.normal), "offset": measurement.plane.offset},
+        }
+    return {**said, "points": [{"face": p.face, "weights": list(p.weights)} for p in measurement.points]}
+
+
+def measurements_from_json(fields: JsonFields, faces: int) -> tuple[Measurement, ...]:
+    """The measurements of a mesh with so many faces; raises ValueError if damaged."""
+    if not fields.has_value("measurements"):
+        return ()
+    return tuple(
+        _measurement_from_json(part, faces) for part in fields.nested_list("measurements", MOST_MEASUREMENTS)
+    )
+
+
+def _measurement_from_json(fields: JsonFields, faces: int) -> Measurement:
+    name, named = fields.text("name"), fields.text("kind")
+    if named not in [each.value for each in MeasurementKind]:
+        raise ValueError(tr("the “kind” of a measurement is unknown"))
+    kind = MeasurementKind(named)
+    if kind is MeasurementKind.SECTION:
+        return Measurement(name, kind, plane=_plane(fields.nested_fields("plane")))
+    points = tuple(_point(part, faces) for part in fields.nested_list("points", kind.points))
+    if len(points) < kind.points:
+        raise ValueError(tr("its “points” are damaged"))
+    return Measurement(name, kind, points)
+
+
+def _point(fields: JsonFields, faces: int) -> SurfacePoint:
+    face, weights = fields.count("face"), fields.numbers("weights", 3)
+    if face >= faces or weights.min() < 0.0 or abs(weights.sum() - 1.0) > _ROUNDING:
+        raise ValueError(tr("its “points” are damaged"))
+    a, b, c = weights.tolist()
+    return SurfacePoint(face, (a, b, c))
+
+
+def _plane(fields: JsonFields) -> Plane:
+    normal = fields.numbers("normal", 3)
+    if abs(np.linalg.norm(normal) - 1.0) > _ROUNDING:
+        raise ValueError(tr("its “plane” is damaged"))
+    x, y, z = normal.tolist()
+    return Plane((x, y, z), fields.number("offset"))
+
+
+_KINDS = {kind.value: kind for kind in ObstacleKind}
+
+
+def obstacle_to_json(obstacle: NamedObstacle) -> dict[str, Any]:
+    """An obstacle as JSON."""
+    return {
+        "name": obstacle.name,
+        "kind": obstacle.kind.value,
+        "place": obstacle.place.tolist(),
+        "axis": obstacle.axis.tolist(),
+        "radius": float(obstacle.radius),
+        "length": float(obstacle.length),
+        "shift": obstacle.shift.tolist(),
+    }
+
+
+def obstacle_from_json(fields: JsonFields, name: str = "") -> NamedObstacle:
+    """Obstacle restored from JSON; ``name`` is the default name.
+
+    Fields that its kind does not have may be missing, and so may ``shift``.
+    """
+    kind = fields.text("kind")
+    if kind not in _KINDS:
+        raise ValueError(tr("the “kind” of an obstacle is unknown"))
+    of_kind = _KINDS[kind]
+    plate, cylinder = of_kind is ObstacleKind.PLATE, of_kind is ObstacleKind.CYLINDER
+    if (plate or cylinder) and not fields.has_value("axis"):
+        raise ValueError(tr("the “axis” of an obstacle is missing"))
+    found = NamedObstacle(
+        fields.text("name") if fields.has_value("name") or not name else name,
+        of_kind,
+        frozen(fields.numbers("place", 3)),
+        radius=0.0 if plate else fields.number("radius", LEAST_POSITIVE),
+        length=fields.number("length", LEAST_POSITIVE) if cylinder else 0.0,
+        **{key: frozen(fields.numbers(key, 3)) for key in ("axis", "shift") if fields.has_value(key)},
+    )
+    try:
+        found.to_obstacle(1.0)
+    except InputError:
+        raise ValueError(tr("the “axis” of an obstacle has no direction")) from None
+    return found
+
+
+def vectors_from_json(fields: JsonFields, key: str, count: int) -> np.ndarray:
+    """A vector (3,) of each of ``count`` obstacles, (o, 3); (0, 3) without any."""
+    if not fields.has_value(key):
+        return frozen(np.zeros((0, 3)))
+    return frozen(fields.numbers(key, count, 3))
+
+
+def read_obstacles(path: Path) -> tuple[NamedObstacle, ...]:
+    """Obstacles of a JSON file: a list in the form of a session.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read; the message says why.
+    """
+    try:
+        said = JsonFields({"obstacles": json.loads(read_bytes(path))}, "obstacles")
+        each = said.nested_list("obstacles", MOST_OBSTACLES)
+        return tuple(
+            obstacle_from_json(one, default_name(tr("Obstacle"), k)) for k, one in enumerate(each, start=1)
+        )
+    except OSError as error:
+        why = error.strerror or str(error)
+    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError):
+        why = tr("it is not JSON")
+    except ValueError as error:
+        why = str(error)
+    raise InputError(tr("{name} cannot be read as obstacles: {why}.").format(name=path.name, why=why))

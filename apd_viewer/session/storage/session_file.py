@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from importlib import metadata
@@ -17,10 +18,11 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.known_file import FileState, KnownFile
 from apd_viewer.files.mesh_location import find_mesh
 from apd_viewer.files.storage.archive import Archive, npy_content, write_archive
 from apd_viewer.files.storage.json_fields import JsonFields
-from apd_viewer.files.storage.regular_files import read_content
+from apd_viewer.files.storage.regular_files import open_regular, read_content
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -35,7 +37,6 @@ from apd_viewer.session.storage.session_json import (
     view_to_json,
 )
 from apd_viewer.session.storage.session_meshes import JSON_MEMBER, mesh_to_json, target_to_json, with_target
-from apd_viewer.session.storage.session_picture import PICTURE_MEMBER, explaining_errors
 
 SESSION_FORMAT, SESSION_VERSION = "apd-session", 1
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
@@ -197,3 +198,95 @@ def _arrays(fields: JsonFields, archive: Archive, mesh: Mesh) -> dict[str, np.nd
         if not np.isfinite(X).all() or (np.abs(X - mesh.V) > farthest).any():
             raise ValueError(tr("“{name}” in it is not a shape of the mesh").format(name=name))
     return arrays
+
+
+PICTURE_MEMBER = "picture.png"
+PICTURE_SIDE = 256  # pixels at most: what file managers ask for
+
+
+def session_picture(path: Path) -> bytes | None:
+    """Content of the PNG file in a session; None if there is none.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is no session.
+    """
+    with explaining_errors(path), open_regular(path) as stream:
+        archive = Archive(stream)
+        return archive.content(PICTURE_MEMBER) if archive.has_member(PICTURE_MEMBER) else None
+
+
+@contextmanager
+def explaining_errors(path: Path) -> Iterator[None]:
+    """Turn errors of reading into an InputError with a sentence."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:
+        raise InputError(
+            tr("{name} is not a valid session ({reason}); save it again or open another copy.").format(
+                name=path.name, reason=getattr(error, "strerror", None) or error
+            )
+        ) from error
+    except MemoryError as error:
+        raise InputError(
+            tr("{name} does not fit into memory; close other programs.").format(name=path.name)
+        ) from error
+
+
+class ChangedFileError(InputError):
+    """Refusal to replace a file changed elsewhere.
+
+    Attributes
+    ----------
+    current_file : KnownFile
+        The file as it was found, to be replaced by whoever agrees.
+    """
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(
+            tr(
+                "{name} was not saved: it has been changed elsewhere since it was opened or saved here. "
+                "Save under another name, or open it again."
+            ).format(name=path.name)
+        )
+        self.current_file = KnownFile(path)
+
+
+def save_if_unchanged(
+    known: KnownFile | None, path: Path, state: State, view: View, embed: bool = False, picture: bytes = b""
+) -> tuple[bool, KnownFile]:
+    """Save a session, unless its file has changed.
+
+    Looks before the work and once more right before the file is replaced. A file that has gone is written
+    anew. ``known`` is None where anything may be replaced.
+
+    Returns
+    -------
+    bool
+        Whether there is a copy of the mesh in it.
+    KnownFile
+        The file as it was written.
+
+    Raises
+    ------
+    ChangedFileError
+        If the file holds something else.
+    InputError
+        If the file cannot be written.
+    """
+    written: list[KnownFile] = []
+
+    def check() -> None:
+        if known is not None and known.check_content() is FileState.CHANGED:
+            raise ChangedFileError(path)
+
+    def finish(scratch: Path) -> None:
+        written.append(KnownFile(path, scratch))
+        check()
+
+    check()
+    embedded = save_session(path, state, view, embed, picture=picture, finish=finish)
+    return embedded, written[0]

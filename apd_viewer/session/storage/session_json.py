@@ -25,13 +25,10 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import MOST_POSES, NO_FLAGS
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle
 from apd_viewer.session.model.state import State, shape_frame
-from apd_viewer.session.model.up_axis import UpAxis
-from apd_viewer.session.model.view import CameraPose, Point3, View
+from apd_viewer.session.model.view import CameraPose, Point3, UpAxis, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import WallText
-from apd_viewer.session.storage.measurements_json import measurements_from_json, measurements_to_json
-from apd_viewer.session.storage.obstacle_json import obstacle_from_json, obstacle_to_json, vectors_from_json
 from apd_viewer.session.storage.part_json import (
     LARGEST_NUMBER,
     LEAST_POSITIVE,
@@ -39,10 +36,15 @@ from apd_viewer.session.storage.part_json import (
     flags_to_json,
     handle_from_json,
     handle_to_json,
+    measurements_from_json,
+    measurements_to_json,
     number_to_json,
+    obstacle_from_json,
+    obstacle_to_json,
     pose_from_json,
     pose_to_json,
     region_from_json,
+    vectors_from_json,
 )
 
 _POINTS = ("position", "focal", "up")

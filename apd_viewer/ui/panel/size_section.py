@@ -11,8 +11,7 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
-from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
-from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
+from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, unambiguous_text
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText, typed_mass
 from apd_viewer.ui.widgets.fields import TextField, return_focus

@@ -26,12 +26,12 @@ from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
+from apd_viewer.log import redacted_text
 from apd_viewer.presentation.legend_svg import legend_svg
 from apd_viewer.presentation.python_script import python_script
-from apd_viewer.presentation.report_origin import ReportReadings
+from apd_viewer.presentation.report_blocks import ReportReadings
 from apd_viewer.presentation.report_page import ReportSubject, report_page
 from apd_viewer.presentation.scales import Measure, Scale, default_scale
-from apd_viewer.redaction import redacted_text
 from apd_viewer.session.measurement_readings import complete_readings
 from apd_viewer.session.model.memo import triangle_areas
 from apd_viewer.session.model.state import State

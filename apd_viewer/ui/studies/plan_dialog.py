@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 from apd_viewer.cases.case import MOST_STEPS
 from apd_viewer.cases.design import GRID, LATIN, MOST_SAMPLES, SOBOL
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_folder import unused_folder
+from apd_viewer.files.storage.atomic_file import unused_folder
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 from apd_viewer.cases.case_file import FAILED
 from apd_viewer.language import tr
 from apd_viewer.presentation.axis import Axis, magnitude_axis, rounded_axis
-from apd_viewer.presentation.color_maps import SEQUENTIAL
+from apd_viewer.presentation.palette import SEQUENTIAL
 from apd_viewer.ui.panel.status_bar import ElidedLabel
 from apd_viewer.ui.plots.chart import Chart, ColorBar, Dots
 from apd_viewer.ui.plots.scatter_view import ScatterView

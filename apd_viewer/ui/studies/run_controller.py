@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
-from apd_viewer.session.posing.gesture_motion import gesture_motion
+from apd_viewer.session.posing.regripping import gesture_motion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
 from apd_viewer.ui.filing.file_controller import FileController

@@ -16,8 +16,12 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.motion import MOTION_KINDS
-from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
-from apd_viewer.session.quantities.expressions import parse_angle, parse_length, parse_number
+from apd_viewer.session.quantities.expressions import (
+    parse_angle,
+    parse_length,
+    parse_number,
+    unambiguous_text,
+)
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.fields import CheckBox, TextField
 

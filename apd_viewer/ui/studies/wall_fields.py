@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable, format_short
-from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
+from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import Wall, WallText, wall_from
 from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON, WALL_MATERIALS

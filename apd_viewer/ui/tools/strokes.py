@@ -8,7 +8,7 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.ui.tools.selection_tool import StrokeEffect
 from apd_viewer.ui.tools.toolbox import Tool
 

@@ -34,7 +34,7 @@ from apd_viewer.geometry.goals.percentage import (
 from apd_viewer.language import tr
 from apd_viewer.notation import editable_number
 from apd_viewer.presentation.number_format import format_short
-from apd_viewer.session.quantities.ambiguous_numbers import check_unambiguous, unambiguous_text
+from apd_viewer.session.quantities.expressions import check_unambiguous, unambiguous_text
 from apd_viewer.ui.widgets.error_bubble import ErrorBubble
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_folder import staging_folder
+from apd_viewer.files.storage.atomic_file import staging_folder
 
 
 def test_staging_folder_has_the_files_there_at_the_end_and_not_before(tmp_path):
@@ -49,7 +49,7 @@ def test_staging_folder_says_before_any_work_that_a_file_is_in_the_way(tmp_path)
 KILLED = """
 import os, sys
 from pathlib import Path
-from apd_viewer.files.storage.atomic_folder import staging_folder
+from apd_viewer.files.storage.atomic_file import staging_folder
 with staging_folder(Path(sys.argv[1])) as scratch:
     (scratch / "half.txt").write_text("half")
     print(scratch, flush=True)

@@ -5,8 +5,12 @@ from symbolic_links import needs_links
 
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_file import is_circular_link, replacing_file, resolved_path
-from apd_viewer.files.storage.atomic_folder import staging_folder
+from apd_viewer.files.storage.atomic_file import (
+    is_circular_link,
+    replacing_file,
+    resolved_path,
+    staging_folder,
+)
 
 pytestmark = needs_links
 

@@ -15,7 +15,7 @@ from textured_files import glb, gltf, image, obj, ply
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.storage import sibling_files
+from apd_viewer.files.storage import regular_files
 
 pytestmark = needs_links
 DEVICE = Path("/dev/zero")
@@ -249,14 +249,14 @@ def test_read_buffers_refuses_a_buffer_that_is_shorter_than_it_says(folder):
 def test_read_buffers_reads_no_more_of_a_buffer_than_it_says(folder):
     path, content = with_buffer(folder, "four.bin")
     (folder / "four.bin").write_bytes(content)
-    os.truncate(folder / "four.bin", 4 * sibling_files.LARGEST_FILE)  # sparse: on the disk it takes no place
+    os.truncate(folder / "four.bin", 4 * regular_files.LARGEST_FILE)  # sparse: on the disk it takes no place
     assert len(open_mesh(path).V) == 6
 
 
 @pytest.mark.parametrize("kind", ["buffer", "buffers", "image", "library"])
 def test_content_beside_does_not_read_files_without_end(folder, kind, monkeypatch):
     with (folder / "huge").open("wb") as stream:
-        stream.truncate(sibling_files.LARGEST_FILE + 1)
+        stream.truncate(regular_files.LARGEST_FILE + 1)
     if kind == "library":
         said = open_mesh(replaced(obj(folder), "a.obj", "square.mtl", "huge")).texture[1]
     elif kind == "image":
@@ -265,11 +265,11 @@ def test_content_beside_does_not_read_files_without_end(folder, kind, monkeypatc
         path, content = with_buffer(folder, "huge")
         document = json.loads(path.read_text(encoding="utf-8"))
         if kind == "buffer":
-            document["buffers"][0]["byteLength"] = sibling_files.LARGEST_FILE + 1
+            document["buffers"][0]["byteLength"] = regular_files.LARGEST_FILE + 1
         else:  # each is small enough, but they are many
             (folder / "huge").write_bytes(content)
             document["buffers"] *= 3
-            monkeypatch.setattr("apd_viewer.files.gltf.containers.LARGEST_FILE", 2 * len(content))
+            monkeypatch.setattr("apd_viewer.files.gltf.scene.LARGEST_FILE", 2 * len(content))
         path.write_text(json.dumps(document), encoding="utf-8")
         with pytest.raises(InputError) as caught:
             open_mesh(path)
@@ -280,7 +280,7 @@ def test_content_beside_does_not_read_files_without_end(folder, kind, monkeypatc
 
 def test_embedded_content_is_bounded(tmp_path, monkeypatch):
     path = gltf(tmp_path)
-    monkeypatch.setattr("apd_viewer.files.gltf.containers.LARGEST_FILE", 100)
+    monkeypatch.setattr("apd_viewer.files.gltf.scene.LARGEST_FILE", 100)
     with pytest.raises(InputError, match="names or holds more than"):
         open_mesh(path)
 

@@ -16,8 +16,7 @@ from meshes import box
 from apd_viewer import Mesh, save_mesh
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.atomic_file import replacing_file
-from apd_viewer.files.storage.atomic_folder import staging_folder
+from apd_viewer.files.storage.atomic_file import replacing_file, staging_folder
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="streams of Unix")
 

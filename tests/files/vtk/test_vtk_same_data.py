@@ -16,7 +16,7 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWrit
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.vtk.lz4_block import decompressed_block
+from apd_viewer.files.vtk.xml_arrays import decompressed_block
 from apd_viewer.geometry.mesh.operators import area
 
 _COMPRESSIONS = {"plain": 0, "zlib": 1, "lz4": 2, "lzma": 3}
@@ -135,7 +135,7 @@ def test_vtk_xml_file_declares_the_range_of_its_points(tmp_path):
 
 
 @pytest.mark.parametrize("period", [1, 10_000])
-def test_lz4_block_of_what_repeats_is_unpacked_in_the_room_that_it_takes(period):
+def test_decompressed_block_of_what_repeats_is_unpacked_in_the_room_that_it_takes(period):
     data = np.random.default_rng(0).bytes(period) * (300_000 // period)
     block = vtkLZ4DataCompressor().Compress(data, len(data))
     assert block.GetNumberOfValues() < 0.1 * len(data)

@@ -4,8 +4,7 @@ import meshes
 import numpy as np
 import pytest
 
-from apd_viewer.geometry.analysis.bounding_boxes import box_volume, compactness
-from apd_viewer.geometry.analysis.hull_readings import hull_readings
+from apd_viewer.geometry.analysis.hull_readings import box_volume, compactness, hull_readings
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.mesh.operators import area, volume
 

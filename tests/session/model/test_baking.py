@@ -13,9 +13,9 @@ from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.session.model.baking import baked_state
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
+from apd_viewer.session.shape_editor import baked_state
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 VIEW = View()

@@ -16,8 +16,14 @@ from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.settings import SETTINGS, Settings
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_next_region
-from apd_viewer.session.model.factor_key import FACTORED, factored_fields
-from apd_viewer.session.model.handles_and_regions import Handle, NamedPose, NamedRegion, PartFlags
+from apd_viewer.session.model.handles_and_regions import (
+    FACTORED,
+    Handle,
+    NamedPose,
+    NamedRegion,
+    PartFlags,
+    factored_fields,
+)
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.processes.document_deformation import deformation_of
 from apd_viewer.session.processes.request_and_reply import are_same_keys, factor_key

@@ -12,7 +12,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.posing.gesture_motion import gesture_motion
+from apd_viewer.session.posing.regripping import gesture_motion
 
 V, F = box(2, 2, 5)
 AXIS = [0.0, 0.0, 1.0]

@@ -4,7 +4,7 @@ import meshes
 import pytest
 
 import apd_viewer
-from apd_viewer.session.quantities.bulk_density import bulk_density, object_count
+from apd_viewer.presentation.volume_text import bulk_density, object_count
 from apd_viewer.session.quantities.units import Unit
 
 

@@ -6,7 +6,7 @@ from driven_session import BENT, VIEW, Driven, bar, check_equal, pose
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.session import file_jobs
-from apd_viewer.session.storage import changed_file
+from apd_viewer.session.storage import session_file
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 
@@ -58,7 +58,7 @@ def test_save_over_does_not_replace_what_comes_while_it_is_written(session, path
         return save_session(*args, **more)
 
     session.drag(BENT)
-    monkeypatch.setattr(changed_file, "save_session", slow)
+    monkeypatch.setattr(session_file, "save_session", slow)
     _, failed = save(session, path)
     assert len(failed) == 1
     assert path.read_bytes() == b"somebody else's"

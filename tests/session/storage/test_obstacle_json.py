@@ -19,7 +19,7 @@ from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacl
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
-from apd_viewer.session.storage.obstacle_json import obstacle_from_json, obstacle_to_json
+from apd_viewer.session.storage.part_json import obstacle_from_json, obstacle_to_json
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.storage.session_json import document_to_json, frame_to_json
 

@@ -6,9 +6,8 @@ import numpy as np
 from driven_session import document
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.session.model.document_parts import with_next_region
+from apd_viewer.session.model.document_parts import PaintedPart, with_next_region
 from apd_viewer.session.model.handles_and_regions import PartFlags
-from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.ui.scene.coloring import colors_of, differing_vertices
 
 HIDDEN = PartFlags(hidden=True)

@@ -24,8 +24,8 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.presentation.number_format import format_significant
-from apd_viewer.presentation.published_volumes import PUBLISHED_FIGURES, VolumeName
-from apd_viewer.session.model.painted_part import PaintedPart
+from apd_viewer.presentation.volume_text import PUBLISHED_FIGURES, VolumeName
+from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.processes import shape_checker

@@ -1,0 +1,275 @@
+"""Curves of presses, sweeps and the tables of the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+
+from apd_viewer.cases.case import CaseStep
+from apd_viewer.cases.paper_curves import HandleCurvePoint, LossCurvePoint
+from apd_viewer.figures.style import (
+    BLUE,
+    INK,
+    METHOD_STYLES,
+    ORANGE,
+    QUIET,
+    VERMILION,
+    draw_figure,
+    zero_line,
+)
+from apd_viewer.geometry.pressing.press_step import PressStep
+from apd_viewer.geometry.pressing.pressed_mesh import Pressed
+from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.language import tr
+from apd_viewer.presentation import obstacle_readings
+
+_PRESS_SIZE = (9.0, 3.9)
+
+
+def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, float] | None = None) -> None:
+    """Draw load and volume of a press; without volume where nothing is enclosed.
+
+    Parameters
+    ----------
+    pressed : Pressed
+    path : Path
+        Of the picture; its ending is replaced.
+    newtons : two floats, optional
+        Of a load of 1, if it is known, and the factor by which they may be too low.
+    """
+    scale = 1.0 if newtons is None else newtons[0]
+    ways = [way for way in (pressed.steps, pressed.steps[-1:] + pressed.released) if len(way) > 1]
+    said = [(_load_title(pressed, newtons), lambda step: scale * _load(step))]
+    first = pressed.steps[0]
+    if _volume(first):
+        title = tr("Change of the volume within caps, %") if first.volume is None else tr("Volume change, %")
+        said.append((title, lambda step: 100 * (_volume(step) / _volume(first) - 1)))
+
+    def fill(figure: Figure) -> None:
+        panels = figure.subplots(1, len(said), squeeze=False)[0]
+        for axes, (title, reading) in zip(panels, said, strict=True):
+            axes.set_title(title)
+            axes.set_xlabel(tr("deflection, in the unit of the mesh"))
+            for way, style, name in zip(ways, ("-", "--"), (tr("closing"), tr("opening")), strict=False):
+                x, y = [step.deflection for step in way], [reading(step) for step in way]
+                axes.plot(x, y, style, marker="o", markersize=4, label=name)
+            axes.margins(x=0.02, y=0.1)
+        if len(ways) > 1:
+            panels[0].legend()
+        if pressed.curve.yield_load is not None:
+            place = pressed.curve.yield_deflection, scale * pressed.curve.yield_load
+            panels[0].annotate(
+                tr("yield"), place, xytext=(0, 8), textcoords="offset points", ha="center", va="bottom"
+            )
+
+    draw_figure(fill, _PRESS_SIZE, path.parent, path.stem)
+
+
+def _load_title(found: Pressed, newtons: tuple[float, float] | None) -> str:
+    """Two lines: the load, and by how much it is expected to be off."""
+    known = obstacle_readings.excess_phrase(found.load_excess)
+    if newtons is None:
+        return tr("Load, at stiffness 1") + f"\n{known}"
+    off = obstacle_readings.error_factor_phrase(newtons[1])
+    title = tr("Load, N, {off}").format(off=off) if off else tr("Load, N, if walls bend and hardly stretch")
+    return f"{title}\n{known}"
+
+
+def _load(step: PressStep) -> float:
+    return 0.5 * (step.load_low + step.load_high)
+
+
+def _volume(step: PressStep) -> float:
+    """Enclosed volume, openings capped; 0 where nothing is enclosed."""
+    return step.volume or step.volume_capped or 0.0
+
+
+_SWEEP_SIZE = (11.0, 3.9)
+_DENSE = 40  # steps; with more, markers would hide the curve
+_TICKS = (1, 5, 10, 15, 30, 45, 60, 90, 180, 360)  # degrees
+_FLAT = 1e-3  # percent: a curve within this is a straight line, and not its rounding
+
+
+def draw_sweep_curves(
+    steps: Sequence[CaseStep],
+    abscissa: str,
+    folder: Path,
+    obstacles: Sequence[str] = (),
+) -> None:
+    """Draw the curves of a sweep; without volume where nothing is enclosed.
+
+    Parameters
+    ----------
+    steps : sequence of CaseStep
+    abscissa : str
+        What tells the steps apart: see :attr:`apd_viewer.cases.case.Case.abscissa`.
+    folder : Path
+    obstacles : sequence of str
+        Names of the obstacles; each has a curve of its load.
+    """
+    said = [
+        (tr("Area change, %"), [100 * step.frame.area_error for step in steps]),
+        (tr("Volume change, %"), [100 * (step.volume_error or 0.0) for step in steps]),
+        (tr("ARAP energy"), [step.energy for step in steps]),
+    ]
+    if steps[0].volume_error is None:
+        del said[1]
+
+    loads = [
+        (tr("Load on {name}").format(name=title), [step.loads[k] if step.loads else np.nan for step in steps])
+        for k, title in enumerate(obstacles)
+    ]
+    rows = 1 + -(-len(loads) // len(said))
+
+    def fill(figure: Figure) -> None:
+        grid = figure.subplots(rows, len(said), squeeze=False)
+        panels, others = grid[0], grid[1:].ravel()
+        for axes, (title, values) in zip(others, loads, strict=False):
+            axes.set_title(title)
+            _curves(axes, steps, abscissa, np.array(values))
+        for axes in others[len(loads) :]:
+            axes.set_axis_off()
+        for axes, (title, values) in zip(panels, said, strict=True):
+            axes.set_title(title)
+            _curves(axes, steps, abscissa, np.array(values))
+        for axes in panels[:-1]:
+            zero_line(axes)
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper left", ncols=len(labels), handlelength=3.2)
+
+    draw_figure(fill, (_SWEEP_SIZE[0], rows * _SWEEP_SIZE[1]), folder, "sweep")
+
+
+def _curves(axes: Axes, steps: Sequence[CaseStep], abscissa: str, values: np.ndarray) -> None:
+    methods = np.array([step.method for step in steps])
+    x = np.array([step.readings[abscissa] for step in steps]) * (100 if abscissa == "part" else 1)
+    axes.set_xlabel(_axis(abscissa))
+    axes.margins(x=0.02)
+    for method in dict.fromkeys(methods.tolist()):
+        own = methods == method
+        look = dict(METHOD_STYLES[method])
+        if own.sum() > _DENSE:
+            look["marker"] = ""
+        axes.plot(x[own], values[own], label=METHODS[method].short_title, **look)
+    if np.nanmax(np.abs(values), initial=0.0) < _FLAT:
+        axes.set_ylim(-0.1, 0.1)
+    if abscissa == "degrees":
+        span = float(np.ptp(x))
+        axes.xaxis.set_major_locator(MultipleLocator(next((d for d in _TICKS if span <= 7 * d), span / 4)))
+
+
+def _axis(abscissa: str) -> str:
+    return {
+        "degrees": tr("rotation of the handle, degrees"),
+        "way": tr("displacement of the handle, in the unit of the mesh"),
+        "part": tr("part of the motion, %"),
+    }[abscissa]
+
+
+_LOSS_SIZE, _HANDLE_SIZE = (9.0, 4.4), (9.0, 3.9)
+# From few iterations to many: one hue, increasingly dark.
+_SHADES = ("#f7b9a0", "#ee8f6a", VERMILION, "#9c3f00", "#5c2400")
+
+
+def draw_loss_curves(
+    points: Sequence[LossCurvePoint], published: Sequence[tuple[float, float]], folder: Path
+) -> None:
+    """Draw ARAP's area change against the angle, beside the paper's values.
+
+    Parameters
+    ----------
+    points : sequence of LossCurvePoint
+    published : sequence of (float, float)
+        Degrees, and change of the area as a share.
+    folder : Path
+    """
+
+    def fill(figure: Figure) -> None:
+        axes = figure.subplots()
+        axes.set_title(tr("Area change by ARAP, %"))
+        axes.set_xlabel(tr("twist of the bottle, degrees"))
+        axes.xaxis.set_major_locator(MultipleLocator(30))
+        axes.set_xlim(0, 180)
+        zero_line(axes)
+        stops = sorted({loss.iterations for loss in points if loss.iterations})
+        for stop, shade in zip(stops, _SHADES, strict=False):
+            words = tr("stopped after 1 iteration") if stop == 1 else tr("after {n}").format(n=stop)
+            _loss(axes, points, stop, words, shade, 1.4)
+        _loss(axes, points, 0, tr("converged, step by step"), BLUE, 2.2)
+        axes.plot(
+            [degrees for degrees, _ in published],
+            [100 * error for _, error in published],
+            linestyle="none",
+            marker="D",
+            markersize=6.5,
+            color=INK,
+            label=tr("the paper's Table 1"),
+            zorder=5,
+        )
+        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+
+    draw_figure(fill, _LOSS_SIZE, folder, "loss-against-angle")
+
+
+def _loss(
+    axes: Axes, losses: Sequence[LossCurvePoint], stop: int, words: str, color: str, width: float
+) -> None:
+    own = [loss for loss in losses if loss.iterations == stop]
+    axes.plot(
+        [loss.degrees for loss in own],
+        [100 * loss.area_error for loss in own],
+        color=color,
+        linewidth=width,
+        marker="o" if not stop else "",
+        label=words,
+    )
+
+
+def draw_handle_curves(points: Sequence[HandleCurvePoint], folder: Path) -> None:
+    """Draw the paper method's handle positions against the targets."""
+
+    def fill(figure: Figure) -> None:
+        left, right = figure.subplots(1, 2)
+        twists = [held for held in points if held.motion == "twist"]
+        left.set_title(tr("Twist: drift of the handle"))
+        left.set_xlabel(tr("twist, degrees"))
+        left.set_ylabel(tr("drift, % of the height"))
+        left.xaxis.set_major_locator(MultipleLocator(30))
+        left.plot(*_curve(twists, 1.0), color=ORANGE, marker="^")
+        left.set_ylim(bottom=0.0)
+        pulls = [held for held in points if held.motion == "pull"]
+        right.set_title(tr("Pull and push: displacement reached"))
+        right.set_xlabel(tr("requested, % of the height"))
+        right.set_ylabel(tr("reached, % of the height"))
+        asked, _ = _curve(pulls, 100.0)
+        right.plot(asked, asked, color=QUIET, linewidth=1.0, linestyle=(0, (4, 3)))
+        right.annotate(
+            tr("requested"),
+            (asked[-1], asked[-1]),
+            (-6, 0),
+            textcoords="offset points",
+            ha="right",
+            va="center",
+            color=QUIET,
+        )
+        right.plot(*_curve(pulls, 100.0), color=ORANGE, marker="^")
+        right.annotate(
+            tr("reached with Eq. 8"),
+            (asked[-1], _curve(pulls, 100.0)[1][-1]),
+            (-6, 8),
+            textcoords="offset points",
+            ha="right",
+            va="bottom",
+            color=INK,
+        )
+
+    draw_figure(fill, _HANDLE_SIZE, folder, "handle")
+
+
+def _curve(points: Sequence[HandleCurvePoint], unit: float) -> tuple[list[float], list[float]]:
+    return [unit * held.asked for held in points], [100 * held.got for held in points]
