@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -9,16 +10,32 @@ from typing import NamedTuple
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QAbstractButton, QDockWidget, QMainWindow, QMenu, QMenuBar, QScrollArea, QWidget
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QDockWidget,
+    QLabel,
+    QLineEdit,
+    QMainWindow,
+    QMenu,
+    QMenuBar,
+    QScrollArea,
+    QWidget,
+)
 
 from apd_viewer.language import tr
 from apd_viewer.session.state_store import StateStore
 from apd_viewer.ui.actions.action_maker import without_mnemonic
-from apd_viewer.ui.help import manual_places
-from apd_viewer.ui.help.manual_places import ManualPlace
+from apd_viewer.ui.help.context_help import section_name
+from apd_viewer.ui.help.manual import ManualPlace, action_place, section_place, setting_place
 from apd_viewer.ui.help.search_query import SearchTexts
-from apd_viewer.ui.help.synonyms import SYNONYMS
+from apd_viewer.ui.help.synonyms import CONTROL_SYNONYMS, SYNONYMS
 from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.part_lists.named_rows import NamedRow
+from apd_viewer.ui.part_lists.part_row import PartButtons
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, keys_of, native_keys
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.widgets.folding_section import Heading, Section
@@ -81,7 +98,7 @@ def command_entries(
             title = found.full_title(entry.title)
             texts = SearchTexts(title, entry.tip, SYNONYMS.get(entry.name, ""))
             keys = native_keys(keys_of(action))
-            place = manual_places.action_place(entry.name)
+            place = action_place(entry.name)
             yield Searchable(texts, where, action.trigger, place, keys, why_not, entry.image)
 
 
@@ -103,22 +120,55 @@ def _why_not(entry: ShortcutEntry, store: StateStore) -> str:
 
 
 def control_entries(panel: Panel) -> Iterator[Searchable]:
-    """Controls of the panel, each path once."""
-    known = set()
+    """Controls of the panel outside list rows, each title of a section once."""
     for section in (panel.area, *panel.sections):
         heading = section.title if isinstance(section, Section) else tr("Area")
-        for widget in section.findChildren(QWidget):
-            path = manual_places.control_path(widget) if manual_places.is_named(widget) else ()
+        known = set()
+        for widget in filter(is_control, section.findChildren(QWidget)):
             title, tip = texts_of(widget)
-            if len(path) > 2 and "rows" not in path and title and path not in known:
-                known.add(path)
+            if not (title in known or _is_in_row(widget) or is_section_heading(widget)):
+                known.add(title)
+                also = CONTROL_SYNONYMS.get(re.split("[:,]", title)[0], "")
                 yield Searchable(
-                    SearchTexts(title, tip, f"{SYNONYMS.get('/'.join(path), '')} {heading}"),
+                    SearchTexts(title, tip, f"{also} {heading}"),
                     tr("{menu} > {entry}").format(menu=tr("Panel"), entry=heading),
                     partial(reveal_control, widget),
-                    manual_places.control_place(path),
+                    section_place(section_name(widget)),
                     disabled_reason="" if _is_offered(widget, panel) else tr("not with what is open"),
                 )
+
+
+def is_control(widget: QWidget) -> bool:
+    """True for a named input field or button, and for a named reading with a tip."""
+    owner = widget.parentWidget()
+    if isinstance(owner, SliderField) and widget in (owner.slider, owner.reset_button):
+        return False  # besides its field
+    title, tip = texts_of(widget)
+    return bool(title and (tip if isinstance(widget, QLabel) else isinstance(widget, _INPUTS)))
+
+
+_INPUTS = (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QLineEdit,
+    NamedRow,
+)
+
+
+def is_section_heading(widget: QWidget) -> bool:
+    """True for the heading of a section of the panel."""
+    return isinstance(widget.parentWidget(), Section) and isinstance(widget, Heading)
+
+
+def _is_in_row(widget: QWidget) -> bool:
+    """True for a row of a list, its contents, and the buttons of a part."""
+    node: QWidget | None = widget
+    while node is not None and not isinstance(node, NamedRow | PartButtons):
+        node = node.parentWidget()
+    return node is not None
 
 
 def _is_offered(widget: QWidget, panel: Panel) -> bool:
@@ -146,8 +196,7 @@ def reveal_control(widget: QWidget) -> None:
         elif isinstance(node, QScrollArea):
             QTimer.singleShot(0, node, partial(node.ensureWidgetVisible, widget))  # once it has its place
         node = node.parentWidget()
-    field = widget.field if isinstance(widget, SliderField) else widget
-    field.setFocus(Qt.FocusReason.TabFocusReason)
+    widget.setFocus(Qt.FocusReason.TabFocusReason)
 
 
 def setting_entries(open_settings: Callable[[str], object]) -> Iterator[Searchable]:
@@ -160,15 +209,13 @@ def setting_entries(open_settings: Callable[[str], object]) -> Iterator[Searchab
                 ),
                 tr("{menu} > {entry}").format(menu=tr("Settings"), entry=group.title),
                 partial(open_settings, preference.name),
-                manual_places.setting_place(preference.name),
+                setting_place(preference.name),
                 image="settings",
             )
 
 
 def texts_of(widget: QWidget) -> tuple[str, str]:
     """Title and tip of a control, each on one line; empty if missing."""
-    if isinstance(widget, SliderField):
-        widget = widget.field
     title = widget.accessibleName()
     if isinstance(widget, QAbstractButton) and not title:
         title = without_mnemonic(widget.text())

@@ -32,6 +32,7 @@ _LOGGER = logging.getLogger(__name__)
 _MARGIN = 12
 _WIDEST = 480
 _CLOSE = 34  # px: the button of a notice
+SECTION_PROPERTY = "manualSection"  # of a widget that is no part of its section in the manual
 _UNBOUNDED = 16_777_215  # Qt's largest size of a widget
 _INVITATION_PADDING = 20
 _READING_TIME = 7000  # ms; failures stay until they are read
@@ -66,7 +67,7 @@ class Notice(QFrame):
         self.close_button = QToolButton(
             canvas, accessibleName=tr("Dismiss message"), toolTip=tr("Dismiss"), iconSize=ICON_SIZE
         )
-        self.close_button.setProperty("manualPath", "notice")  # the button is no part of it
+        self.close_button.setProperty(SECTION_PROPERTY, type(self).__name__)
         self.close_button.clicked.connect(self.hide)
         row = self._row = QHBoxLayout(self)
         row.setContentsMargins(12, 8, 8 + _CLOSE, 8)
