@@ -28,8 +28,8 @@ from apd_viewer.session.processes import (
 )
 from apd_viewer.ui.appearance import antialiasing
 from apd_viewer.ui.application import HARMLESS_MESSAGE
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import question
+from apd_viewer.ui.filing.question import UnsavedAnswer
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.shell import Shell
@@ -117,7 +117,7 @@ def settings(stored):
 @pytest.fixture
 def unasked(monkeypatch):
     """Windows do not ask before they are closed."""
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+    monkeypatch.setattr(question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
 
 
 @pytest.fixture(scope="session")
