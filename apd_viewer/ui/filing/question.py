@@ -38,7 +38,7 @@ class Question(NamedTuple):
 
 
 class Answer(Enum):
-    """An answer: text and role of its button; ``Enter`` gives the first one, ``Esc`` the last."""
+    """Text and role of a button; ``Enter`` gives the first answer, ``Esc`` the last."""
 
     def __init__(self, text: str, role: QMessageBox.ButtonRole) -> None:
         self.text, self.role = text, role

@@ -180,7 +180,9 @@ def test_saved_work_that_is_overwritten_is_unsaved_where_it_came_from(qtbot, ope
     assert first.shell.isVisible()
 
 
-def test_decision_to_reload_shows_the_file_and_undo_brings_the_work_back(qtbot, open_window, path, person):
+def test_changed_file_answer_to_reload_shows_the_file_and_undo_brings_the_work_back(
+    qtbot, open_window, path, person
+):
     first, second = clash(qtbot, open_window, path)
     U = second.session.store.state.frame.U
     person.will("Reload")
@@ -196,7 +198,7 @@ def test_decision_to_reload_shows_the_file_and_undo_brings_the_work_back(qtbot, 
     assert person.asked == [QUESTION] * 2, "what the other window saved is not lost by this way either"
 
 
-def test_decision_is_for_what_was_there_and_not_for_what_came_later(
+def test_changed_file_answer_is_for_what_was_there_and_not_for_what_came_later(
     qtbot, open_window, path, person, monkeypatch
 ):
     _, second = clash(qtbot, open_window, path)

@@ -5,7 +5,7 @@ from driving import LEFT
 from PySide6.QtCore import Qt
 
 from apd_viewer.ui.help import manual
-from apd_viewer.ui.help.search_query import SearchQuery, SearchTexts, match_score
+from apd_viewer.ui.help.searchable import SearchQuery, SearchTexts, match_score
 
 CTRL = Qt.KeyboardModifier.ControlModifier
 # Wishes, and a title that is among the first three.
