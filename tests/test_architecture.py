@@ -40,7 +40,6 @@ ROOMS = [
     "ui/filing",
     "ui/tools",
     "ui/scene",
-    "ui/appearance",
     "ui/preferences",
     "ui/widgets",
     "presentation/notebooks",
@@ -119,13 +118,11 @@ DRAWS = {
     "ui/obstacles/obstacle_scene.py",
     "ui/scene/ground.py",
     "ui/scene/rest_actor.py",
-    "ui/appearance/shading.py",
+    "ui/scene/shading.py",
     "ui/scene/offscreen_scene.py",
     "ui/scene/surface.py",
-    "ui/appearance/surface_arrays.py",
     "ui/scene/viewport.py",
     "ui/scene/camera_controller.py",
-    "ui/appearance/antialiasing.py",
 }
 CONFINED = {
     "cholespy": {"geometry/linalg/linear_solver.py"},

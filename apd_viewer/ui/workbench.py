@@ -16,8 +16,7 @@ from apd_viewer.session.session import Session
 from apd_viewer.session.storage.session_file import PICTURE_SIDE
 from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.actions.commands import Commands
-from apd_viewer.ui.actions.edit_controller import EditController
-from apd_viewer.ui.actions.part_controller import PartController
+from apd_viewer.ui.actions.edit_controller import EditController, PartController
 from apd_viewer.ui.compare.compare_controller import CompareController
 from apd_viewer.ui.connections import connect_canvas, connect_parts, connect_settings, connect_wheel
 from apd_viewer.ui.filing import file_dialogs
@@ -29,8 +28,7 @@ from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.findings_controller import FindingsController
 from apd_viewer.ui.overlays.mode_bar import ModeBar
-from apd_viewer.ui.overlays.next_step import NextStep, may_change_next_step
-from apd_viewer.ui.overlays.notice import CanvasHint, EmptyState, Notice
+from apd_viewer.ui.overlays.notice import CanvasHint, EmptyState, NextStep, Notice, may_change_next_step
 from apd_viewer.ui.panel.target_controller import TargetController
 from apd_viewer.ui.panel.volume_controller import VolumeController
 from apd_viewer.ui.plots.plots import Plots

@@ -16,8 +16,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.history import History
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.state_store import Activity
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import question
+from apd_viewer.ui.filing.question import UnsavedAnswer
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.brush_size import DEFAULT_RADIUS
@@ -201,5 +201,5 @@ def lasting_window(settings):
     kept = KeptWindow(settings)
     with pytest.MonkeyPatch.context() as patch:
         yield kept
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+        patch.setattr(question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
         kept.close()

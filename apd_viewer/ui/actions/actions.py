@@ -12,14 +12,12 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.ui.actions.action_maker import ActionMaker, without_mnemonic
 from apd_viewer.ui.actions.commands import Commands
-from apd_viewer.ui.actions.display_actions import DisplayActions
 from apd_viewer.ui.actions.edit_controller import EditController
 from apd_viewer.ui.actions.file_actions import FileActions
-from apd_viewer.ui.actions.obstacle_actions import ObstacleActions
-from apd_viewer.ui.actions.pose_actions import PoseActions
+from apd_viewer.ui.actions.inert_chrome import add_tool_bar
+from apd_viewer.ui.actions.pose_actions import ObstacleActions, PoseActions
 from apd_viewer.ui.actions.select_actions import SelectActions
-from apd_viewer.ui.actions.tool_bar import add_tool_bar
-from apd_viewer.ui.actions.view_actions import ViewActions
+from apd_viewer.ui.actions.view_actions import DisplayActions, ViewActions
 from apd_viewer.ui.measuring.measure_controller import KIND_WORDS, MeasureController
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.tools.toolbox import Tool

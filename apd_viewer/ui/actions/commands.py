@@ -8,8 +8,7 @@ from typing import Protocol
 
 from PySide6.QtCore import Qt
 
-from apd_viewer.ui.actions.edit_controller import EditController
-from apd_viewer.ui.actions.part_controller import PartController
+from apd_viewer.ui.actions.edit_controller import EditController, PartController
 from apd_viewer.ui.compare.compare_controller import CompareController
 from apd_viewer.ui.filing.file_controller import FileController
 from apd_viewer.ui.filing.file_requests import FileRequests

@@ -11,7 +11,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.ui.actions.action_maker import ActionMaker
 from apd_viewer.ui.actions.commands import Commands
-from apd_viewer.ui.actions.part_controller import PartController
+from apd_viewer.ui.actions.edit_controller import PartController
 from apd_viewer.ui.filing.file_controller import FileController
 from apd_viewer.ui.tools.toolbox import SelectionMode
 

@@ -21,10 +21,8 @@ from apd_viewer.presentation.method_readings import method_readings, reading_col
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.compare.comparison_picture import PIXEL_RATIO, ComparisonShape, write_comparison
-from apd_viewer.ui.compare.linked_views import LinkedViews
-from apd_viewer.ui.compare.method_table import MethodTable
-from apd_viewer.ui.compare.shared_scale import SharedScale
+from apd_viewer.ui.compare.linked_views import LinkedViews, SharedScale
+from apd_viewer.ui.compare.method_table import PIXEL_RATIO, ComparisonShape, MethodTable, write_comparison
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.panel.status_bar import ElidedLabel
 from apd_viewer.ui.preferences.preferences import Preferences

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from enum import Enum
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QMessageBox, QWidget
+from PySide6.QtWidgets import QWidget
 
 from apd_viewer.files.known_file import FileState, KnownFile
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -18,9 +16,8 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.recovery_file import RecoveryFile, find_recovery_files
-from apd_viewer.ui.filing import file_dialogs, unsaved_question
-from apd_viewer.ui.filing.question import Question, ask_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_dialogs, question
+from apd_viewer.ui.filing.question import ChangedFileAnswer, UnsavedAnswer
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
 from apd_viewer.ui.widgets.display_names import window_title_text
 
@@ -135,7 +132,7 @@ class FileController:
                 ChangedFileAnswer.SAVE_AS: partial(self.save_as, then),
                 ChangedFileAnswer.RELOAD: partial(self._session.files.open, path),
             }
-            ask_about_changed_file(self._window, path.name, ways)
+            question.ask_about_changed_file(self._window, path.name, ways)
 
         self._session.files.save(path, self._view(), embeds, then, self._picture(), changed, over)
 
@@ -199,7 +196,7 @@ class FileController:
             return True
         file, name = work.file, work.path.name if work.path else state.document.mesh.name
         found = FileState.SAME if file is None else file.state
-        answer = unsaved_question.ask_before_leaving(self._window, name, closes, found)
+        answer = question.ask_before_leaving(self._window, name, closes, found)
         if answer is UnsavedAnswer.SAVE:
             self.save(
                 partial(self.run_unless_unsaved, action, closes)
@@ -207,40 +204,3 @@ class FileController:
         elif answer is UnsavedAnswer.EXPORT:
             self.export_mesh(action)
         return answer is UnsavedAnswer.DISCARD
-
-
-class ChangedFileAnswer(Enum):
-    """Answer to the question about a file changed on disk."""
-
-    SAVE_AS = tr("Save &as…")
-    OVERWRITE = tr("&Overwrite")
-    RELOAD = tr("&Reload")
-    CANCEL = tr("Cancel")
-
-
-_ROLES = {
-    ChangedFileAnswer.SAVE_AS: QMessageBox.ButtonRole.AcceptRole,
-    ChangedFileAnswer.OVERWRITE: QMessageBox.ButtonRole.DestructiveRole,
-    ChangedFileAnswer.RELOAD: QMessageBox.ButtonRole.ActionRole,
-    ChangedFileAnswer.CANCEL: QMessageBox.ButtonRole.RejectRole,
-}
-
-
-def ask_about_changed_file(
-    parent: QWidget, name: str, actions: Mapping[ChangedFileAnswer, Callable[[], object]]
-) -> None:
-    """Ask about a changed file in the next event, and go on as is decided.
-
-    Whoever has found the change may still be at work. ``Enter`` loses nothing.
-    """
-    QTimer.singleShot(0, parent, lambda: actions.get(_decision(parent, name), lambda: None)())
-
-
-def _decision(parent: QWidget, name: str) -> ChangedFileAnswer:
-    said = tr("“{name}” has been changed by another window or program. Overwrite it?")
-    about = tr(
-        "Overwrite loses what is in the file. Reload opens the file instead and takes this window’s "
-        "changes away; Undo brings them back."
-    )
-    question = Question(tr("File changed"), said, name, about)
-    return ask_question(parent, question, _ROLES, ChangedFileAnswer.SAVE_AS, ChangedFileAnswer.CANCEL)

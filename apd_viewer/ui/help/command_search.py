@@ -19,8 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.ui.help.search_query import SearchQuery, match_score
-from apd_viewer.ui.help.searchable import Searchable
+from apd_viewer.ui.help.searchable import Searchable, SearchQuery, match_score
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button

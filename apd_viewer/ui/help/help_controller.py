@@ -17,13 +17,11 @@ from apd_viewer.ui.actions.action_maker import without_mnemonic
 from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.help.command_search import CommandSearch
 from apd_viewer.ui.help.context_help import ContextHelp, look_up_in_manual, show_manual
-from apd_viewer.ui.help.manual import FIRST_PAGE
-from apd_viewer.ui.help.manual_places import ManualPlace
+from apd_viewer.ui.help.manual import FIRST_PAGE, ManualPlace
 from apd_viewer.ui.help.searchable import menu_entries, searchable_entries
 from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, ShortcutGroup, ShortcutRow, mouse_gestures
 from apd_viewer.ui.help.shortcut_sheet import ShortcutSheet
-from apd_viewer.ui.help.tour import Tour
-from apd_viewer.ui.help.tour_targets import TourTargets
+from apd_viewer.ui.help.tour import Tour, TourTargets
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.preferences.shortcuts import Shortcuts

@@ -13,9 +13,9 @@ from vtkmodules.vtkRenderingCore import vtkRenderer
 
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.model.state import State
-from apd_viewer.ui.appearance.shading import Shading
 from apd_viewer.ui.scene.coloring import colors_of
 from apd_viewer.ui.scene.scene_picture import scene_picture
+from apd_viewer.ui.scene.shading import Shading
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 

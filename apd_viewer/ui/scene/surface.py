@@ -9,15 +9,15 @@ from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
-from apd_viewer.ui.appearance.shading import (
+from apd_viewer.ui.scene.shading import (
     Shading,
+    SurfaceArrays,
     headlight,
     match_view,
     set_neutral_band,
     shade,
     texture_of,
 )
-from apd_viewer.ui.appearance.surface_arrays import SurfaceArrays
 
 if TYPE_CHECKING:
     from PySide6.QtCore import QPointF

@@ -11,9 +11,9 @@ from PySide6.QtGui import QColor, QNativeGestureEvent, QPainter
 from PySide6.QtWidgets import QApplication, QWidget
 from pyvistaqt import QtInteractor
 
-from apd_viewer.ui.appearance.antialiasing import Antialiasing
 from apd_viewer.ui.scene.camera_controller import CameraController
 from apd_viewer.ui.scene.navigation import Navigation
+from apd_viewer.ui.scene.shading import Antialiasing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

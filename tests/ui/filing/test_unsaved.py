@@ -12,10 +12,10 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import question
+from apd_viewer.ui.filing.question import UnsavedAnswer
 
-ASK = unsaved_question.ask_before_leaving
+ASK = question.ask_before_leaving
 CHANGES = {
     "paint": lambda session: paint(session),
     "setting": lambda session: session.settings.change(stiffness=0.01),
@@ -35,9 +35,9 @@ def person(bottle, monkeypatch):
     """Someone at the window, asked by the real dialogs."""
     person = Person(bottle)
     monkeypatch.setattr(QFileDialog, "getSaveFileName", person.choose)
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", ASK)
+    monkeypatch.setattr(question, "ask_before_leaving", ASK)
     yield person
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+    monkeypatch.setattr(question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
     left, person.answers = person.answers, []  # to be given by nobody in the tests that follow
     assert left == [], "a question was not asked"
 
