@@ -133,13 +133,13 @@ _RIGID = 1e-9  # of a pose's matrix: a smaller scale is rounding
 
 def settings_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
     """Blocks on the method and all settings."""
-    document, settings = state.document, state.document.settings.in_effect
+    document, settings = state.document, state.document.settings
     area, volume, *_ = kept_percentages(document)
     values = {**vars(settings), "area": area, "volume": volume}
     rows = [
         row
         for name, setting in SETTINGS.items()
-        if setting.applies(settings.traits)
+        if setting.applies(settings)
         for row in _setting_rows(setting, values[name], settings, unit)
     ]
     if document.loose_components:
