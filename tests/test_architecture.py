@@ -61,7 +61,6 @@ ROOMS = [
     "files/formats",
     "files/storage",
     "geometry",
-    "geometry/pressing",
     "geometry/solver",
     "geometry/goals",
     "geometry/contact",

@@ -24,9 +24,9 @@ from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
-from apd_viewer.geometry.pressing.pressed_mesh import press_between
 from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
+from apd_viewer.geometry.solver.pressed_mesh import press_between
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import welded_state

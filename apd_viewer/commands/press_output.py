@@ -11,8 +11,8 @@ from apd_viewer.files.tables import Cell
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.pressing.press_step import PressStep
-from apd_viewer.geometry.pressing.pressed_mesh import Pressed
+from apd_viewer.geometry.solver.plate_press import PressStep
+from apd_viewer.geometry.solver.pressed_mesh import Pressed
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.presentation import obstacle_readings
 from apd_viewer.presentation.number_format import format_exact, format_short

@@ -22,9 +22,9 @@ from apd_viewer.figures.style import (
     draw_figure,
     zero_line,
 )
-from apd_viewer.geometry.pressing.press_step import PressStep
-from apd_viewer.geometry.pressing.pressed_mesh import Pressed
 from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.geometry.solver.plate_press import PressStep
+from apd_viewer.geometry.solver.pressed_mesh import Pressed
 from apd_viewer.language import tr
 from apd_viewer.presentation import obstacle_readings
 

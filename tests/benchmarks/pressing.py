@@ -33,9 +33,9 @@ from meshes import sample_bottle
 
 from apd_viewer.geometry.contact.contact_obstacles import capsule
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.pressing.plate_press import PlatePress
-from apd_viewer.geometry.pressing.pressed_mesh import pressed_mesh
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.plate_press import PlatePress
+from apd_viewer.geometry.solver.pressed_mesh import pressed_mesh
 
 # Shares of a step between the two shapes whose energies are compared: the next one where a fold has snapped
 # between them, that is, where something has moved so many times as far as the plates.

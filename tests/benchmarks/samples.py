@@ -26,7 +26,7 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.pressing.plate_press import PlatePress
+from apd_viewer.geometry.solver.plate_press import PlatePress
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.file_jobs import sample_state
 from apd_viewer.session.model.document import Document

@@ -14,9 +14,13 @@ from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.mesh.arrays import diagonal
-from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS
-from apd_viewer.geometry.pressing.plate_travel import plate_travel
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
+from apd_viewer.geometry.solver.plate_press import (
+    DEFAULT_ITERATIONS,
+    DEFAULT_STEPS,
+    MOST_STEPS,
+    plate_travel,
+)
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.session.model import memo

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,10 +16,8 @@ from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import diagonal
-from apd_viewer.geometry.mesh.checked_arguments import check_argument, is_whole_number
-from apd_viewer.geometry.pressing.plate_travel import plate_travel
-from apd_viewer.geometry.pressing.press_step import PressStep
+from apd_viewer.geometry.mesh.arrays import checked_direction, diagonal
+from apd_viewer.geometry.mesh.checked_arguments import as_float, check_argument, is_whole_number
 from apd_viewer.geometry.solver.contact_descent import ContactDescent
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.held_vertices import checked_start
@@ -253,3 +252,117 @@ def _tick_at(tick: Callable[[float], object], step: int, count: int, done: float
 def _check_count(given: int, most: int, otherwise: str) -> None:
     if not is_whole_number(given) or not 1 <= given <= most:
         raise InputError(otherwise.format(most=most))
+
+
+@dataclass(frozen=True, eq=False)
+class PressStep:
+    """Shape between two plates at rest, and its readings.
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        Positions in the order of the file, mesh units, read-only.
+    distance : float
+        Of the plates from each other, mesh units.
+    deflection : float
+        How much nearer they are than at the first touch.
+    load_low, load_high : float
+        Force on the plate below and on the one above, energy per length: that of a material of stiffness 1.
+        At rest, unless something is held, they are the same, and the slope of the energy as the plates close.
+    stretching : float
+        Share of the wall's energy that is in its stretching, 0 to 1; the rest bends it.
+    energy : float
+        Of the method, with that of the gaps; squared lengths.
+    volume, volume_capped : float or None
+        Enclosed volume; None if the surface is open. With flat caps over its openings; None without any.
+    area_error : float
+        ``area / rest area - 1``.
+    crossings : int or None
+        Triangles that cross others; None where that cannot be found.
+    settled : bool
+        The shape is at rest.
+    iterations : int
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import trimesh
+    >>> ball = trimesh.creation.icosphere(2)
+    >>> plates = {"axis": (0, 0, 1), "to": 1.8, "steps": 1}
+    >>> first, last = apd_viewer.press(ball.vertices, ball.faces, **plates, stiffness=0.01).steps
+    >>> bool(last.load_low > first.load_low), bool(last.volume < first.volume)
+    (True, True)
+    """
+
+    U: np.ndarray
+    distance: float
+    deflection: float
+    load_low: float
+    load_high: float
+    stretching: float
+    energy: float
+    volume: float | None
+    volume_capped: float | None
+    area_error: float
+    crossings: int | None
+    settled: bool
+    iterations: int
+
+
+class PlateTravel(NamedTuple):
+    """Way of two parallel plates.
+
+    Attributes
+    ----------
+    axis : (3,) float array
+        Direction in which they press, of length 1.
+    low, high : float
+        Places of the plates along the axis at the first touch, mesh units.
+    last_distance : float
+        Their distance in the end, mesh units.
+    """
+
+    axis: np.ndarray
+    low: float
+    high: float
+    last_distance: float
+
+    @property
+    def first_distance(self) -> float:
+        """Distance at the first touch."""
+        return self.high - self.low
+
+    @property
+    def length(self) -> float:
+        """Distance by which they close."""
+        return self.first_distance - self.last_distance
+
+
+def plate_travel(points: np.ndarray, axis: np.ndarray, to: float, thickness: float | None) -> PlateTravel:
+    """Way of plates that touch ``points`` at first, and are ``to`` apart in the end.
+
+    Parameters
+    ----------
+    points : (k, 3) float array
+        Vertices of a mesh, without loose ones.
+    axis : (3,) float array
+    to : float
+        Mesh units; less than the extent of the points.
+    thickness : float or None
+        Distance that plates and walls keep, mesh units; None for a thousandth of the diagonal.
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+    """
+    axis, apart = checked_direction(axis), contact_thickness(diagonal(points), thickness)
+    height = points @ axis
+    way = PlateTravel(axis, float(height.min()) - apart, float(height.max()) + apart, to)
+    if not 0.0 < as_float(to) < way.first_distance:
+        raise InputError(
+            tr(
+                "The plates are {first:.4g} apart at first; enter a smaller distance, and greater than 0."
+            ).format(first=way.first_distance)
+        )
+    return way

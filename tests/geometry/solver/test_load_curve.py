@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from apd_viewer.geometry.pressing.pressed_mesh import load_curve
+from apd_viewer.geometry.solver.pressed_mesh import load_curve
 
 
 def test_load_curve_of_a_spring_is_as_stiff_as_it_is_and_never_yields():

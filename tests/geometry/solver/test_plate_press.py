@@ -12,8 +12,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact_obstacles import capsule, plate
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.operators import vertex_areas
-from apd_viewer.geometry.pressing.plate_press import PlatePress
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.plate_press import PlatePress
 
 X, Y, Z = np.eye(3)
 STIFF = {"stiffness": 0.001}

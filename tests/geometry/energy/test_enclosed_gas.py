@@ -8,7 +8,7 @@ from apd_viewer import press
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.pressing.plate_press import PlatePress
+from apd_viewer.geometry.solver.plate_press import PlatePress
 
 Z = np.array([0.0, 0.0, 1.0])
 MESHES = {"closed": sphere(2), "open": tube(16, 10), "inside out": (sphere(2)[0], sphere(2)[1][:, ::-1])}
