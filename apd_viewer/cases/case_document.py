@@ -105,7 +105,7 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
     if case.contact_by_default:
         said["contact"] = len(state.document.mesh.V) <= int(said["contact"])
     if "thickness" in said:
-        said["thickness"] = parse_length(str(said["thickness"]), unit, state.named_lengths)
+        said["thickness"] = parse_length(str(said["thickness"]), unit, state.document.mesh.named_lengths)
     if said.get("volume") is not None and state.inspection.missing_volume_phrase:
         raise InputError(
             tr("There is no volume to keep: {why}; leave the volume free.").format(
@@ -113,7 +113,7 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
             )
         )
     state = state.updated(state.document.with_settings(**said))
-    motion = motion_steps(state, "; ".join(case.motion), unit) if case.motion else ()
+    motion = motion_steps(state.document, "; ".join(case.motion), unit) if case.motion else ()
     return state, view, motion
 
 

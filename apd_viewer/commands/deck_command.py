@@ -54,7 +54,7 @@ def _add_wall_options(parser: Parser) -> None:
 @naming_unit_option()
 def _deck(options: argparse.Namespace) -> None:
     output = check_deck(options.output)
-    state, view, motion = read_input(options)
+    document, view, motion = read_input(options)
     unit = Unit(options.unit or view.unit)
     text = WallText(
         options.thickness or view.wall.thickness,
@@ -63,7 +63,7 @@ def _deck(options: argparse.Namespace) -> None:
         options.poisson,
         material=wall_material(options.material),
     )
-    wall = deck_wall(text, unit, diagonal(state.document.mesh.V))
-    deck = deck_of(state.document, wall, options.steps, motion)
+    wall = deck_wall(text, unit, diagonal(document.mesh.V))
+    deck = deck_of(document, wall, options.steps, motion)
     write_deck(output, deck)
-    print("\n".join([about_deck(str(output), deck), *mesh_remarks(state.document.mesh)]))
+    print("\n".join([about_deck(str(output), deck), *mesh_remarks(document.mesh)]))

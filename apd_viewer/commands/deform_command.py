@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.commands.motion_options import add_motion_options, motion_from, painted_state, waypoint_poses
+from apd_viewer.commands.motion_options import add_motion_options, motion_from
 from apd_viewer.commands.result_output import (
     add_scalar_options,
     check_scalar_options,
@@ -49,7 +49,11 @@ from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
+from apd_viewer.session.model.document_parts import with_selection
+from apd_viewer.session.model.handle_paths import intermediate_documents
 from apd_viewer.session.model.named_obstacle import geometric_obstacles
+from apd_viewer.session.model.state import initial_document
+from apd_viewer.session.posing.motion_path import document_along, motion_paths
 from apd_viewer.session.storage.obstacle_json import read_obstacles
 
 # "local" keeps the total area where a target is given, and contact is by default on or off by the mesh.
@@ -184,8 +188,10 @@ def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection)
         return [[read_transform(path) for path in options.transform]]
     if options.transform:
         raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
-    state = painted_state(mesh, selection)
-    ways = waypoint_poses(state.document, motion_from(options, state, mesh.unit))
+    document = with_selection(initial_document(mesh), selection)
+    paths = motion_paths(document, motion_from(options, document, mesh.unit))
+    ended = document_along(document, paths)
+    ways = [[handle.pose for handle in each.handles] for each in (*intermediate_documents(ended), ended)]
     if options.iterations is not None and len(ways) > 1:
         raise InputError(tr("With --iterations handles turn by half a turn at most; enter less, or omit it."))
     return ways

@@ -23,7 +23,7 @@ from apd_viewer.geometry.solver.deformation_result import Result, deform
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.presentation.palette import label_colors
-from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.state import initial_document
 
 # Size in pixels, and direction of view.
 _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (0.25, 0.25, 1.0))}
@@ -67,7 +67,7 @@ def _write_curves(folder: Path, progress: Progress) -> None:
     # Imported here: matplotlib is slow to import, and this function alone needs it.
     from apd_viewer.figures.paper_figures import draw_handle_curves, draw_loss_curves
 
-    document = initial_state(*open_sample("bottle")).document
+    document = initial_document(*open_sample("bottle"))
     doing = tr("area loss by angle")
     lost = loss_curve(document, tick=lambda done: progress.show(_TABLES + _LOSSES * done, doing))
     said = [(60.0, "bottle-twist-60"), (120.0, "bottle-twist-120")]

@@ -86,8 +86,7 @@ def sweep_parser() -> Parser:
 
 def _sweep(options: argparse.Namespace) -> None:
     methods = [word.strip() for word in options.methods.split(",") if word.strip()]
-    state, view, motion = read_input(options, options.weld)
-    document = state.document
+    document, view, motion = read_input(options, options.weld)
     if options.contact is not None:
         document = document.with_settings(contact=options.contact)
     case = case_of(document, options.steps, options.to, options.iterations, motion)

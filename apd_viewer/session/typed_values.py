@@ -27,7 +27,7 @@ class TypedValues:
 
     def parse_length(self, text: str) -> float:
         """A length, mesh units."""
-        names = self._store.required_state().named_lengths
+        names = self._store.required_state().document.mesh.named_lengths
         return parse_length(unambiguous_text(text), self._store.unit, names)
 
     def parse_point(self, text: str) -> np.ndarray:

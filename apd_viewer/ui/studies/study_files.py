@@ -152,7 +152,7 @@ def document_with_values(state: State, unit: Unit, handle: int, values: Mapping[
     document = state.document.relative_to_rest.with_settings(**settings)
     words = [f"{name} {text}" for name, text in values.items() if name not in SETTING_COLUMNS]
     if words:
-        steps = motion_steps(state, f"handle {handle + 1}: " + "; ".join(words), unit)
+        steps = motion_steps(document, f"handle {handle + 1}: " + "; ".join(words), unit)
         return document_along(document, motion_paths(document, steps))
     paths = handle_paths(document)
     return document_along(document_at(document, paths, part), paths, part)

@@ -122,7 +122,7 @@ class SweepDialog(RunDialog):
         try:
             if self.motion.currentData() == _TWIST:
                 typed = f"handle {self._handle + 1}: twist {self.twist.text()}"
-                motion = motion_steps(self._state, typed, Unit.NONE)
+                motion = motion_steps(self._state.document, typed, Unit.NONE)
                 words = ["--handle", str(self._handle + 1), f"--twist={self.twist.text()}"]
             steps, last_share = round(self.steps.value()), self.to.value() / 100.0
             cases_by_method(case_of(document, steps, last_share, motion=motion), methods)

@@ -171,7 +171,7 @@ def _plan_text(quantity: VariedQuantity, text: str, state: State, unit: Unit) ->
         SETTING_COLUMNS[quantity.name].parse(share)  # asks about what could be a factor
     if share.endswith(PERCENT) or not quantity.is_motion:
         return _written(parse_number(share.removesuffix(PERCENT), {})) + PERCENT
-    return _written(parse_length(text, unit, state.named_lengths))
+    return _written(parse_length(text, unit, state.document.mesh.named_lengths))
 
 
 def _written(value: float) -> str:
