@@ -18,7 +18,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
-from apd_viewer.cases.case_document import INPUTS_FOLDER
 from apd_viewer.cases.case_file import (
     FAILED,
     CaseResult,
@@ -41,6 +40,7 @@ from apd_viewer.cases.database import (
 )
 from apd_viewer.cases.plan import Plan, read_plan
 from apd_viewer.cases.results import ResultTable, read_result_table, write_curves, write_results
+from apd_viewer.cases.run_case import INPUTS_FOLDER
 from apd_viewer.cases.study_case import InputFiles, StudyCase
 from apd_viewer.cases.study_progress import CaseCounts, ProgressMeter
 from apd_viewer.errors import InputError

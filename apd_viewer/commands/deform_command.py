@@ -23,7 +23,7 @@ from apd_viewer.commands.result_output import (
     write_scalar_files,
 )
 from apd_viewer.commands.terminal.output_files import check_files
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.setting_options import (
     add_contact_option,
     add_setting_options,
@@ -64,42 +64,41 @@ _PICTURE = (1600, 1000)  # pixels
 def deform_parser() -> Parser:
     """Parser of the command deform."""
     parser = Parser(prog="apd-viewer deform", description=tr("Deform a mesh without a window."))
-    parser.add_argument("mesh", metavar="MESH")
-    parser.add_argument(
-        "--selection",
-        metavar="SEL",
-        help=tr(
+    add_option(parser, "MESH")
+    add_option(
+        parser,
+        "--selection SEL",
+        tr(
             "one label per vertex (0 base, 1 free, 2 handle, 3 next handle, ...), or .json, .npz, .dmat, .ply"
         ),
     )
-    parser.add_argument(
-        "--transform",
-        metavar="DEF",
+    add_option(
+        parser,
+        "--transform DEF",
+        tr("4x4 matrix that moves the handle; repeat for each handle"),
         default=[],
         action="append",
-        help=tr("4x4 matrix that moves the handle; repeat for each handle"),
     )
     add_motion_options(parser)
-    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
+    add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
     add_setting_options(parser, _SETTINGS)
     add_contact_option(parser)
-    parser.add_argument(
-        "--iterations", metavar="N", type=int, help=tr("run exactly N iterations; default: until converged")
-    )
-    parser.add_argument(
+    add_option(parser, "--iterations N", tr("run exactly N iterations; default: until converged"), type=int)
+    add_option(
+        parser,
         "--loose",
-        choices=(GO, STAY),
-        default=GO,
-        help=tr(
+        tr(
             "connected parts without base or handle go along with the nearest surface, or stay; "
             "default: %(default)s"
         ),
+        choices=(GO, STAY),
+        default=GO,
     )
-    parser.add_argument(
-        "--obstacles",
-        metavar="FILE.json",
+    add_option(
+        parser,
+        "--obstacles FILE.json",
+        tr("plates, spheres and cylinders that push, as a session lists them; turns contact on"),
         type=Path,
-        help=tr("plates, spheres and cylinders that push, as a session lists them; turns contact on"),
     )
     add_weld_option(parser)
     parser.add_argument(
@@ -113,14 +112,14 @@ def deform_parser() -> Parser:
             "area in percent"
         ),
     )
-    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
-    parser.add_argument(
-        "--compare",
-        metavar="OTHER",
-        help=tr("target shape: put the distance from the surface of another mesh into report and scalars"),
+    add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
+    add_option(
+        parser,
+        "--compare OTHER",
+        tr("target shape: put the distance from the surface of another mesh into report and scalars"),
     )
     add_scalar_options(parser)
-    parser.add_argument("--picture", metavar="P.png", type=Path, help=tr("draw the mesh before and after"))
+    add_option(parser, "--picture P.png", tr("draw the mesh before and after"), type=Path)
     parser.set_defaults(run=_deform)
     return parser
 

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from apd_viewer.commands.terminal.parser import add_option
 from apd_viewer.commands.terminal.weld_option import naming_unit_option, open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection_files import read_selection_file
@@ -29,13 +30,13 @@ def add_input_options(parser: argparse.ArgumentParser) -> None:
         metavar="SESSION",
         help=tr("session (.apd); or a mesh, painted and moved by:"),
     )
-    parser.add_argument("--selection", metavar="SEL", help=tr("of a mesh: base, handles and regions"))
-    parser.add_argument(
-        "--transform",
-        metavar="DEF",
+    add_option(parser, "--selection SEL", tr("of a mesh: base, handles and regions"))
+    add_option(
+        parser,
+        "--transform DEF",
+        tr("of a mesh: 4x4 matrix that moves the handle; repeat for each handle"),
         action="append",
         default=[],
-        help=tr("of a mesh: 4x4 matrix that moves the handle; repeat for each handle"),
     )
     add_motion_options(parser)
 
@@ -56,7 +57,7 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
         add(f"--{word}", f"{word} {{}}", metavar, kind.help)
     add("--handle", "handle {}:", "N", tr("that the next ones move; at first the first one"))
     add("--motion", "{}", "WORDS", tr("all in words, as in a plan: “twist 120deg; push 30%%”"))
-    group.add_argument("--unit", choices=SYMBOLS, default="", help=tr("of the mesh, for lengths such as 2cm"))
+    add_option(group, "--unit", tr("of the mesh, for lengths such as 2cm"), choices=SYMBOLS, default="")
 
 
 def read_input(

@@ -8,9 +8,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
-from apd_viewer.cases.paper_curves import HandleCurvePoint, LossCurvePoint, handle_curve, loss_curve
 from apd_viewer.commands.terminal.columns import column_count, padded_text
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.rendered_pictures import Picture, draw_shapes, no_pictures_reason
 from apd_viewer.files.samples import open_sample, resource_path
@@ -33,12 +32,8 @@ _TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # estimated shares of the work; the r
 def paper_parser() -> Parser:
     """Parser of the command."""
     parser = Parser(prog="apd-viewer paper", description=tr("Re-run the paper's tables on the samples."))
-    parser.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, help=tr("folder for tables, curves and figures")
-    )
-    parser.add_argument(
-        "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
-    )
+    add_option(parser, "-o, --output DIR", tr("folder for tables, curves and figures"), type=Path)
+    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
     parser.set_defaults(run=_paper)
     return parser
 
@@ -65,20 +60,23 @@ def _paper(options: argparse.Namespace) -> None:
 
 def _write_curves(folder: Path, progress: Progress) -> None:
     # Imported here: matplotlib is slow to import, and this function alone needs it.
-    from apd_viewer.figures.paper_figures import draw_handle_curves, draw_loss_curves
+    from apd_viewer.figures.paper_figures import (
+        draw_handle_curves,
+        draw_loss_curves,
+        handle_curve,
+        loss_curve,
+    )
 
     document = initial_document(*open_sample("bottle"))
-    doing = tr("area loss by angle")
+    doing, where, before = tr("area loss by angle"), tr("handle drift with Eq. 8"), _TABLES + _LOSSES
     lost = loss_curve(document, tick=lambda done: progress.show(_TABLES + _LOSSES * done, doing))
     said = [(60.0, "bottle-twist-60"), (120.0, "bottle-twist-120")]
     cases = [(degrees, PAPER_CASES[name]) for degrees, name in said if name in PAPER_CASES]
     draw_loss_curves(lost, [(degrees, case.arap / case.rest - 1) for degrees, case in cases], folder)
-    write_table(folder / "loss-against-angle.csv", LossCurvePoint._fields, lost)
-    where = tr("handle drift with Eq. 8")
-    before = _TABLES + _LOSSES
+    write_table(folder / "loss-against-angle.csv", lost[0]._fields, lost)
     held = handle_curve(document, tick=lambda done: progress.show(before + _HOLDS * done, where))
     draw_handle_curves(held, folder)
-    write_table(folder / "handle.csv", HandleCurvePoint._fields, held)
+    write_table(folder / "handle.csv", held[0]._fields, held)
 
 
 def _draw_shapes(table: Sequence[PaperTableRow], folder: Path, progress: Progress) -> bool:

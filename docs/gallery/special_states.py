@@ -11,8 +11,8 @@ import numpy as np
 import sample_files
 from gallery_states import shaped, state_after
 
-from apd_viewer.cases.case_document import case_session
 from apd_viewer.cases.plan import read_plan
+from apd_viewer.cases.run_case import case_session
 from apd_viewer.cases.study_case import InputFiles
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file

@@ -12,10 +12,10 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QDockWidget, QFileDialog, QMessageBox, QWidget
 
-from apd_viewer.cases.case_document import case_session
 from apd_viewer.cases.case_file import DONE
 from apd_viewer.cases.database import DATABASE_NAME
 from apd_viewer.cases.results import read_results, status_text
+from apd_viewer.cases.run_case import case_session
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import State
