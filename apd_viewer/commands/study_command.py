@@ -166,16 +166,7 @@ class StudyProgress:
 
     def show(self, counts: CaseCounts) -> None:
         """Show the state of the study."""
-        self._display.show(
-            counts.done / max(counts.cases, 1),
-            counts_text(counts),
-            cases=counts.cases,
-            finished=counts.done,
-            running=counts.running,
-            failed=counts.failed,
-            rate=counts.rate,
-            seconds_left=counts.seconds_left,
-        )
+        self._display.show(counts.share, counts_text(counts), **counts._asdict())
         if self._log and time.monotonic() - self._logged > _LOG:
             self._logged = time.monotonic()
             print(counts_text(counts), file=sys.stderr, flush=True)
@@ -187,7 +178,7 @@ class StudyProgress:
 
 def counts_text(counts: CaseCounts) -> str:
     """The state of a study in a few words."""
-    words = [tr("{done:,} of {cases:,}").format(done=counts.done, cases=counts.cases)]
+    words = [tr("{done:,} of {cases:,}").format(done=counts.finished, cases=counts.cases)]
     words.append(tr("{running} running").format(running=counts.running))
     if counts.failed:
         words.append(tr("{failed} failed").format(failed=counts.failed))

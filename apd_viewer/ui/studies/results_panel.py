@@ -235,14 +235,7 @@ class StudyStatus:
 
     def set_progress(self, progress: dict[str, Any]) -> None:
         """Note the progress told by the command."""
-        self._counts = CaseCounts(
-            progress["cases"],
-            progress["finished"],
-            progress["running"],
-            progress["failed"],
-            progress["rate"],
-            progress["seconds_left"],
-        )
+        self._counts = CaseCounts(*(progress[name] for name in CaseCounts._fields))
 
     def set_results(self, table: ResultTable) -> None:
         """Update the counts from the results, unless a run reports them itself."""
@@ -253,13 +246,13 @@ class StudyStatus:
             return
         before = self._counts
         # Cases may have been run again, or another plan.
-        grown = before is not None and 0 <= failed - before.failed <= done - before.done
+        grown = before is not None and 0 <= failed - before.failed <= done - before.finished
         if before is None or self._pace is None or before.cases != len(states) or not grown:
             self._pace = ProgressMeter(len(states), done, failed)
         else:
-            for k in range(done - before.done):
+            for k in range(done - before.finished):
                 self._pace.count_case(k < failed - before.failed)
-            if done > before.done:
+            if done > before.finished:
                 self._grown = time.monotonic()
         self._counts = self._pace.counts(0)
 
@@ -271,14 +264,14 @@ class StudyStatus:
     @property
     def is_unfinished(self) -> bool:
         """True if cases are missing."""
-        return self.is_running or (self._counts is not None and self._counts.done < self._counts.cases)
+        return self.is_running or (self._counts is not None and self._counts.finished < self._counts.cases)
 
     @property
     def share(self) -> float | None:
         """Part of the cases that is finished; None while nobody knows."""
         if self._counts is None:
             return None if self.is_running else 0.0
-        return self._counts.done / max(1, self._counts.cases)
+        return self._counts.share
 
     @property
     def _may_run(self) -> bool:
@@ -290,7 +283,7 @@ class StudyStatus:
     def may_continue(self) -> bool:
         """True if the remaining cases can be computed on this machine."""
         counts = self._counts
-        return counts is not None and counts.done < counts.cases and self._may_run
+        return counts is not None and counts.finished < counts.cases and self._may_run
 
     @property
     def may_retry(self) -> bool:
@@ -304,7 +297,7 @@ class StudyStatus:
             waiting = tr("starting …") if self.is_running else ""
             return self._sentence or waiting or (tr("No study is open.") if self._folder is None else "")
         now = self._counts
-        words = [tr("{done:,} of {cases:,} done").format(done=now.done, cases=now.cases)]
+        words = [tr("{done:,} of {cases:,} done").format(done=now.finished, cases=now.cases)]
         if now.failed:
             words.append(tr("{failed:,} failed").format(failed=now.failed))
         if self._wrong:
@@ -312,7 +305,7 @@ class StudyStatus:
         if self.is_running and now.running:
             words.append(tr("{running:,} running").format(running=now.running))
         if (
-            now.done < now.cases
+            now.finished < now.cases
             and (self.is_running or self._grows)
             and now.rate
             and now.seconds_left is not None

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from PySide6.QtCore import QObject, Signal
 
+from apd_viewer.cases.case import Case
 from apd_viewer.cases.design import DesignVariable, design_table
 from apd_viewer.cases.local_pool import core_count
 from apd_viewer.cases.plan_columns import SETTING_COLUMNS
@@ -19,10 +20,10 @@ from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.handle_paths import document_at, handle_paths
+from apd_viewer.session.model.handle_paths import handle_paths
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
-from apd_viewer.session.posing.motion_path import document_along, motion_paths
+from apd_viewer.session.posing.motion_path import motion_paths
 from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
@@ -157,12 +158,10 @@ def document_with_values(state: State, unit: Unit, handle: int, values: Mapping[
     }
     part = float(settings.pop(SHARE_COLUMN, 1.0))
     document = state.document.relative_to_rest.with_settings(**settings)
-    words = [f"{name} {text}" for name, text in values.items() if name not in SETTING_COLUMNS]
-    if words:
-        steps = motion_steps(document, f"handle {handle + 1}: " + "; ".join(words), unit)
-        return document_along(document, motion_paths(document, steps))
-    paths = handle_paths(document)
-    return document_along(document_at(document, paths, part), paths, part)
+    words = "; ".join(f"{name} {text}" for name, text in values.items() if name not in SETTING_COLUMNS)
+    typed = motion_steps(document, f"handle {handle + 1}: {words}", unit) if words else ()
+    paths = motion_paths(document, typed) if typed else handle_paths(document)
+    return Case(document, paths, (part,)).end_document
 
 
 RUN_FILE = "run.json"
