@@ -40,6 +40,26 @@ T = TypeVar("T")
 _MOST_VERTICES = 1_000_000
 
 Content = Callable[["InputFile"], bytes]
+INPUTS_FOLDER = "inputs"
+# Readings of a case beside those of its curves, in the order of the tables.
+FINAL_READINGS = (
+    "area",
+    "area_rest",
+    "volume_rest",
+    "volume_error",
+    "local_change",
+    "handle_drift",
+    "share_reached",
+    "least_gap",
+    "box_volume",
+    "packed_volume",
+    "hull_volume",
+    "iterations",
+    "unsettled_steps",
+    "turned",
+    "turned_held",
+)
+_OF_ITERATIONS = "iterations", "settled"  # readings of a step that are no curves
 
 
 class MissingInputError(Exception):
@@ -52,7 +72,7 @@ class CaseDocuments:
     Parameters
     ----------
     content : callable
-        Bytes of a source; raises MissingSourceError where they cannot be had.
+        Bytes of a source; raises MissingInputError where they cannot be had.
     """
 
     def __init__(self, content: Content) -> None:
@@ -133,9 +153,6 @@ def _last_share(case: StudyCase) -> float:
     return float(dict(case.settings).get("to", 1.0))
 
 
-INPUTS_FOLDER = "inputs"
-
-
 def case_session(folder: Path, key: str) -> tuple[State, View]:
     """State of a finished case, its shape bit for bit, and the view.
 
@@ -175,27 +192,6 @@ def case_session(folder: Path, key: str) -> tuple[State, View]:
     return state.updated(frame=frame_from_json(JsonFields(result.frame, "frame"), state, result.U)), view
 
 
-# Readings of a case beside those of its curves, in the order of the tables.
-FINAL_READINGS = (
-    "area",
-    "area_rest",
-    "volume_rest",
-    "volume_error",
-    "local_change",
-    "handle_drift",
-    "share_reached",
-    "least_gap",
-    "box_volume",
-    "packed_volume",
-    "hull_volume",
-    "iterations",
-    "unsettled_steps",
-    "turned",
-    "turned_held",
-)
-_OF_ITERATIONS = "iterations", "settled"  # readings of a step that are no curves
-
-
 class _OutOfTimeError(Exception):
     """The case took longer than it may."""
 
@@ -212,7 +208,7 @@ def run_case(case: StudyCase, documents: CaseDocuments, limit: float | None = No
 
     Raises
     ------
-    MissingSourceError
+    MissingInputError
         If a file that it needs is not here.
     """
     started = time.perf_counter()

@@ -27,6 +27,23 @@ from apd_viewer.session.model.state import initial_document
 # Size in pixels, and direction of view.
 _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (0.25, 0.25, 1.0))}
 _TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # estimated shares of the work; the rest is drawing
+TOLERANCE = 1e-3
+_METHODS = "arap", "paper"  # in the order of the columns
+TABLE_TITLES = {
+    "bottle": tr("Table 1: twisting a bottle"),
+    "duck": tr("Table 2: bending a duck"),
+}
+_HEADINGS = (
+    tr("motion"),
+    "",
+    tr("area at rest"),
+    tr("ARAP"),
+    tr("change"),
+    tr("APD"),
+    tr("change"),
+    tr("handle drift"),
+    tr("within 0.1 %"),
+)
 
 
 def paper_parser() -> Parser:
@@ -111,10 +128,6 @@ def _readings(result: Result) -> list[str]:
     return lines
 
 
-TOLERANCE = 1e-3
-_METHODS = "arap", "paper"  # in the order of the columns
-
-
 class PaperCase(NamedTuple):
     """Motion of a table, and the areas given by the paper.
 
@@ -140,21 +153,6 @@ PAPER_CASES = {
     "duck-bend-015": PaperCase("duck", tr("duck's tail moved by 0.15 L"), 3725.0, 3699.5, 3721.6),
     "duck-bend-030": PaperCase("duck", tr("duck's tail moved by 0.3 L"), 3725.0, 3674.8, 3722.8),
 }
-TABLE_TITLES = {
-    "bottle": tr("Table 1: twisting a bottle"),
-    "duck": tr("Table 2: bending a duck"),
-}
-_HEADINGS = (
-    tr("motion"),
-    "",
-    tr("area at rest"),
-    tr("ARAP"),
-    tr("change"),
-    tr("APD"),
-    tr("change"),
-    tr("handle drift"),
-    tr("within 0.1 %"),
-)
 
 
 class PaperTableRow(NamedTuple):

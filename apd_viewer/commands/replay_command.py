@@ -61,6 +61,7 @@ from apd_viewer.session.storage.session_file import open_session
 
 # Shapes of an animation: ten seconds of them.
 _MOST = 240
+_FIELDS = {0: "angle", 1: "length", 2: "area"}
 
 
 def replay_parser() -> Parser:
@@ -134,9 +135,6 @@ def _write_animations(
     animation = Animation(document.mesh, *painted, shapes.files, shapes.numbers, document.target_shape)
     for path in paths:
         write_animation(animation, scratch_path_beside(path, stack))
-
-
-_FIELDS = {0: "angle", 1: "length", 2: "area"}
 
 
 def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dict[str, Any]]]:

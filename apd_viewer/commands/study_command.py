@@ -36,6 +36,10 @@ from apd_viewer.presentation.time_left import duration_text
 from apd_viewer.session.model.view import SESSION_SUFFIX
 
 _INTERRUPTED = 130
+_LOG = 30.0  # s between two lines of a log
+_MOST_SAID = 20  # sentences; the table has all of them
+_FILES = ("mesh", "session", "selection")
+_CONTACT = "contact"  # written in every new plan, since plans without it are from a time when there was none
 
 
 def study_parser() -> Parser:
@@ -146,9 +150,6 @@ def _interruptible(study: Study) -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-_LOG = 30.0  # s between two lines of a log
-
-
 class StudyProgress:
     """Says how far a study is, to whoever reads.
 
@@ -186,9 +187,6 @@ def counts_text(counts: CaseCounts) -> str:
         words.append(tr("{rate:.3g}/min").format(rate=60.0 * counts.rate))
         words.append(tr("{time} left").format(time=duration_text(counts.seconds_left)))
     return comma_separated(words)
-
-
-_MOST_SAID = 20  # sentences; the table has all of them
 
 
 def mistake_lines(plan: Plan) -> str:
@@ -255,10 +253,6 @@ def _first(lines: list[str]) -> list[str]:
     """The first lines, and how many more there are."""
     more = len(lines) - _MOST_SAID
     return lines if more <= 0 else [*lines[:_MOST_SAID], tr("... and {more:,} more").format(more=more)]
-
-
-_FILES = ("mesh", "session", "selection")
-_CONTACT = "contact"  # written in every new plan, since plans without it are from a time when there was none
 
 
 def design_parser() -> Parser:

@@ -29,6 +29,9 @@ _PUSH, _PULL = 0.2, 0.4  # of the height
 _STEPS_OF_A_PULL = 4
 
 ProgressCallback = Callable[[float], object]
+_LOSS_SIZE, _HANDLE_SIZE = (9.0, 4.4), (9.0, 3.9)
+# From few iterations to many: one hue, increasingly dark.
+_SHADES = ("#f7b9a0", "#ee8f6a", VERMILION, "#9c3f00", "#5c2400")
 
 
 class LossCurvePoint(NamedTuple):
@@ -119,11 +122,6 @@ def _line(document: Document) -> np.ndarray:
     axis = (handle - base) / np.linalg.norm(handle - base)
     whole: np.ndarray = axis * np.ptp(document.mesh.V @ axis)
     return whole
-
-
-_LOSS_SIZE, _HANDLE_SIZE = (9.0, 4.4), (9.0, 3.9)
-# From few iterations to many: one hue, increasingly dark.
-_SHADES = ("#f7b9a0", "#ee8f6a", VERMILION, "#9c3f00", "#5c2400")
 
 
 def draw_loss_curves(

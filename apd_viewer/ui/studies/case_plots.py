@@ -28,6 +28,29 @@ from apd_viewer.ui.studies.result_table import ResultModel
 from apd_viewer.ui.widgets.fields import ComboBox
 
 _NARROWEST, _AROUND = 72, 44  # px, of a choice and around its title
+_ABSCISSA = "part"
+_OFFERED = (
+    "volume_error",
+    "area_error",
+    "energy",
+    "local_change",
+    "handle_drift",
+    "volume",
+    "volume_capped",
+    "area",
+    "share_reached",
+)
+_LOWEST = QSize(200, 120)
+_Curves = Mapping[str, list[float | None]]
+# Okabe and Ito's, those first that stand out on light and dark.
+_CHOSEN = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a63c9", "#8c8c1e")
+MOST_CHOSEN = len(_CHOSEN)
+# Where the largest value is so many times the least, and half of all values lie in this lower share of the
+# range, a logarithmic axis parts them.
+_MANY, _CROWDED = 50.0, 0.25
+_FINEST = 0.01  # percent: two decimals are shown
+_NOTHING = "#b8bcc4"
+_SHADES = 100  # of dots: more cannot be told apart
 
 
 class ColumnChoice(ComboBox):
@@ -95,22 +118,6 @@ class ColumnChoice(ComboBox):
     def minimumSizeHint(self) -> QSize:
         """A few letters: the list shows the whole."""
         return QSize(_NARROWEST, self.sizeHint().height())
-
-
-_ABSCISSA = "part"
-_OFFERED = (
-    "volume_error",
-    "area_error",
-    "energy",
-    "local_change",
-    "handle_drift",
-    "volume",
-    "volume_capped",
-    "area",
-    "share_reached",
-)
-_LOWEST = QSize(200, 120)
-_Curves = Mapping[str, list[float | None]]
 
 
 class CaseCurves(QWidget):
@@ -290,17 +297,6 @@ class ScatterPlot(QWidget):
         shown: list[ResultColumn] = [self._model.columns[0]]
         shown += [column for column in self._model.columns if column.name in named]
         return "\n".join(f"{column.title}: {column.texts[row]}" for column in shown)
-
-
-# Okabe and Ito's, those first that stand out on light and dark.
-_CHOSEN = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a63c9", "#8c8c1e")
-MOST_CHOSEN = len(_CHOSEN)
-# Where the largest value is so many times the least, and half of all values lie in this lower share of the
-# range, a logarithmic axis parts them.
-_MANY, _CROWDED = 50.0, 0.25
-_FINEST = 0.01  # percent: two decimals are shown
-_NOTHING = "#b8bcc4"
-_SHADES = 100  # of dots: more cannot be told apart
 
 
 class CaseColors:

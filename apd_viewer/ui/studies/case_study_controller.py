@@ -32,6 +32,9 @@ from apd_viewer.ui.studies.study_run import StudyRun, scheduler_option, stored_o
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 from apd_viewer.ui.widgets.theme import Theme
 
+_EVERY = 1000  # ms
+_TIMES = 20.0  # so many times longer than reading takes is waited before the next
+
 
 class CaseStudyController(QObject):
     """Designs, runs and shows studies, one at a time.
@@ -245,10 +248,6 @@ def _seen_as(before: tuple[State, int, View] | None, state: State, view: View) -
     """
     same = before is not None and np.array_equal(before[0].document.mesh.V, state.document.mesh.V)
     return state, before[2] if before is not None and same else view
-
-
-_EVERY = 1000  # ms
-_TIMES = 20.0  # so many times longer than reading takes is waited before the next
 
 
 class FolderWatch(QObject):

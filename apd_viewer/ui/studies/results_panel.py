@@ -33,6 +33,7 @@ from apd_viewer.ui.widgets.thin_bar import ThinBar
 _SMALLEST, _NARROWEST = QSize(320, 160), 72  # px, of it and of the name of a study
 # Of the window, at first: the mesh is more important.
 _WIDTH, _SHARE, _LOWEST, _HIGHEST = 960, 0.3, 210, 420
+_SILENT = 120.0  # s without a new result, after which a study elsewhere is taken to have stopped
 
 
 class ResultsPanel(QWidget):
@@ -195,9 +196,6 @@ class ResultsPanel(QWidget):
         """Arrange the parts by the aspect of the dock."""
         super().resizeEvent(event)
         self.panes.arrange(self.size())
-
-
-_SILENT = 120.0  # s without a new result, after which a study elsewhere is taken to have stopped
 
 
 class StudyStatus:

@@ -32,6 +32,11 @@ from apd_viewer.ui.studies.varied_fields import SHARE_COLUMN, QuantityRange
 
 PLAN_FILE, SESSION_FILE = "plan.csv", "session.apd"
 PlanRows = tuple[list[str], list[list[str]]]
+RUN_FILE = "run.json"
+_SCHEDULERS = "--scheduler", "--scheduler-file"
+_PROCESSES = "--processes"
+# Each with a value. A folder may come from anybody: nothing else reaches the command.
+_KEPT = (*_SCHEDULERS, _PROCESSES, "--limit")
 
 
 class StudyDesign(NamedTuple):
@@ -162,13 +167,6 @@ def document_with_values(state: State, unit: Unit, handle: int, values: Mapping[
     typed = motion_steps(document, f"handle {handle + 1}: {words}", unit) if words else ()
     paths = motion_paths(document, typed) if typed else handle_paths(document)
     return Case(document, paths, (part,)).end_document
-
-
-RUN_FILE = "run.json"
-_SCHEDULERS = "--scheduler", "--scheduler-file"
-_PROCESSES = "--processes"
-# Each with a value. A folder may come from anybody: nothing else reaches the command.
-_KEPT = (*_SCHEDULERS, _PROCESSES, "--limit")
 
 
 class StudyRun(QObject):

@@ -28,6 +28,13 @@ from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox
 
 _POSED, _TWIST = "posed", "twist"
+ANIMATION_FORMATS: Mapping[str, str] = {
+    ".glb": tr("glTF with morph targets (GLB)"),
+    ".pc2": tr("Blender point cache (PC2)"),
+    ".mdd": tr("Blender point cache (MDD)"),
+    ".pvd": tr("ParaView series (PVD)"),
+    ".gif": tr("film (GIF)"),
+}
 
 
 class SweepDialog(RunDialog):
@@ -240,15 +247,6 @@ def _stamp(path: Path) -> tuple[int, int] | None:
     except OSError:
         return None
     return found.st_mtime_ns, found.st_ino
-
-
-ANIMATION_FORMATS: Mapping[str, str] = {
-    ".glb": tr("glTF with morph targets (GLB)"),
-    ".pc2": tr("Blender point cache (PC2)"),
-    ".mdd": tr("Blender point cache (MDD)"),
-    ".pvd": tr("ParaView series (PVD)"),
-    ".gif": tr("film (GIF)"),
-}
 
 
 def format_choice(first: str) -> ComboBox:

@@ -24,6 +24,8 @@ from apd_viewer.ui.widgets.fields import CheckBox, TextField
 DEGREES, PERCENT, NO_UNIT = "deg", "%", ""
 SHARE_COLUMN = "to"
 _DIGITS = 10  # of a number in a plan
+_WIDTH = 104  # px, of an end
+TITLE_COLUMN_WIDTH = 140  # px, of the column of titles with its gap
 
 
 class VariedQuantity(NamedTuple):
@@ -176,10 +178,6 @@ def _plan_text(quantity: VariedQuantity, text: str, state: State, unit: Unit) ->
 
 def _written(value: float) -> str:
     return f"{float(f'{value:.{_DIGITS}g}'):.{_DIGITS}g}"
-
-
-_WIDTH = 104  # px, of an end
-TITLE_COLUMN_WIDTH = 140  # px, of the column of titles with its gap
 
 
 class VariedRow:
