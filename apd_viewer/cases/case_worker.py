@@ -28,9 +28,8 @@ from typing import NamedTuple
 
 from threadpoolctl import threadpool_limits
 
-from apd_viewer.cases.case_document import CaseDocuments, MissingInputError
 from apd_viewer.cases.case_file import case_to_bytes
-from apd_viewer.cases.run_case import run_case
+from apd_viewer.cases.run_case import CaseDocuments, MissingInputError, run_case
 from apd_viewer.cases.study_case import InputFile, StudyCase
 from apd_viewer.files.storage.lock import acquire_lock
 from apd_viewer.files.storage.regular_files import read_bytes

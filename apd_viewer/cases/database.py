@@ -40,6 +40,7 @@ commit;
 DATABASE_ERRORS = sqlite3.DatabaseError, UnicodeDecodeError
 # Errors of a sound database.
 _FOR_NOW = "locked", "is full", "unable to open", "disk I/O"
+T = TypeVar("T")
 
 
 def opened_database(folder: Path) -> sqlite3.Connection:
@@ -167,9 +168,6 @@ def reading_database(folder: Path) -> Iterator[sqlite3.Connection]:
             yield base
     except DATABASE_ERRORS as error:
         raise read_error(folder, error) from error
-
-
-T = TypeVar("T")
 
 
 class CaseRow(NamedTuple):

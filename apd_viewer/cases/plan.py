@@ -45,6 +45,8 @@ _USUAL = asdict(DEFAULT_SETTINGS)
 _OLD = {"contact": False}
 # Stand-in for the unit of a session, which is read later; no cell is accepted or refused because of it.
 _SOME = Unit.MILLIMETRE
+MOST_ROWS = 1_000_000
+_SEPARATORS = ",;\t"
 
 
 def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> StudyCase:
@@ -138,10 +140,6 @@ def _in_column(name: str, read: Callable[[str], T], text: str) -> T:
         ) from error
     except InputError as error:
         raise InputError(tr("Column “{name}”: {sentence}").format(name=name, sentence=error)) from error
-
-
-MOST_ROWS = 1_000_000
-_SEPARATORS = ",;\t"
 
 
 @dataclass(frozen=True)

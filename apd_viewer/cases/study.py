@@ -18,7 +18,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
-from apd_viewer.cases.case_document import INPUTS_FOLDER
 from apd_viewer.cases.case_file import (
     FAILED,
     CaseResult,
@@ -41,6 +40,7 @@ from apd_viewer.cases.database import (
 )
 from apd_viewer.cases.plan import Plan, read_plan
 from apd_viewer.cases.results import ResultTable, read_result_table, write_curves, write_results
+from apd_viewer.cases.run_case import INPUTS_FOLDER
 from apd_viewer.cases.study_case import InputFiles, StudyCase
 from apd_viewer.cases.study_progress import CaseCounts, ProgressMeter
 from apd_viewer.errors import InputError
@@ -51,6 +51,21 @@ from apd_viewer.language import tr
 
 # Seconds between two tables written on the way, and how many times longer than writing took that is at least.
 _TABLE, _TIMES = 20.0, 50.0
+# All that is written there, but for the files of cases, which take the place of links.
+_WRITTEN = (
+    ".lock",
+    "study.sqlite*",
+    "results.*",
+    "curves.csv",
+    "cases",
+    "cases/*",
+    "inputs",
+    "inputs/*",
+    "inputs/*/*",
+)
+T = TypeVar("T")
+# Seconds between two commits: what is lost with the program is read from the files again.
+_COMMIT = 1.0
 
 
 class Study:
@@ -183,32 +198,12 @@ class Study:
         self._store.close()
 
 
-# All that is written there, but for the files of cases, which take the place of links.
-_WRITTEN = (
-    ".lock",
-    "study.sqlite*",
-    "results.*",
-    "curves.csv",
-    "cases",
-    "cases/*",
-    "inputs",
-    "inputs/*",
-    "inputs/*/*",
-)
-
-
 def check_links(folder: Path) -> None:
     """Raise InputError for a link out of the folder."""
     inside = os.path.realpath(folder)
     for path in (path for pattern in _WRITTEN for path in folder.glob(pattern)):
         if path.is_symlink() and not Path(os.path.realpath(path)).is_relative_to(inside):
             raise InputError(tr("{path} is a link that leads out of the study; remove it.").format(path=path))
-
-
-T = TypeVar("T")
-
-# Seconds between two commits: what is lost with the program is read from the files again.
-_COMMIT = 1.0
 
 
 class StudyStore:

@@ -24,6 +24,8 @@ RESULTS_VERSION = 2
 _FOLDER = 16  # characters of a digest that name a folder
 
 CaseSetting = float | int | bool | str
+# The buffers of such a mesh may be in files beside it, which do not travel along.
+_IN_PARTS = ".gltf"
 
 
 @dataclass(frozen=True)
@@ -151,10 +153,6 @@ def _program() -> str:
         return metadata.version("apd-viewer")
     except metadata.PackageNotFoundError:
         return "unknown"
-
-
-# Its buffers may be in files beside it, which do not travel with it.
-_IN_PARTS = ".gltf"
 
 
 class InputFiles:

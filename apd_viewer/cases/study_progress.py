@@ -6,7 +6,6 @@ import errno
 import os
 import time
 from collections import defaultdict, deque
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,16 +20,15 @@ _WINDOW = 600.0  # s over which the rate is measured
 _LEAST = 2  # cases, of which one may have had to compile
 
 
-@dataclass(frozen=True)
-class CaseCounts:
-    """State of a running study.
+class CaseCounts(NamedTuple):
+    """State of a running study, as the lines of its command tell it.
 
     Attributes
     ----------
     cases : int
         All different ones of the plan.
-    done : int
-        Finished ones, the failed among them.
+    finished : int
+        The failed among them.
     running, failed : int
     rate : float or None
         Cases a second; None while it is not known.
@@ -38,11 +36,16 @@ class CaseCounts:
     """
 
     cases: int
-    done: int
+    finished: int
     running: int
     failed: int
     rate: float | None = None
     seconds_left: float | None = None
+
+    @property
+    def share(self) -> float:
+        """Part of the cases that is finished."""
+        return self.finished / max(1, self.cases)
 
 
 class ProgressMeter:

@@ -8,9 +8,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
-from apd_viewer.cases.paper_curves import HandleCurvePoint, LossCurvePoint, handle_curve, loss_curve
 from apd_viewer.commands.terminal.columns import column_count, padded_text
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.rendered_pictures import Picture, draw_shapes, no_pictures_reason
 from apd_viewer.files.samples import open_sample, resource_path
@@ -23,22 +22,35 @@ from apd_viewer.geometry.solver.deformation_result import Result, deform
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.presentation.palette import label_colors
-from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.state import initial_document
 
 # Size in pixels, and direction of view.
 _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (0.25, 0.25, 1.0))}
 _TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # estimated shares of the work; the rest is drawing
+TOLERANCE = 1e-3
+_METHODS = "arap", "paper"  # in the order of the columns
+TABLE_TITLES = {
+    "bottle": tr("Table 1: twisting a bottle"),
+    "duck": tr("Table 2: bending a duck"),
+}
+_HEADINGS = (
+    tr("motion"),
+    "",
+    tr("area at rest"),
+    tr("ARAP"),
+    tr("change"),
+    tr("APD"),
+    tr("change"),
+    tr("handle drift"),
+    tr("within 0.1 %"),
+)
 
 
 def paper_parser() -> Parser:
     """Parser of the command."""
     parser = Parser(prog="apd-viewer paper", description=tr("Re-run the paper's tables on the samples."))
-    parser.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, help=tr("folder for tables, curves and figures")
-    )
-    parser.add_argument(
-        "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
-    )
+    add_option(parser, "-o, --output DIR", tr("folder for tables, curves and figures"), type=Path)
+    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
     parser.set_defaults(run=_paper)
     return parser
 
@@ -65,20 +77,23 @@ def _paper(options: argparse.Namespace) -> None:
 
 def _write_curves(folder: Path, progress: Progress) -> None:
     # Imported here: matplotlib is slow to import, and this function alone needs it.
-    from apd_viewer.figures.curves import draw_handle_curves, draw_loss_curves
+    from apd_viewer.figures.paper_figures import (
+        draw_handle_curves,
+        draw_loss_curves,
+        handle_curve,
+        loss_curve,
+    )
 
-    document = initial_state(*open_sample("bottle")).document
-    doing = tr("area loss by angle")
+    document = initial_document(*open_sample("bottle"))
+    doing, where, before = tr("area loss by angle"), tr("handle drift with Eq. 8"), _TABLES + _LOSSES
     lost = loss_curve(document, tick=lambda done: progress.show(_TABLES + _LOSSES * done, doing))
     said = [(60.0, "bottle-twist-60"), (120.0, "bottle-twist-120")]
     cases = [(degrees, PAPER_CASES[name]) for degrees, name in said if name in PAPER_CASES]
     draw_loss_curves(lost, [(degrees, case.arap / case.rest - 1) for degrees, case in cases], folder)
-    write_table(folder / "loss-against-angle.csv", LossCurvePoint._fields, lost)
-    where = tr("handle drift with Eq. 8")
-    before = _TABLES + _LOSSES
+    write_table(folder / "loss-against-angle.csv", lost[0]._fields, lost)
     held = handle_curve(document, tick=lambda done: progress.show(before + _HOLDS * done, where))
     draw_handle_curves(held, folder)
-    write_table(folder / "handle.csv", HandleCurvePoint._fields, held)
+    write_table(folder / "handle.csv", held[0]._fields, held)
 
 
 def _draw_shapes(table: Sequence[PaperTableRow], folder: Path, progress: Progress) -> bool:
@@ -113,10 +128,6 @@ def _readings(result: Result) -> list[str]:
     return lines
 
 
-TOLERANCE = 1e-3
-_METHODS = "arap", "paper"  # in the order of the columns
-
-
 class PaperCase(NamedTuple):
     """Motion of a table, and the areas given by the paper.
 
@@ -142,21 +153,6 @@ PAPER_CASES = {
     "duck-bend-015": PaperCase("duck", tr("duck's tail moved by 0.15 L"), 3725.0, 3699.5, 3721.6),
     "duck-bend-030": PaperCase("duck", tr("duck's tail moved by 0.3 L"), 3725.0, 3674.8, 3722.8),
 }
-TABLE_TITLES = {
-    "bottle": tr("Table 1: twisting a bottle"),
-    "duck": tr("Table 2: bending a duck"),
-}
-_HEADINGS = (
-    tr("motion"),
-    "",
-    tr("area at rest"),
-    tr("ARAP"),
-    tr("change"),
-    tr("APD"),
-    tr("change"),
-    tr("handle drift"),
-    tr("within 0.1 %"),
-)
 
 
 class PaperTableRow(NamedTuple):

@@ -6,12 +6,11 @@ from collections.abc import Callable
 
 from apd_viewer.commands.deck_command import deck_parser
 from apd_viewer.commands.deform_command import deform_parser
-from apd_viewer.commands.design_command import design_parser
 from apd_viewer.commands.info_command import info_parser
 from apd_viewer.commands.paper_command import paper_parser
 from apd_viewer.commands.press_command import press_parser
 from apd_viewer.commands.replay_command import replay_parser
-from apd_viewer.commands.study_command import study_parser
+from apd_viewer.commands.study_command import design_parser, study_parser
 from apd_viewer.commands.sweep_command import sweep_parser
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.volumes_command import volumes_parser

@@ -32,7 +32,7 @@ from apd_viewer.commands.terminal.animation_options import (
     scratch_path_beside,
 )
 from apd_viewer.commands.terminal.output_files import check_files
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import (
     ANIMATION_FORMATS,
@@ -61,19 +61,20 @@ from apd_viewer.session.storage.session_file import open_session
 
 # Shapes of an animation: ten seconds of them.
 _MOST = 240
+_FIELDS = {0: "angle", 1: "length", 2: "area"}
 
 
 def replay_parser() -> Parser:
     """Parser of the command replay."""
     parser = Parser(prog="apd-viewer replay", description=tr("Re-run a saved session without a window."))
-    parser.add_argument("session", metavar="SESSION", help=tr("session file (.apd) saved by the window"))
-    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
-    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
+    add_option(parser, "SESSION", tr("session file (.apd) saved by the window"))
+    add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
+    add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
     add_scalar_options(parser)
-    parser.add_argument(
+    add_option(
+        parser,
         "--from-rest",
-        action="store_true",
-        help=tr("start from the rest shape; default: a saved shape that has converged is kept"),
+        tr("start from the rest shape; default: a saved shape that has converged is kept"),
     )
     add_animation_option(parser, films=False)
     parser.set_defaults(run=_replay)
@@ -134,9 +135,6 @@ def _write_animations(
     animation = Animation(document.mesh, *painted, shapes.files, shapes.numbers, document.target_shape)
     for path in paths:
         write_animation(animation, scratch_path_beside(path, stack))
-
-
-_FIELDS = {0: "angle", 1: "length", 2: "area"}
 
 
 def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dict[str, Any]]]:

@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from apd_viewer.commands.terminal.parser import add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import WrittenMesh, save_mesh
 from apd_viewer.files.report import write_report
@@ -117,17 +118,17 @@ def _reading(value: float, rest: float) -> str:
 
 def add_scalar_options(parser: argparse.ArgumentParser) -> None:
     """Add the options for scalars."""
-    parser.add_argument(
-        "--scalars",
-        metavar="S.ply",
+    add_option(
+        parser,
+        "--scalars S.ply",
+        tr("write area change, strain, displacement and labels: .ply, or .csv with a row per vertex"),
         type=Path,
-        help=tr("write area change, strain, displacement and labels: .ply, or .csv with a row per vertex"),
     )
-    parser.add_argument(
-        "--triangle-scalars",
-        metavar="T.csv",
+    add_option(
+        parser,
+        "--triangle-scalars T.csv",
+        tr("write those of the triangles, with a row per triangle"),
         type=Path,
-        help=tr("write those of the triangles, with a row per triangle"),
     )
 
 

@@ -1,8 +1,9 @@
-"""The command ``apd-viewer study``: cases of a plan, by many processes."""
+"""The commands ``study`` and ``study design``: cases of a plan, and a plan."""
 
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import sys
 import time
@@ -12,25 +13,33 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from apd_viewer.cases.case_document import INPUTS_FOLDER
 from apd_viewer.cases.case_file import FAILED
 from apd_viewer.cases.case_runner import Engine
 from apd_viewer.cases.cluster import connected_cluster
+from apd_viewer.cases.design import DESIGNS, LATIN, DesignVariable, design_table, parse_variable
 from apd_viewer.cases.local_pool import LocalPool, core_count
 from apd_viewer.cases.plan import Plan, read_plan
-from apd_viewer.cases.plan_columns import CASE_COLUMNS, SETTING_COLUMNS
+from apd_viewer.cases.plan_columns import AUTO, CASE_COLUMNS, COLUMNS, NOTE_PREFIX, SETTING_COLUMNS
 from apd_viewer.cases.results import ResultTable, status_text
+from apd_viewer.cases.run_case import INPUTS_FOLDER
 from apd_viewer.cases.study import Study
 from apd_viewer.cases.study_case import InputFiles
 from apd_viewer.cases.study_progress import CaseCounts, StudyForecast, study_forecast
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_writing import check_writable
+from apd_viewer.files.tables import write_table
 from apd_viewer.language import comma_separated, localize_numbers, tr, trn
 from apd_viewer.presentation.number_format import format_grouped
 from apd_viewer.presentation.time_left import duration_text
+from apd_viewer.session.model.view import SESSION_SUFFIX
 
 _INTERRUPTED = 130
+_LOG = 30.0  # s between two lines of a log
+_MOST_SAID = 20  # sentences; the table has all of them
+_FILES = ("mesh", "session", "selection")
+_CONTACT = "contact"  # written in every new plan, since plans without it are from a time when there was none
 
 
 def study_parser() -> Parser:
@@ -43,34 +52,20 @@ def study_parser() -> Parser:
         ),
         epilog=_columns(),
     )
-    parser.add_argument("plan", metavar="PLAN.csv", type=Path, help=tr("table with a case a row"))
-    parser.add_argument(
-        "-o", "--output", metavar="FOLDER", type=Path, required=True, help=tr("folder of the results")
-    )
+    add_option(parser, "PLAN.csv", tr("table with a case a row"), type=Path)
+    add_option(parser, "-o, --output FOLDER", tr("folder of the results"), type=Path, required=True)
     engine = parser.add_mutually_exclusive_group()
-    engine.add_argument(
-        "--processes",
-        "--workers",
-        metavar="N",
-        type=int,
-        help=tr("on this machine; default: one for each core"),
+    add_option(
+        engine, "--processes, --workers N", tr("on this machine; default: one for each core"), type=int
     )
-    engine.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help=tr("workers behind a scheduler of Dask, such as tcp://host:8786"),
+    add_option(
+        engine, "--scheduler ADDRESS", tr("workers behind a scheduler of Dask, such as tcp://host:8786")
     )
-    engine.add_argument(
-        "--scheduler-file", metavar="F.json", type=Path, help=tr("the same, by the file that it has written")
-    )
-    parser.add_argument("--limit", metavar="SECONDS", type=float, help=tr("that a case may take"))
-    parser.add_argument("--retry-failed", action="store_true", help=tr("run cases again that failed before"))
-    parser.add_argument(
-        "--dry-run", action="store_true", help=tr("say what there is to do, and how long it takes")
-    )
-    parser.add_argument(
-        "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
-    )
+    add_option(engine, "--scheduler-file F.json", tr("the same, by the file that it has written"), type=Path)
+    add_option(parser, "--limit SECONDS", tr("that a case may take"), type=float)
+    add_option(parser, "--retry-failed", tr("run cases again that failed before"))
+    add_option(parser, "--dry-run", tr("say what there is to do, and how long it takes"))
+    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
     parser.set_defaults(run=_study)
     return parser
 
@@ -155,9 +150,6 @@ def _interruptible(study: Study) -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-_LOG = 30.0  # s between two lines of a log
-
-
 class StudyProgress:
     """Says how far a study is, to whoever reads.
 
@@ -175,16 +167,7 @@ class StudyProgress:
 
     def show(self, counts: CaseCounts) -> None:
         """Show the state of the study."""
-        self._display.show(
-            counts.done / max(counts.cases, 1),
-            counts_text(counts),
-            cases=counts.cases,
-            finished=counts.done,
-            running=counts.running,
-            failed=counts.failed,
-            rate=counts.rate,
-            seconds_left=counts.seconds_left,
-        )
+        self._display.show(counts.share, counts_text(counts), **counts._asdict())
         if self._log and time.monotonic() - self._logged > _LOG:
             self._logged = time.monotonic()
             print(counts_text(counts), file=sys.stderr, flush=True)
@@ -196,7 +179,7 @@ class StudyProgress:
 
 def counts_text(counts: CaseCounts) -> str:
     """The state of a study in a few words."""
-    words = [tr("{done:,} of {cases:,}").format(done=counts.done, cases=counts.cases)]
+    words = [tr("{done:,} of {cases:,}").format(done=counts.finished, cases=counts.cases)]
     words.append(tr("{running} running").format(running=counts.running))
     if counts.failed:
         words.append(tr("{failed} failed").format(failed=counts.failed))
@@ -204,9 +187,6 @@ def counts_text(counts: CaseCounts) -> str:
         words.append(tr("{rate:.3g}/min").format(rate=60.0 * counts.rate))
         words.append(tr("{time} left").format(time=duration_text(counts.seconds_left)))
     return comma_separated(words)
-
-
-_MOST_SAID = 20  # sentences; the table has all of them
 
 
 def mistake_lines(plan: Plan) -> str:
@@ -273,3 +253,110 @@ def _first(lines: list[str]) -> list[str]:
     """The first lines, and how many more there are."""
     more = len(lines) - _MOST_SAID
     return lines if more <= 0 else [*lines[:_MOST_SAID], tr("... and {more:,} more").format(more=more)]
+
+
+def design_parser() -> Parser:
+    """Parser of the command."""
+    parser = Parser(
+        prog="apd-viewer study design",
+        description=tr(
+            "Write the plan of a study: a table with a case a row, for a spreadsheet or for “study”."
+        ),
+    )
+    add_option(parser, "--mesh MESH", tr("meshes or sessions to try"), nargs="+", default=[])
+    add_option(parser, "--selection SEL", tr("what of a mesh is base and handle"))
+    add_option(
+        parser, "--motion WORDS", tr("such as “twist {twist}; move 0 {way} 0”: what is in braces varies")
+    )
+    add_option(
+        parser,
+        "--vary NAME=RANGE",
+        tr(
+            "a column, a name in the motion, or twist, push, bend or scale: “twist=0..180deg”, "
+            "“push=0..40%%”, “stiffness=1e-4..0.1:log” (by factors), “method=arap,exact”"
+        ),
+        action="append",
+        default=[],
+    )
+    add_option(
+        parser,
+        "--set COLUMN=TEXT",
+        tr("the same in all cases, such as steps=6"),
+        action="append",
+        default=[],
+        dest="given",
+    )
+    add_option(
+        parser,
+        "--samples N",
+        tr("cases, or of a grid levels of a range; default: %(default)s"),
+        type=int,
+        default=100,
+    )
+    add_option(
+        parser,
+        "--method",
+        tr("Latin hypercube, Sobol sequence or all combinations; default: %(default)s"),
+        choices=DESIGNS,
+        default=LATIN,
+    )
+    add_option(parser, "--seed N", tr("of the samples; default: %(default)s"), type=int, default=0)
+    add_option(parser, "-o, --output PLAN.csv", tr("table to write"), type=Path, required=True)
+    parser.set_defaults(run=_design)
+    return parser
+
+
+def _design(options: argparse.Namespace) -> None:
+    check_writable(options.output)
+    given = _given(options)
+    vary = [parse_variable(text) for text in options.vary]
+    if len(options.mesh) > 1:
+        vary.insert(0, DesignVariable("mesh", tuple(options.mesh)))
+    columns, rows = design_table(given, vary, options.method, options.samples, options.seed)
+    folder = options.output.absolute().parent
+    rows = [
+        [_found(cell, folder) if name in _FILES else cell for name, cell in zip(columns, row, strict=True)]
+        for row in rows
+    ]
+    write_table(options.output, columns, rows)
+    print(tr("{path}: {count:,} cases").format(path=options.output, count=len(rows)))
+
+
+def _given(options: argparse.Namespace) -> dict[str, str]:
+    """Cells common to all rows; raises InputError."""
+    given = {"mesh": options.mesh[0]} if len(options.mesh) == 1 else {}
+    given |= {name: getattr(options, name) for name in ("selection", "motion") if getattr(options, name)}
+    for text in options.given:
+        name, equals, said = (part.strip() for part in text.partition("="))
+        if not equals or (name not in COLUMNS and not name.startswith(NOTE_PREFIX)):
+            raise InputError(
+                tr(
+                    "--set {text}: give a column and its text, such as steps=6; columns are {columns}."
+                ).format(text=text, columns=", ".join(COLUMNS))
+            )
+        if name in given:
+            raise InputError(tr("“{name}” is given twice; omit one.").format(name=name))
+        given[name] = said
+    if not any(text.partition("=")[0].strip() == _CONTACT for text in [*options.vary, *options.given]):
+        given[_CONTACT] = AUTO
+    if (
+        "mesh" not in given
+        and len(options.mesh) < 2
+        and not any(
+            text.partition("=")[0].strip() in ("mesh", "session") for text in [*options.vary, *options.given]
+        )
+    ):
+        raise InputError(
+            tr("There is no mesh; give --mesh with a mesh or a session ({suffix}).").format(
+                suffix=SESSION_SUFFIX
+            )
+        )
+    return given
+
+
+def _found(name: str, folder: Path) -> str:
+    """Path of a file relative to the folder of the plan."""
+    try:
+        return Path(os.path.relpath(name, folder)).as_posix()
+    except ValueError:  # on another drive
+        return str(Path(name).absolute())

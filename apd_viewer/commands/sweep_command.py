@@ -23,7 +23,7 @@ from apd_viewer.commands.motion_options import add_input_options, read_input
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.animation_options import AnimationTargets, add_animation_option
 from apd_viewer.commands.terminal.columns import format_signed
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.commands.terminal.setting_options import add_contact_option
 from apd_viewer.commands.terminal.weld_option import add_weld_option
@@ -51,34 +51,24 @@ def sweep_parser() -> Parser:
         ),
     )
     add_input_options(parser)
-    parser.add_argument("--steps", metavar="N", type=int, default=20, help=tr("default: %(default)s"))
-    parser.add_argument(
-        "--to",
-        metavar="PART",
-        type=float,
-        default=1.0,
-        help=tr("of the motion, where to end; 1.5 goes past it"),
+    add_option(parser, "--steps N", tr("default: %(default)s"), type=int, default=20)
+    add_option(
+        parser, "--to PART", tr("of the motion, where to end; 1.5 goes past it"), type=float, default=1.0
     )
-    parser.add_argument(
-        "--methods", metavar="M,M,...", default=",".join(COMPARED_METHODS), help=tr("default: %(default)s")
-    )
-    parser.add_argument(
-        "--iterations",
-        metavar="N",
-        type=int,
-        help=tr("at most so many a step; default: {usual}, with obstacles {settling}").format(
+    add_option(parser, "--methods M,M,...", tr("default: %(default)s"), default=",".join(COMPARED_METHODS))
+    add_option(
+        parser,
+        "--iterations N",
+        tr("at most so many a step; default: {usual}, with obstacles {settling}").format(
             usual=DEFAULT_ITERATIONS, settling=SETTLING_ITERATIONS
         ),
+        type=int,
     )
-    parser.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, required=True, help=tr("folder to write to")
-    )
+    add_option(parser, "-o, --output DIR", tr("folder to write to"), type=Path, required=True)
     add_contact_option(parser)
-    parser.add_argument("--meshes", action="store_true", help=tr("write the mesh of every step, too"))
+    add_option(parser, "--meshes", tr("write the mesh of every step, too"))
     add_animation_option(parser)
-    parser.add_argument(
-        "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
-    )
+    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
     add_weld_option(parser)
     parser.set_defaults(run=_sweep)
     return parser
@@ -86,8 +76,7 @@ def sweep_parser() -> Parser:
 
 def _sweep(options: argparse.Namespace) -> None:
     methods = [word.strip() for word in options.methods.split(",") if word.strip()]
-    state, view, motion = read_input(options, options.weld)
-    document = state.document
+    document, view, motion = read_input(options, options.weld)
     if options.contact is not None:
         document = document.with_settings(contact=options.contact)
     case = case_of(document, options.steps, options.to, options.iterations, motion)

@@ -151,8 +151,8 @@ def simulated(options):
         sizes, work = [], Simulated(options.seconds)
 
         def told(now):
-            if not sizes or now.done >= sizes[-1][0] + options.cases // 10:
-                sizes.append((now.done, memory_of(os.getpid())))
+            if not sizes or now.finished >= sizes[-1][0] + options.cases // 10:
+                sizes.append((now.finished, memory_of(os.getpid())))
 
         workers = options.workers[-1]
         with engine(options.pool, workers, work) as pool:
@@ -209,7 +209,7 @@ class Memory:
 
     def tell(self, now):
         """Note how many cases are done."""
-        self.done = now.done
+        self.done = now.finished
 
 
 def bottles(options):

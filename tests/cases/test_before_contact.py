@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from apd_viewer.__main__ import main
-from apd_viewer.cases.case_document import case_session
 from apd_viewer.cases.case_file import case_sizes
+from apd_viewer.cases.run_case import case_session
 from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.session.storage.session_file import open_session
 

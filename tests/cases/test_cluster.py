@@ -7,11 +7,10 @@ import pytest
 import study_work
 from dask_cluster import dask_cluster
 
-from apd_viewer.cases.case_document import CaseDocuments
 from apd_viewer.cases.case_file import read_case
 from apd_viewer.cases.case_worker import run_task
 from apd_viewer.cases.cluster import Cluster, connected_cluster
-from apd_viewer.cases.run_case import run_case
+from apd_viewer.cases.run_case import CaseDocuments, run_case
 from apd_viewer.cases.study import Study
 from apd_viewer.errors import InputError
 

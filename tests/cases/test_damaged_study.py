@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from immediate import Here
 
-from apd_viewer.cases.case_document import case_session
 from apd_viewer.cases.case_file import CaseResult, case_path, case_to_bytes
 from apd_viewer.cases.case_worker import CaseAnswer
 from apd_viewer.cases.database import DATABASE_NAME
 from apd_viewer.cases.results import read_results
+from apd_viewer.cases.run_case import case_session
 from apd_viewer.cases.study import Study
 from apd_viewer.cases.study_progress import study_forecast
 from apd_viewer.errors import InputError

@@ -9,11 +9,10 @@ from types import SimpleNamespace
 import pytest
 import study_work
 
-from apd_viewer.cases.case_document import CaseDocuments
 from apd_viewer.cases.case_file import case_from_bytes, read_case
 from apd_viewer.cases.case_worker import CaseTask
 from apd_viewer.cases.local_pool import LocalPool
-from apd_viewer.cases.run_case import run_case
+from apd_viewer.cases.run_case import CaseDocuments, run_case
 from apd_viewer.cases.study import Study
 
 

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from apd_viewer.cases.case_document import CaseDocuments
 from apd_viewer.cases.plan import read_plan
-from apd_viewer.cases.run_case import run_case
+from apd_viewer.cases.run_case import CaseDocuments, run_case
 from apd_viewer.cases.study_case import InputFiles
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -85,7 +85,7 @@ def test_deck_of_ends_held_nodes_where_the_pose_has_them(written):
 
 def test_deck_of_walks_a_turn_in_steps_on_its_arc(written):
     state = painted()
-    motion = motion_steps(state, "twist 100deg", Unit.NONE)
+    motion = motion_steps(state.document, "twist 100deg", Unit.NONE)
     deck = written(state.document, motion=motion)
     assert len(deck.steps) == 4
     centre = np.append(V[TOP].mean(axis=0)[:2], 0.0)

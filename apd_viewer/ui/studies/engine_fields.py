@@ -16,7 +16,7 @@ from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.ui.studies.run_dialog import count_field, widget_row
-from apd_viewer.ui.studies.study_files import path_from_text
+from apd_viewer.ui.studies.study_run import path_from_text
 from apd_viewer.ui.widgets.fields import ComboBox, TextField
 
 _HERE, _SCHEDULER = "here", "scheduler"

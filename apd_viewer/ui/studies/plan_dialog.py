@@ -34,7 +34,7 @@ from apd_viewer.ui.posing.motion_ghost import MotionGhost
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.engine_fields import EngineFields
 from apd_viewer.ui.studies.run_dialog import count_field, widget_row
-from apd_viewer.ui.studies.study_files import (
+from apd_viewer.ui.studies.study_run import (
     PlanRows,
     StudyDesign,
     document_with_values,

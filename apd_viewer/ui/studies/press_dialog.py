@@ -30,8 +30,7 @@ from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.studies.run_bar import RunBar
-from apd_viewer.ui.studies.run_dialog import RunDialog, count_field, widget_row
+from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field, widget_row
 from apd_viewer.ui.studies.wall_fields import WallFields
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField

@@ -148,6 +148,13 @@ class ResultColumn:
         return len(set(self.texts)) > 1
 
 
+class ReadResults(NamedTuple):
+    """Results with their columns, as read at a moment."""
+
+    table: ResultTable
+    columns: list[ResultColumn]
+
+
 def shown_columns(table: ResultTable) -> list[ResultColumn]:
     """Columns of the table in the window, ready to be sorted and laid out."""
     line, *found = result_columns(table)

@@ -32,6 +32,12 @@ _ROLES = Qt.ItemDataRole
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 _Index = QModelIndex | QPersistentModelIndex
+_ROW = 24  # px
+_WIDEST, _NARROWEST = 360, 48
+_PAD = 18  # px, left and right of a text
+# With these a click adds rows to the chosen ones.
+_MORE = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
+_SELECTION = QItemSelectionModel.SelectionFlag
 
 
 class ResultModel(QAbstractTableModel):
@@ -151,14 +157,6 @@ class ResultModel(QAbstractTableModel):
         with self._moving_rows():
             self._sorted_by = self.columns[column].name, order
         self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(self.columns) - 1)
-
-
-_ROW = 24  # px
-_WIDEST, _NARROWEST = 360, 48
-_PAD = 18  # px, left and right of a text
-# With these a click adds rows to the chosen ones.
-_MORE = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
-_SELECTION = QItemSelectionModel.SelectionFlag
 
 
 class ResultsView(QTableView):

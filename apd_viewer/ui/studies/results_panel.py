@@ -2,36 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import time
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from PySide6.QtCore import QSize, Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices, QResizeEvent
 from PySide6.QtWidgets import (
-    QGridLayout,
     QHBoxLayout,
-    QLabel,
     QPushButton,
     QSizePolicy,
     QVBoxLayout,
     QWidget,
 )
 
-from apd_viewer.cases.case_file import FAILED
-from apd_viewer.language import tr
-from apd_viewer.presentation.axis import Axis, magnitude_axis, rounded_axis
-from apd_viewer.presentation.palette import SEQUENTIAL
+from apd_viewer.cases.case_file import DONE, FAILED
+from apd_viewer.cases.results import WAITING, WRONG, ResultTable
+from apd_viewer.cases.study_progress import CaseCounts, ProgressMeter
+from apd_viewer.language import comma_separated, tr, trn
+from apd_viewer.presentation.time_left import duration_text
 from apd_viewer.ui.panel.status_bar import ElidedLabel
-from apd_viewer.ui.plots.chart import Chart, ColorBar, Dots
-from apd_viewer.ui.plots.scatter_view import ScatterView
-from apd_viewer.ui.studies.case_curves import CaseCurves
-from apd_viewer.ui.studies.column_choice import ColumnChoice
-from apd_viewer.ui.studies.folder_watch import ReadResults
-from apd_viewer.ui.studies.result_columns import ResultColumn
+from apd_viewer.ui.studies.case_plots import CaseColors, CaseCurves, ScatterPlot
+from apd_viewer.ui.studies.result_columns import ReadResults
 from apd_viewer.ui.studies.result_table import ResultModel, ResultsView
-from apd_viewer.ui.studies.study_status import StudyStatus
+from apd_viewer.ui.studies.study_run import may_continue
 from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
 from apd_viewer.ui.widgets.theme import Theme
 from apd_viewer.ui.widgets.thin_bar import ThinBar
@@ -39,6 +33,7 @@ from apd_viewer.ui.widgets.thin_bar import ThinBar
 _SMALLEST, _NARROWEST = QSize(320, 160), 72  # px, of it and of the name of a study
 # Of the window, at first: the mesh is more important.
 _WIDTH, _SHARE, _LOWEST, _HIGHEST = 960, 0.3, 210, 420
+_SILENT = 120.0  # s without a new result, after which a study elsewhere is taken to have stopped
 
 
 class ResultsPanel(QWidget):
@@ -203,161 +198,119 @@ class ResultsPanel(QWidget):
         self.panes.arrange(self.size())
 
 
-class ScatterPlot(QWidget):
-    """The plot, and the choices of its columns.
-
-    Parameters
-    ----------
-    model : ResultModel
+class StudyStatus:
+    """Counts of a study, from its results or from the command that runs it.
 
     Attributes
     ----------
-    across, upright, color : ColumnChoice
-    view : ScatterView
+    is_running, is_stopping : bool
+        Whether this program runs it, and whether it only finishes the running cases.
     """
 
-    def __init__(self, model: ResultModel) -> None:
-        super().__init__()
-        self._model = model
-        self._drawn: Chart | None = None
-        self.upright = ColumnChoice(tr("Upright axis"))
-        self.across = ColumnChoice(tr("Axis across"))
-        self.color = ColumnChoice(tr("Colour"), may_be_none=True)
-        self.view = ScatterView(self._chart, self._about)
-        for choice in (self.across, self.upright, self.color):
-            choice.chosen.connect(self.redraw)
-        self._lay_out()
-
-    def _lay_out(self) -> None:
-        head = QGridLayout(horizontalSpacing=6, verticalSpacing=0)
-        head.setContentsMargins(8, 4, 8, 0)
-        for k, (word, choice) in enumerate(
-            ((tr("y"), self.upright), (tr("x"), self.across), (tr("colour"), self.color))
-        ):
-            label = QLabel(word, objectName="quiet")
-            label.setBuddy(choice)
-            head.addWidget(label, 0, 2 * k)
-            head.addWidget(choice, 0, 2 * k + 1)
-        head.setColumnStretch(head.columnCount(), 1)
-        column = QVBoxLayout(self, spacing=0)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addLayout(head)
-        column.addWidget(self.view, 1)
-
-    def refresh(self) -> None:
-        """Offer the columns of the model, and draw them."""
-        columns = self._model.numeric_columns
-        asked = [column for column in columns if column.is_from_plan]
-        found = [column for column in columns if not column.is_from_plan]
-        volume, energy = ([c for c in found if c.name == name] for name in ("volume_error", "energy"))
-        self.across.set_columns(columns, [*asked, *found])
-        self.upright.set_columns(columns, [*volume, *found, *asked[1:], *asked])
-        # The area is the same in all cases, as a rule; the energy is not.
-        self.color.set_columns(columns, [*asked[1:2], *energy, *found[:1]])
-        self.redraw()
-
-    def mark_rows(self, rings: Mapping[int, str]) -> None:
-        """Mark rows of the plan by rings of these colours."""
-        self.view.rings = rings
-        self.view.update()
-
-    def redraw(self) -> None:
-        """Draw anew."""
-        self._drawn = None
-        self.view.update()
-
-    def _chart(self) -> Chart:
-        if self._drawn is None:
-            self._drawn = self._made()
-        return self._drawn
-
-    def _made(self) -> Chart:
-        columns = {column.name: column for column in self._model.columns}
-        x, y = columns.get(self.across.name), columns.get(self.upright.name)
-        if x is None or y is None or not (x.is_numeric and y.is_numeric):
-            return Chart("", empty_text=tr("Finished cases appear here."))
-        (across, at_x), (upright, at_y) = axis_of(x), axis_of(y)
-        color = columns.get(self.color.name)
-        ramp, colors = None, uniform_colors(len(at_x))
-        if color is not None and color.is_numeric:
-            axis, places = axis_of(color)
-            ramp, colors = ColorBar(axis, color_bar_colors()), dot_colors(axis, places)
-        failed = np.array([row.status == FAILED for row in self._model.rows], dtype=bool)
-        crosses = np.column_stack([at_x, np.where(np.isfinite(at_y), at_y, upright.low)])[failed]
-        dots = Dots(
-            at_x,
-            np.where(failed, np.nan, at_y),
-            colors,
-            crosses[np.isfinite(crosses).all(axis=1)],
-        )
-        return Chart("", x=across, y=upright, dots=dots, color_bar=ramp)
-
-    def _about(self, row: int) -> str:
-        """Line of the plan and the values of the axes."""
-        named = {self.upright.name, self.across.name, self.color.name}
-        shown: list[ResultColumn] = [self._model.columns[0]]
-        shown += [column for column in self._model.columns if column.name in named]
-        return "\n".join(f"{column.title}: {column.texts[row]}" for column in shown)
-
-
-# Okabe and Ito's, those first that stand out on light and dark.
-_CHOSEN = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a63c9", "#8c8c1e")
-MOST_CHOSEN = len(_CHOSEN)
-# Where the largest value is so many times the least, and half of all values lie in this lower share of the
-# range, a logarithmic axis parts them.
-_MANY, _CROWDED = 50.0, 0.25
-_FINEST = 0.01  # percent: two decimals are shown
-_NOTHING = "#b8bcc4"
-_SHADES = 100  # of dots: more cannot be told apart
-
-
-class CaseColors:
-    """Colours of chosen cases, each of which keeps its own while it is chosen."""
-
     def __init__(self) -> None:
-        self._given: dict[int, str] = {}
+        self._folder: Path | None = None
+        self.is_running = self.is_stopping = False
+        self._sentence = ""
+        self._forget()
 
-    def colors_of(self, rows: Sequence[int]) -> dict[int, str]:
-        """Colours of the first rows of the plan."""
-        rows = rows[:MOST_CHOSEN]
-        kept = {row: color for row, color in self._given.items() if row in rows}
-        free = [color for color in _CHOSEN if color not in kept.values()]
-        self._given = {row: kept[row] if row in kept else free.pop(0) for row in rows}
-        return self._given
+    def _forget(self) -> None:
+        self._counts: CaseCounts | None = None
+        self._wrong = 0
+        self._pace: ProgressMeter | None = None
+        self._grown = -_SILENT
 
+    def reset_for(self, folder: Path) -> None:
+        """Begin with another study."""
+        self._folder, self._sentence = folder, ""
+        self.is_running = self.is_stopping = False
+        self._forget()
 
-def axis_of(column: ResultColumn) -> tuple[Axis, np.ndarray]:
-    """Axis of a column with numbers, and the places (n,) of its values on it."""
-    known = column.values[np.isfinite(column.values)]
-    low, high = float(known.min()), float(known.max())
-    if column.suffix.strip() == "%" and high - low < _FINEST:
-        # Apart by less than what is shown: an area that is kept, but for rounding.
-        low, high = (round((low + high) / 2.0 + side * _FINEST, 2) for side in (-1.0, 1.0))
-    crowded = float(np.median(known)) < low + _CROWDED * (high - low)
-    if low > 0.0 and high > _MANY * low and crowded:
-        with np.errstate(invalid="ignore"):
-            return magnitude_axis(low, high, column.suffix), np.log10(column.values)
-    return rounded_axis(low, high, column.suffix), column.values
+    def set_running(self, is_running: bool, stopping: bool, sentence: str) -> None:
+        """Note whether this program runs it, and what is to be said of its end."""
+        if is_running and not self.is_running:
+            self._forget()
+        self.is_running, self.is_stopping, self._sentence = is_running, stopping, sentence
 
+    def set_progress(self, progress: dict[str, Any]) -> None:
+        """Note the progress told by the command."""
+        self._counts = CaseCounts(*(progress[name] for name in CaseCounts._fields))
 
-def color_bar_colors() -> tuple[str, ...]:
-    """Colours of the scale, from its lower end to its upper."""
-    return tuple(_hex(color) for color in SEQUENTIAL.knots)
+    def set_results(self, table: ResultTable) -> None:
+        """Update the counts from the results, unless a run reports them itself."""
+        states = [row.status for row in table.rows if row.status in (DONE, FAILED, WAITING)]
+        self._wrong = sum(row.status == WRONG for row in table.rows)
+        done, failed = len(states) - states.count(WAITING), states.count(FAILED)
+        if self.is_running:
+            return
+        before = self._counts
+        # Cases may have been run again, or another plan.
+        grown = before is not None and 0 <= failed - before.failed <= done - before.finished
+        if before is None or self._pace is None or before.cases != len(states) or not grown:
+            self._pace = ProgressMeter(len(states), done, failed)
+        else:
+            for k in range(done - before.finished):
+                self._pace.count_case(k < failed - before.failed)
+            if done > before.finished:
+                self._grown = time.monotonic()
+        self._counts = self._pace.counts(0)
 
+    @property
+    def _grows(self) -> bool:
+        """True if results have come in lately from elsewhere."""
+        return time.monotonic() - self._grown < _SILENT
 
-def dot_colors(axis: Axis, places: np.ndarray) -> tuple[str, ...]:
-    """Colour of each of the places (n,) on an axis, grey where there is none."""
-    share = np.clip((places - axis.low) / (axis.high - axis.low), 0.0, 1.0)
-    shades = [*map(_hex, SEQUENTIAL.colors(np.linspace(0.0, 1.0, _SHADES)).tolist()), _NOTHING]
-    chosen = np.where(np.isfinite(share), np.rint((_SHADES - 1) * np.nan_to_num(share)), _SHADES)
-    return tuple(shades[k] for k in chosen.astype(int).tolist())
+    @property
+    def is_unfinished(self) -> bool:
+        """True if cases are missing."""
+        return self.is_running or (self._counts is not None and self._counts.finished < self._counts.cases)
 
+    @property
+    def share(self) -> float | None:
+        """Part of the cases that is finished; None while nobody knows."""
+        if self._counts is None:
+            return None if self.is_running else 0.0
+        return self._counts.share
 
-def uniform_colors(count: int) -> tuple[str, ...]:
-    """One colour for all dots."""
-    return (_hex(SEQUENTIAL.knots[3]),) * count
+    @property
+    def _may_run(self) -> bool:
+        """True if it could be run here, and nobody seems to run it."""
+        folder = self._folder
+        return folder is not None and not self.is_running and not self._grows and may_continue(folder)
 
+    @property
+    def may_continue(self) -> bool:
+        """True if the remaining cases can be computed on this machine."""
+        counts = self._counts
+        return counts is not None and counts.finished < counts.cases and self._may_run
 
-def _hex(color: Sequence[int]) -> str:
-    red, green, blue = color
-    return f"#{red:02x}{green:02x}{blue:02x}"
+    @property
+    def may_retry(self) -> bool:
+        """True if failed cases could be run here again."""
+        return self._counts is not None and self._counts.failed > 0 and self._may_run
+
+    @property
+    def text(self) -> str:
+        """All of it in a few words."""
+        if self._counts is None:
+            waiting = tr("starting …") if self.is_running else ""
+            return self._sentence or waiting or (tr("No study is open.") if self._folder is None else "")
+        now = self._counts
+        words = [tr("{done:,} of {cases:,} done").format(done=now.finished, cases=now.cases)]
+        if now.failed:
+            words.append(tr("{failed:,} failed").format(failed=now.failed))
+        if self._wrong:
+            words.append(trn("{n:,} row wrong", "{n:,} rows wrong", self._wrong).format(n=self._wrong))
+        if self.is_running and now.running:
+            words.append(tr("{running:,} running").format(running=now.running))
+        if (
+            now.finished < now.cases
+            and (self.is_running or self._grows)
+            and now.rate
+            and now.seconds_left is not None
+        ):
+            words.append(tr("{rate:.3g} a minute").format(rate=60.0 * now.rate))
+            words.append(tr("{time} left").format(time=duration_text(now.seconds_left)))
+        if self.is_stopping:
+            words.append(tr("finishing the running cases"))
+        said = comma_separated(words)
+        return f"{said}. {self._sentence}" if self._sentence else said

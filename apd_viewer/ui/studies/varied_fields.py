@@ -28,6 +28,8 @@ from apd_viewer.ui.widgets.fields import CheckBox, TextField
 DEGREES, PERCENT, NO_UNIT = "deg", "%", ""
 SHARE_COLUMN = "to"
 _DIGITS = 10  # of a number in a plan
+_WIDTH = 104  # px, of an end
+TITLE_COLUMN_WIDTH = 140  # px, of the column of titles with its gap
 
 
 class VariedQuantity(NamedTuple):
@@ -175,15 +177,11 @@ def _plan_text(quantity: VariedQuantity, text: str, state: State, unit: Unit) ->
         SETTING_COLUMNS[quantity.name].parse(share)  # asks about what could be a factor
     if share.endswith(PERCENT) or not quantity.is_motion:
         return _written(parse_number(share.removesuffix(PERCENT), {})) + PERCENT
-    return _written(parse_length(text, unit, state.named_lengths))
+    return _written(parse_length(text, unit, state.document.mesh.named_lengths))
 
 
 def _written(value: float) -> str:
     return f"{float(f'{value:.{_DIGITS}g}'):.{_DIGITS}g}"
-
-
-_WIDTH = 104  # px, of an end
-TITLE_COLUMN_WIDTH = 140  # px, of the column of titles with its gap
 
 
 class VariedRow:

@@ -30,7 +30,7 @@ def state():
 def paths(state, text):
     for step in parse_motion(text):
         step.parse_amounts(Unit.MILLIMETRE)
-    return motion_paths(state.document, motion_steps(state, text, Unit.MILLIMETRE))
+    return motion_paths(state.document, motion_steps(state.document, text, Unit.MILLIMETRE))
 
 
 def turned(axis, degrees, about):

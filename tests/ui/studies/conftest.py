@@ -12,7 +12,7 @@ from apd_viewer.session.processes import shape_checker, solver_process
 from apd_viewer.ui.filing import question
 from apd_viewer.ui.filing.question import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.studies import run_bar
+from apd_viewer.ui.studies import run_dialog
 from apd_viewer.ui.workbench import Workbench
 
 
@@ -64,4 +64,4 @@ def dialog(qtbot, bar):
 @pytest.fixture
 def here(monkeypatch):
     """This process runs the commands of dialogs that are opened from now on."""
-    monkeypatch.setattr(run_bar, "CommandProcess", CommandHere)
+    monkeypatch.setattr(run_dialog, "CommandProcess", CommandHere)

@@ -22,8 +22,7 @@ from apd_viewer.cases.study import StudyStore
 from apd_viewer.session.model.handle_paths import handle_paths
 from apd_viewer.ui.filing import question
 from apd_viewer.ui.filing.question import UnsavedAnswer
-from apd_viewer.ui.studies.study_files import PLAN_FILE
-from apd_viewer.ui.studies.study_run import RUN_FILE, StudyRun
+from apd_viewer.ui.studies.study_run import PLAN_FILE, RUN_FILE, StudyRun
 
 CASES, MANY = 5, 12  # quick ones, and more than are done before a click
 CONTROL = Qt.KeyboardModifier.ControlModifier

@@ -11,8 +11,8 @@ from PySide6.QtCore import Qt, QTimer
 
 from apd_viewer.cases.results import read_results
 from apd_viewer.ui.plots import scatter_view
-from apd_viewer.ui.studies import folder_watch
-from apd_viewer.ui.studies.folder_watch import FolderWatch, ReadResults
+from apd_viewer.ui.studies import case_study_controller
+from apd_viewer.ui.studies.case_study_controller import FolderWatch, ReadResults
 from apd_viewer.ui.studies.result_columns import shown_columns
 from apd_viewer.ui.studies.results_panel import ResultsPanel
 
@@ -151,7 +151,7 @@ def test_folder_watch_reads_the_database_elsewhere_than_on_the_ui_thread(qtbot, 
         threads.append(threading.get_ident())
         return read_results(folder)
 
-    monkeypatch.setattr(folder_watch, "read_results", read)
+    monkeypatch.setattr(case_study_controller, "read_results", read)
     watch = FolderWatch(None)
     with qtbot.waitSignal(watch.results_read, timeout=10_000) as found:
         watch.watch_folder(folders[FEW])

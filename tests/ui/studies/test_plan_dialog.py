@@ -15,8 +15,7 @@ from apd_viewer.cases.case_file import read_case
 from apd_viewer.cases.local_pool import core_count
 from apd_viewer.errors import InputError
 from apd_viewer.ui.studies.engine_fields import SchedulerCheck, host_and_port
-from apd_viewer.ui.studies.study_files import PLAN_FILE
-from apd_viewer.ui.studies.study_run import RUN_FILE, scheduler_option, stored_options
+from apd_viewer.ui.studies.study_run import PLAN_FILE, RUN_FILE, scheduler_option, stored_options
 
 
 @pytest.fixture

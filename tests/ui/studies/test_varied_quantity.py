@@ -10,7 +10,7 @@ from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion import MOTION_KINDS
 from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.studies.study_files import document_with_values
+from apd_viewer.ui.studies.study_run import document_with_values
 from apd_viewer.ui.studies.varied_fields import quantity_range, varied_quantities
 
 
