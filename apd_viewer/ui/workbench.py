@@ -19,7 +19,6 @@ from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.edit_controller import EditController, PartController
 from apd_viewer.ui.case_studies.case_study_controller import CaseStudyController
 from apd_viewer.ui.compare.compare_controller import CompareController
-from apd_viewer.ui.connections import connect_canvas, connect_parts, connect_settings, connect_wheel
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.filing.file_controller import FileController
 from apd_viewer.ui.filing.recovery_bar import RecoveryBar
@@ -33,12 +32,17 @@ from apd_viewer.ui.overlays.notice import CanvasHint, EmptyState, NextStep, Noti
 from apd_viewer.ui.panel.target_controller import TargetController
 from apd_viewer.ui.panel.volume_controller import VolumeController
 from apd_viewer.ui.plots.plots import Plots
-from apd_viewer.ui.posing.motion_preview import MotionPreview
-from apd_viewer.ui.posing.pose_controller import PoseController
-from apd_viewer.ui.posing.symmetry_controller import SymmetryController
+from apd_viewer.ui.posing.motion_ghost import MotionPreview
+from apd_viewer.ui.posing.pose_controller import PoseController, SymmetryController
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.scene.scene_picture import small_picture
-from apd_viewer.ui.session_signals import SessionSignals
+from apd_viewer.ui.session_signals import (
+    SessionSignals,
+    connect_canvas,
+    connect_parts,
+    connect_settings,
+    connect_wheel,
+)
 from apd_viewer.ui.settings_page.preference_effects import (
     connect_language,
     connect_menu,

@@ -20,7 +20,7 @@ from apd_viewer.ui.filing import question
 from apd_viewer.ui.filing.question import UnsavedAnswer
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.brush_size import DEFAULT_RADIUS
+from apd_viewer.ui.tools.brush_tool import DEFAULT_RADIUS
 from apd_viewer.ui.tools.toolbox import FIRST_MODE, FIRST_TOOL
 from apd_viewer.ui.workbench import Workbench
 

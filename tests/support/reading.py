@@ -43,8 +43,7 @@ from apd_viewer.session.state_store import Activity
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.filing import file_dialogs, question
-from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import PictureSettings
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
 from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 PROPERTIES = (

@@ -16,7 +16,7 @@ from apd_viewer.studies.case_file import DONE, read_case
 from apd_viewer.ui.case_studies.column_choice import ColumnChoice
 from apd_viewer.ui.case_studies.result_columns import ResultColumn, reading_words
 from apd_viewer.ui.case_studies.result_model import ResultModel
-from apd_viewer.ui.plots.chart import Chart, Curve
+from apd_viewer.ui.plots.chart_drawing import Chart, Curve
 from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 
 _ABSCISSA = "part"

@@ -19,7 +19,7 @@ from apd_viewer.ui.obstacles.obstacle_picker import ObstaclePicker
 from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle, ObstacleScene
 from apd_viewer.ui.obstacles.obstacle_section import ObstacleSection
 from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent, axes_along, drawing_anchor
-from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.active_parts import ActiveParts

@@ -11,9 +11,9 @@ from PySide6.QtWidgets import QToolBar, QToolButton
 
 from apd_viewer.language import tr
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
 from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.wheel import shield
 
 _MARGIN = 12
 

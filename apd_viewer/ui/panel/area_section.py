@@ -16,8 +16,7 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.unit_button import UnitButton
 from apd_viewer.ui.widgets.fields import CheckBox, percent_field
 from apd_viewer.ui.widgets.folding_section import quiet_label
-from apd_viewer.ui.widgets.slider import PERCENT
-from apd_viewer.ui.widgets.slider_field import SliderField
+from apd_viewer.ui.widgets.slider_field import PERCENT, SliderField
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:

@@ -14,15 +14,12 @@ from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLOR
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.obstacles.obstacle_section import ObstacleSection
 from apd_viewer.ui.panel.area_section import AreaSection
-from apd_viewer.ui.panel.measure_section import MeasureSection
 from apd_viewer.ui.panel.method_section import MethodSection
-from apd_viewer.ui.panel.parts_sections import HandleSection, RegionSection
-from apd_viewer.ui.panel.pose_section import PoseSection
-from apd_viewer.ui.panel.size_section import SizeSection
-from apd_viewer.ui.panel.target_section import TargetSection
+from apd_viewer.ui.panel.parts_sections import HandleSection, PoseSection, RegionSection
+from apd_viewer.ui.panel.size_section import MeasureSection, SizeSection, TargetSection
 from apd_viewer.ui.panel.volume_section import VolumeSection
 from apd_viewer.ui.part_lists.part_row import PartButtons, Swatch
-from apd_viewer.ui.preferences.shortcut_hints import show_keys_in_tip
+from apd_viewer.ui.preferences.shortcuts import show_keys_in_tip
 from apd_viewer.ui.widgets.folding_section import Section
 from apd_viewer.ui.widgets.slider_field import SliderField
 from apd_viewer.ui.widgets.theme import Theme

@@ -14,8 +14,7 @@ from apd_viewer.presentation import readings
 from apd_viewer.ui.widgets.fields import CheckBox, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.slider import PERCENT
-from apd_viewer.ui.widgets.slider_field import SliderField
+from apd_viewer.ui.widgets.slider_field import PERCENT, SliderField
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:

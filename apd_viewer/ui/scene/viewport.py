@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from PySide6.QtGui import QKeyEvent, QMouseEvent, QPaintEvent, QResizeEvent, QShowEvent, QWheelEvent
     from PySide6.QtWidgets import QWidget
 
-    from apd_viewer.ui.scene.mouse_tool import MouseTool
-    from apd_viewer.ui.scene.navigation import Navigation
+    from apd_viewer.ui.scene.navigation import MouseTool, Navigation
 
 _GL_NAMES = 0x1F00, 0x1F01, 0x1F02  # GL_VENDOR, GL_RENDERER, GL_VERSION
 

@@ -20,7 +20,7 @@ from apd_viewer.ui.settings_page.preference_table import (
     SELECTION_MODE,
     UNDO_MEMORY,
 )
-from apd_viewer.ui.tools.brush_size import BrushSize
+from apd_viewer.ui.tools.brush_tool import BrushSize
 from apd_viewer.ui.tools.tool_choice import ToolChoice
 
 

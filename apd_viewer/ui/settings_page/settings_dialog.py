@@ -18,8 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.ui.preferences.preference import NumberRange, OneOf, Preference
-from apd_viewer.ui.preferences.preference_values import PreferenceValues
+from apd_viewer.ui.preferences.preference_values import NumberRange, OneOf, Preference, PreferenceValues
 from apd_viewer.ui.settings_page.preference_table import GROUPS, PREFERENCES, PreferenceGroup
 from apd_viewer.ui.widgets.fields import ComboBox, NumberField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen

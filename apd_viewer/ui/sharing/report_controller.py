@@ -40,17 +40,15 @@ from apd_viewer.session.processes.shape_checker import ShapeQuery, check_shape_a
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.filing import file_dialogs
-from apd_viewer.ui.filing.plot_export import svg_element
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.panel.volume_controller import VolumeController
 from apd_viewer.ui.plots import reading_charts
 from apd_viewer.ui.plots.chart_drawing import draw_chart
+from apd_viewer.ui.plots.plots import svg_element
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.scene.offscreen_scene import OffscreenScene
-from apd_viewer.ui.scene.scene_picture import png_of
-from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import Pictures, PictureSettings
+from apd_viewer.ui.scene.scene_picture import OffscreenScene, png_of
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog, Pictures, PictureSettings
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
