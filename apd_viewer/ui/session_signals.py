@@ -17,11 +17,11 @@ from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.session.session import Session
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.panel.status_bar import StatusBar
-from apd_viewer.ui.part_lists.part_row import PartList
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.click_tool import ClickTool
 from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.widgets.part_row import PartList
 
 
 class SessionSignals(QObject):

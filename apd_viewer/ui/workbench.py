@@ -25,11 +25,10 @@ from apd_viewer.ui.filing.recovery_bar import RecoveryBar
 from apd_viewer.ui.help.help_controller import HelpController
 from apd_viewer.ui.measuring.measure_controller import MeasureController
 from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
+from apd_viewer.ui.overlays.card_stack import ModeBar
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.findings_controller import FindingsController
-from apd_viewer.ui.overlays.mode_bar import ModeBar
 from apd_viewer.ui.overlays.notice import CanvasHint, EmptyState, NextStep, Notice, may_change_next_step
-from apd_viewer.ui.panel.target_controller import TargetController
 from apd_viewer.ui.panel.volume_controller import VolumeController
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.posing.motion_ghost import MotionPreview
@@ -43,16 +42,17 @@ from apd_viewer.ui.session_signals import (
     connect_settings,
     connect_wheel,
 )
-from apd_viewer.ui.settings_page.preference_effects import (
+from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, UNIT
+from apd_viewer.ui.settings_page.settings_dialog import (
+    SettingsPage,
     connect_language,
     connect_menu,
     connect_preferences,
 )
-from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, UNIT
-from apd_viewer.ui.settings_page.settings_dialog import SettingsPage
 from apd_viewer.ui.sharing.report_controller import ReportController
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.studies.run_controller import RunController
+from apd_viewer.ui.target.target_controller import TargetController
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.tool_choice import ToolChoice
 from apd_viewer.ui.tools.toolbox import Tool

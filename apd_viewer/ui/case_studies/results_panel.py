@@ -30,9 +30,9 @@ from apd_viewer.ui.case_studies.result_columns import ResultColumn
 from apd_viewer.ui.case_studies.result_model import ResultModel
 from apd_viewer.ui.case_studies.result_table import ResultsView
 from apd_viewer.ui.case_studies.study_status import StudyStatus
-from apd_viewer.ui.panel.status_bar import ElidedLabel, ThinBar
 from apd_viewer.ui.plots.chart_drawing import Chart, ColorBar, Dots
 from apd_viewer.ui.plots.scatter_view import ScatterView
+from apd_viewer.ui.widgets.elided_label import ElidedLabel, ThinBar
 from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
 from apd_viewer.ui.widgets.theme import Theme
 

@@ -24,11 +24,11 @@ from apd_viewer.session.studies.comparison import Comparison, MethodOutcome
 from apd_viewer.ui.compare.linked_views import LinkedViews, SharedScale
 from apd_viewer.ui.compare.method_table import PIXEL_RATIO, ComparisonShape, MethodTable, write_comparison
 from apd_viewer.ui.filing import file_dialogs
-from apd_viewer.ui.panel.status_bar import ElidedLabel
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 from apd_viewer.ui.widgets.display_names import window_title_text
+from apd_viewer.ui.widgets.elided_label import ElidedLabel
 from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QLineF, QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QGuiApplication, QPainter, QPen
+from PySide6.QtWidgets import QMenu
 
 from apd_viewer.geometry.measuring.measurement import Measurement, MeasurementResult, Plane, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
@@ -17,8 +19,9 @@ from apd_viewer.presentation import measurement_text as words
 from apd_viewer.session.measurement_readings import MeasurementReading
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
+from apd_viewer.ui.measuring.measure_section import MeasureSection
 from apd_viewer.ui.measuring.measure_tool import MeasureTool
-from apd_viewer.ui.panel.size_section import MeasureSection
+from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
@@ -372,3 +375,49 @@ def _write(painter: QPainter, room: QRectF, lines: Sequence[str], chosen: bool) 
     painter.drawRoundedRect(room, 5, 5)
     painter.setPen(_INK)
     painter.drawText(room, Qt.AlignmentFlag.AlignCenter, "\n".join(lines))
+
+
+class MeasureActions:
+    """Actions of the kinds of measurements, and of all of them together.
+
+    Parameters
+    ----------
+    maker : ActionMaker
+    measurements : MeasureController
+
+    Attributes
+    ----------
+    kinds : dict of MeasurementKind to QAction
+    copy, clear : QAction
+    """
+
+    def __init__(self, maker: ActionMaker, measurements: MeasureController) -> None:
+        self.kinds = {
+            kind: maker.make(
+                f"measure_kind:{kind.name}",
+                words.title,
+                words.icon,
+                words.tip,
+                None,
+                partial(measurements.choose_kind, kind),
+            )
+            for kind, words in KIND_WORDS.items()
+        }
+        maker.make_exclusive(self.kinds.values())
+        self.kinds[measurements.tool.kind].setChecked(True)
+        measurements.kind_chosen.connect(lambda kind: self.kinds[kind].setChecked(True))
+        tip = tr("Copy the values of all measurements as text, for a spreadsheet")
+        self.copy = maker.make(
+            "copy_measurements", tr("&Copy measurements"), "copy", tip, None, measurements.copy
+        )
+        tip = tr("Remove all measurements")
+        title = tr("&Remove all measurements")
+        self.clear = maker.make("clear_measurements", title, "remove", tip, None, measurements.clear)
+
+    def fill(self, menu: QMenu) -> None:
+        """Put all of them into the menu of the tools."""
+        menu.addSeparator()
+        own = menu.addMenu(tr("Me&asurements"))
+        own.addActions(list(self.kinds.values()))
+        own.addSeparator()
+        own.addActions([self.copy, self.clear])

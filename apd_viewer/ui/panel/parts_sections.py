@@ -1,24 +1,22 @@
-"""Sections of handles, poses and regions: lists, readings and targets."""
+"""Handle and region sections: lists, readings and targets."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr, trc, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.session.model.status_text import self_passing_warnings
-from apd_viewer.ui.panel.motion_field import MotionField
-from apd_viewer.ui.part_lists.named_rows import NamedList, NamedRow
-from apd_viewer.ui.part_lists.part_row import PartList, PartRow
-from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField, percent_field, small_button
+from apd_viewer.ui.posing.pose_section import MotionField, SymmetryRow
+from apd_viewer.ui.widgets.fields import CheckBox, NumberField, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.part_row import PartList, PartRow
 from apd_viewer.ui.widgets.slider_field import SHARE, SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
@@ -247,152 +245,3 @@ class RegionTargetField(QWidget):
         self.box.blockSignals(False)
         self.field.setEnabled(percent is not None and possible)
         self.field.show_value(100.0 if percent is None else percent)
-
-
-_TIP = tr("Move each handle together with its mirror image on the other side of the mesh")
-_AXIS = tr("Axis to mirror along, through the middle of the mesh at rest")
-
-
-class SymmetryRow(QWidget):
-    """Switches symmetric posing, and says which handle moves along.
-
-    Attributes
-    ----------
-    axis_chosen : Signal(object)
-        The axis to mirror along, 0, 1 or 2, or None.
-    paint_requested : Signal()
-        The mirror image of the active handle is to be painted.
-    """
-
-    axis_chosen = Signal(object)
-    paint_requested = Signal()
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.box = CheckBox(tr("Symmetric"), toolTip=_TIP)
-        self.axis = ComboBox(accessibleName=tr("Axis of symmetry"), toolTip=_AXIS)
-        for number, letter in enumerate("xyz"):
-            self.axis.addItem(tr("along {axis}").format(axis=letter), number)
-        self.partner = quiet_label(tr("Mirror partner of the handle"))
-        self.partner.hide()
-        self.paint = QPushButton(
-            tr("Paint mirror handle"),
-            toolTip=tr("Add a handle on the free vertices at the mirror image of the active one"),
-        )
-        self.paint.hide()
-        line = QHBoxLayout(spacing=8)
-        line.addWidget(self.box, 1)
-        line.addWidget(self.axis)
-        column = QVBoxLayout(self, spacing=4)
-        column.setContentsMargins(0, 0, 0, 4)
-        column.addLayout(line)
-        column.addWidget(self.partner)
-        column.addWidget(self.paint)
-        self.box.toggled.connect(self._choose)
-        self.axis.currentIndexChanged.connect(self._choose)
-        self.paint.clicked.connect(self.paint_requested)
-
-    def show_settings(self, axis: int | None, sentence: str, may_paint: bool) -> None:
-        """Show the axis, what is said of the partner, and the button to paint one."""
-        for control in (self.box, self.axis):
-            control.blockSignals(True)
-        self.box.setChecked(axis is not None)
-        if axis is not None:
-            self.axis.setCurrentIndex(axis)
-        for control in (self.box, self.axis):
-            control.blockSignals(False)
-        self.partner.setText(sentence)
-        self.partner.setVisible(bool(sentence))
-        self.paint.setVisible(may_paint)
-
-    def _choose(self) -> None:
-        self.axis_chosen.emit(self.axis.currentData() if self.box.isChecked() else None)
-
-
-class PoseRow(NamedRow):
-    """Row of a named pose.
-
-    Attributes
-    ----------
-    update_pose : QToolButton
-    """
-
-    def __init__(self, name: str) -> None:
-        super().__init__(name, tr("Remove this pose"))
-        self.setToolTip(tr("Click to move the handles there, double-click or F2 to rename, Delete to remove"))
-        tip = tr("Update this pose: keep the present places of all handles under its name")
-        self.update_pose = small_button(tr("Update this pose"), tip)
-        line = QHBoxLayout(self, spacing=4)
-        line.setContentsMargins(8, 3, 4, 3)
-        line.addWidget(self.name, 1)
-        line.addWidget(self.update_pose)
-        line.addWidget(self.remove)
-
-    def set_active(self, on: bool) -> None:
-        """Show whether the handles are there: then there is nothing to update."""
-        super().set_active(on)
-        self.update_pose.setVisible(not on)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Redraw the icons."""
-        super().set_theme(theme)
-        self.update_pose.setIcon(icon("save", theme))
-
-
-class PoseList(NamedList[PoseRow]):
-    """The rows of the named poses.
-
-    Attributes
-    ----------
-    update_requested : Signal(int)
-    """
-
-    update_requested = Signal(int)
-
-    def __init__(self) -> None:
-        super().__init__(self._row)
-
-    def _row(self, k: int, name: str) -> PoseRow:
-        row = PoseRow(name)
-        row.update_pose.clicked.connect(lambda: self.update_requested.emit(k))
-        return row
-
-
-class PoseSection(Section):
-    """Named poses of all handles, to go to and fro between.
-
-    Attributes
-    ----------
-    list : PoseList
-    keep_requested : Signal()
-        The present pose is to be kept under a new name.
-    """
-
-    keep_requested = Signal()
-
-    def __init__(self) -> None:
-        super().__init__(tr("Poses"))
-        self.empty = quiet_label(tr("About poses"))
-        self.empty.setText(tr("Keep where all handles are now, and return to it with a click."))
-        self.list = PoseList()
-        self.add = QPushButton(
-            tr("Keep pose"), toolTip=tr("Keep the present places of all handles under a name")
-        )
-        self.add.clicked.connect(self.keep_requested)
-        for part in (self.empty, self.list):
-            self.column.addWidget(part)
-        self.column.addSpacing(4)
-        self.column.addWidget(self.add)
-        self.show_poses((), None)
-
-    def show_poses(self, names: Sequence[str], active: int | None) -> None:
-        """Show the poses, and the one that the handles are in."""
-        self.list.show_names(names, active)
-        self.empty.setVisible(not names)
-        self.heading.show_reading(f"{len(names)}" if names else trc("poses", "none"), only_folded=True)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Redraw the icons."""
-        super().set_theme(theme)
-        self.list.set_theme(theme)
-        self.add.setIcon(icon("add", theme))

@@ -1,4 +1,4 @@
-"""Sections of readings: size and mass, measurements, target shape."""
+"""Size section: dimensions, compactness and mass."""
 
 from __future__ import annotations
 
@@ -6,30 +6,21 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit, QPushButton
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import tr, trc
-from apd_viewer.presentation import measurement_text as words
+from apd_viewer.language import tr
 from apd_viewer.presentation import readings
 from apd_viewer.session.quantities.ambiguous_numbers import unambiguous_text
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText, typed_mass
-from apd_viewer.ui.part_lists.part_row import PartList, PartRow
-from apd_viewer.ui.widgets.fields import CheckBox, TextField, return_focus
+from apd_viewer.ui.widgets.fields import TextField, return_focus
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
-from apd_viewer.ui.widgets.icons import icon
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
-    from apd_viewer.geometry.analysis.target_shape import TargetDistance
-    from apd_viewer.session.measurement_readings import MeasurementReading
-    from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
-    from apd_viewer.ui.widgets.theme import Theme
 
 
 class SizeSection(Section):
@@ -190,165 +181,3 @@ class SizeSection(Section):
         if problem != self.problem.text():
             self.problem.setText(problem)
             self.problem.setVisible(bool(problem))
-
-
-_COLOR = (122, 130, 142)
-
-
-class MeasureSection(Section):
-    """List of the measurements, each with its value and its change.
-
-    Attributes
-    ----------
-    list : PartList
-    shown : CheckBox
-        Whether they are drawn in the view.
-    copy, clear : QPushButton
-    """
-
-    def __init__(self) -> None:
-        super().__init__(tr("Measure"))
-        self.empty = quiet_label(tr("About measuring"))
-        self.empty.setText(
-            tr("Take the tool Measure and click the mesh: distances, angles, geodesics and sections.")
-        )
-        self.list = PartList([_COLOR], self._row)
-        self.shown = CheckBox(tr("Show in the view"), toolTip=tr("Draw the measurements over the mesh"))
-        self.shown.setChecked(True)
-        self.copy = QPushButton(tr("Copy"), toolTip=tr("Copy all values as text, for a spreadsheet"))
-        self.copy.setAccessibleName(tr("Copy measurements"))
-        self.clear = QPushButton(tr("Remove all"), toolTip=tr("Remove all measurements"))
-        self.clear.setAccessibleName(tr("Remove all measurements"))
-        buttons = QHBoxLayout(spacing=8)
-        for button in (self.copy, self.clear):
-            buttons.addWidget(button)
-        for part in (self.empty, self.list, self.shown):
-            self.column.addWidget(part)
-        self.column.addSpacing(4)
-        self.column.addLayout(buttons)
-        self.show_readings((), Unit.NONE, 0)
-
-    def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet_label(tr("Values of {name}").format(name=name))
-        details.setIndent(22)
-        row = PartRow("measurement", name, color, details)
-        row.buttons.hide()
-        return row
-
-    def show_readings(self, readings: Sequence[MeasurementReading], unit: Unit, active: int) -> None:
-        """Show other measurements, or other values of the same."""
-        self.list.show_names([reading.measurement.name for reading in readings], active)
-        for reading, row in zip(readings, self.list.rows, strict=True):
-            assert isinstance(row.details, QLabel)
-            row.reading.setText(words.short_text(reading, unit))
-            row.reading.setToolTip(words.detail_text(reading, unit))
-            row.details.setText(words.detail_text(reading, unit))
-        self.empty.setVisible(not readings)
-        for part in (self.shown, self.copy, self.clear):
-            part.setVisible(bool(readings))
-        self.heading.show_reading(
-            f"{len(readings)}" if readings else trc("measurements", "none"), only_folded=True
-        )
-
-    def set_theme(self, theme: Theme) -> None:
-        """Redraw the icons."""
-        super().set_theme(theme)
-        self.list.set_theme(theme)
-        self.copy.setIcon(icon("copy", theme))
-
-
-_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-
-
-class TargetSection(Section):
-    """Name of the target shape and the distances; hidden without one.
-
-    Attributes
-    ----------
-    clear : QPushButton
-    closest, vertex : tuple of QLabel
-        Largest, RMS and mean distance from the closest points, and from the same vertices.
-    name : QLabel
-        Of the file, or why it is missing.
-    """
-
-    def __init__(self) -> None:
-        super().__init__(tr("Target shape"))
-        self._unit, self._size = Unit.NONE, 1.0
-        self._found: TargetDistance | None = None
-        self._shown: tuple[object, ...] = (None, None, None)
-        self.name = quiet_label(tr("File of the target shape"))
-        self.column.addWidget(self.name)
-        self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
-        self._grid.setColumnStretch(0, 1)
-        for row, (title, _) in enumerate(readings.DISTANCE_COLUMNS, start=1):
-            self._grid.addWidget(QLabel(title, objectName="quiet"), row, 0)
-        self.closest = self._column(
-            1,
-            tr("Closest point"),
-            tr("Distance of each vertex from the closest point of the target shape, weighted by area"),
-        )
-        self.vertex = self._column(
-            2,
-            tr("Same vertex"),
-            tr(
-                "Distance of each vertex from the vertex with the same ID, weighted by area; "
-                "only where the triangles of both meshes are the same"
-            ),
-        )
-        self.column.addLayout(self._grid)
-        self.column.addSpacing(4)
-        self.clear = QPushButton(tr("Clear target shape"), toolTip=tr("Stop comparing with the target shape"))
-        self.column.addWidget(self.clear)
-        self.hide()
-
-    def _column(self, column: int, title: str, tip: str) -> tuple[QLabel, ...]:
-        self._grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip, alignment=_RIGHT), 0, column)
-        labels = []
-        for row, (what, _) in enumerate(readings.DISTANCE_COLUMNS, start=1):
-            name = tr("{what}, {title}").format(what=what, title=title)
-            label = QLabel(readings.NO_VALUE, accessibleName=name, toolTip=tip, alignment=_RIGHT)
-            self._grid.addWidget(label, row, column)
-            labels.append(label)
-        return tuple(labels)
-
-    def show_settings(self, document: Document) -> None:
-        """Show the name of the target shape, or why it is missing."""
-        target, missing = document.target_shape, document.missing_target_shape
-        shown = target, missing, document.mesh.F
-        if all(new is old for new, old in zip(shown, self._shown, strict=True)):
-            return  # comparing all triangles takes too long for every pose of a drag
-        self._shown = shown
-        self.setVisible(target is not None or missing is not None)
-        if target is not None:
-            self.name.setText(target.mesh.name)
-        elif missing is not None:
-            self.name.setText(missing.reason)
-        corresponds = target is not None and target.has_same_triangles(document.mesh)
-        for row in range(self._grid.rowCount()):
-            for column, wanted in enumerate((target is not None, target is not None, corresponds)):
-                if (item := self._grid.itemAtPosition(row, column)) and (widget := item.widget()):
-                    widget.setVisible(wanted)
-
-    def show_readings(self, state: State, unit: Unit) -> None:
-        """Use another unit."""
-        self._size = max(state.inspection.size)
-        if unit is not self._unit:
-            self._unit = unit
-            self._show()
-
-    def show_distance(self, distance: TargetDistance | None) -> None:
-        """Show the distances of the shape; None while unknown."""
-        if distance is not self._found:
-            self._found = distance
-            self._show()
-
-    def _show(self) -> None:
-        found = self._found
-        for labels, name in ((self.closest, "closest"), (self.vertex, "vertex")):
-            said = readings.distances(getattr(found, name, None), self._unit, self._size)
-            for label, text in zip(labels, said, strict=True):
-                label.setText(readings.PENDING if found is None else text)
-        self.heading.show_reading(
-            tr("RMS {distance}").format(distance=self.closest[1].text()), only_folded=True
-        )

@@ -22,8 +22,8 @@ from apd_viewer.studies.database import DATABASE_NAME
 from apd_viewer.studies.study_store import StudyStore
 from apd_viewer.ui.case_studies.study_files import PLAN_FILE
 from apd_viewer.ui.case_studies.study_run import RUN_FILE, StudyRun
-from apd_viewer.ui.filing import question
-from apd_viewer.ui.filing.question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 
 CASES, MANY = 5, 12  # quick ones, and more than are done before a click
 CONTROL = Qt.KeyboardModifier.ControlModifier
@@ -253,7 +253,9 @@ def test_case_study_controller_asks_about_unsaved_work_before_opening_a_case(
     qtbot, bar, results, monkeypatch
 ):
     asked = []
-    monkeypatch.setattr(question, "ask_before_leaving", lambda *_: asked.append(1) or UnsavedAnswer.CANCEL)
+    monkeypatch.setattr(
+        file_controller, "ask_before_leaving", lambda *_: asked.append(1) or UnsavedAnswer.CANCEL
+    )
     before = bar.session.store.state
     press_row(results, 1)
     work_off()
