@@ -28,7 +28,7 @@ from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets import theme
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
-from apd_viewer.ui.widgets.icons import application_icon, icon
+from apd_viewer.ui.widgets.theme import application_icon, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 if TYPE_CHECKING:

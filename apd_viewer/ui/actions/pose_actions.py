@@ -11,7 +11,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.obstacles.obstacle_actions import ObstacleActions
 from apd_viewer.ui.preferences.action_maker import ActionMaker
-from apd_viewer.ui.tools.gizmo_layout import GizmoOrientation
+from apd_viewer.ui.tools.gizmo_drag import GizmoOrientation
 
 # Right, up and towards the viewer, in the picture.
 _NUDGES = (

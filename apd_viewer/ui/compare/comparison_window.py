@@ -32,8 +32,7 @@ from apd_viewer.ui.widgets.elided_label import ElidedLabel
 from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
-from apd_viewer.ui.widgets.icons import application_icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, application_icon, set_style_property
 
 _FEWEST = 2
 _SIZE = QSize(1280, 800)

@@ -12,8 +12,7 @@ from apd_viewer.session.session import Session
 from apd_viewer.session.storage.recovery_file import RecoveryFile, age_text
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.fit_to_screen import arrange_row
-from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 from apd_viewer.ui.widgets.wheel import shield
 
 _MARGIN = 12

@@ -11,8 +11,8 @@ from apd_viewer.presentation import measurement_text as words
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
-from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.part_row import PartList, PartRow
+from apd_viewer.ui.widgets.theme import icon
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -25,8 +25,7 @@ from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.gizmo import Gizmo
-from apd_viewer.ui.tools.gizmo_drag import nice_step
-from apd_viewer.ui.tools.gizmo_layout import ARROWS, SQUARES, GizmoOrientation
+from apd_viewer.ui.tools.gizmo_drag import ARROWS, SQUARES, GizmoOrientation, nice_step
 from apd_viewer.ui.tools.toolbox import Tool
 
 _ALONG_NORMAL, _FREELY = frozenset({"z"}), frozenset({*ARROWS, *SQUARES, "centre"})

@@ -17,7 +17,7 @@ from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.presentation.obstacle_readings import coordinates_text
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.ui.widgets.fields import ComboBox, ErrorBubble, TextField, return_focus, small_button
-from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.theme import icon
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QFocusEvent, QHideEvent

@@ -14,8 +14,8 @@ from apd_viewer.presentation.palette import OBSTACLE_COLOR
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.ui.obstacles.obstacle_fields import ObstacleFields
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
-from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.part_row import PartList, PartRow
+from apd_viewer.ui.widgets.theme import icon
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State

@@ -11,8 +11,7 @@ from PySide6.QtWidgets import QToolBar, QToolButton, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
-from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.theme import ICON_SIZE, Theme, icon
 from apd_viewer.ui.widgets.wheel import shield
 
 _MARGIN, _GAP = 12, 8

@@ -31,8 +31,7 @@ from apd_viewer.ui.preferences.shortcuts import with_keys
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.fit_to_screen import arrange_row
-from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
+from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon, set_style_property
 
 _LOGGER = logging.getLogger(__name__)
 _MARGIN = 12

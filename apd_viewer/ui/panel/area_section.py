@@ -25,9 +25,8 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.unit_button import UnitButton
 from apd_viewer.ui.widgets.fields import CheckBox, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
-from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.slider_field import PERCENT, SliderField
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck

@@ -15,10 +15,9 @@ from apd_viewer.session.model.status_text import self_passing_warnings
 from apd_viewer.ui.posing.pose_section import MotionField, SymmetryRow
 from apd_viewer.ui.widgets.fields import CheckBox, NumberField, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
-from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.part_row import PartList, PartRow
 from apd_viewer.ui.widgets.slider_field import SHARE, SliderField
-from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.theme import Theme, icon
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck

@@ -38,8 +38,7 @@ from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.plots import reading_charts
 from apd_viewer.ui.plots.chart_drawing import Chart, ChartArea, draw_chart
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 
 _SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
 _LOWEST = 140  # pixels, of a chart below another one

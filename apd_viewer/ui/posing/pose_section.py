@@ -12,9 +12,8 @@ from apd_viewer.notation import editable_number
 from apd_viewer.session.posing.motion import LINE, MOTIONS, Motion
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField, return_focus, small_button
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
-from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.named_rows import NamedList, NamedRow
-from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.theme import Theme, icon
 
 
 class PoseRow(NamedRow):

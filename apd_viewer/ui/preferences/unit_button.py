@@ -14,8 +14,7 @@ from apd_viewer.files.storage.atomic_file import resolved_path
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.preferences import user_file
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -22,8 +22,7 @@ from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.brush_tool import BrushTool
 from apd_viewer.ui.tools.click_tool import ClickExtent, ClickTool, PointPicker
 from apd_viewer.ui.tools.gizmo import Gizmo, HandlePivot, InactiveHandles, movable_pivots
-from apd_viewer.ui.tools.gizmo_drag import nice_step, translated
-from apd_viewer.ui.tools.gizmo_layout import GIZMO_RADIUS
+from apd_viewer.ui.tools.gizmo_drag import GIZMO_RADIUS, nice_step, translated
 from apd_viewer.ui.tools.outline_tool import OutlineKind, OutlineTool, SlabTool
 from apd_viewer.ui.tools.selection_tool import SelectionTool, StrokeEffect, Strokes
 from apd_viewer.ui.tools.toolbox import SelectionMode, Tool

@@ -11,9 +11,8 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPen
 
 from apd_viewer.presentation.palette import handle_color
 from apd_viewer.ui.scene.navigation import DEAD_ZONE, MouseTool
-from apd_viewer.ui.tools.gizmo_drag import GizmoDrag, begin_drag
+from apd_viewer.ui.tools.gizmo_drag import ALL_HANDLES, GizmoDrag, GizmoFrame, GizmoOrientation, begin_drag
 from apd_viewer.ui.tools.gizmo_drawing import GizmoAppearance, draw_gizmo, draw_hint
-from apd_viewer.ui.tools.gizmo_layout import ALL_HANDLES, GizmoFrame, GizmoOrientation
 
 if TYPE_CHECKING:
     from collections.abc import Callable

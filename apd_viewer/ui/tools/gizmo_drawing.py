@@ -10,8 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPainterPath, QPen
 
 from apd_viewer.ui.scene.camera import rotation, unit
-from apd_viewer.ui.tools.gizmo_drag import offset_in_plane
-from apd_viewer.ui.tools.gizmo_layout import (
+from apd_viewer.ui.tools.gizmo_drag import (
     ALONG_VIEW,
     ARROWS,
     DOT_RADIUS,
@@ -21,6 +20,7 @@ from apd_viewer.ui.tools.gizmo_layout import (
     SQUARES,
     GizmoFrame,
     axis_index,
+    offset_in_plane,
 )
 from apd_viewer.ui.tools.polylines import (
     chosen_stretches,

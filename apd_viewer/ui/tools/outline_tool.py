@@ -9,8 +9,7 @@ import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QPen, QPolygonF
 
-from apd_viewer.ui.tools.gizmo_drag import position_along_axis
-from apd_viewer.ui.tools.gizmo_layout import GizmoFrame
+from apd_viewer.ui.tools.gizmo_drag import GizmoFrame, position_along_axis
 from apd_viewer.ui.tools.polylines import axis_rectangle, draw_plane
 from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
 

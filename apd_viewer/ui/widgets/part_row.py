@@ -11,9 +11,8 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 from apd_viewer.language import tr
 from apd_viewer.session.model.handles_and_regions import NO_FLAGS, PartFlags
 from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.named_rows import NamedList, NamedRow
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
 
 class Swatch(QWidget):

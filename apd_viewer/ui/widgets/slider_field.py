@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QSlider, QStyle,
 
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.fields import NumberField, small_button
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.theme import Theme, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 
