@@ -464,5 +464,5 @@ def test_architecture_imports_for_types_alone_only_where_the_first_picture_waits
     alone = {
         name for name, path in modules(ROOT).items() if "\nif TYPE_CHECKING:\n" in path.read_text("utf-8")
     }
-    assert len(alone) > 50, "the test is blind"
+    assert len(alone) > 10, "the test is blind"
     assert alone - (loaded[1] - TYPES_ALONE) == TYPES_ALONE

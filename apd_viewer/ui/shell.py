@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 from PySide6.QtCore import QChildEvent, QEvent, QSettings, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QFont, QKeyEvent
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QFont, QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
     QDockWidget,
@@ -28,13 +28,8 @@ from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets import theme
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
-from apd_viewer.ui.widgets.theme import application_icon, icon
+from apd_viewer.ui.widgets.theme import Theme, application_icon, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
-
-if TYPE_CHECKING:
-    from PySide6.QtGui import QAction
-
-    from apd_viewer.ui.widgets.theme import Theme
 
 
 class Shell(QMainWindow):

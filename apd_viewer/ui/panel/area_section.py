@@ -31,7 +31,6 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.session import Session
 
 # For the values of Activity.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QSize, Qt, QTimer
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -27,8 +28,6 @@ from apd_viewer.ui.widgets.slider_field import SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
-    from PySide6.QtGui import QAction
-
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
     from apd_viewer.session.session import Session

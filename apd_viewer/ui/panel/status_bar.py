@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, QTimer, Signal
@@ -15,20 +16,18 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation.number_format import format_short
 from apd_viewer.presentation.time_left import TimeLeftEstimate, time_left_text
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.tools.brush_tool import BrushSize
 from apd_viewer.ui.widgets.elided_label import ElidedLabel, ThinBar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from apd_viewer.geometry.pose.frame import Frame
     from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.session import Session
     from apd_viewer.session.state_store import Activity
-    from apd_viewer.ui.tools.brush_tool import BrushSize
 
 # Values of Activity, whose module loads too much for the first picture.
 _SOLVING, _PAUSED = "refining", "paused"

@@ -6,7 +6,7 @@ import contextlib
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QSettings
@@ -14,14 +14,12 @@ from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.files.samples import resource_path
 from apd_viewer.files.storage.atomic_file import resolved_path
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import UNITS, Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh
 
 _MOST_RECENT = 8
 MOST_REMEMBERED = 64

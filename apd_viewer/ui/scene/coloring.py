@@ -6,19 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QColor, QPen, QPolygonF
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.presentation.palette import MARK_COLOR, falloff_colors, label_colors, tinted_colors
 from apd_viewer.session.model.document_parts import have_same_paint
 from apd_viewer.ui.scene.navigation import MouseTool
+from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.viewport import Viewport
 
 if TYPE_CHECKING:
-    from PySide6.QtGui import QPainter
-
     from apd_viewer.session.model.document import Document
-    from apd_viewer.ui.scene.surface import Surface
-    from apd_viewer.ui.scene.viewport import Viewport
 
 
 class Coloring:

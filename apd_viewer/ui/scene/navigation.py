@@ -10,17 +10,14 @@ Ctrl + right drag                       zoom to where the drag began
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from inspect import isfunction, signature
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
-
-    from apd_viewer.ui.scene.camera_controller import CameraController
+from apd_viewer.ui.scene.camera_controller import CameraController
 
 _GIVEN = {"event", "painter"}  # names of arguments, with or without an underscore
 

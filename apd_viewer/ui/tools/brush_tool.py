@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
-from PySide6.QtGui import QPen, QPolygonF
+from PySide6.QtGui import QMouseEvent, QPainter, QPen, QPolygonF, QWheelEvent
 
+from apd_viewer.ui.scene.surface import Hit, Surface
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
-
-    from apd_viewer.ui.scene.surface import Hit, Surface
-    from apd_viewer.ui.scene.viewport import Viewport
 
 RADIUS_PER_NOTCH = 1.12
 RING_POINTS = 65

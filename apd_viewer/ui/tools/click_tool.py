@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
-from PySide6.QtGui import QColor, QPen
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen, QWheelEvent
 
 from apd_viewer.ui.scene.navigation import MouseTool
+from apd_viewer.ui.scene.surface import Hit, Surface
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
-
     from apd_viewer.geometry.picking.surface_index import SurfaceIndex
-    from apd_viewer.ui.scene.surface import Hit, Surface
-    from apd_viewer.ui.scene.viewport import Viewport
 
 _CREASE_PER_NOTCH = 5.0
 _SHARPEST, _FLATTEST = 180.0, 1.0

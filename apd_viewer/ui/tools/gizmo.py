@@ -7,21 +7,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QFont, QPainter, QPen
+from PySide6.QtGui import QColor, QFont, QMouseEvent, QPainter, QPen
 
 from apd_viewer.presentation.palette import handle_color
 from apd_viewer.ui.scene.navigation import DEAD_ZONE, MouseTool
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.gizmo_drag import ALL_HANDLES, GizmoDrag, GizmoFrame, GizmoOrientation, begin_drag
 from apd_viewer.ui.tools.gizmo_drawing import GizmoAppearance, draw_gizmo, draw_hint
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from PySide6.QtCore import QPointF
-    from PySide6.QtGui import QMouseEvent, QPainter
-
     from apd_viewer.session.model.document import Document
-    from apd_viewer.ui.scene.viewport import Viewport
 
 
 class Gizmo(MouseTool, QObject):

@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +15,6 @@ import numpy.typing as npt
 from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation
 from apd_viewer.presentation.number_format import format_grouped, format_signed
 from apd_viewer.ui.scene.camera import Camera, unit
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.scene.camera import Camera
 
 MOST_DRAG_RATIO = 4.0  # an arrow never moves the handle so many times farther than the cursor went
 SNAP_ANGLE = np.deg2rad(15.0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -18,6 +17,7 @@ from apd_viewer.ui.tools.gizmo_drag import (
     RING_RADIUS,
     RINGS,
     SQUARES,
+    GizmoDrag,
     GizmoFrame,
     axis_index,
     offset_in_plane,
@@ -29,9 +29,6 @@ from apd_viewer.ui.tools.polylines import (
     to_polygon,
     with_opacity,
 )
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.tools.gizmo_drag import GizmoDrag
 
 # Rose, lime and violet: apart from the base blue and the handle vermilion in hue, and from one
 # another in lightness, with any kind of colour vision. The letters say it once more.

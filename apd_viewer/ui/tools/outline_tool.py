@@ -7,19 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QPen, QPolygonF
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen, QPolygonF, QWheelEvent
 
+from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.gizmo_drag import GizmoFrame, position_along_axis
 from apd_viewer.ui.tools.polylines import axis_rectangle, draw_plane
 from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
 
 if TYPE_CHECKING:
-    from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
-
     from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy
     from apd_viewer.geometry.picking.surface_index import SurfaceIndex
-    from apd_viewer.ui.scene.surface import Surface
-    from apd_viewer.ui.scene.viewport import Viewport
 
 _SMALLEST = 3.0  # pixels across; less is a click
 _CLOSES = 9.0  # pixels from the first corner

@@ -7,20 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtGui import QColor
+from PySide6.QtGui import QColor, QInputEvent, QMouseEvent
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.painted_part import PaintedPart
 from apd_viewer.ui.scene.navigation import MouseTool
+from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:
-    import numpy as np
-    from PySide6.QtGui import QInputEvent, QMouseEvent
-
     from apd_viewer.session.model.document import Document
-    from apd_viewer.ui.scene.surface import Surface
-    from apd_viewer.ui.scene.viewport import Viewport
 
 
 class StrokeEffect(Enum):
