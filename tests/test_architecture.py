@@ -241,6 +241,30 @@ def test_architecture_rules_are_kept_by_the_program():
     assert violations(ROOT) == []
 
 
+# The window has a core, features above it, and a frame of panel, menus and help that puts them together.
+CORE = {"widgets", "preferences", "scene", "tools", "filing", "overlays", "plots"}
+FEATURES = {
+    *("measuring", "posing", "target", "obstacles", "compare", "sharing"),
+    *("case_studies", "studies", "settings_page"),
+}
+# Features that another one knows: the ends of a range are shown as ghosts, and a study runs a command.
+NEIGHBOURS = {"case_studies": {"posing", "studies"}}
+
+
+def test_architecture_lets_a_feature_of_the_window_know_only_the_core():
+    known = modules(ROOT)
+    folders = {name: name.split(".")[2] for name in known if name.count(".") > 2 and ".ui." in name}
+    assert set(folders.values()) >= CORE | FEATURES, "the test is blind"
+    layers = dict.fromkeys(CORE, CORE) | {one: CORE | NEIGHBOURS.get(one, set()) | {one} for one in FEATURES}
+    against = [
+        f"{name} imports {target}"
+        for name, folder in folders.items()
+        for target in imports(name, known[name], known)
+        if folder in layers and folders.get(target, folder) not in layers[folder]
+    ]
+    assert against == []
+
+
 def test_architecture_rules_look_at_the_whole_program():
     """An empty tree would keep all rules too."""
     known = modules(ROOT)

@@ -146,7 +146,7 @@ class Workbench(QObject):
         )
         self.comparison = CompareController(canvas, self.display_options, memory, notice, session.store)
         self.reports = ReportController(
-            shell, canvas, self.display_options, self.volume, memory, notice, session
+            shell, canvas, self.display_options, self.view, memory, notice, session
         )
 
     def _make_actions(self) -> None:
