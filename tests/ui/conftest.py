@@ -27,8 +27,8 @@ from apd_viewer.session.processes import (
     solver_main,
 )
 from apd_viewer.ui.application import HARMLESS_MESSAGE
-from apd_viewer.ui.filing import question
-from apd_viewer.ui.filing.question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.scene import shading
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
@@ -117,7 +117,7 @@ def settings(stored):
 @pytest.fixture
 def unasked(monkeypatch):
     """Windows do not ask before they are closed."""
-    monkeypatch.setattr(question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+    monkeypatch.setattr(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
 
 
 @pytest.fixture(scope="session")

@@ -16,12 +16,11 @@ from apd_viewer.ui.measuring.measure_controller import MeasureController
 from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.findings_controller import FindingsController
-from apd_viewer.ui.panel.target_controller import TargetController
-from apd_viewer.ui.posing.pose_controller import PoseController
-from apd_viewer.ui.posing.symmetry_controller import SymmetryController
+from apd_viewer.ui.posing.pose_controller import PoseController, SymmetryController
 from apd_viewer.ui.sharing.report_controller import ReportController
 from apd_viewer.ui.studies.case_study_controller import CaseStudyController
 from apd_viewer.ui.studies.run_controller import RunController
+from apd_viewer.ui.target.target_controller import TargetController
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 

@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QMainWindow, QToolBar
 from apd_viewer.language import tr
 from apd_viewer.ui.filing.file_requests import FileRequests
 from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
-from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
-from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.theme import ICON_SIZE, Theme, icon
 
 _TOOLS = [tool.words.icon for tool in Tool]
 # Icons, in groups; the tests compare them with the real tool bar.

@@ -12,10 +12,10 @@ from apd_viewer.language import tr, trc
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.view import UpAxis
-from apd_viewer.ui.actions.action_maker import ActionMaker
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.overlays.display_options import DisplayOptions
-from apd_viewer.ui.preferences.shortcut_hints import show_keys_in_tip
+from apd_viewer.ui.preferences.action_maker import ActionMaker
+from apd_viewer.ui.preferences.shortcuts import show_keys_in_tip
 from apd_viewer.ui.scene.shading import Shading
 from apd_viewer.ui.tools.canvas import Canvas
 

@@ -22,9 +22,9 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.method_readings import ReadingColumn, ReadingsByName
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.filing.plot_export import write_drawing
 from apd_viewer.ui.overlays.legend import scale_image
 from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
+from apd_viewer.ui.plots.plots import write_drawing
 from apd_viewer.ui.widgets.theme import LIGHT
 
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter

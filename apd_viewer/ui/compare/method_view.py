@@ -17,7 +17,7 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.notice import CanvasHint
 from apd_viewer.ui.scene.coloring import colors_of
-from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 

@@ -21,12 +21,12 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.ui.actions.action_maker import NAME_PROPERTY
 from apd_viewer.ui.help import manual
 from apd_viewer.ui.help.manual import ManualPlace
 from apd_viewer.ui.overlays.card_stack import CardStack
 from apd_viewer.ui.overlays.notice import SECTION_PROPERTY
 from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.preferences.action_maker import NAME_PROPERTY
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.settings_page.settings_dialog import SETTING_PROPERTY
 from apd_viewer.ui.tools.canvas import Canvas

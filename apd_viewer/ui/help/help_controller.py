@@ -13,7 +13,6 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Activity
-from apd_viewer.ui.actions.action_maker import without_mnemonic
 from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.help.command_search import CommandSearch
 from apd_viewer.ui.help.context_help import ContextHelp, look_up_in_manual, show_manual
@@ -23,6 +22,7 @@ from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, ShortcutGrou
 from apd_viewer.ui.help.shortcut_sheet import ShortcutSheet
 from apd_viewer.ui.help.tour import Tour, TourTargets
 from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.preferences.action_maker import without_mnemonic
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.preferences.shortcuts import Shortcuts
 from apd_viewer.ui.tools.canvas import Canvas

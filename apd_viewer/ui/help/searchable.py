@@ -30,16 +30,16 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.language import tr
 from apd_viewer.session.state_store import StateStore
-from apd_viewer.ui.actions.action_maker import without_mnemonic
 from apd_viewer.ui.help.context_help import section_name
 from apd_viewer.ui.help.manual import ManualPlace, action_place, section_place, setting_place
 from apd_viewer.ui.help.synonyms import CONTROL_SYNONYMS, SYNONYMS
 from apd_viewer.ui.panel.panel import Panel
-from apd_viewer.ui.part_lists.named_rows import NamedRow
-from apd_viewer.ui.part_lists.part_row import PartButtons
+from apd_viewer.ui.preferences.action_maker import without_mnemonic
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, keys_of, native_keys
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.widgets.folding_section import Heading, Section
+from apd_viewer.ui.widgets.named_rows import NamedRow
+from apd_viewer.ui.widgets.part_row import PartButtons
 from apd_viewer.ui.widgets.slider_field import SliderField
 
 

@@ -12,8 +12,7 @@ from apd_viewer.language import tr, trc
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native_keys, split_keys
 from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 
 _EDGES = (8, 1, 4, 1)
 

@@ -15,7 +15,7 @@ from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.help.tour_card import TourCard
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.gizmo_layout import GizmoFrame
+from apd_viewer.ui.tools.gizmo_drag import GizmoFrame
 from apd_viewer.ui.tools.toolbox import Tool
 
 _LOOK = 33  # ms from a change on screen to the update of the target's place

@@ -22,7 +22,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.extreme_marker import ExtremeMarker
 from apd_viewer.ui.overlays.legend import Legend
-from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 

@@ -24,11 +24,10 @@ from apd_viewer.ui.scene.ground import Ground
 from apd_viewer.ui.scene.shading import AMBER_GLASS_SHADER
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.turntable import Turntable
-from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.slider import Slider, SliderScale
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.slider_field import Slider, SliderScale
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
+from apd_viewer.ui.widgets.wheel import shield
 
 
 class DisplayOptions:

@@ -27,10 +27,9 @@ from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.findings_badge import ENTER_KEYS, Badge, issue_count_text
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import CheckBox, small_button
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import Theme, set_style_property
+from apd_viewer.ui.widgets.theme import Theme, icon, set_style_property
+from apd_viewer.ui.widgets.wheel import shield
 
 
 class ListedFinding(NamedTuple):

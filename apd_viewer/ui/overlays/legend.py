@@ -19,10 +19,9 @@ from PySide6.QtWidgets import (
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import ComboBox, NumberField, small_button
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
+from apd_viewer.ui.widgets.wheel import shield
 
 # Lengths and curvatures are in the unit of the mesh, whatever that is.
 _DECIMALS, _LEAST = 30, 1e-30

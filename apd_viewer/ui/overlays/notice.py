@@ -27,12 +27,11 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.state_store import StateStore
 from apd_viewer.ui.filing.file_requests import FileRequests
 from apd_viewer.ui.overlays.card_stack import GEOMETRY_EVENTS, moved_above
-from apd_viewer.ui.preferences.shortcut_hints import with_keys
+from apd_viewer.ui.preferences.shortcuts import with_keys
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.toolbox import Tool
-from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
-from apd_viewer.ui.widgets.wrapping_row import arrange_row
+from apd_viewer.ui.widgets.fit_to_screen import arrange_row
+from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon, set_style_property
 
 _LOGGER = logging.getLogger(__name__)
 _MARGIN = 12

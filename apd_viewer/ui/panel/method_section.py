@@ -19,8 +19,7 @@ from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Sett
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.folding_section import Heading, Section, quiet_label
-from apd_viewer.ui.widgets.slider import DECADES
-from apd_viewer.ui.widgets.slider_field import SliderField
+from apd_viewer.ui.widgets.slider_field import DECADES, SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:

@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pyvista as pv
 from PySide6.QtCore import QTimer
+from pyvistaqt import QtInteractor
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkTexture
 
+from apd_viewer.geometry.mesh.texture import Texture
+from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.presentation.palette import FREE_COLOR, ColorMap
 
 if TYPE_CHECKING:
-    from pyvistaqt import QtInteractor
-
-    from apd_viewer.geometry.mesh.texture import Texture
-    from apd_viewer.geometry.picking.preview_surface import PreviewSurface
     from apd_viewer.geometry.picking.render_mesh import RenderMesh
 
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from PySide6.QtCore import QPointF
 from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
+from apd_viewer.presentation.palette import ColorMap
 from apd_viewer.ui.scene.shading import (
     Shading,
     SurfaceArrays,
@@ -18,14 +21,10 @@ from apd_viewer.ui.scene.shading import (
     shade,
     texture_of,
 )
+from apd_viewer.ui.scene.viewport import Viewport
 
 if TYPE_CHECKING:
-    from PySide6.QtCore import QPointF
-
-    from apd_viewer.geometry.mesh.texture import Texture
     from apd_viewer.geometry.picking.surface_index import SurfaceIndex
-    from apd_viewer.presentation.palette import ColorMap
-    from apd_viewer.ui.scene.viewport import Viewport
 
 
 # Before the first mesh, with one vertex: PyVista takes no empty arrays.

@@ -21,14 +21,13 @@ from apd_viewer.cases.results import WAITING, WRONG, ResultTable
 from apd_viewer.cases.study_progress import CaseCounts, ProgressMeter
 from apd_viewer.language import comma_separated, tr, trn
 from apd_viewer.presentation.time_left import duration_text
-from apd_viewer.ui.panel.status_bar import ElidedLabel
 from apd_viewer.ui.studies.case_plots import CaseColors, CaseCurves, ScatterPlot
 from apd_viewer.ui.studies.result_columns import ReadResults
 from apd_viewer.ui.studies.result_table import ResultModel, ResultsView
 from apd_viewer.ui.studies.study_run import may_continue
+from apd_viewer.ui.widgets.elided_label import ElidedLabel, ThinBar
 from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
 from apd_viewer.ui.widgets.theme import Theme
-from apd_viewer.ui.widgets.thin_bar import ThinBar
 
 _SMALLEST, _NARROWEST = QSize(320, 160), 72  # px, of it and of the name of a study
 # Of the window, at first: the mesh is more important.

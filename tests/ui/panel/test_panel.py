@@ -16,7 +16,7 @@ from apd_viewer.presentation.readings import NO_VALUE, area_verdict
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.state_store import Activity
-from apd_viewer.ui.widgets.slider import DECADES, PERCENT
+from apd_viewer.ui.widgets.slider_field import DECADES, PERCENT
 
 
 def choose(window, method):

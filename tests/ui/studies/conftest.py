@@ -9,8 +9,8 @@ from study_driving import open_bar
 
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.processes import shape_checker, solver_process
-from apd_viewer.ui.filing import question
-from apd_viewer.ui.filing.question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.studies import run_dialog
 from apd_viewer.ui.workbench import Workbench
@@ -28,7 +28,7 @@ def twisted(qapp, home):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(solver_process, "start_solver_process", InThread)
         patch.setattr(shape_checker, "FIRST_PAUSE", 1e6)
-        patch.setattr(question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+        patch.setattr(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
         settings = QSettings(str(home / "settings.ini"), QSettings.Format.IniFormat)
         settings.setValue("folder", str(home))
         window = Workbench(Shell(settings))

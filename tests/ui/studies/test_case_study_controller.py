@@ -20,8 +20,8 @@ from apd_viewer.cases.case_file import read_case
 from apd_viewer.cases.database import DATABASE_NAME
 from apd_viewer.cases.study import StudyStore
 from apd_viewer.session.model.handle_paths import handle_paths
-from apd_viewer.ui.filing import question
-from apd_viewer.ui.filing.question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.studies.study_run import PLAN_FILE, RUN_FILE, StudyRun
 
 CASES, MANY = 5, 12  # quick ones, and more than are done before a click
@@ -252,7 +252,9 @@ def test_case_study_controller_asks_about_unsaved_work_before_opening_a_case(
     qtbot, bar, results, monkeypatch
 ):
     asked = []
-    monkeypatch.setattr(question, "ask_before_leaving", lambda *_: asked.append(1) or UnsavedAnswer.CANCEL)
+    monkeypatch.setattr(
+        file_controller, "ask_before_leaving", lambda *_: asked.append(1) or UnsavedAnswer.CANCEL
+    )
     before = bar.session.store.state
     press_row(results, 1)
     work_off()

@@ -1,6 +1,8 @@
-"""Row of a part in its list."""
+"""List of named parts of the mesh, each with its colour; one is active."""
 
 from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPaintEvent
@@ -8,10 +10,9 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.session.model.handles_and_regions import NO_FLAGS, PartFlags
-from apd_viewer.ui.part_lists.named_rows import NamedRow
 from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.named_rows import NamedList, NamedRow
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
 
 class Swatch(QWidget):
@@ -145,3 +146,36 @@ _TIPS = {
     "unlock": tr("Unlock this part"),
     "clear": tr("Clear the paint of this part"),
 }
+
+
+class PartList(NamedList[PartRow]):
+    """The rows, as many as there are parts.
+
+    Parameters
+    ----------
+    colors : sequence of (int, int, int)
+    make : callable
+        From a name and a colour to a new row.
+
+    Attributes
+    ----------
+    hidden, locked : Signal(int, bool)
+    cleared : Signal(int)
+    """
+
+    hidden = Signal(int, bool)
+    locked = Signal(int, bool)
+    cleared = Signal(int)
+
+    def __init__(
+        self,
+        colors: Sequence[tuple[int, int, int]],
+        make: Callable[[int, str, tuple[int, int, int]], PartRow],
+    ) -> None:
+        super().__init__(lambda k, name: self._connected(k, make(k, name, colors[k % len(colors)])))
+
+    def _connected(self, k: int, row: PartRow) -> PartRow:
+        row.buttons.hide_requested.connect(lambda on: self.hidden.emit(k, on))
+        row.buttons.lock_requested.connect(lambda on: self.locked.emit(k, on))
+        row.buttons.clear_requested.connect(lambda: self.cleared.emit(k))
+        return row

@@ -1,14 +1,36 @@
-"""Thin progress bar."""
+"""Label elided to its width, and thin progress bar."""
 
 from __future__ import annotations
 
 import time
 
-from PySide6.QtCore import QEvent
-from PySide6.QtWidgets import QApplication, QProgressBar
+from PySide6.QtCore import QEvent, QSize, Qt
+from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtWidgets import QApplication, QLabel, QProgressBar
 
 _SCALE = 1000
 _PAUSE = 0.2  # s; between two draws of a bar of unknown length, where the processor draws
+
+
+class ElidedLabel(QLabel):
+    """Label elided to its width, with all of its text in the tip."""
+
+    def show_text(self, text: str) -> None:
+        """Show a text."""
+        self.setText(text)
+        self.setToolTip(text)
+
+    def minimumSizeHint(self) -> QSize:
+        """Give way to all others."""
+        return QSize(0, super().minimumSizeHint().height())
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw as much as there is room for."""
+        room = self.rect().adjusted(8, 0, -8, 0)
+        painter = QPainter(self)
+        painter.setPen(self.palette().windowText().color())
+        text = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room.width())
+        painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, text)
 
 
 class ThinBar(QProgressBar):

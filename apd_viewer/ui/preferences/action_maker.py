@@ -9,8 +9,7 @@ from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.theme import Theme, icon
 
 NAME_PROPERTY = "actionName"  # property of an action, by which the manual knows it
 

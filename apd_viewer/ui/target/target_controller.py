@@ -14,8 +14,8 @@ from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
-from apd_viewer.ui.panel.target_section import TargetSection
 from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.target.target_section import TargetSection
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 
 

@@ -11,8 +11,7 @@ from PySide6.QtWidgets import QFrame, QLineEdit, QToolButton, QVBoxLayout, QWidg
 
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon, set_style_property
 
 
 class NameField(QLineEdit):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton
@@ -9,17 +10,13 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton
 from apd_viewer.language import tr, trc
 from apd_viewer.presentation import measurement_text as words
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.part_lists.part_list import PartList
-from apd_viewer.ui.part_lists.part_row import PartRow
 from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
-from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.part_row import PartList, PartRow
+from apd_viewer.ui.widgets.theme import Theme, icon
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from apd_viewer.session.measurement_readings import MeasurementReading
-    from apd_viewer.ui.widgets.theme import Theme
 
 _COLOR = (122, 130, 142)
 
