@@ -33,8 +33,7 @@ from apd_viewer.files.formats.ply_elements import (
 from apd_viewer.files.formats.polygons import concatenated
 from apd_viewer.files.formats.text import TextEdits, parse_numbers
 from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
-from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.texture import Texture
+from apd_viewer.geometry.mesh.mesh import Mesh, Texture
 from apd_viewer.language import in_quotes, tr
 
 _NORMAL, _COLORS = ("nx", "ny", "nz"), ("red", "green", "blue")

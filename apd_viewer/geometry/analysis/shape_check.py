@@ -54,7 +54,7 @@ def check_shape(U: np.ndarray, F: np.ndarray, handle_turns: HandleTurns | None =
     dx, dy, dz = np.ptp(points, axis=0).tolist()
     turns: tuple[HeldTurn, ...] = ()
     if handle_turns is not None:
-        from apd_viewer.geometry.turns.held_turns import held_turns  # Imported here: SciPy comes with it.
+        from apd_viewer.geometry.turns.surface_turns import held_turns  # Imported here: SciPy comes with it.
 
         turns = held_turns(handle_turns.V, U, F, handle_turns.labels, handle_turns.paths)
     return ShapeCheck(crossings(U, F), (dx, dy, dz), hull_readings(points), turns)

@@ -32,7 +32,7 @@ from apd_viewer.geometry.solver.methods import (
 )
 from apd_viewer.geometry.solver.path_iteration import PathIteration, PathStop
 from apd_viewer.geometry.turns.held_turn import HeldTurn, pass_through_warnings
-from apd_viewer.geometry.turns.held_turns import held_turns, relative_paths
+from apd_viewer.geometry.turns.surface_turns import held_turns, relative_paths
 from apd_viewer.language import tr
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pyvista as pv
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.texture import Texture
+    from apd_viewer.geometry.mesh.mesh import Texture
     from apd_viewer.geometry.picking.preview_surface import PreviewSurface
     from apd_viewer.geometry.picking.render_mesh import RenderMesh
 

@@ -22,7 +22,7 @@ from apd_viewer.ui.appearance.surface_arrays import SurfaceArrays
 if TYPE_CHECKING:
     from PySide6.QtCore import QPointF
 
-    from apd_viewer.geometry.mesh.texture import Texture
+    from apd_viewer.geometry.mesh.mesh import Texture
     from apd_viewer.geometry.picking.surface_index import SurfaceIndex
     from apd_viewer.presentation.palette import ColorMap
     from apd_viewer.ui.scene.viewport import Viewport

@@ -10,7 +10,7 @@ from apd_viewer.geometry.contact.contact_obstacles import capsule, plate, sphere
 from apd_viewer.geometry.contact.obstacle_pairs import clearance
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-from apd_viewer.geometry.pose.fitted_motion import fitted_motion
+from apd_viewer.geometry.pose.transforms import fitted_motion
 from apd_viewer.geometry.pressing.plate_press import PlatePress
 from apd_viewer.geometry.pressing.press_options import PressOptions
 from apd_viewer.geometry.solver.deformation import Deformation
