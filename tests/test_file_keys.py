@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from immediate import Here
 from meshes import tube
 from painted_meshes import write_bar
@@ -20,7 +21,6 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection import Selection, selection_to_json
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.measuring.measurement import Measurement, Plane
-from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from PySide6.QtCore import QObject, Signal
 
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.state import State
+from apd_viewer.session.state_store import Listener
 
 
 class SessionSignals(QObject):

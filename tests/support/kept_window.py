@@ -3,6 +3,7 @@
 from contextlib import contextmanager
 
 import pytest
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from driving import Mouse, idle, settle, show
 from meshes import box
 from PySide6.QtCore import QSettings
@@ -11,7 +12,6 @@ from PySide6.QtWidgets import QAbstractButton, QApplication
 from shiboken6 import isValid
 
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.history import History
 from apd_viewer.session.model.state import initial_state

@@ -12,8 +12,14 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import check_mesh, checked_floats, checked_integers, frozen, mesh_size
-from apd_viewer.geometry.mesh.checked_arguments import check_argument
+from apd_viewer.geometry.mesh.arrays import (
+    check_argument,
+    check_mesh,
+    checked_floats,
+    checked_integers,
+    frozen,
+    mesh_size,
+)
 from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.weld import WELD_TOLERANCE, Weld
 from apd_viewer.language import tr

@@ -12,8 +12,7 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle, plate
 from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import diagonal, frozen
-from apd_viewer.geometry.mesh.checked_arguments import check_argument, is_whole_number
+from apd_viewer.geometry.mesh.arrays import check_argument, diagonal, frozen, is_whole_number
 from apd_viewer.geometry.pressing.plate_travel import plate_travel
 from apd_viewer.geometry.pressing.press_options import DEFAULT_OPTIONS, PressOptions
 from apd_viewer.geometry.pressing.press_solver import PressSolver

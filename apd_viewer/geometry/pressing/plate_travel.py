@@ -8,8 +8,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.mesh_contact import contact_thickness
-from apd_viewer.geometry.mesh.arrays import checked_direction, diagonal
-from apd_viewer.geometry.mesh.checked_arguments import as_float
+from apd_viewer.geometry.mesh.arrays import as_float, checked_direction, diagonal
 from apd_viewer.language import tr
 
 

@@ -10,8 +10,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import checked_floats
-from apd_viewer.geometry.mesh.checked_arguments import check_argument
+from apd_viewer.geometry.mesh.arrays import check_argument, checked_floats
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,

@@ -13,8 +13,7 @@ from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Region, RegionReading
-from apd_viewer.geometry.mesh.arrays import checked_floats
-from apd_viewer.geometry.mesh.checked_arguments import checked
+from apd_viewer.geometry.mesh.arrays import checked, checked_floats
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence

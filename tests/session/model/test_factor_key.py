@@ -4,13 +4,13 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 import pytest
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from driven_session import BENT, document
 
 from apd_viewer.files.mesh_location import MissingMesh
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.measuring.measurement import Measurement
-from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.settings import SETTINGS, Settings
