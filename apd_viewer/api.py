@@ -34,4 +34,4 @@ from apd_viewer.geometry.pressing.pressed_mesh import press as press
 from apd_viewer.geometry.solver.convergence import Convergence as Convergence
 from apd_viewer.geometry.solver.deformation import Deformation as Deformation
 from apd_viewer.geometry.solver.deformation_result import Result as Result
-from apd_viewer.presentation.notebooks.notebook_deform import deform as deform
+from apd_viewer.presentation.notebook_deform import deform as deform

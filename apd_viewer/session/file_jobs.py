@@ -20,8 +20,8 @@ from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import passing_walls_warning
 from apd_viewer.language import tr
+from apd_viewer.session.background_job import Jobs
 from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.jobs.background_job import Jobs
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import selection_of, with_selection
 from apd_viewer.session.model.state import State, initial_state

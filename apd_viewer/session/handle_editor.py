@@ -16,6 +16,7 @@ from apd_viewer.session.model.document_parts import PaintedPart, next_name
 from apd_viewer.session.model.handle_paths import with_rounded_poses
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.state import State
+from apd_viewer.session.part_operations import PartOperation, members_after
 from apd_viewer.session.posing.mirror_partner import mirrored_handle, with_pair_moved, with_pair_reset
 from apd_viewer.session.posing.motion import Motion, MotionReference
 from apd_viewer.session.posing.motion_path import (
@@ -26,7 +27,6 @@ from apd_viewer.session.posing.motion_path import (
 )
 from apd_viewer.session.posing.regripping import has_moved
 from apd_viewer.session.quantities.expressions import unambiguous_text
-from apd_viewer.session.selecting.part_operations import PartOperation, members_after
 from apd_viewer.session.state_store import Listener, StateStore
 
 _MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z

@@ -9,15 +9,15 @@ import time
 from collections.abc import Callable
 
 from apd_viewer.session.autosave import Autosave
+from apd_viewer.session.background_job import Jobs
 from apd_viewer.session.file_jobs import FileJobs
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.handle_editor import HandleEditor
-from apd_viewer.session.jobs.background_job import Jobs
-from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
 from apd_viewer.session.measurement_readings import MeasurementEditor, MeasurementReadings
 from apd_viewer.session.obstacle_editor import ObstacleEditor
 from apd_viewer.session.part_editor import Painting, PartEditor
 from apd_viewer.session.pose_editor import PoseEditor
+from apd_viewer.session.processes.freed_memory import give_back_freed_memory
 from apd_viewer.session.processes.solver_worker import SolverWorker
 from apd_viewer.session.saved_work import SavedWork
 from apd_viewer.session.settings_editor import SettingsEditor

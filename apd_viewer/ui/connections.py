@@ -9,7 +9,7 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.status_text import about_lock
-from apd_viewer.session.selecting.part_operations import PartOperation
+from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.session.session import Session
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.panel.status_bar import StatusBar

@@ -16,6 +16,8 @@ from apd_viewer.geometry.goals.goals import Region, RegionReading
 from apd_viewer.geometry.mesh.arrays import checked, checked_floats
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.pose.held_turn import HeldTurn, pass_through_warnings
+from apd_viewer.geometry.pose.surface_turns import held_turns, relative_paths
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.held_vertices import HeldVertices
@@ -30,8 +32,6 @@ from apd_viewer.geometry.solver.methods import (
     passing_walls_warning,
 )
 from apd_viewer.geometry.solver.path_iteration import PathIteration, PathStop
-from apd_viewer.geometry.turns.held_turn import HeldTurn, pass_through_warnings
-from apd_viewer.geometry.turns.surface_turns import held_turns, relative_paths
 from apd_viewer.language import tr
 
 

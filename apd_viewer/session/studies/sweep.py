@@ -19,13 +19,13 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.pose.held_turn import HeldTurn, pass_through_warnings
 from apd_viewer.geometry.pose.screw_motion import RotationPath
+from apd_viewer.geometry.pose.surface_turns import held_turns
 from apd_viewer.geometry.pose.waypoint_path import HandlePath, WaypointPath
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.methods import method_named
 from apd_viewer.geometry.solver.path_iteration import PathIteration
-from apd_viewer.geometry.turns.held_turn import HeldTurn, pass_through_warnings
-from apd_viewer.geometry.turns.surface_turns import held_turns
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handle_paths import document_at, handle_pose_sequences

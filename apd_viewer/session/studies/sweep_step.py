@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.geometry.turns.held_turn import HeldTurn, most_lost_turn
+from apd_viewer.geometry.pose.held_turn import HeldTurn, most_lost_turn
 
 
 class SweepStep(NamedTuple):

@@ -8,8 +8,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.session.posing.motion import Motion
-from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.text_entries import TextEntries
 from apd_viewer.ui.panel.panel import Panel

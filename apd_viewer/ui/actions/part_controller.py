@@ -7,7 +7,7 @@ from collections.abc import Callable
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.handles_and_regions import PartFlags
-from apd_viewer.session.selecting.part_operations import PartOperation
+from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.session.session import Session
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas

@@ -22,6 +22,7 @@ from scipy.spatial.transform import Rotation
 
 from apd_viewer.geometry.mesh.adjacency import opposite_half_edges
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.held_turn import LEAST_TURN, HeldTurn
 from apd_viewer.geometry.pose.transforms import fitted_rotation, quaternion
 from apd_viewer.geometry.pose.waypoint_path import (
     nearest_rotation,
@@ -29,7 +30,6 @@ from apd_viewer.geometry.pose.waypoint_path import (
     rotation_vector,
     signed_angle_about,
 )
-from apd_viewer.geometry.turns.held_turn import LEAST_TURN, HeldTurn
 
 # Doubled area over squared edges: what is thinner has no normal.
 _NO_AREA = 1e-9
