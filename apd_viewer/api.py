@@ -34,4 +34,4 @@ from apd_viewer.geometry.solver.deformation_result import Result as Result
 from apd_viewer.geometry.solver.plate_press import PressStep as PressStep
 from apd_viewer.geometry.solver.pressed_mesh import Pressed as Pressed
 from apd_viewer.geometry.solver.pressed_mesh import press as press
-from apd_viewer.presentation.notebooks.notebook_deform import deform as deform
+from apd_viewer.presentation.notebook_deform import deform as deform

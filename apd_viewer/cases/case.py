@@ -19,12 +19,12 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import next_paint_sentence, transform
 from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.pose.held_turn import HeldTurn, most_lost_turn, pass_through_warnings
 from apd_viewer.geometry.pose.screw_motion import RotationPath
+from apd_viewer.geometry.pose.surface_turns import held_turns
 from apd_viewer.geometry.pose.waypoint_path import HandlePath, WaypointPath
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, method_named
-from apd_viewer.geometry.turns.held_turn import HeldTurn, most_lost_turn, pass_through_warnings
-from apd_viewer.geometry.turns.held_turns import held_turns
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import obstacle_shifts

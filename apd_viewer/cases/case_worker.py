@@ -35,7 +35,7 @@ from apd_viewer.files.storage.lock import acquire_lock
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.analysis.self_intersections import use_one_core_for_search
 from apd_viewer.geometry.linalg.threads import use_one_core
-from apd_viewer.session.jobs.freed_memory import give_back_freed_memory, keep_freed_memory
+from apd_viewer.session.processes.freed_memory import give_back_freed_memory, keep_freed_memory
 
 # A process runs one case at a time: memory is measured by it, and kernels run one at a time anyway.
 _ONE_CASE = threading.Lock()

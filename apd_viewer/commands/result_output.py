@@ -27,7 +27,7 @@ from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.geometry.solver.deformation_result import Result
 from apd_viewer.language import comma_separated, in_quotes, tr
-from apd_viewer.presentation.notebooks.progress_line import frame_line
+from apd_viewer.presentation.progress_line import frame_line
 from apd_viewer.session.model.status_text import caps_phrase, crossing_findings
 
 _ROUNDED = 1e-6  # relative change of the area by the file's rounding worth a warning

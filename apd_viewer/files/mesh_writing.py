@@ -21,8 +21,7 @@ from apd_viewer.files.meshes import (
 )
 from apd_viewer.files.storage.atomic_file import file_write_error, is_circular_link, is_stream, replacing_file
 from apd_viewer.files.storage.regular_files import one_line_message, without_library_warnings
-from apd_viewer.geometry.mesh.arrays import checked_floats
-from apd_viewer.geometry.mesh.checked_arguments import check_type, checked
+from apd_viewer.geometry.mesh.arrays import check_type, checked, checked_floats
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

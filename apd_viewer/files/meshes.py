@@ -21,7 +21,7 @@ from apd_viewer.files.gltf.gltf_reader import read_gltf
 from apd_viewer.files.storage.regular_files import one_line_message, read_bytes, without_library_warnings
 from apd_viewer.files.vtk.legacy import read_vtk
 from apd_viewer.files.vtk.xml_surface import read_vtp, read_vtu
-from apd_viewer.geometry.mesh.checked_arguments import checked
+from apd_viewer.geometry.mesh.arrays import checked
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

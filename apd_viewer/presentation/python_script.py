@@ -14,10 +14,9 @@ from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import obstacle_shifts
+from apd_viewer.session.model.document_parts import obstacle_shifts, targets_of
 from apd_viewer.session.model.handle_paths import intermediate_documents
 from apd_viewer.session.model.named_obstacle import ObstacleKind, stopping_extent
-from apd_viewer.session.model.targets import targets_of
 
 _WIDTH = 110
 _TARGETS = """

@@ -19,8 +19,8 @@ from apd_viewer.presentation.number_format import (
     format_signed,
     format_significant,
 )
+from apd_viewer.session.model.document_parts import kept_percentages
 from apd_viewer.session.model.status_text import caps_phrase
-from apd_viewer.session.model.targets import kept_percentages
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.inspection import Inspection

@@ -26,10 +26,10 @@ from apd_viewer.presentation.number_format import (
     format_short,
     format_significant,
 )
+from apd_viewer.session.model.document_parts import kept_percentages
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import held_turn_phrase
-from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.quantities.units import Unit
 
 _LIBRARIES = (

@@ -20,14 +20,13 @@ from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.language import tr
 from apd_viewer.session.file_jobs import FileJobs
 from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.jobs.mailbox import Mailbox
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.history import HistoryEntry
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
+from apd_viewer.session.processes.mailbox import Mailbox
 from apd_viewer.session.saved_work import SavedWork
-from apd_viewer.session.state_store import Activity, StateStore
+from apd_viewer.session.state_store import Activity, Listener, StateStore
 from apd_viewer.session.storage.recovery_file import RecoveryFile, claim_path, make_private, remove_with_lock
 from apd_viewer.session.storage.session_file import save_session
 

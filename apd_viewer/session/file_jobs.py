@@ -20,10 +20,9 @@ from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import passing_walls_warning
 from apd_viewer.language import tr
+from apd_viewer.session.background_job import Jobs
 from apd_viewer.session.deck_setup import deck_of, deck_wall
 from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.jobs.background_job import Jobs
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import selection_of, with_selection
 from apd_viewer.session.model.state import State, initial_state
@@ -39,7 +38,7 @@ from apd_viewer.session.model.status_text import (
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.saved_work import SavedDocument, SavedWork
-from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import Listener, StateStore
 from apd_viewer.session.storage.session_file import ChangedFileError, open_session, save_if_unchanged
 
 

@@ -7,10 +7,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.history import History
 from apd_viewer.session.model.state import State
-from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import Listener, StateStore
 
 # Key presses within this many seconds of each other are one step.
 _TOGETHER = 1.0

@@ -11,12 +11,12 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES, transform
 from apd_viewer.language import tr
 from apd_viewer.session.gestures import DocumentEditor, Gestures
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import PaintedPart, next_name
 from apd_viewer.session.model.handle_paths import with_rounded_poses
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.state import State
+from apd_viewer.session.part_operations import PartOperation, members_after
 from apd_viewer.session.posing.mirror_partner import mirrored_handle, with_pair_moved, with_pair_reset
 from apd_viewer.session.posing.motion import Motion, MotionReference
 from apd_viewer.session.posing.motion_path import (
@@ -27,8 +27,7 @@ from apd_viewer.session.posing.motion_path import (
 )
 from apd_viewer.session.posing.regripping import has_moved
 from apd_viewer.session.quantities.expressions import unambiguous_text
-from apd_viewer.session.selecting.part_operations import PartOperation, members_after
-from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import Listener, StateStore
 
 _MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z
 

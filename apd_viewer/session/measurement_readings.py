@@ -1,20 +1,23 @@
-"""Measurements made on the rest shape and on the shape on screen."""
+"""Measurements: added, renamed and removed, and read at rest and on screen."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.measuring.measurement import Measurement, MeasurementResult, measure
+from apd_viewer.geometry.measuring.measurement import Measurement, MeasurementResult, Plane, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import CarriedPath, SurfacePoint
-from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.listener import Listener
+from apd_viewer.language import tr
+from apd_viewer.session.gestures import DocumentEditor, Gestures
+from apd_viewer.session.model.document_parts import next_name, unique_name
 from apd_viewer.session.model.state import State
 from apd_viewer.session.processes.geodesic_finder import GeodesicFinder, GeodesicQuery, find_geodesic
-from apd_viewer.session.state_store import Activity, StateStore
+from apd_viewer.session.state_store import Activity, Listener, StateStore
+from apd_viewer.session.storage.part_json import MOST_MEASUREMENTS
 
 EndPoints = tuple[SurfacePoint, ...]
 
@@ -148,3 +151,39 @@ class MeasurementReadings:
     def _made(self, measurement: Measurement, state: State, U: np.ndarray) -> MeasurementResult:
         path, is_current = self._path(measurement.points, U)
         return measure(measurement, U, state.document.mesh.joined_F, path, is_current)
+
+
+class MeasurementEditor(DocumentEditor):
+    """Changes the measurements of the document."""
+
+    def add(
+        self, kind: MeasurementKind, points: tuple[SurfacePoint, ...] = (), plane: Plane | None = None
+    ) -> None:
+        """Measure between points, or in a plane."""
+        there = self._store.required_state().document.measurements
+        if len(there) >= MOST_MEASUREMENTS:
+            self._listener.failed(
+                tr("The limit is {most} measurements; remove one first.").format(most=MOST_MEASUREMENTS)
+            )
+            return
+        name = next_name(kind.title, [each.name for each in there])
+        self._set(tr("Add measurement"), (*there, Measurement(name, kind, points, plane)))
+
+    def remove(self, k: int) -> None:
+        """Remove measurement ``k``."""
+        there = self._store.required_state().document.measurements
+        self._set(tr("Remove measurement"), (*there[:k], *there[k + 1 :]))
+
+    def rename(self, k: int, name: str) -> None:
+        """Rename measurement ``k``; a name in use gets a number."""
+        there = self._store.required_state().document.measurements
+        name = unique_name(name, there[k].name, [each.name for each in there])
+        self._set(tr("Rename"), (*there[:k], replace(there[k], name=name), *there[k + 1 :]))
+
+    def clear(self) -> None:
+        """Remove all measurements."""
+        self._set(tr("Remove all measurements"), ())
+
+    def _set(self, gesture: str, measurements: tuple[Measurement, ...]) -> None:
+        if measurements != self._gestures.state_without_gesture().document.measurements:
+            self._replace(gesture, measurements=measurements)

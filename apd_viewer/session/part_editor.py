@@ -23,8 +23,8 @@ from apd_viewer.session.model.document_parts import (
 )
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.status_text import about_lock
+from apd_viewer.session.part_operations import PartOperation, members_after
 from apd_viewer.session.posing.named_poses import with_handle_renamed
-from apd_viewer.session.selecting.part_operations import PartOperation, members_after
 
 
 class PartEditor(DocumentEditor):

@@ -7,7 +7,6 @@ from dataclasses import replace
 from apd_viewer.language import comma_separated, in_quotes, tr
 from apd_viewer.session.gestures import DocumentEditor, Gestures
 from apd_viewer.session.handle_editor import HandleEditor
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document_parts import next_name, unique_name
 from apd_viewer.session.model.handles_and_regions import MOST_POSES, NamedPose
 from apd_viewer.session.posing.named_poses import (
@@ -16,7 +15,7 @@ from apd_viewer.session.posing.named_poses import (
     missing_handles,
     with_named_pose,
 )
-from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import Listener, StateStore
 
 _NO_HANDLE = tr("There is no handle whose pose could be kept; paint one first.")
 

@@ -11,10 +11,9 @@ import numpy as np
 from apd_viewer.files.known_file import FileState, KnownFile
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.status_text import about_lost_file
-from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import Listener, StateStore
 from apd_viewer.session.storage.session_meshes import has_mesh
 
 _PATIENCE = 1.0  # s, for a disk that does not answer

@@ -9,23 +9,21 @@ import time
 from collections.abc import Callable
 
 from apd_viewer.session.autosave import Autosave
+from apd_viewer.session.background_job import Jobs
 from apd_viewer.session.file_jobs import FileJobs
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.handle_editor import HandleEditor
-from apd_viewer.session.jobs.background_job import Jobs
-from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
-from apd_viewer.session.listener import Listener, with_followers
-from apd_viewer.session.measurement_editor import MeasurementEditor
-from apd_viewer.session.measurement_readings import MeasurementReadings
+from apd_viewer.session.measurement_readings import MeasurementEditor, MeasurementReadings
 from apd_viewer.session.obstacle_editor import ObstacleEditor
 from apd_viewer.session.part_editor import Painting, PartEditor
 from apd_viewer.session.pose_editor import PoseEditor
+from apd_viewer.session.processes.freed_memory import give_back_freed_memory
 from apd_viewer.session.processes.solver_worker import SolverWorker
 from apd_viewer.session.saved_work import SavedWork
 from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.shape_checks import ShapeChecks
 from apd_viewer.session.shape_editor import ShapeEditor
-from apd_viewer.session.state_store import Activity, StateStore
+from apd_viewer.session.state_store import Activity, Listener, StateStore, with_followers
 from apd_viewer.session.typed_values import TypedValues
 
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.handle_paths import handle_turns
 from apd_viewer.session.processes.shape_checker import ShapeChecker, ShapeQuery
-from apd_viewer.session.state_store import Activity, StateStore
+from apd_viewer.session.state_store import Activity, Listener, StateStore
 
 
 class ShapeChecks:

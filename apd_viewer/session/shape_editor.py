@@ -11,14 +11,13 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.language import tr
+from apd_viewer.session.background_job import Jobs
 from apd_viewer.session.gestures import DocumentEditor, Gestures
-from apd_viewer.session.jobs.background_job import Jobs
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.state import State, rest_frame, welded_state
 from apd_viewer.session.model.status_text import about_baking, about_target
 from apd_viewer.session.posing.named_poses import rebased_poses
 from apd_viewer.session.posing.obstacle_placement import reset_obstacles
-from apd_viewer.session.state_store import StateStore
+from apd_viewer.session.state_store import Listener, StateStore
 
 
 class ShapeEditor(DocumentEditor):

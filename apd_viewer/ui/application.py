@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import LANGUAGE, localize_numbers, tr
-from apd_viewer.session.jobs.freed_memory import keep_freed_memory, share_freed_memory
+from apd_viewer.session.processes.freed_memory import keep_freed_memory, share_freed_memory
 
 # pyvistaqt takes the first binding that it finds, and PyQt5 comes first.
 os.environ["QT_API"] = "pyside6"

@@ -9,12 +9,12 @@ from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import about_lock
-from apd_viewer.session.selecting.part_operations import PartOperation
+from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.session.session import Session
+from apd_viewer.session.state_store import Listener
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.panel.status_bar import StatusBar
 from apd_viewer.ui.tools.active_parts import ActiveParts

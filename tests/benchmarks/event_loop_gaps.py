@@ -22,8 +22,8 @@ from meshes import rotation, sample_bottle
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.session import Session
+from apd_viewer.session.state_store import Listener
 from apd_viewer.ui.application import SWITCH_INTERVAL
 from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 

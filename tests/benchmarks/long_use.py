@@ -25,8 +25,8 @@ from meshes import rabbit, sample_bottle, sphere, tube
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
 from apd_viewer.session.model.state import State
+from apd_viewer.session.processes.freed_memory import give_back_freed_memory
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer

@@ -28,8 +28,8 @@ import apd_viewer
 from apd_viewer.__main__ import main as command
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.held_turn import most_lost_turn
 from apd_viewer.geometry.pose.transforms import twist
-from apd_viewer.geometry.turns.held_turn import most_lost_turn
 from apd_viewer.session.model.status_text import self_passing_warnings
 from apd_viewer.session.posing.motion import MOTIONS
 

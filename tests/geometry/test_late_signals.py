@@ -12,8 +12,7 @@ from meshes import sphere
 from apd_viewer.geometry.contact.pair_search import PairSearch
 from apd_viewer.geometry.contact.patches import Patches
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.laplacian import cotangents
-from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.mesh.operators import cotangents, face_areas
 from apd_viewer.geometry.signals import deferred_signals
 from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 

@@ -16,9 +16,9 @@ from PIL import Image
 
 import apd_viewer
 from apd_viewer.files.picture_files import read_png
-from apd_viewer.presentation.notebooks import progress_line
-from apd_viewer.presentation.notebooks.notebook_deform import change_colors
-from apd_viewer.presentation.notebooks.progress_line import ProgressLine
+from apd_viewer.presentation import progress_line
+from apd_viewer.presentation.notebook_deform import change_colors
+from apd_viewer.presentation.progress_line import ProgressLine
 
 NAME = "<script>alert('x')</script> & \"co\""
 

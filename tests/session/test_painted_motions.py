@@ -19,10 +19,10 @@ from apd_viewer.presentation import readings
 from apd_viewer.presentation.report_blocks import handle_rows
 from apd_viewer.session.deck_setup import deck_of, deck_wall
 from apd_viewer.session.model.document_parts import PaintedPart
+from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
-from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 

@@ -21,7 +21,7 @@ from apd_viewer.session.model.document_parts import (
 )
 from apd_viewer.session.model.handles_and_regions import Handle, PartFlags
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.selecting.part_operations import PartOperation, members_after
+from apd_viewer.session.part_operations import PartOperation, members_after
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 PARTS = [

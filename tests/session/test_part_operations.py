@@ -18,7 +18,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.handles_and_regions import NamedRegion
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.selecting.part_operations import PartOperation, members_after
+from apd_viewer.session.part_operations import PartOperation, members_after
 
 PARTS = [
     PaintedPart(BASE),

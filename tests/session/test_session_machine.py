@@ -17,8 +17,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document_parts import PaintedPart, have_same_paint
+from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.session.posing.motion import MOTIONS
-from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.state_store import Activity
 

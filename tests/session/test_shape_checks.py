@@ -15,11 +15,11 @@ from apd_viewer.geometry.analysis.hull_readings import hull_readings
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.processes.shape_checker import ShapeChecker, ShapeQuery
 from apd_viewer.session.session import Session
+from apd_viewer.session.state_store import Listener
 
 LONG = 30.0
 SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)

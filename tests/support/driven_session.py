@@ -13,11 +13,11 @@ from new_threads import new_threads
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.session import Session
+from apd_viewer.session.state_store import Listener
 
 LONG = 20.0  # seconds; nothing here should come near it
 

@@ -36,9 +36,9 @@ from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
+from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.processes import solver_process
-from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.session.state_store import Activity
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.application import make_application

@@ -16,13 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed_mesh import ParsedMesh, text_colors_to_uint8, updated_normals
-from apd_viewer.files.formats.polygons import Polygons
+from apd_viewer.files.formats.parsed_mesh import ParsedMesh, Polygons, text_colors_to_uint8, updated_normals
 from apd_viewer.files.formats.text import TextEdits, decoded_text, parse_numbers, with_line_feeds
 from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
 from apd_viewer.files.storage.regular_files import sibling_content
-from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.texture import Texture
+from apd_viewer.geometry.mesh.mesh import Mesh, Texture
 from apd_viewer.language import tr
 
 _GAP = rb"(?:[ \t]|\\\r?\n)+"

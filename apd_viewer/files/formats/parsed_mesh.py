@@ -1,8 +1,10 @@
-"""Result of a format reader, in any encoding, and normals turned with the surface."""
+"""Result of a format reader: polygons as triangles, encoding, colours, normals."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +12,7 @@ import numpy as np
 from apd_viewer.files.formats.text import Encoding
 from apd_viewer.geometry.mesh.mesh import DerivedOrigin, Mesh, Origin
 from apd_viewer.geometry.mesh.normals import rotated_normals
-from apd_viewer.language import trn
+from apd_viewer.language import tr, trn
 
 _LONGEST = 1e30  # of a normal; the square of a longer one overflows
 
@@ -83,3 +85,126 @@ def linear_to_srgb(colors: np.ndarray) -> np.ndarray:
     linear = np.clip(np.nan_to_num(colors), 0.0, 1.0)
     low, high = 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055
     return colors_to_uint8(np.where(linear <= 0.0031308, low, high), 1.0)
+
+
+# Faces with more corners than this stay fans.
+_MOST_TO_CLIP = 100
+# Total number of ears tried; after that the rest stay fans too.
+_MOST_TRIES = 100_000
+
+
+class Polygons(NamedTuple):
+    """Corners of all faces, (c,) vertices, and face starts, (p + 1,)."""
+
+    corner: np.ndarray
+    start: np.ndarray
+
+    @classmethod
+    def from_faces(cls, faces: Sequence[Sequence[int]]) -> Polygons:
+        """Polygons of faces of any size; raises ValueError on impossible vertices."""
+        sizes = np.fromiter((len(face) for face in faces), np.int64, len(faces))
+        start = np.concatenate([[0], np.cumsum(sizes)])
+        try:
+            corner = np.fromiter(chain.from_iterable(faces), np.int64, int(start[-1]))
+        except OverflowError:
+            raise ValueError(tr("a face has a vertex index out of range")) from None
+        return cls(corner, start)
+
+    @classmethod
+    def from_array(cls, faces: np.ndarray) -> Polygons:
+        """Faces (p, k) of the same length."""
+        corner = np.ascontiguousarray(faces, dtype=np.int64).ravel()
+        return cls(corner, np.arange(0, faces.size + 1, max(faces.shape[1], 1)))
+
+    def triangles(self, V: np.ndarray) -> np.ndarray:
+        """The triangles (m, 3) of the faces, in their order, by their vertices."""
+        sizes = np.diff(self.start)
+        if (sizes == 3).all():
+            return self.corner.reshape(-1, 3)
+        return self.corner[self.triangle_corners(V)]
+
+    def triangle_corners(self, V: np.ndarray) -> np.ndarray:
+        """The triangles (m, 3) of the faces, in their order, by places among ``corner``.
+
+        A fan around the first corner, unless that folds over where the face is not convex.
+        """
+        sizes = np.diff(self.start)
+        first = np.concatenate([[0], np.cumsum(np.maximum(sizes - 2, 0))])
+        face = np.repeat(np.arange(len(sizes)), np.diff(first))
+        k = np.arange(first[-1]) - first[face]
+        begin = self.start[face]
+        T = np.column_stack([begin, begin + k + 1, begin + k + 2])
+        if len(self.corner) and self.corner.min() >= 0 and self.corner.max() < len(V):
+            tries = 0
+            for folded in np.unique(face[_folds(V[self.corner], T, face)]):
+                a, b = self.start[folded], self.start[folded + 1]
+                if b - a <= _MOST_TO_CLIP and tries < _MOST_TRIES:  # more folded faces are a broken file
+                    ears, tried = _ears(V[self.corner[a:b]])
+                    T[first[folded] : first[folded + 1]] = a + ears
+                    tries += tried
+        return T
+
+
+def concatenated(polygons: Sequence[Polygons]) -> Polygons:
+    """Polygons of all parts, one after another."""
+    corner = np.concatenate([np.empty(0, dtype=np.int64), *(part.corner for part in polygons)])
+    sizes = np.concatenate([np.empty(0, dtype=np.int64), *(np.diff(part.start) for part in polygons)])
+    return Polygons(corner, np.concatenate([[0], np.cumsum(sizes)]))
+
+
+def strip_triangles(strips: np.ndarray) -> np.ndarray:
+    """Triangles (t, 3) of strips (k,) parted by -1, every other one turned round."""
+    place = np.arange(len(strips))
+    begin = np.maximum.accumulate(np.where(strips == -1, place + 1, 0))
+    k = np.flatnonzero(begin[2:] <= place[:-2])
+    odd = (k - begin[k]) % 2
+    return np.column_stack([strips[k], strips[k + 1 + odd], strips[k + 2 - odd]])
+
+
+def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
+    """Triangles turned against the area vector of their face, (t,) bool."""
+    with np.errstate(all="ignore"):  # absurd coordinates are refused later
+        cross = np.cross(X[T[:, 1]] - X[T[:, 0]], X[T[:, 2]] - X[T[:, 0]])
+        count = int(face[-1]) + 1 if len(face) else 0
+        whole = np.column_stack(
+            [np.bincount(face, weights=cross[:, axis], minlength=count) for axis in range(3)]
+        )
+        return np.flatnonzero((cross * whole[face]).sum(axis=1) < 0.0)
+
+
+def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
+    """Ear clipping of a polygon (k, 3): triangles (k - 2, 3) and the tries."""
+    left, found, tries = np.arange(len(X)), [], 0
+    with np.errstate(all="ignore"):  # absurd coordinates are refused later
+        x = _flattened(X)
+        while len(left) > 3:
+            ear = next((k for k in range(len(left)) if _is_ear(x, left, k)), None)
+            tries += len(left) if ear is None else ear + 1
+            ear = ear or 0
+            found.append([left[ear - 1], left[ear], left[(ear + 1) % len(left)]])
+            left = np.delete(left, ear)
+    return np.array([*found, left]), tries
+
+
+def _flattened(X: np.ndarray) -> np.ndarray:
+    """Corners (k, 2) projected along the area vector, counter-clockwise."""
+    normal = np.cross(X - X[0], np.roll(X, -1, axis=0) - X[0]).sum(axis=0)
+    size = np.linalg.norm(normal)
+    normal = normal / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
+    along = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    return (X - X[0]) @ np.column_stack([along, np.cross(normal, along)])
+
+
+def _is_ear(x: np.ndarray, left: np.ndarray, k: int) -> bool:
+    own = left[[k - 1, k, (k + 1) % len(left)]]
+    a, b, c = x[own]
+    if _turn(a, b, c) <= 0.0:
+        return False
+    others = x[np.setdiff1d(left, own)]
+    inside = (_turn(a, b, others) >= 0.0) & (_turn(b, c, others) >= 0.0) & (_turn(c, a, others) >= 0.0)
+    return not inside.any()
+
+
+def _turn(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Twice the area of the triangles a, b, p in the plane, positive to the left."""
+    return (b[0] - a[0]) * (p[..., 1] - a[1]) - (b[1] - a[1]) * (p[..., 0] - a[0])

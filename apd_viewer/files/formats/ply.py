@@ -12,6 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.formats.parsed_mesh import (
     ParsedMesh,
     colors_to_uint8,
+    concatenated,
     trailing_bytes_remark,
     updated_normals,
 )
@@ -30,11 +31,9 @@ from apd_viewer.files.formats.ply_elements import (
     uniform_rows,
     walk_rows,
 )
-from apd_viewer.files.formats.polygons import concatenated
 from apd_viewer.files.formats.text import TextEdits, parse_numbers
 from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
-from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.texture import Texture
+from apd_viewer.geometry.mesh.mesh import Mesh, Texture
 from apd_viewer.language import in_quotes, tr
 
 _NORMAL, _COLORS = ("nx", "ny", "nz"), ("red", "green", "blue")

@@ -11,7 +11,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import sibling_content, without_library_warnings
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.texture import Texture
+from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.language import tr
 
 # Pixels along each side: what graphics cards of the last ten years take, at a quarter of their memory.

@@ -25,8 +25,7 @@ from apd_viewer.files.gltf.scene import (
     rewritten_glb,
     transformed_positions,
 )
-from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.texture import Texture
+from apd_viewer.geometry.mesh.mesh import Mesh, Texture
 from apd_viewer.language import tr
 
 

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import local_origin
-from apd_viewer.geometry.mesh.checked_arguments import as_float, checked
+from apd_viewer.geometry.mesh.arrays import as_float, checked, local_origin
 from apd_viewer.language import tr
 
 # Share of a container that convex bodies fill when they lie in it at random: equal spheres at their densest,

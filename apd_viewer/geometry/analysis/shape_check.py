@@ -13,7 +13,7 @@ from apd_viewer.geometry.analysis.mesh_findings import Finding
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.seams import Seams
-from apd_viewer.geometry.turns.held_turn import HandleTurns, HeldTurn
+from apd_viewer.geometry.pose.held_turn import HandleTurns, HeldTurn
 from apd_viewer.language import tr
 
 
@@ -54,7 +54,7 @@ def check_shape(U: np.ndarray, F: np.ndarray, handle_turns: HandleTurns | None =
     dx, dy, dz = np.ptp(points, axis=0).tolist()
     turns: tuple[HeldTurn, ...] = ()
     if handle_turns is not None:
-        from apd_viewer.geometry.turns.held_turns import held_turns  # Imported here: SciPy comes with it.
+        from apd_viewer.geometry.pose.surface_turns import held_turns  # Imported here: SciPy comes with it.
 
         turns = held_turns(handle_turns.V, U, F, handle_turns.labels, handle_turns.paths)
     return ShapeCheck(crossings(U, F), (dx, dy, dz), hull_readings(points), turns)

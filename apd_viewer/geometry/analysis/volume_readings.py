@@ -11,8 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.double_wall import DoubleWall
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.inspection import inspect
-from apd_viewer.geometry.mesh.arrays import checked_floats, checked_integers
-from apd_viewer.geometry.mesh.checked_arguments import checked
+from apd_viewer.geometry.mesh.arrays import checked, checked_floats, checked_integers
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

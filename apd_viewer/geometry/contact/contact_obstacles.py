@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import checked_direction, checked_point
-from apd_viewer.geometry.mesh.checked_arguments import checked
+from apd_viewer.geometry.mesh.arrays import checked, checked_direction, checked_point
 from apd_viewer.language import tr
 
 _PLATE, _CAPSULE = 3, 2  # by the number of their points

@@ -10,7 +10,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import Contact, Followers
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.mesh.checked_arguments import check_argument
+from apd_viewer.geometry.mesh.arrays import check_argument
 from apd_viewer.language import tr
 
 # Walls keep this part of the diagonal of the bounding box apart, unless their thickness is known.

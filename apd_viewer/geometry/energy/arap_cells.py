@@ -13,13 +13,15 @@ import numpy as np
 from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.linalg.quaternions import (
+from apd_viewer.geometry.linalg.rotations import (
+    LANES,
+    ROWS,
+    fit_lanes,
     load_rotation,
     quaternion_to_matrix,
     rotated_vector,
     store_rotation,
 )
-from apd_viewer.geometry.linalg.rotations import LANES, ROWS, fit_lanes
 from apd_viewer.geometry.linalg.threads import parallel, total
 
 NO_MOMENTS = np.empty((0, 3, 3))

@@ -19,10 +19,9 @@ import scipy.sparse as sp
 from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.linalg.quaternions import rotated_vector
+from apd_viewer.geometry.linalg.rotations import rotated_vector
 from apd_viewer.geometry.linalg.threads import parallel, total
-from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian, well_shaped
-from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.mesh.operators import cotangents, element_laplacian, face_areas, well_shaped
 from apd_viewer.geometry.mesh.weighted_areas import Patch
 
 # The larger a cotangent of a triangle, the more a displacement changes its gradient; with less weight it is

@@ -14,9 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.energy.material import Material
-from apd_viewer.geometry.mesh.laplacian import cotangents
 from apd_viewer.geometry.mesh.normals import vertex_normals
-from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.mesh.operators import cotangents, face_areas
 
 # Of the squared trace: cells whose edges are parallel have no best plane.
 _FLAT = 1e-12

@@ -26,10 +26,10 @@ from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.plastic_bending import PlasticBending
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.linalg import parallel_ops, row_ops
+from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.block_cholesky import BlockFactor, BlockPattern
 from apd_viewer.geometry.linalg.linear_solver import Factorizer, LinearSolver, Matrix, Metric
-from apd_viewer.geometry.linalg.quaternions import compose_rotations
+from apd_viewer.geometry.linalg.rotations import compose_rotations
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
 
 _MINUS = np.array([-1.0])
@@ -203,7 +203,7 @@ class ElasticSurface:
             return arap_cells.quarter_gradient(
                 *self.rest.graph, self.rest.V, self.rest.LV, self.U, self.q, self.free
             )
-        residual = parallel_ops.matrix_product(self.K_ff, row_ops.gathered_rows(self.U, self.free))
+        residual = parallel_ops.matrix_product(self.K_ff, parallel_ops.gathered_rows(self.U, self.free))
         parallel_ops.add_combination(residual, _MINUS, self.right_hand_side(targets)[None])
         if self._bending is not None:
             collapsing = self.rest.area_barrier.gradient(self.U)[self.free]
@@ -222,13 +222,13 @@ class ElasticSurface:
 
     def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
-        return row_ops.scattered_rows(self.U, self._place, X, targets)
+        return parallel_ops.scattered_rows(self.U, self._place, X, targets)
 
     def positions_along(
         self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
     ) -> np.ndarray:
         """Positions ``U`` plus a share of ``direction`` (f, 3), held at ``targets``."""
-        return row_ops.scattered_rows_along(U, self._place, share, direction, targets)
+        return parallel_ops.scattered_rows_along(U, self._place, share, direction, targets)
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current and compute each term's projection there."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.checked_arguments import check_argument
+from apd_viewer.geometry.mesh.arrays import check_argument
 from apd_viewer.language import tr
 
 

@@ -20,11 +20,10 @@ import scipy.sparse as sp
 from apd_viewer.geometry.energy import arap_cells
 from apd_viewer.geometry.energy.bending import Bending
 from apd_viewer.geometry.linalg.parallel_ops import inner_product
-from apd_viewer.geometry.mesh.components import vertex_components
+from apd_viewer.geometry.mesh.adjacency import vertex_components
 from apd_viewer.geometry.mesh.decimation import Decimation, coarse_neighbours, decimated, mean_edge_length
-from apd_viewer.geometry.mesh.laplacian import edge_weights, laplacian
 from apd_viewer.geometry.mesh.normals import vertex_normals
-from apd_viewer.geometry.mesh.operators import face_areas, vertex_areas
+from apd_viewer.geometry.mesh.operators import edge_weights, face_areas, laplacian, vertex_areas
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch
 
 # A thinner mesh has so many times fewer vertices, no more than can be solved with in a blink, and no fewer

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from apd_viewer.geometry.goals.goals import Goal, GoalMeasures
-from apd_viewer.geometry.linalg import parallel_ops, row_ops
+from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.weighted_areas import row_nonzeros
 
@@ -127,7 +127,7 @@ class GoalProjection:
 
     def lagrangian_gradient(self, G: np.ndarray, multipliers: np.ndarray, g: np.ndarray) -> np.ndarray:
         """Slope ``G - sum_k mult_k g_k`` (f, 3), by ``G`` (f, 3) and ``g`` (g, n, 3)."""
-        return row_ops.subtracted_rows(G, multipliers, g, *self._support, self._elastic.free)
+        return parallel_ops.subtracted_rows(G, multipliers, g, *self._support, self._elastic.free)
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:
         """Lagrange multipliers (g,) cancelling ``G`` (f, 3) along the directions."""

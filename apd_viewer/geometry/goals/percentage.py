@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.checked_arguments import as_float
+from apd_viewer.geometry.mesh.arrays import as_float
 from apd_viewer.language import tr
 
 # Targets beyond these are typing errors.

@@ -1,12 +1,17 @@
-"""Limited-memory BFGS directions."""
+"""Limited-memory BFGS directions.
+
+In the kernels ``A`` (l, m) are steps or changes in single precision, ``order`` (k,) those that count. Sums
+are made in double precision and in portions of a fixed length, so they are the same on any number of cores.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 import numpy as np
+from numba import prange
 
-from apd_viewer.geometry.linalg import lbfgs_kernels
+from apd_viewer.geometry.linalg.threads import parallel, total, totals
 
 # A step over which the slope fell says nothing that a minimum can be sought by.
 _BENDS = 1e-10
@@ -48,7 +53,7 @@ class LbfgsMemory:
         """Note the step between ``rows`` (count,) of two shapes, both (n, 3)."""
         used = set(self._order)
         self._next = next(slot for slot in range(self._length + 1) if slot not in used)
-        lbfgs_kernels.subtract_rows(after, before, rows, self._steps[self._next])
+        subtract_rows(after, before, rows, self._steps[self._next])
 
     def store_gradients(self, slope: np.ndarray, before: np.ndarray) -> None:
         """Remember the last step with the slopes (count, 3) after and before it.
@@ -57,14 +62,14 @@ class LbfgsMemory:
         """
         slot = self._next
         step, change = self._steps[slot], self._changes[slot]
-        bend, step2, change2 = lbfgs_kernels.subtract(slope.ravel(), before.ravel(), step, change)
+        bend, step2, change2 = subtract(slope.ravel(), before.ravel(), step, change)
         if not bend > _BENDS * np.sqrt(step2 * change2):
             return
         if len(self._order) == self._length:
             self._order.pop(0)
         self._order.append(slot)
         order = np.array(self._order)
-        with_change, with_step = np.split(lbfgs_kernels.products(self._steps, self._changes, order, slot), 2)
+        with_change, with_step = np.split(products(self._steps, self._changes, order, slot), 2)
         self._products[order, slot], self._products[slot, order] = with_change, with_step
 
     def descent_direction(
@@ -81,14 +86,120 @@ class LbfgsMemory:
         P, order = self._products, np.array(self._order, dtype=np.int64)
         first, second = np.zeros(len(order)), np.zeros(len(order))
         flat = slope.ravel()
-        along = -lbfgs_kernels.dots(self._steps, order, flat)
+        along = -dots(self._steps, order, flat)
         for k in range(len(order) - 1, -1, -1):
             i, newer = order[k], order[k + 1 :]
             first[k] = (along[k] - first[k + 1 :] @ P[i, newer]) / P[i, i]
-        force = lbfgs_kernels.negative_combination(flat, first, self._changes, order)
+        force = negative_combination(flat, first, self._changes, order)
         way = solve(force.reshape(slope.shape))
-        across = lbfgs_kernels.dots(self._changes, order, way.ravel())
+        across = dots(self._changes, order, way.ravel())
         for k in range(len(order)):
             i, older = order[k], order[:k]
             second[k] = first[k] - (across[k] + second[:k] @ P[older, i]) / P[i, i]
-        return way, lbfgs_kernels.add_combination(way.ravel(), second, self._steps, order, flat)
+        return way, add_combination(way.ravel(), second, self._steps, order, flat)
+
+
+# Numbers per task of a core: those of one array stay in its cache while another is passed over.
+_PORTION = 6144
+# Sums within a portion may be in any order that is the same each time.
+_SUMS = {"contract", "reassoc", "nsz"}
+
+
+@parallel()
+def subtract_rows(A: np.ndarray, B: np.ndarray, rows: np.ndarray, out: np.ndarray) -> None:
+    """Write ``rows`` of ``A - B`` (n, 3) into ``out`` (3 len(rows),)."""
+    for k in prange(len(rows)):
+        i = rows[k]
+        for d in range(3):
+            out[3 * k + d] = A[i, d] - B[i, d]
+
+
+@parallel(fastmath=_SUMS)
+def subtract(A: np.ndarray, B: np.ndarray, step: np.ndarray, out: np.ndarray) -> np.ndarray:
+    """Write ``A - B`` into ``out``, all (m,), and return three products.
+
+    Those of ``A - B`` with ``step`` (m,), of ``step`` with itself, and of ``A - B`` with itself.
+    """
+    count = (len(A) + _PORTION - 1) // _PORTION
+    sums = np.zeros((count, 3))
+    for portion in prange(count):
+        first, end = portion * _PORTION, (portion + 1) * _PORTION
+        u, v, s, y = A[first:end], B[first:end], step[first:end], out[first:end]
+        a = b = c = 0.0
+        for i in range(len(u)):
+            difference = u[i] - v[i]
+            y[i] = difference
+            a += difference * s[i]
+            b += np.float64(s[i]) * s[i]
+            c += difference * difference
+        sums[portion, 0], sums[portion, 1], sums[portion, 2] = a, b, c
+    return totals(sums)
+
+
+@parallel(fastmath=_SUMS)
+def products(steps: np.ndarray, changes: np.ndarray, order: np.ndarray, slot: int) -> np.ndarray:
+    """Products (2 k,) of steps with a slot's change, then of changes with its step."""
+    count = (steps.shape[1] + _PORTION - 1) // _PORTION
+    sums = np.zeros((count, 2 * len(order)))
+    for portion in prange(count):
+        first, end = portion * _PORTION, (portion + 1) * _PORTION
+        step, change = steps[slot, first:end], changes[slot, first:end]
+        for k in range(len(order)):
+            s, y, a, b = steps[order[k], first:end], changes[order[k], first:end], 0.0, 0.0
+            for i in range(len(step)):
+                a += np.float64(s[i]) * change[i]
+                b += np.float64(y[i]) * step[i]
+            sums[portion, k], sums[portion, len(order) + k] = a, b
+    return totals(sums)
+
+
+@parallel(fastmath=_SUMS)
+def dots(A: np.ndarray, order: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """Products (k,) with ``X`` (m,)."""
+    count = (len(X) + _PORTION - 1) // _PORTION
+    sums = np.zeros((count, len(order)))
+    for portion in prange(count):
+        first, end = portion * _PORTION, (portion + 1) * _PORTION
+        x = X[first:end]
+        for k in range(len(order)):
+            a, along = A[order[k], first:end], 0.0
+            for i in range(len(x)):
+                along += a[i] * x[i]
+            sums[portion, k] = along
+    return totals(sums)
+
+
+@parallel(fastmath={"contract"})
+def negative_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray, order: np.ndarray) -> np.ndarray:
+    """``-X - sum_k c_k A_k`` for ``X`` (m,)."""
+    out = np.empty_like(X)
+    for portion in prange((len(X) + _PORTION - 1) // _PORTION):
+        first, end = portion * _PORTION, (portion + 1) * _PORTION
+        x, y = X[first:end], out[first:end]
+        for i in range(len(x)):
+            y[i] = -x[i]
+        for k in range(len(order)):
+            a, f = A[order[k], first:end], c[k]
+            for i in range(len(x)):
+                y[i] -= f * a[i]
+    return out
+
+
+@parallel(fastmath=_SUMS)
+def add_combination(
+    X: np.ndarray, c: np.ndarray, A: np.ndarray, order: np.ndarray, slope: np.ndarray
+) -> float:
+    """Add ``sum_k c_k A_k`` to ``X`` (m,) in place, and return ``slope . X``."""
+    count = (len(X) + _PORTION - 1) // _PORTION
+    sums = np.zeros(count)
+    for portion in prange(count):
+        first, end, along = portion * _PORTION, (portion + 1) * _PORTION, 0.0
+        x, g = X[first:end], slope[first:end]
+        for k in range(len(order)):
+            a, f = A[order[k], first:end], c[k]
+            for i in range(len(x)):
+                x[i] += f * a[i]
+        for i in range(len(x)):
+            along += x[i] * g[i]
+        sums[portion] = along
+    return total(sums)

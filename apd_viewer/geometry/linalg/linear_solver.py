@@ -29,7 +29,7 @@ import numpy as np
 from cholespy import CholeskySolverD, MatrixType
 from scipy.sparse import csr_array, diags_array, eye_array, kron
 
-from apd_viewer.geometry.linalg import parallel_ops, supernodal, supernodal_solve
+from apd_viewer.geometry.linalg import parallel_ops, supernodal
 from apd_viewer.geometry.linalg.supernodes import Supernodes
 
 _log = logging.getLogger(__name__)
@@ -251,9 +251,7 @@ class SupernodalFactor:
 
     def _solve_three(self, B: np.ndarray) -> np.ndarray:
         X, (turn, share) = np.empty(B.shape), self._shared_out()
-        supernodal_solve.solve(
-            self._tree, self._task, turn, share, self._order, self._panels, self._scratch, B, X
-        )
+        supernodal.solve(self._tree, self._task, turn, share, self._order, self._panels, self._scratch, B, X)
         return X
 
     def _refine_three(self, B: np.ndarray) -> np.ndarray:

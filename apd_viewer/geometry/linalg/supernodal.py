@@ -1,7 +1,10 @@
-"""Kernels of the supernodal factorization: see :mod:`supernodal_factor`.
+"""Kernels of the supernodal factorization: see :mod:`linear_solver`.
 
 ``tree`` are ``first, begin, later`` of :class:`~apd_viewer.geometry.linalg.supernodes.Supernodes`, and
 ``panel``, where the rows ``[W | S]`` of each supernode begin in ``panels``.
+
+For solving, both have unsigned indices: numba counts none of them from the end, and the compiler makes
+vectors of the loops.
 """
 
 from __future__ import annotations
@@ -138,3 +141,179 @@ def _add_contribution(front: np.ndarray, given: np.ndarray, at: np.ndarray, late
         row, values = front[at[later[d]]], given[d]
         for e in range(d, len(later)):
             row[at[later[e]]] += values[e]
+
+
+_ONE, _TWO, _THREE, _FOUR = (np.uintp(k) for k in (1, 2, 3, 4))
+# Sums may be in any order that is the same each time.
+_SUMS = {"contract", "reassoc", "nsz"}
+
+
+@parallel(fastmath=_SUMS)
+def solve(
+    tree: tuple[np.ndarray, ...],
+    task: np.ndarray,
+    turn: np.ndarray,
+    share: np.ndarray,
+    order: np.ndarray,
+    panels: np.ndarray,
+    scratch: tuple[np.ndarray, ...],
+    B: np.ndarray,
+    X: np.ndarray,
+) -> None:
+    """Write the solution ``X`` (n, 3) for ``B`` (n, 3).
+
+    Parameters
+    ----------
+    tree, task
+        Unsigned.
+    turn, share
+        See :func:`~apd_viewer.geometry.linalg.supernodal.factorize`.
+    scratch : x, sums, columns
+        (n, 3), (t, top, 3) and (c, 3, w) float32 arrays: the solution in the order of elimination, what
+        each task adds to the top of the tree, and the columns of a supernode.
+    """
+    x, sums, columns = scratch
+    cores = len(share) - 1
+    for core in prange(cores):
+        for i in range(len(x) * core // cores, len(x) * (core + 1) // cores):
+            for d in range(3):
+                x[i, d] = B[order[i], d]
+    for core in prange(cores):
+        for e in range(share[core], share[core + 1]):
+            t = turn[e]
+            for i in range(sums.shape[1]):
+                for d in range(3):
+                    sums[t, i, d] = 0.0
+            _forward(task[t], task[t + 1], tree, panels, x, sums[t], columns[core])
+    top = len(x) - sums.shape[1]
+    for t in range(len(task) - 1):
+        for i in range(sums.shape[1]):
+            for d in range(3):
+                x[top + i, d] += sums[t, i, d]
+    groups = np.uintp(len(tree[0]) - 1)
+    _forward(task[-1], groups, tree, panels, x, x[len(x) :], columns[0])
+    _backward(task[-1], groups, tree, panels, x, columns[0])
+    for core in prange(cores):
+        for e in range(share[core], share[core + 1]):
+            t = turn[e]
+            _backward(task[t], task[t + 1], tree, panels, x, columns[core])
+    for core in prange(cores):
+        for i in range(len(x) * core // cores, len(x) * (core + 1) // cores):
+            for d in range(3):
+                X[order[i], d] = x[i, d]
+
+
+@njit(cache=True, nogil=True)
+def _rounded(n: np.uintp) -> np.uintp:
+    """``n``, unsigned, rounded up to whole vectors."""
+    return (n + np.uintp(7)) // np.uintp(8) * np.uintp(8)
+
+
+@njit(cache=True, nogil=True, fastmath=_SUMS)
+def _forward(
+    begin_at: np.uintp,
+    end_at: np.uintp,
+    tree: tuple[np.ndarray, ...],
+    panels: np.ndarray,
+    x: np.ndarray,
+    beyond: np.ndarray,
+    columns: np.ndarray,
+) -> None:
+    """``x_later += W^T x`` of the supernodes from ``begin_at`` to ``end_at``.
+
+    What comes after all places of ``x`` but those of ``beyond`` is added to ``beyond`` instead.
+    """
+    first, begin, later, panel = tree
+    t, u, v = columns[0], columns[1], columns[2]
+    own = np.uintp(len(x) - len(beyond))
+    for s in range(begin_at, end_at):
+        i, end, b = first[s], first[s + _ONE], begin[s + _ONE] - begin[s]
+        w, whole, p = _rounded(end - i + b), _rounded(b), panel[s]
+        for j in range(whole):
+            t[j] = u[j] = v[j] = 0.0
+        while i + _THREE < end:
+            j1, j2, j3 = i + _ONE, i + _TWO, i + _THREE
+            a0, a1, a2, a3 = x[i, 0], x[j1, 0], x[j2, 0], x[j3, 0]
+            b0, b1, b2, b3 = x[i, 1], x[j1, 1], x[j2, 1], x[j3, 1]
+            c0, c1, c2, c3 = x[i, 2], x[j1, 2], x[j2, 2], x[j3, 2]
+            p1 = p + w
+            p2 = p1 + w
+            p3 = p2 + w
+            for j in range(whole):
+                q0, q1, q2, q3 = panels[p + j], panels[p1 + j], panels[p2 + j], panels[p3 + j]
+                t[j] += a0 * q0 + a1 * q1 + a2 * q2 + a3 * q3
+                u[j] += b0 * q0 + b1 * q1 + b2 * q2 + b3 * q3
+                v[j] += c0 * q0 + c1 * q1 + c2 * q2 + c3 * q3
+            p, i = p3 + w, i + _FOUR
+        while i < end:
+            a0, b0, c0 = x[i, 0], x[i, 1], x[i, 2]
+            for j in range(whole):
+                q0 = panels[p + j]
+                t[j] += a0 * q0
+                u[j] += b0 * q0
+                v[j] += c0 * q0
+            p, i = p + w, i + _ONE
+        for j in range(b):
+            i = later[begin[s] + j]
+            if i < own:
+                x[i, 0] += t[j]
+                x[i, 1] += u[j]
+                x[i, 2] += v[j]
+            else:
+                beyond[i - own, 0] += t[j]
+                beyond[i - own, 1] += u[j]
+                beyond[i - own, 2] += v[j]
+
+
+@njit(cache=True, nogil=True, fastmath=_SUMS)
+def _backward(
+    begin_at: np.uintp,
+    end_at: np.uintp,
+    tree: tuple[np.ndarray, ...],
+    panels: np.ndarray,
+    x: np.ndarray,
+    columns: np.ndarray,
+) -> None:
+    """``x = S x + W x_later`` of the supernodes from ``end_at`` back to ``begin_at``."""
+    first, begin, later, panel = tree
+    t, u, v = columns[0], columns[1], columns[2]
+    zero = x.dtype.type(0)
+    s = end_at
+    while s > begin_at:
+        s = s - _ONE
+        i, end = first[s], first[s + _ONE]
+        k, b = end - i, begin[s + _ONE] - begin[s]
+        w = _rounded(k + b)
+        for j in range(b):
+            e = later[begin[s] + j]
+            t[j], u[j], v[j] = x[e, 0], x[e, 1], x[e, 2]
+        for j in range(k):
+            t[b + j], u[b + j], v[b + j] = x[i + j, 0], x[i + j, 1], x[i + j, 2]
+        for j in range(k + b, w):
+            t[j] = u[j] = v[j] = zero
+        # From the last row to the first, as the supernodes: the memory is read steadily in one direction.
+        p = panel[s] + k * w
+        while end > i + _ONE:
+            p1 = p - w
+            p = p1 - w
+            end = end - _TWO
+            a0 = a1 = b0 = b1 = c0 = c1 = zero
+            for j in range(w):
+                q0, q1 = panels[p + j], panels[p1 + j]
+                a0 += q0 * t[j]
+                b0 += q0 * u[j]
+                c0 += q0 * v[j]
+                a1 += q1 * t[j]
+                b1 += q1 * u[j]
+                c1 += q1 * v[j]
+            x[end, 0], x[end, 1], x[end, 2] = a0, b0, c0
+            x[end + _ONE, 0], x[end + _ONE, 1], x[end + _ONE, 2] = a1, b1, c1
+        if end > i:
+            p = p - w
+            a0 = b0 = c0 = zero
+            for j in range(w):
+                q0 = panels[p + j]
+                a0 += q0 * t[j]
+                b0 += q0 * u[j]
+                c0 += q0 * v[j]
+            x[i, 0], x[i, 1], x[i, 2] = a0, b0, c0

@@ -10,8 +10,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.surface_distance import nearest_triangles
-from apd_viewer.geometry.mesh.arrays import checked_floats, checked_integers
-from apd_viewer.geometry.mesh.checked_arguments import is_whole_number
+from apd_viewer.geometry.mesh.arrays import checked_floats, checked_integers, is_whole_number
 from apd_viewer.language import tr
 
 _ROUNDING = 1e-6  # of weights that are typed or computed

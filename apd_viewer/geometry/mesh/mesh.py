@@ -7,12 +7,13 @@ import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import (
+    check_argument,
     check_mesh,
     checked_floats,
     checked_integers,
@@ -20,9 +21,7 @@ from apd_viewer.geometry.mesh.arrays import (
     frozen,
     mesh_size,
 )
-from apd_viewer.geometry.mesh.checked_arguments import check_argument
 from apd_viewer.geometry.mesh.normals import CornerNormals
-from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.geometry.mesh.weld import WELD_TOLERANCE, Weld
 from apd_viewer.language import tr
 
@@ -307,3 +306,21 @@ class BakedOrigin(DerivedOrigin):
     def rewritten(self, _: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3); unmoved vertices as written."""
         return self.origin.rewritten(self.mesh, U)
+
+
+class Texture(NamedTuple):
+    """An image on a mesh, with seams.
+
+    Attributes
+    ----------
+    uv : (k, 2) float32 array
+        Texture coordinates: 0 to 1 from left to right and from bottom to top, repeated beyond.
+    uv_of : (m, 3) int32 array
+        Which of them each corner has.
+    image : (h, w, 3) uint8 array
+        Rows from top to bottom, sRGB.
+    """
+
+    uv: np.ndarray
+    uv_of: np.ndarray
+    image: np.ndarray

@@ -26,7 +26,7 @@ from apd_viewer.geometry.picking.bounding_hierarchy import (
 )
 from apd_viewer.geometry.picking.picking import block_boxes, ray_hit, vertices_under_brush
 from apd_viewer.geometry.picking.render_mesh import RenderMesh
-from apd_viewer.geometry.picking.vertex_paths import border_loop, component_of, is_inside_polygon
+from apd_viewer.geometry.picking.vertex_sets import border_loop, component_of, is_inside_polygon
 
 _EDGE = 1e-9  # beyond an edge: rounding must not let a ray pass between two neighbours
 # Triangles this close to a vertex, relative to its distance from the eye, do not hide it.

@@ -8,8 +8,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.fitted_motion import fitted_motion
 from apd_viewer.geometry.pose.screw_motion import screw_path
+from apd_viewer.geometry.pose.transforms import fitted_motion
 
 # Parts whose motion is rigid up to this part of their displacement go along its screw.
 _RIGID = 1e-6

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 
 # Relative to the coordinates: for closer centres the direction between them is rounding.
@@ -146,3 +147,100 @@ def quaternion(R: np.ndarray) -> np.ndarray:
     )
     q = rows[np.argmax(np.diag(rows))]
     return q / np.copysign(np.linalg.norm(q), q[0])
+
+
+# Width over length of points that tell no rotation about the line through them.
+_LINE = 1e-6
+
+
+def fitted_motion(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
+    """Similarity transform (4, 4) from ``X`` (k, 3) to ``Y`` by least squares.
+
+    [Umeyama 1991, Least-squares estimation of transformation parameters between two point patterns]. Points
+    that coincide are only translated.
+    """
+    centre, target = X.mean(axis=0), Y.mean(axis=0)
+    x, y = X - centre, Y - target
+    left, sizes, right = np.linalg.svd(y.T @ x)
+    signs = np.array([1.0, 1.0, np.linalg.det(left @ right)])
+    spread = float((x * x).sum())
+    scale = float(sizes @ signs) / spread if spread > 0.0 else 1.0
+    linear = (left * signs) @ right
+    fitted: np.ndarray = translation(target - centre) @ linear_map_about(centre, (scale or 1.0) * linear)
+    return fitted
+
+
+def fitted_rotation(X: np.ndarray, Y: np.ndarray) -> np.ndarray | None:
+    """Rotation (3, 3) from ``X`` (k, 3) to ``Y`` by least squares; None of a line."""
+    if len(X) < 3:
+        return None
+    sizes = np.linalg.svd(X - X.mean(axis=0), compute_uv=False)
+    if sizes[1] <= _LINE * sizes[0]:
+        return None
+    linear = fitted_motion(X, Y)[:3, :3]
+    rotation: np.ndarray = linear / np.cbrt(np.linalg.det(linear))
+    return rotation
+
+
+# Relative: stretches that differ less are a scale.
+_UNIFORM = 1e-9
+
+
+class MirrorPlane(NamedTuple):
+    """Plane perpendicular to an axis.
+
+    Attributes
+    ----------
+    axis : int
+        0, 1 or 2.
+    coordinate : float
+        Coordinate along the axis at which it stands, mesh units.
+    """
+
+    axis: int
+    coordinate: float
+
+    @property
+    def reflection(self) -> np.ndarray:
+        """The reflection (4, 4)."""
+        reflection = np.eye(4)
+        reflection[self.axis, self.axis] = -1.0
+        reflection[self.axis, 3] = 2.0 * self.coordinate
+        return reflection
+
+    def image(self, X: np.ndarray) -> np.ndarray:
+        """Mirror images of the points ``X`` (n, 3)."""
+        images = X.copy()
+        images[:, self.axis] = 2.0 * self.coordinate - images[:, self.axis]
+        return images
+
+    def mirrored(self, pose: np.ndarray) -> np.ndarray:
+        """Motion ``S P S`` (4, 4) of the mirror image of what moves by ``P``."""
+        S = self.reflection
+        mirrored: np.ndarray = S @ pose @ S
+        return mirrored
+
+    def symmetric_motion(self, pose: np.ndarray, pivot: np.ndarray) -> np.ndarray:
+        """The motion (4, 4) nearest to ``pose`` that is its own mirror image.
+
+        Of the way of the pivot (3,) it is the part in the plane; of the rotation the twist about the
+        normal of the plane, in a decomposition into swing and twist; of a stretch the symmetric part.
+        """
+        normal = np.eye(3)[self.axis]
+        left, sizes, right = np.linalg.svd(pose[:3, :3])
+        rigid = np.eye(4)
+        rigid[:3, :3] = left @ right
+        turn = rigid_transform(rigid, np.zeros(3))
+        half = turn.angle / 2.0
+        angle = 2.0 * float(np.arctan2(np.sin(half) * turn.axis[self.axis], np.cos(half)))
+        stretch = float(np.cbrt(np.linalg.det(pose[:3, :3]))) * np.eye(3)
+        if sizes[0] - sizes[-1] > _UNIFORM * sizes[0]:
+            stretch = (right.T * sizes) @ right
+            across = np.not_equal.outer(normal, normal)
+            stretch[across] = 0.0
+        way = transform(pose, pivot[None])[0] - pivot
+        way[self.axis] = 0.0
+        linear = rotation_about(np.zeros(3), normal, angle)[:3, :3] @ stretch
+        foot = np.where(normal > 0.0, self.coordinate, pivot)  # scaled about, the plane stays where it is
+        moved: np.ndarray = translation(way) @ linear_map_about(foot, linear)
+        return moved

@@ -20,7 +20,7 @@ from scipy.spatial import KDTree
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.goals import Goal, goal_at_rest
-from apd_viewer.geometry.linalg.quaternions import blended_rotations, relative_rotations
+from apd_viewer.geometry.linalg.rotations import blended_rotations, relative_rotations
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import with_held_vertices
 from apd_viewer.geometry.solver.iterative_solver import LevelSolver

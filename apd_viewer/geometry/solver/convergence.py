@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.checked_arguments import as_float, is_whole_number
+from apd_viewer.geometry.mesh.arrays import as_float, is_whole_number
 from apd_viewer.language import tr
 
 # Settled: the last iteration moved no vertex by more than the step tolerance, and the remaining ones together

@@ -19,8 +19,7 @@ from apd_viewer.geometry.goals.goals import Region, RegionReading
 from apd_viewer.geometry.linalg.linear_solver import Factorizer
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.checked_arguments import Uncopyable, checked
+from apd_viewer.geometry.mesh.arrays import Uncopyable, checked, frozen
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.contact_descent import (

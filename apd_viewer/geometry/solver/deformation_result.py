@@ -13,10 +13,11 @@ from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Region, RegionReading
-from apd_viewer.geometry.mesh.arrays import checked_floats
-from apd_viewer.geometry.mesh.checked_arguments import checked
+from apd_viewer.geometry.mesh.arrays import checked, checked_floats
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.pose.held_turn import HeldTurn, pass_through_warnings
+from apd_viewer.geometry.pose.surface_turns import held_turns, relative_paths
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.held_vertices import HeldVertices
@@ -31,8 +32,6 @@ from apd_viewer.geometry.solver.methods import (
     passing_walls_warning,
 )
 from apd_viewer.geometry.solver.path_iteration import PathIteration, PathStop
-from apd_viewer.geometry.turns.held_turn import HeldTurn, pass_through_warnings
-from apd_viewer.geometry.turns.held_turns import held_turns, relative_paths
 from apd_viewer.language import tr
 
 

@@ -14,7 +14,7 @@ from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE
 from apd_viewer.geometry.goals.goals import Goal, Region, RegionReading, make_goals, region_patch
 from apd_viewer.geometry.goals.percentage import percentage
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.checked_arguments import check_argument
+from apd_viewer.geometry.mesh.arrays import check_argument
 from apd_viewer.geometry.solver.methods import Method
 from apd_viewer.language import comma_separated, tr
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import checked_floats, checked_integers, checked_vectors
-from apd_viewer.geometry.mesh.checked_arguments import check_type
+from apd_viewer.geometry.mesh.arrays import check_type, checked_floats, checked_integers, checked_vectors
 from apd_viewer.geometry.pose.constraints import SoftConstraints
 from apd_viewer.language import tr
 

@@ -18,8 +18,7 @@ from scipy.sparse.csgraph import connected_components
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.surface_distance import nearest_triangles
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.linalg.quaternions import rotated_vector
-from apd_viewer.geometry.linalg.rotations import horn
+from apd_viewer.geometry.linalg.rotations import horn, rotated_vector
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.solver.held_vertices import vertex_ids

@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.material import Material
-from apd_viewer.geometry.mesh.checked_arguments import check_argument
+from apd_viewer.geometry.mesh.arrays import check_argument
 from apd_viewer.language import tr
 
 DEFAULT_METHOD = "exact"

@@ -16,8 +16,13 @@ from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import checked_direction, diagonal
-from apd_viewer.geometry.mesh.checked_arguments import as_float, check_argument, is_whole_number
+from apd_viewer.geometry.mesh.arrays import (
+    as_float,
+    check_argument,
+    checked_direction,
+    diagonal,
+    is_whole_number,
+)
 from apd_viewer.geometry.solver.contact_descent import ContactDescent
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.held_vertices import checked_start

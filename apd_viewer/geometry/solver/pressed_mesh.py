@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.checked_arguments import checked
+from apd_viewer.geometry.mesh.arrays import checked
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,

@@ -17,7 +17,7 @@ from numba import prange
 from scipy.sparse import coo_array
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.linalg.quaternions import quaternion_to_matrix
+from apd_viewer.geometry.linalg.rotations import quaternion_to_matrix
 from apd_viewer.geometry.linalg.threads import parallel
 
 # Radius of a coarse vertex's influence in mean lengths of its edges, and the rings of neighbours that reach

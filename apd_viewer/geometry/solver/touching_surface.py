@@ -19,7 +19,7 @@ from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE, GoalProjection
 from apd_viewer.geometry.goals.goals import Goal
-from apd_viewer.geometry.linalg import row_ops
+from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.linear_solver import Factor, LinearSolver
 
 # The springs of what touches are renewed after so many steps.
@@ -45,7 +45,7 @@ class TouchingSurface:
         self.metric: Factor = elastic.factor
         self._to_held: sp.csr_array | None = None
         self._age = _RENEWED
-        self._first = row_ops.gathered_rows(elastic.U, elastic.free)
+        self._first = parallel_ops.gathered_rows(elastic.U, elastic.free)
 
     @property
     def U(self) -> np.ndarray:
@@ -78,7 +78,7 @@ class TouchingSurface:
         """
         if len(self.elastic.fixed):
             return self.metric.solve(b_f)
-        turns = OverallRotation(row_ops.gathered_rows(self.U, self.free), self._masses, self._first)
+        turns = OverallRotation(parallel_ops.gathered_rows(self.U, self.free), self._masses, self._first)
         return turns.without_rotation(self.metric.solve(turns.without_torque(b_f)))
 
     def without_rotation(self, U: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -89,7 +89,7 @@ class TouchingSurface:
         """
         if len(self.elastic.fixed):
             return U
-        X, free = row_ops.gathered_rows(U, self.free), self.free
+        X, free = parallel_ops.gathered_rows(U, self.free), self.free
         turns = OverallRotation(X, self._masses, self._first, weight[free])
         return self.all_positions(turns.without_rotation(X), U[:0])
 
@@ -110,10 +110,12 @@ class TouchingSurface:
             k = len(self.elastic.fixed)
             moves = [pairs.points_ahead[0] - pairs.points[0] for pairs in self.contact.obstacles]
             pull -= self._to_held @ np.vstack([held_after[:k] - held[:k], *moves])
-        start = row_ops.gathered_rows(self.U, self.free)
+        start = parallel_ops.gathered_rows(self.U, self.free)
         W = self.all_positions(start + self.solve(pull), held_after)
         carried = self.contact.pushed_by_obstacles(self.U, W)
-        return row_ops.gathered_rows(self.without_rotation(carried, (carried == W).all(axis=1)), self.free)
+        return parallel_ops.gathered_rows(
+            self.without_rotation(carried, (carried == W).all(axis=1)), self.free
+        )
 
     def renew_springs(self) -> bool:
         """Update the contact springs if due; False if nothing changed."""

@@ -10,8 +10,8 @@ from typing import Protocol
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.pose.held_turn import LEAST_TURN, HandleTurns
 from apd_viewer.geometry.pose.waypoint_path import HandlePath, handle_path, rounded_pose
-from apd_viewer.geometry.turns.held_turn import LEAST_TURN, HandleTurns
 from apd_viewer.session.model.document import Document
 
 # Radians: with steps this large a shape follows the turn, and a full turn takes a second on the samples.

@@ -24,9 +24,9 @@ from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import kept_percentages
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.named_obstacle import carried_shifts
-from apd_viewer.session.model.targets import kept_percentages
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.files.known_file import FileState
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.turns.held_turn import pass_through_warnings
+from apd_viewer.geometry.pose.held_turn import pass_through_warnings
 from apd_viewer.language import tr, trn
 from apd_viewer.notation import localized_number
 from apd_viewer.session.quantities.units import Unit

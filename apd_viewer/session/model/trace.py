@@ -11,8 +11,8 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import kept_percentages
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.targets import kept_percentages
 
 TRACE_COLUMNS = (
     "seconds",

@@ -12,7 +12,7 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.geometry.pose.fitted_motion import fitted_motion
+from apd_viewer.geometry.pose.transforms import fitted_motion
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle, HandlePlacement, NamedPose
 from apd_viewer.session.model.memo import memoised

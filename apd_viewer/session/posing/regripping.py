@@ -9,8 +9,8 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
-from apd_viewer.geometry.pose.fitted_motion import fitted_motion
 from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.pose.transforms import fitted_motion
 from apd_viewer.geometry.pose.waypoint_path import rotation_vector
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document

@@ -10,9 +10,8 @@ from apd_viewer.geometry.pose.constraints import Constraints
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.path_iteration import PathIteration, PathStop
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import obstacle_shifts
+from apd_viewer.session.model.document_parts import obstacle_shifts, targets_of
 from apd_viewer.session.model.handle_paths import intermediate_documents
-from apd_viewer.session.model.targets import targets_of
 
 
 def deformation_of(

@@ -7,8 +7,8 @@ import threading
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.processes.child_process import ChildProcess
+from apd_viewer.session.processes.mailbox import Mailbox
 
 Question = TypeVar("Question")
 Answer = TypeVar("Answer")

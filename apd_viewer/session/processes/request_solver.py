@@ -24,11 +24,10 @@ from apd_viewer.geometry.solver.multilevel import compute_decimations
 from apd_viewer.geometry.solver.path_iteration import PathIteration
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
-from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
-from apd_viewer.session.jobs.mailbox import Mailbox
-from apd_viewer.session.model.document_parts import obstacle_shifts
-from apd_viewer.session.model.targets import targets_of
+from apd_viewer.session.model.document_parts import obstacle_shifts, targets_of
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
+from apd_viewer.session.processes.freed_memory import give_back_freed_memory
+from apd_viewer.session.processes.mailbox import Mailbox
 from apd_viewer.session.processes.remote_factor import RemoteFactor
 from apd_viewer.session.processes.request_and_reply import (
     Cost,

@@ -11,7 +11,7 @@ from typing import BinaryIO
 import numpy as np
 
 from apd_viewer.geometry.analysis.shape_check import check_shape
-from apd_viewer.geometry.turns.held_turn import HandleTurns
+from apd_viewer.geometry.pose.held_turn import HandleTurns
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run_service
 

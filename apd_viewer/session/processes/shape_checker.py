@@ -11,7 +11,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.hull_readings import HullReadings
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
-from apd_viewer.geometry.turns.held_turn import HandleTurns, HeldTurn
+from apd_viewer.geometry.pose.held_turn import HandleTurns, HeldTurn
 from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
 from apd_viewer.session.processes.newest_answer import NewestAnswer, answer_to
 from apd_viewer.session.processes.shape_check_main import NOT_CHECKED

@@ -16,10 +16,10 @@ from functools import partial
 from logging.handlers import QueueHandler
 from typing import BinaryIO
 
-from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run_service
 from apd_viewer.session.processes.compilation import Compilation
+from apd_viewer.session.processes.mailbox import Mailbox
 from apd_viewer.session.processes.request_and_reply import (
     Request,
     RequestProgress,

@@ -12,7 +12,6 @@ from functools import partial
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.jobs.silence_watch import SilenceWatch
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
 from apd_viewer.session.processes.request_and_reply import (
@@ -25,6 +24,7 @@ from apd_viewer.session.processes.request_and_reply import (
     factor_key,
 )
 from apd_viewer.session.processes.shared_memory import SharedShapeBuffer
+from apd_viewer.session.processes.silence_watch import SilenceWatch
 
 _PATIENCE = 5  # s
 _AT_START = 30  # s, until its libraries are loaded from a slow disk

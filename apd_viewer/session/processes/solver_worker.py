@@ -30,8 +30,8 @@ from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.language import tr
-from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.processes.mailbox import Mailbox
 from apd_viewer.session.processes.request_and_reply import Reply, Request
 from apd_viewer.session.processes.solver_process import SolverProcess
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.laplacian import total_curvature
+from apd_viewer.geometry.mesh.operators import total_curvature
 from apd_viewer.session.quantities.wall import Wall
 
 # Of 4 pi of a sphere: a mesh on a tube has up to 1, with vertices off by a hundredth of the radius.

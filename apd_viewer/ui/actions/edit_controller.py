@@ -11,8 +11,8 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.handles_and_regions import PartFlags
+from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.session.posing.motion import Motion
-from apd_viewer.session.selecting.part_operations import PartOperation
 from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.text_entries import TextEntries
 from apd_viewer.ui.panel.panel import Panel

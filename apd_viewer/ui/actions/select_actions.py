@@ -8,7 +8,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
-from apd_viewer.session.selecting.part_operations import PartOperation
+from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.edit_controller import PartController
 from apd_viewer.ui.filing.file_controller import FileController

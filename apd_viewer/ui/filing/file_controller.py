@@ -14,10 +14,10 @@ from PySide6.QtWidgets import QMessageBox, QWidget
 from apd_viewer.files.known_file import FileState, KnownFile
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-from apd_viewer.session.jobs.freed_memory import give_back_freed_memory
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import lost_file_text
 from apd_viewer.session.model.view import View
+from apd_viewer.session.processes.freed_memory import give_back_freed_memory
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.recovery_file import RecoveryFile, find_recovery_files
 from apd_viewer.ui.filing import file_dialogs

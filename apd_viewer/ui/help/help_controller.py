@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QMainWindow, QWidget
 
 from apd_viewer.files.samples import resource_path
 from apd_viewer.language import tr
-from apd_viewer.session.model.targets import kept_percentages
+from apd_viewer.session.model.document_parts import kept_percentages
 from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.actions.actions import Actions

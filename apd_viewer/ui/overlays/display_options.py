@@ -8,8 +8,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QFocusEvent
 from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QWidget
 
-from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.texture import Texture
+from apd_viewer.geometry.mesh.mesh import Mesh, Texture
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale
 from apd_viewer.session.model.state import State

@@ -23,8 +23,8 @@ from apd_viewer.presentation.number_format import (
     format_significant,
 )
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import kept_percentages
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.model.trace import Trace
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.plots.chart_drawing import Bars, Chart, Curve, ReferenceLine

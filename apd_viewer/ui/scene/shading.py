@@ -12,7 +12,7 @@ from PySide6.QtCore import QTimer
 from pyvistaqt import QtInteractor
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkTexture
 
-from apd_viewer.geometry.mesh.texture import Texture
+from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.presentation.palette import FREE_COLOR, ColorMap
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPointF
 from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-from apd_viewer.geometry.mesh.texture import Texture
+from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
+from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 from apd_viewer.presentation.palette import ColorMap
 from apd_viewer.ui.scene.shading import (
     Shading,
@@ -22,10 +23,6 @@ from apd_viewer.ui.scene.shading import (
     texture_of,
 )
 from apd_viewer.ui.scene.viewport import Viewport
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.picking.surface_index import SurfaceIndex
-
 
 # Before the first mesh, with one vertex: PyVista takes no empty arrays.
 _NOTHING = PreviewSurface(np.empty((0, 3), dtype=np.int32))

@@ -14,7 +14,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import tr
 from apd_viewer.presentation.legend_svg import HEIGHT, WIDTH, legend_svg
-from apd_viewer.session.jobs.background_job import Jobs
+from apd_viewer.session.background_job import Jobs
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.scene.scene_picture import check_picture_size, picture_scale, scene_picture

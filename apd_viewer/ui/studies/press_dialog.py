@@ -24,8 +24,8 @@ from apd_viewer.geometry.solver.plate_press import (
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.session.model import memo
+from apd_viewer.session.model.document_parts import kept_percentages
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session

@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.files.storage.atomic_file import remove_scratch_of, staging_folder, unused_folder
 from apd_viewer.language import tr
-from apd_viewer.session.jobs.background_job import Job, JobOutcome
+from apd_viewer.session.background_job import Job, JobOutcome
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.command_process import CommandProcess
 from apd_viewer.ui.widgets.elided_label import ThinBar

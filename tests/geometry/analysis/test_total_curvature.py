@@ -5,7 +5,7 @@ import pytest
 from meshes import box, cup, grid, sphere, tube
 from scipy.spatial import Delaunay
 
-from apd_viewer.geometry.mesh.laplacian import total_curvature
+from apd_viewer.geometry.mesh.operators import total_curvature
 
 
 def irregular_half_tube(off, jitter=0.4):

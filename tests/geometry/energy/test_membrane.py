@@ -11,8 +11,7 @@ from scipy.optimize import minimize_scalar
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
-from apd_viewer.geometry.energy.membrane import Membrane
-from apd_viewer.geometry.energy.membrane_lanes import LANES, ROWS, project_lanes
+from apd_viewer.geometry.energy.membrane import LANES, ROWS, Membrane, project_lanes
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.mesh.weighted_areas import Patch

@@ -7,7 +7,7 @@ from meshes import box, grid, sphere, tube
 from scipy.sparse.linalg import spsolve
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from apd_viewer.geometry.linalg import multifrontal
+from apd_viewer.geometry.linalg import block_cholesky
 from apd_viewer.geometry.linalg.block_cholesky import BlockPattern
 from apd_viewer.geometry.linalg.nested_dissection import dissect
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
@@ -112,7 +112,7 @@ def test_block_pattern_cuts_positions_that_coincide_all_the_same():
 
 def test_block_factor_takes_one_thread_of_blas_and_gives_the_others_back(monkeypatch):
     """Threads of BLAS that wait for each other take thirty times as long on a busy machine."""
-    seen, eliminate = [], multifrontal.eliminate
+    seen, eliminate = [], block_cholesky.eliminate
 
     def threads():
         return {found["num_threads"] for found in threadpool_info() if found["user_api"] == "blas"}
@@ -121,7 +121,7 @@ def test_block_factor_takes_one_thread_of_blas_and_gives_the_others_back(monkeyp
         seen.append(threads())
         eliminate(*arguments)
 
-    monkeypatch.setattr(multifrontal, "eliminate", watched)
+    monkeypatch.setattr(block_cholesky, "eliminate", watched)
     V, F = tube(12, 20)
     start, column = graph(F, len(V))
     blocks = np.eye(3) * (np.repeat(np.arange(len(V)), np.diff(start)) == column)[:, None, None]

@@ -13,7 +13,7 @@ from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import linear_solver
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver, SupernodalFactor
 from apd_viewer.geometry.linalg.supernodes import Supernodes
-from apd_viewer.geometry.mesh.laplacian import edge_weights, laplacian
+from apd_viewer.geometry.mesh.operators import edge_weights, laplacian
 
 # Nine of the sixteen digits are left by a condition number of ten millions.
 STEPS, RESULTS = 1e-4, 1e-9

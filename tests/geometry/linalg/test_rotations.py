@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 from numba import njit
 
-from apd_viewer.geometry.linalg.quaternions import load_rotation, quaternion_to_matrix, store_rotation
-from apd_viewer.geometry.linalg.rotations import LANES, ROWS, fit_lanes
+from apd_viewer.geometry.linalg.rotations import (
+    LANES,
+    ROWS,
+    fit_lanes,
+    load_rotation,
+    quaternion_to_matrix,
+    store_rotation,
+)
 
 COUNT = 20_000
 EYE = np.array([1.0, 0.0, 0.0, 0.0])

@@ -8,10 +8,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from meshes import box, grid, rotation, soup, sphere, tube
 
-from apd_viewer.geometry.mesh.laplacian import cotangents, edge_weights, laplacian
 from apd_viewer.geometry.mesh.operators import (
     area,
+    cotangents,
+    edge_weights,
     face_areas,
+    laplacian,
     missing_volume_reason,
     vertex_areas,
     vertex_neighbours,

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from meshes import box, rotation, soup, sphere, tube
 
-from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian
-from apd_viewer.geometry.mesh.operators import area, face_areas, volume
+from apd_viewer.geometry.mesh.operators import area, cotangents, element_laplacian, face_areas, volume
 from apd_viewer.geometry.mesh.weighted_areas import Patch, WeightedAreas, area_volume_change, total_area
 
 

@@ -14,9 +14,17 @@ from apd_viewer.geometry.mesh.adjacency import BOUNDARY, NON_MANIFOLD, flood_fil
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.surface_index import SurfaceIndex
-from apd_viewer.geometry.picking.vertex_paths import border_loop, component_of, is_inside_polygon
-from apd_viewer.geometry.picking.vertex_sets import RINGS, grown_set, mirrored_set, shrunk_set, smoothed_set
-from apd_viewer.geometry.pose.mirror import MirrorPlane
+from apd_viewer.geometry.picking.vertex_sets import (
+    RINGS,
+    border_loop,
+    component_of,
+    grown_set,
+    is_inside_polygon,
+    mirrored_set,
+    shrunk_set,
+    smoothed_set,
+)
+from apd_viewer.geometry.pose.transforms import MirrorPlane
 
 N = 9  # vertices of the triangles that hypothesis makes up
 triangles = st.lists(st.tuples(*[st.integers(0, N - 1)] * 3), min_size=1, max_size=14).map(

@@ -3,8 +3,7 @@
 import numpy as np
 
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.fitted_motion import fitted_motion
-from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation
+from apd_viewer.geometry.pose.transforms import fitted_motion, rotation_about, scaling_about, translation
 
 RNG = np.random.default_rng(5)
 MOTION = translation([3, 1, -2]) @ rotation_about([1, 0, 4], [1, -2, 2], 2.7) @ scaling_about([0, 1, 0], 1.7)

@@ -9,7 +9,7 @@ from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.goals import Region, make_goals
-from apd_viewer.geometry.linalg.quaternions import blended_rotations, relative_rotations
+from apd_viewer.geometry.linalg.rotations import blended_rotations, relative_rotations
 from apd_viewer.geometry.mesh.weighted_areas import total_area
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent

@@ -10,7 +10,7 @@ from apd_viewer.geometry.contact.contact_obstacles import capsule, plate, sphere
 from apd_viewer.geometry.contact.obstacle_pairs import clearance
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-from apd_viewer.geometry.pose.fitted_motion import fitted_motion
+from apd_viewer.geometry.pose.transforms import fitted_motion
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.deformation_result import deform
 from apd_viewer.geometry.solver.plate_press import PlatePress

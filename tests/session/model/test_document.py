@@ -11,10 +11,15 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import next_name, unique_name, without_handle, without_region
+from apd_viewer.session.model.document_parts import (
+    next_name,
+    targets_of,
+    unique_name,
+    without_handle,
+    without_region,
+)
 from apd_viewer.session.model.handles_and_regions import Handle, NamedRegion
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.model.targets import targets_of
 
 
 def document(mesh: Mesh | None = None) -> Document:

@@ -378,7 +378,7 @@ def test_solver_worker_keeps_what_is_known_of_a_mesh_beyond_its_process(empty, a
         solve_mesh.decimated = thinned
 
         import time
-        from apd_viewer.session.jobs.mailbox import Mailbox
+        from apd_viewer.session.processes.mailbox import Mailbox
         take = Mailbox.wait
         def late(self):
             while not self.is_ready:

@@ -13,7 +13,7 @@ from apd_viewer.session.processes import request_solver
 CHURN = """
 import resource, sys
 import numpy as np
-from apd_viewer.session.jobs.freed_memory import keep_freed_memory
+from apd_viewer.session.processes.freed_memory import keep_freed_memory
 if sys.argv[1] == "keep":
     keep_freed_memory()
 def frame():
@@ -42,7 +42,7 @@ def test_keep_freed_memory_leaves_what_is_freed_there_for_the_next_frame():
 
 ARENAS = """
 import ctypes, sys, threading
-from apd_viewer.session.jobs.freed_memory import share_freed_memory
+from apd_viewer.session.processes.freed_memory import share_freed_memory
 if sys.argv[1] == "share":
     share_freed_memory()
 libc = ctypes.CDLL(None)
@@ -68,7 +68,7 @@ def test_share_freed_memory_gives_all_threads_one_arena(way, is_shared, tmp_path
 
 GIVEN_BACK = """
 import numpy as np
-from apd_viewer.session.jobs.freed_memory import give_back_freed_memory, keep_freed_memory
+from apd_viewer.session.processes.freed_memory import give_back_freed_memory, keep_freed_memory
 def resident():
     with open("/proc/self/statm") as stream:
         return int(stream.read().split()[1]) * 4096

@@ -15,9 +15,9 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import targets_of
 from apd_viewer.session.model.handles_and_regions import Handle, NamedRegion
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.model.targets import targets_of
 from apd_viewer.session.processes import solver_worker as worker_module
 from apd_viewer.session.processes.request_and_reply import Reply, Request
 from apd_viewer.session.processes.solver_process import SolverProcess

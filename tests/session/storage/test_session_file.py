@@ -25,12 +25,11 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.session import Session
 from apd_viewer.session.settings_editor import SettingsEditor
-from apd_viewer.session.state_store import Activity
+from apd_viewer.session.state_store import Activity, Listener
 from apd_viewer.session.storage import session_meshes
 from apd_viewer.session.storage.session_file import open_session, save_session
 

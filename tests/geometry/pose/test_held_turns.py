@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from meshes import rotation
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.pose.held_turn import pass_through_warnings
+from apd_viewer.geometry.pose.surface_turns import held_turns, relative_paths
 from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.geometry.pose.waypoint_path import rotation_pose, rotation_vector
-from apd_viewer.geometry.turns.held_turn import pass_through_warnings
-from apd_viewer.geometry.turns.held_turns import held_turns, relative_paths
 from apd_viewer.notation import Notation, notation, use_notation
 
 AROUND, ALONG, HEIGHT = 16, 81, 8.0

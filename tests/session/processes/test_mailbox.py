@@ -1,7 +1,7 @@
 import threading
 import time
 
-from apd_viewer.session.jobs.mailbox import Mailbox
+from apd_viewer.session.processes.mailbox import Mailbox
 
 
 def test_put_tells_whether_the_slot_was_empty():

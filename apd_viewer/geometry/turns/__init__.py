@@ -1,1 +1,0 @@
-"""Turns that a surface holds between its base and its handles."""

@@ -1,1 +1,0 @@
-"""Deformations in scripts and notebooks: progress, pictures and readings."""

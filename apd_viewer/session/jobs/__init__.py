@@ -1,1 +1,0 @@
-"""Background jobs and the mailbox between threads."""

@@ -1,1 +1,0 @@
-"""Selections computed from a part or from typed text."""
