@@ -337,15 +337,10 @@ def _given(options: argparse.Namespace) -> dict[str, str]:
         if name in given:
             raise InputError(tr("“{name}” is given twice; omit one.").format(name=name))
         given[name] = said
-    if not any(text.partition("=")[0].strip() == _CONTACT for text in [*options.vary, *options.given]):
+    named = {text.partition("=")[0].strip() for text in [*options.vary, *options.given]}
+    if _CONTACT not in named:
         given[_CONTACT] = AUTO
-    if (
-        "mesh" not in given
-        and len(options.mesh) < 2
-        and not any(
-            text.partition("=")[0].strip() in ("mesh", "session") for text in [*options.vary, *options.given]
-        )
-    ):
+    if not options.mesh and not named & {"mesh", "session"}:
         raise InputError(
             tr("There is no mesh; give --mesh with a mesh or a session ({suffix}).").format(
                 suffix=SESSION_SUFFIX

@@ -74,10 +74,7 @@ class RunDialog(QDialog):
         self._column.addWidget(self._asks)
         self._rows = grid = QGridLayout(self._asks, horizontalSpacing=16, verticalSpacing=8)
         grid.setContentsMargins(0, 0, 0, 0)
-        grid.setColumnStretch(1, 1)
-        for number, (title, row) in enumerate(rows):
-            grid.addWidget(QLabel(title, objectName="heading"), number, 0)
-            grid.addLayout(row, number, 1)
+        add_titled_rows(grid, rows)
         self.summary = QLabel(wordWrap=True, visible=False)
         self.summary.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._column.addWidget(self.summary)
@@ -128,6 +125,14 @@ def count_field(name: str, least: int, most: int, value: int, suffix: str = "") 
     )
     field.setFixedWidth(72)
     return field
+
+
+def add_titled_rows(grid: QGridLayout, rows: Sequence[tuple[str, QLayout]]) -> None:
+    """Fill a grid with rows, each behind its title."""
+    grid.setColumnStretch(1, 1)
+    for number, (title, row) in enumerate(rows):
+        grid.addWidget(QLabel(title, objectName="heading"), number, 0)
+        grid.addLayout(row, number, 1)
 
 
 def widget_row(*widgets: QWidget, spacing: int = 16) -> QHBoxLayout:
