@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtCore import QCoreApplication, QSize, Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices
@@ -188,7 +189,7 @@ class RunBar(QWidget):
         self._job: Job | None = None
         self._saved: Path | None = None
         self.command = CommandProcess(self)
-        self.command.progressed.connect(self._show_progress)
+        self.command.reported.connect(self._show_progress)
         self.command.ended.connect(self._end)
         self.command.failed.connect(self.show_failure)
         self._delivered.connect(self._receive, Qt.ConnectionType.QueuedConnection)
@@ -293,9 +294,9 @@ class RunBar(QWidget):
         else:
             outcome.job.on_done(outcome.value)
 
-    def _show_progress(self, done: float, doing: str) -> None:
-        self.bar.show_share(done)
-        self.words.setText(f"{100 * done:.0f} %  {doing}")
+    def _show_progress(self, progress: dict[str, Any]) -> None:
+        self.bar.show_share(progress["done"])
+        self.words.setText(f"{100 * progress['done']:.0f} %  {progress['doing']}")
 
     def _end(self, said: str) -> None:
         self.words.setText("")
