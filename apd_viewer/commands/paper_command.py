@@ -253,24 +253,15 @@ def tolerance_verdict(rows: Sequence[PaperTableRow]) -> str:
 
 def write_csv(rows: Iterable[PaperTableRow], path: Path) -> None:
     """Write all digits; raises InputError if the file cannot be written."""
-    columns = "case", "method", "area_rest", "area", "area_error", "handle_drift", "iterations"
+    measured = "area_rest", "area", "area_error", "handle_drift", "iterations"
     said = "move", "said_area_rest", "said_area", "said_area_error", "within_tolerance"
     lines = [
         (
-            row.name,
-            result.method,
-            result.area_rest,
-            result.area,
-            result.area_error,
-            result.handle_drift,
-            result.iterations,
-            row.case.title,
-            row.case.rest,
-            area,
-            area / row.case.rest - 1,
+            *(row.name, result.method, *(getattr(result, name) for name in measured)),
+            *(row.case.title, row.case.rest, area, area / row.case.rest - 1),
             abs(result.area_error) <= TOLERANCE,
         )
         for row in rows
         for result, area in ((row.arap, row.case.arap), (row.paper, row.case.paper))
     ]
-    write_table(path, columns + said, lines)
+    write_table(path, ("case", "method", *measured, *said), lines)

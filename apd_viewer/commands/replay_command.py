@@ -219,23 +219,15 @@ def replay_session(
     )
     if on_shape:
         on_shape(way.grip if from_rest else state.frame.U)
-    turned = partial(document_turns, document)
-    return document, iterate_to_result(solver, walk, started, None, _both(progress, on_shape), turned)
 
-
-def _both(
-    progress: Callable[[Frame], None] | None, on_shape: Callable[[np.ndarray], None] | None
-) -> Callable[[Frame], None] | None:
-    """A call for both, with a frame and with its shape."""
-    if on_shape is None:
-        return progress
-
-    def told(frame: Frame) -> None:
-        on_shape(frame.U)
+    def hear(frame: Frame) -> None:
+        if on_shape:
+            on_shape(frame.U)
         if progress:
             progress(frame)
 
-    return told
+    asked, turned = hear if on_shape or progress else None, partial(document_turns, document)
+    return document, iterate_to_result(solver, walk, started, None, asked, turned)
 
 
 def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:

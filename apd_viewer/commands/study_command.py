@@ -6,7 +6,6 @@ import argparse
 import os
 import signal
 import sys
-import time
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -97,16 +96,20 @@ def _study(options: argparse.Namespace) -> None:
 
 
 def _run(study: Study, options: argparse.Namespace) -> None:
-    progress = StudyProgress(options.progress_lines)
+    progress = Progress(options.progress_lines, _LOG)
     at_once = True
     engine: Engine | None = None
+
+    def tell(counts: CaseCounts) -> None:
+        progress.show(counts.share, counts_text(counts), **counts._asdict())
+
     try:
         if not study.unfinished_cases:
             table = study.finish()
         if study.unfinished_cases:
             engine = _engine(options)
             with _interruptible(study):
-                table = study.run(engine, options.limit, progress.show)
+                table = study.run(engine, options.limit, tell)
         at_once = False
     except KeyboardInterrupt:
         table = study.write_table()
@@ -148,33 +151,6 @@ def _interruptible(study: Study) -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-class StudyProgress:
-    """Says how far a study is, to whoever reads.
-
-    Parameters
-    ----------
-    is_json : bool
-        As lines of JSON on the standard output. Beside ``done``, a share, and ``doing`` they have
-        ``cases``, ``finished``, ``running``, ``failed``, ``rate`` (cases a second) and ``seconds_left``.
-    """
-
-    def __init__(self, is_json: bool = False) -> None:
-        self._display = Progress(is_json)
-        self._log = not is_json and not sys.stderr.isatty()
-        self._logged = time.monotonic()
-
-    def show(self, counts: CaseCounts) -> None:
-        """Show the state of the study."""
-        self._display.show(counts.share, counts_text(counts), **counts._asdict())
-        if self._log and time.monotonic() - self._logged > _LOG:
-            self._logged = time.monotonic()
-            print(counts_text(counts), file=sys.stderr, flush=True)
-
-    def end(self) -> None:
-        """Remove the line."""
-        self._display.end()
 
 
 def counts_text(counts: CaseCounts) -> str:
@@ -337,15 +313,10 @@ def _given(options: argparse.Namespace) -> dict[str, str]:
         if name in given:
             raise InputError(tr("“{name}” is given twice; omit one.").format(name=name))
         given[name] = said
-    if not any(text.partition("=")[0].strip() == _CONTACT for text in [*options.vary, *options.given]):
+    named = {text.partition("=")[0].strip() for text in [*options.vary, *options.given]}
+    if _CONTACT not in named:
         given[_CONTACT] = AUTO
-    if (
-        "mesh" not in given
-        and len(options.mesh) < 2
-        and not any(
-            text.partition("=")[0].strip() in ("mesh", "session") for text in [*options.vary, *options.given]
-        )
-    ):
+    if not options.mesh and not named & {"mesh", "session"}:
         raise InputError(
             tr("There is no mesh; give --mesh with a mesh or a session ({suffix}).").format(
                 suffix=SESSION_SUFFIX

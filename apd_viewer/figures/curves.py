@@ -90,10 +90,7 @@ _FLAT = 1e-3  # percent: a curve within this is a straight line, and not its rou
 
 
 def draw_sweep_curves(
-    steps: Sequence[CaseStep],
-    abscissa: str,
-    folder: Path,
-    obstacles: Sequence[str] = (),
+    steps: Sequence[CaseStep], abscissa: str, folder: Path, obstacles: Sequence[str] = ()
 ) -> None:
     """Draw the curves of a sweep; without volume where nothing is enclosed.
 
@@ -113,25 +110,21 @@ def draw_sweep_curves(
     ]
     if steps[0].volume_error is None:
         del said[1]
-
-    loads = [
+    width = len(said)
+    said += [
         (tr("Load on {name}").format(name=title), [step.loads[k] if step.loads else np.nan for step in steps])
         for k, title in enumerate(obstacles)
     ]
-    rows = 1 + -(-len(loads) // len(said))
+    rows = -(-len(said) // width)
 
     def fill(figure: Figure) -> None:
-        grid = figure.subplots(rows, len(said), squeeze=False)
-        panels, others = grid[0], grid[1:].ravel()
-        for axes, (title, values) in zip(others, loads, strict=False):
+        panels = figure.subplots(rows, width, squeeze=False).ravel()
+        for axes, (title, values) in zip(panels, said, strict=False):
             axes.set_title(title)
             _curves(axes, steps, abscissa, np.array(values))
-        for axes in others[len(loads) :]:
+        for axes in panels[len(said) :]:
             axes.set_axis_off()
-        for axes, (title, values) in zip(panels, said, strict=True):
-            axes.set_title(title)
-            _curves(axes, steps, abscissa, np.array(values))
-        for axes in panels[:-1]:
+        for axes in panels[: width - 1]:
             zero_line(axes)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=len(labels), handlelength=3.2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -139,10 +139,8 @@ def draw_loss_curves(
 
     def fill(figure: Figure) -> None:
         axes = figure.subplots()
-        axes.set_title(tr("Area change by ARAP, %"))
-        axes.set_xlabel(tr("twist of the bottle, degrees"))
+        axes.set(title=tr("Area change by ARAP, %"), xlabel=tr("twist of the bottle, degrees"), xlim=(0, 180))
         axes.xaxis.set_major_locator(MultipleLocator(30))
-        axes.set_xlim(0, 180)
         zero_line(axes)
         stops = sorted({loss.iterations for loss in points if loss.iterations})
         for stop, shade in zip(stops, _SHADES, strict=False):
@@ -183,41 +181,24 @@ def draw_handle_curves(points: Sequence[HandleCurvePoint], folder: Path) -> None
 
     def fill(figure: Figure) -> None:
         left, right = figure.subplots(1, 2)
-        twists = [held for held in points if held.motion == "twist"]
-        left.set_title(tr("Twist: drift of the handle"))
-        left.set_xlabel(tr("twist, degrees"))
+        left.set(title=tr("Twist: drift of the handle"), xlabel=tr("twist, degrees"))
         left.set_ylabel(tr("drift, % of the height"))
         left.xaxis.set_major_locator(MultipleLocator(30))
-        left.plot(*_curve(twists, 1.0), color=ORANGE, marker="^")
+        left.plot(*_curve(points, "twist", 1.0), color=ORANGE, marker="^")
         left.set_ylim(bottom=0.0)
-        pulls = [held for held in points if held.motion == "pull"]
-        right.set_title(tr("Pull and push: displacement reached"))
-        right.set_xlabel(tr("requested, % of the height"))
+        asked, got = _curve(points, "pull", 100.0)
+        right.set(title=tr("Pull and push: displacement reached"), xlabel=tr("requested, % of the height"))
         right.set_ylabel(tr("reached, % of the height"))
-        asked, _ = _curve(pulls, 100.0)
         right.plot(asked, asked, color=QUIET, linewidth=1.0, linestyle=(0, (4, 3)))
-        right.annotate(
-            tr("requested"),
-            (asked[-1], asked[-1]),
-            (-6, 0),
-            textcoords="offset points",
-            ha="right",
-            va="center",
-            color=QUIET,
-        )
-        right.plot(*_curve(pulls, 100.0), color=ORANGE, marker="^")
-        right.annotate(
-            tr("reached with Eq. 8"),
-            (asked[-1], _curve(pulls, 100.0)[1][-1]),
-            (-6, 8),
-            textcoords="offset points",
-            ha="right",
-            va="bottom",
-            color=INK,
-        )
+        beside: dict[str, Any] = {"textcoords": "offset points", "ha": "right"}
+        right.annotate(tr("requested"), (asked[-1], asked[-1]), (-6, 0), va="center", color=QUIET, **beside)
+        right.plot(asked, got, color=ORANGE, marker="^")
+        end = asked[-1], got[-1]
+        right.annotate(tr("reached with Eq. 8"), end, (-6, 8), va="bottom", color=INK, **beside)
 
     draw_figure(fill, _HANDLE_SIZE, folder, "handle")
 
 
-def _curve(points: Sequence[HandleCurvePoint], unit: float) -> tuple[list[float], list[float]]:
-    return [unit * held.asked for held in points], [100 * held.got for held in points]
+def _curve(points: Sequence[HandleCurvePoint], motion: str, unit: float) -> tuple[list[float], list[float]]:
+    own = [held for held in points if held.motion == motion]
+    return [unit * held.asked for held in own], [100 * held.got for held in own]

@@ -1,8 +1,9 @@
-"""Progress of long work: a bar on a terminal, lines for a parent program."""
+"""Progress of long work: a bar on a terminal, lines for a parent program or a log."""
 
 from __future__ import annotations
 
 import json
+import math
 import sys
 import time
 
@@ -19,12 +20,16 @@ class Progress:
     ----------
     is_json : bool
         Say it on the standard output, as lines of JSON such as ``{"done": 0.5, "doing": "..."}``.
+    log_interval : float
+        Seconds between two lines of a log, which is written where there is no terminal; by default none is.
     """
 
-    def __init__(self, is_json: bool = False) -> None:
+    def __init__(self, is_json: bool = False, log_interval: float = math.inf) -> None:
         self._lines = is_json
         self._bar = not is_json and sys.stderr.isatty()
-        self._last = -_INTERVAL
+        self._is_log = not (self._lines or self._bar)
+        self._interval = log_interval if self._is_log else _INTERVAL
+        self._last = time.monotonic() if self._is_log else -_INTERVAL
         self._shown = ""
 
     def show(self, done: float, doing: str, **numbers: float | None) -> None:
@@ -33,9 +38,12 @@ class Progress:
         Lines have ``numbers`` numbers as well.
         """
         now = time.monotonic()
-        if not (self._lines or self._bar) or (now - self._last < _INTERVAL and done < 1.0):
+        if now - self._last < self._interval and (done < 1.0 or self._is_log):
             return
         self._last = now
+        if self._is_log:
+            print(doing, file=sys.stderr, flush=True)
+            return
         if self._lines:
             print(json.dumps({"done": round(done, 4), "doing": doing, **numbers}), flush=True)
             return

@@ -35,10 +35,8 @@ class CommandProcess(QObject):
 
     Attributes
     ----------
-    progressed : Signal(float, str)
-        The share that is done, and what is being done.
     reported : Signal(object)
-        The same as a dict, with whatever else the command tells of its progress.
+        Its progress: a dict of ``done``, a share, of ``doing`` and of whatever else the command tells.
     process_id : int
         Of the process started last, as the operating system counts them; 0 before.
     ended : Signal(str)
@@ -47,7 +45,6 @@ class CommandProcess(QObject):
         Why it has not, as a sentence.
     """
 
-    progressed = Signal(float, str)
     reported = Signal(object)
     ended = Signal(str)
     failed = Signal(str)
@@ -98,9 +95,7 @@ class CommandProcess(QObject):
         while process is self._process and process.canReadLine():
             line = process.readLine().toStdString().rstrip()
             if line.startswith('{"done"'):
-                said = json.loads(line)
-                self.progressed.emit(said["done"], said["doing"])
-                self.reported.emit(said)
+                self.reported.emit(json.loads(line))
             else:
                 self._said.append(line)
 

@@ -33,7 +33,7 @@ from apd_viewer.session.session import Session
 from apd_viewer.ui.posing.motion_ghost import MotionGhost
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.engine_fields import EngineFields
-from apd_viewer.ui.studies.run_dialog import count_field, widget_row
+from apd_viewer.ui.studies.run_dialog import add_titled_rows, count_field, widget_row
 from apd_viewer.ui.studies.study_run import (
     PlanRows,
     StudyDesign,
@@ -139,19 +139,16 @@ class PlanDialog(QDialog):
         return tr("Vary – typed motions move “{name}”").format(name=handles[self._handle].name)
 
     def _make_rows(self, folder: Path) -> QGridLayout:
-        rows: tuple[tuple[str, QLayout], ...] = (
+        rows: list[tuple[str, QLayout]] = [
             (tr("Methods"), self.methods.layout_),
             (tr("Cases"), self._make_design()),
             (tr("Run"), self.engine.layout_),
             (tr("Limit"), self.engine.limit_layout),
             (tr("Folder"), self._make_folder(folder)),
-        )
+        ]
         grid = QGridLayout(horizontalSpacing=16, verticalSpacing=8)
-        grid.setColumnStretch(1, 1)
         grid.setColumnMinimumWidth(0, TITLE_COLUMN_WIDTH - 16)
-        for number, (title, row) in enumerate(rows):
-            grid.addWidget(QLabel(title, objectName="heading"), number, 0)
-            grid.addLayout(row, number, 1)
+        add_titled_rows(grid, rows)
         return grid
 
     def _make_design(self) -> QHBoxLayout:

@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtCore import QCoreApplication, QSize, Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices
@@ -74,10 +75,7 @@ class RunDialog(QDialog):
         self._column.addWidget(self._asks)
         self._rows = grid = QGridLayout(self._asks, horizontalSpacing=16, verticalSpacing=8)
         grid.setContentsMargins(0, 0, 0, 0)
-        grid.setColumnStretch(1, 1)
-        for number, (title, row) in enumerate(rows):
-            grid.addWidget(QLabel(title, objectName="heading"), number, 0)
-            grid.addLayout(row, number, 1)
+        add_titled_rows(grid, rows)
         self.summary = QLabel(wordWrap=True, visible=False)
         self.summary.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._column.addWidget(self.summary)
@@ -128,6 +126,14 @@ def count_field(name: str, least: int, most: int, value: int, suffix: str = "") 
     )
     field.setFixedWidth(72)
     return field
+
+
+def add_titled_rows(grid: QGridLayout, rows: Sequence[tuple[str, QLayout]]) -> None:
+    """Fill a grid with rows, each behind its title."""
+    grid.setColumnStretch(1, 1)
+    for number, (title, row) in enumerate(rows):
+        grid.addWidget(QLabel(title, objectName="heading"), number, 0)
+        grid.addLayout(row, number, 1)
 
 
 def widget_row(*widgets: QWidget, spacing: int = 16) -> QHBoxLayout:
@@ -183,7 +189,7 @@ class RunBar(QWidget):
         self._job: Job | None = None
         self._saved: Path | None = None
         self.command = CommandProcess(self)
-        self.command.progressed.connect(self._show_progress)
+        self.command.reported.connect(self._show_progress)
         self.command.ended.connect(self._end)
         self.command.failed.connect(self.show_failure)
         self._delivered.connect(self._receive, Qt.ConnectionType.QueuedConnection)
@@ -288,9 +294,9 @@ class RunBar(QWidget):
         else:
             outcome.job.on_done(outcome.value)
 
-    def _show_progress(self, done: float, doing: str) -> None:
-        self.bar.show_share(done)
-        self.words.setText(f"{100 * done:.0f} %  {doing}")
+    def _show_progress(self, progress: dict[str, Any]) -> None:
+        self.bar.show_share(progress["done"])
+        self.words.setText(f"{100 * progress['done']:.0f} %  {progress['doing']}")
 
     def _end(self, said: str) -> None:
         self.words.setText("")
