@@ -22,7 +22,7 @@ from apd_viewer.ui.sharing.report_controller import ReportController
 from apd_viewer.ui.studies.run_controller import RunController
 from apd_viewer.ui.target.target_controller import TargetController
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.tools.toolbox import SelectionMode
 
 
 class HelpCommands(Protocol):
@@ -64,7 +64,6 @@ class Commands:
     comparison: CompareController
     reports: ReportController
     target: TargetController
-    choose_tool: Callable[[Tool], object]
     choose_mode: Callable[[SelectionMode], object]
     type_motion: Callable[[], object]
     pause_or_resume: Callable[[], object]
@@ -72,4 +71,3 @@ class Commands:
     open_settings: Callable[[], object]
     help: Callable[[], HelpCommands]
     show_about_box: Callable[[], object]
-    quit: Callable[[], object]
