@@ -197,7 +197,6 @@ class Workbench(QObject):
             pause_or_resume=self.session.store.pause_or_resume,
             set_scheme=partial(self.preferences.values.choose, COLOR_SCHEME),
             open_settings=self.settings_page.open,
-            help=lambda: self.help,  # which is made of the actions
             show_about_box=partial(file_dialogs.show_about_box, self.shell),
         )
 

@@ -46,7 +46,7 @@ class ActionMaker:
         ``name`` is what settings know it by: whoever gives it another takes away the keys that were chosen
         for it.
         """
-        action = QAction(title, self._window, enabled=command is not None)
+        action = QAction(title, self._window, enabled=False)
         if command is not None:
             connect_action(action, command)
         return self.adopt(name, action, image, tip, key)
@@ -93,7 +93,8 @@ class ActionMaker:
 
 
 def connect_action(action: QAction, command: Callable[[], object]) -> None:
-    """Run a command when an action is chosen, checked or not."""
+    """Enable an action to run a command, whether it is checked or not."""
+    action.setEnabled(True)
     action.triggered.connect(lambda _checked=False: command())
 
 
