@@ -1,4 +1,4 @@
-"""The main window as it is first shown: frame, canvas, panels and inert chrome."""
+"""The main window as it is first shown: frame, canvas, panels and menus."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.ui.actions.inert_chrome import InertChrome
+from apd_viewer.ui.actions.window_menus import WindowMenus
 from apd_viewer.ui.filing.file_requests import FileRequests
 from apd_viewer.ui.overlays.findings_badge import Badge
 from apd_viewer.ui.panel.panel import Panel
@@ -79,7 +79,8 @@ class Shell(QMainWindow):
         self.setStatusBar(self.status)
         self.docks = Docks(self)
         self._add_docks()
-        self.chrome = InertChrome(self, self.requests, self._take, self.canvas.frame_mesh, self.docks.toggles)
+        toggles = self.docks.toggles
+        self.menus = WindowMenus(self, self.requests, self._take, self.canvas.frame_mesh, toggles)
         self.preferences.restore_layout(self)
         self.docks["study"].hide()  # none is open yet
         values.follow(COLOR_SCHEME, lambda _: self._apply_theme())
@@ -118,7 +119,7 @@ class Shell(QMainWindow):
     def _apply_theme(self) -> None:
         colors = self.theme
         theme.apply_theme(colors)
-        for part in (self.chrome, self.panel, self.badge, self.canvas, self.docks):
+        for part in (self.menus.maker, self.panel, self.badge, self.canvas, self.docks):
             part.set_theme(colors)
         self.theme_changed.emit(colors)
 

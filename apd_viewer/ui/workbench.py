@@ -150,9 +150,11 @@ class Workbench(QObject):
         )
 
     def _make_actions(self) -> None:
-        self.shell.chrome.remove()
-        self.actions_ = actions = Actions(self.shell, self._commands())
+        menus = self.shell.menus
+        menus.choose_tool = self.tools.choose_tool
+        self.actions_ = actions = Actions(menus, self._commands())
         actions.add_panels(self.docks.toggles)
+        menus.maker.set_theme(self.shell.theme)
         actions.file.fill_recent(self.preferences.recent_files)
         add_handle, _, add_region = actions.pose.part_actions
         self.panel.show_keys_in_tips(add_handle, actions.pose.reset_handle, add_region)
@@ -190,15 +192,12 @@ class Workbench(QObject):
             comparison=self.comparison,
             reports=self.reports,
             target=self.target,
-            choose_tool=self.tools.choose_tool,
             choose_mode=self.tools.choose_mode,
             type_motion=self._type_motion,
             pause_or_resume=self.session.store.pause_or_resume,
             set_scheme=partial(self.preferences.values.choose, COLOR_SCHEME),
             open_settings=self.settings_page.open,
-            help=lambda: self.help,  # which is made of the actions
             show_about_box=partial(file_dialogs.show_about_box, self.shell),
-            quit=self.shell.close,
         )
 
     # Connecting
@@ -376,7 +375,7 @@ class Workbench(QObject):
     def _set_theme(self, theme: Theme) -> None:
         over = self.notice, self.recovery, self.findings.list, self.help, self.display_options
         bars = self.mode_bar, self.kind_bar
-        for part in (self.actions_, self.plots, self.comparison, self.case_studies, *over, *bars):
+        for part in (self.plots, self.comparison, self.case_studies, *over, *bars):
             part.set_theme(theme)
 
     # Closing

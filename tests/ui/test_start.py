@@ -67,7 +67,7 @@ def test_file_requests_say_what_is_wrong_with_a_file_that_was_clicked(qtbot, ear
 
 
 def test_shell_lets_nothing_break_before_the_start(qtbot, early):
-    for action in early.chrome.bar.actions()[1:]:  # the first opens a dialog
+    for action in early.menus.bar.actions()[1:]:  # the first opens a dialog
         action.trigger()
     mouse = Mouse(early.canvas.viewport)
     mouse.drag(centre(early.canvas.viewport), QPoint(30, 30))
@@ -90,18 +90,18 @@ def looks(window, bar):
     return [top.text() for top in window.menuBar().actions()], buttons, bar.geometry()
 
 
-def test_inert_chrome_has_menus_and_tool_bar_that_look_the_same_once_all_is_loaded(qtbot, early):
-    before = looks(early, early.chrome.bar)
+def test_window_menus_and_tool_bar_look_the_same_once_all_is_loaded(qtbot, early):
+    before = looks(early, early.menus.bar)
     window = Workbench(early)
     work_off()
     assert looks(early, window.actions_.bar) == before
 
 
-def test_inert_chrome_takes_a_tool_before_the_start_that_is_still_in_use_after_it(qtbot, early):
+def test_window_menus_take_a_tool_before_the_start_that_is_still_in_use_after_it(qtbot, early):
     tools = next(menu for menu in menus(early) if menu.title() == "&Tools")
     next(action for action in tools.actions() if action.text() == Tool.BASE.words.title).trigger()
     assert early.canvas.tool is Tool.BASE
-    before = looks(early, early.chrome.bar)
+    before = looks(early, early.menus.bar)
     window = Workbench(early)
     work_off()
     assert early.canvas.tool is Tool.BASE
@@ -109,14 +109,14 @@ def test_inert_chrome_takes_a_tool_before_the_start_that_is_still_in_use_after_i
     assert looks(early, window.actions_.bar) == before
 
 
-def test_inert_chrome_has_no_entry_without_effect(early):
+def test_window_menus_have_no_entry_without_effect(early):
     for menu in menus(early):
         assert menu.actions()
         for action in menu.actions():
             assert action.isEnabled() == (action.text() != "Loading…")
 
 
-def test_inert_chrome_menu_that_is_open_at_the_start_is_opened_again(qtbot, early):
+def test_window_menus_keep_a_menu_open_that_is_open_at_the_start(qtbot, early):
     bar = early.menuBar()
     bar.setActiveAction(bar.actions()[5])
     assert menus(early)[5].isVisible()

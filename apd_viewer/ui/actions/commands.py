@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 from PySide6.QtCore import Qt
 
@@ -22,26 +21,7 @@ from apd_viewer.ui.studies.case_study_controller import CaseStudyController
 from apd_viewer.ui.studies.run_controller import RunController
 from apd_viewer.ui.target.target_controller import TargetController
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
-
-
-class HelpCommands(Protocol):
-    """Help over the window, and the manual."""
-
-    def open_manual(self) -> None:
-        """Open the first page of the manual."""
-
-    def explain_next_click(self) -> None:
-        """Explain the next click."""
-
-    def open_search(self) -> None:
-        """Search for a command."""
-
-    def open_sheet(self) -> None:
-        """List the shortcuts."""
-
-    def begin_tour(self) -> None:
-        """Begin the tour."""
+from apd_viewer.ui.tools.toolbox import SelectionMode
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,12 +44,9 @@ class Commands:
     comparison: CompareController
     reports: ReportController
     target: TargetController
-    choose_tool: Callable[[Tool], object]
     choose_mode: Callable[[SelectionMode], object]
     type_motion: Callable[[], object]
     pause_or_resume: Callable[[], object]
     set_scheme: Callable[[Qt.ColorScheme], object]
     open_settings: Callable[[], object]
-    help: Callable[[], HelpCommands]
     show_about_box: Callable[[], object]
-    quit: Callable[[], object]

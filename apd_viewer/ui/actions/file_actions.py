@@ -13,7 +13,8 @@ from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.ui.actions.commands import Commands
-from apd_viewer.ui.preferences.action_maker import ActionMaker
+from apd_viewer.ui.actions.window_menus import WindowMenus
+from apd_viewer.ui.preferences.action_maker import ActionMaker, connect_action
 from apd_viewer.ui.widgets.display_names import distinct_names, menu_text
 
 _KEYS = QKeySequence.StandardKey
@@ -24,7 +25,7 @@ class FileActions:
 
     Parameters
     ----------
-    maker : ActionMaker
+    menus : WindowMenus
     commands : Commands
 
     Attributes
@@ -36,13 +37,13 @@ class FileActions:
         The files that were opened last.
     """
 
-    def __init__(self, maker: ActionMaker, commands: Commands) -> None:
-        make, filing, reporting = maker.make, commands.files, commands.reports
+    def __init__(self, menus: WindowMenus, commands: Commands) -> None:
+        maker, filing, reporting = menus.maker, commands.files, commands.reports
+        make = maker.make
         requests = commands.requests
         self._open_path = requests.open_path
-        self.open = make(
-            "open", tr("&Open…"), "open", tr("Open a mesh or a session"), _KEYS.Open, requests.ask_for_file
-        )
+        self.open, self.export, self.quit = menus.open, menus.export, menus.quit
+        connect_action(self.export, filing.export_mesh)
         self.open_study = make(
             "open_study",
             tr("Open st&udy…"),
@@ -52,14 +53,6 @@ class FileActions:
             commands.case_studies.ask_for_folder,
         )
         self._make_target(maker, commands)
-        self.export = make(
-            "export",
-            tr("&Export…"),
-            "export",
-            tr("Export the deformed mesh to a file"),
-            "Ctrl+E",
-            filing.export_mesh,
-        )
         self.scalars = make(
             "export_scalars",
             tr("Export sca&lars…"),
@@ -132,7 +125,6 @@ class FileActions:
             None,
             reporting.copy_python,
         )
-        self.quit = make("quit", tr("&Quit"), "quit", tr("Close the window"), _KEYS.Quit, commands.quit)
         self.samples = []
         for name, sample in SAMPLES.items():
             command = partial(requests.open_sample, name)

@@ -13,6 +13,7 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.view import UpAxis
 from apd_viewer.ui.actions.commands import Commands
+from apd_viewer.ui.actions.window_menus import WindowMenus
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.preferences.shortcuts import show_keys_in_tip
@@ -37,7 +38,7 @@ class ViewActions:
 
     Parameters
     ----------
-    maker : ActionMaker
+    menus : WindowMenus
     commands : Commands
 
     Attributes
@@ -48,12 +49,10 @@ class ViewActions:
     schemes : dict of Qt.ColorScheme to QAction
     """
 
-    def __init__(self, maker: ActionMaker, commands: Commands) -> None:
-        canvas = commands.canvas
+    def __init__(self, menus: WindowMenus, commands: Commands) -> None:
+        maker, canvas = menus.maker, commands.canvas
         self._surface = canvas.surface
-        self.frame = maker.make(
-            "frame", tr("&Frame mesh"), "frame", tr("Zoom to the whole mesh"), "F", canvas.frame_mesh
-        )
+        self.frame = menus.frame
         self.findings = maker.make(
             "findings",
             tr("Mesh chec&k"),

@@ -22,7 +22,7 @@ from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, ShortcutGrou
 from apd_viewer.ui.help.shortcut_sheet import ShortcutSheet
 from apd_viewer.ui.help.tour import Tour, TourTargets
 from apd_viewer.ui.panel.panel import Panel
-from apd_viewer.ui.preferences.action_maker import without_mnemonic
+from apd_viewer.ui.preferences.action_maker import connect_action, without_mnemonic
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.preferences.shortcuts import Shortcuts
 from apd_viewer.ui.tools.canvas import Canvas
@@ -78,6 +78,14 @@ class HelpController(QObject):
             look_up_in_manual,
         )
         self.context = ContextHelp(window, canvas, actions.help["help"], self._marked)
+        for name, command in (
+            ("manual", self.open_manual),
+            ("help", self.context.explain_next_click),
+            ("find_command", self.open_search),
+            ("shortcuts", self.open_sheet),
+            ("tour", self.begin_tour),
+        ):
+            connect_action(actions.help[name], command)
         for card in (self.sheet, self.search):
             card.dismissed.connect(self.close)
         self.tour.area_requested.connect(lambda: panel.ensureWidgetVisible(panel.area.percent))
@@ -96,10 +104,6 @@ class HelpController(QObject):
     def open_manual(self) -> None:
         """Open the first page of the manual."""
         show_manual(FIRST_PAGE)
-
-    def explain_next_click(self) -> None:
-        """Explain the next click."""
-        self.context.explain_next_click()
 
     def open_search(self) -> None:
         """Search for a command, or close the search."""

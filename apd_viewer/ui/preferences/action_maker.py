@@ -33,15 +33,22 @@ class ActionMaker:
         self.entries: list[ShortcutEntry] = []
 
     def make(
-        self, name: str, title: str, image: str, tip: str, key: object, command: Callable[[], object]
+        self,
+        name: str,
+        title: str,
+        image: str,
+        tip: str,
+        key: object,
+        command: Callable[[], object] | None = None,
     ) -> QAction:
-        """Make an action for a command.
+        """Make an action for a command; one that has none yet is disabled.
 
         ``name`` is what settings know it by: whoever gives it another takes away the keys that were chosen
         for it.
         """
-        action = QAction(title, self._window)
-        action.triggered.connect(lambda _checked=False: command())
+        action = QAction(title, self._window, enabled=False)
+        if command is not None:
+            connect_action(action, command)
         return self.adopt(name, action, image, tip, key)
 
     def make_checkable(
@@ -83,6 +90,12 @@ class ActionMaker:
         """Redraw the icons."""
         for entry in self.entries:
             entry.action.setIcon(icon(entry.image, theme))
+
+
+def connect_action(action: QAction, command: Callable[[], object]) -> None:
+    """Enable an action to run a command, whether it is checked or not."""
+    action.setEnabled(True)
+    action.triggered.connect(lambda _checked=False: command())
 
 
 def without_mnemonic(text: str) -> str:
